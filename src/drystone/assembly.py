@@ -1,0 +1,239 @@
+"""Blocks and joints: what is designed, as plain arrays that kernels can take.
+
+Axes: x to the right, y up; gravity acts along -y.  A pose is the displacement of a block
+from its designed place, ``(u_x, u_y, theta)`` in two dimensions [m, m, rad], about its centroid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone import geometry
+from drystone.geometry import Core, GeometryError
+
+#: Standard acceleration of gravity in this project [m/s2], the value the published runs used.
+GRAVITY = 9.81
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointLaw:
+    """No-tension elastic joint with Coulomb friction, stiffnesses per area of joint."""
+
+    friction_coefficient: float  # tan of the friction angle, -
+    normal_stiffness: float | None  # Pa/m; None where only limit analysis is asked for
+    shear_stiffness: float | None  # Pa/m; likewise
+    dilatancy_angle: float = 0.0  # degrees; 0 is the dry joint of the literature
+    cohesion: float = 0.0  # Pa
+    tensile_strength: float = 0.0  # Pa
+
+
+@dataclass(frozen=True, kw_only=True)
+class Corner:
+    """How the corners of every block are treated for contact (never for its mass)."""
+
+    radius: float | None = None  # m, rounded
+    chamfer: float | None = None  # m, cut off at 45 degrees in a right corner
+
+    def core(self, vertices: Array) -> Core:
+        """The contact shape of an outline; raises `GeometryError` where nothing is left."""
+        if self.radius:
+            return geometry.rounded_core(vertices, self.radius)
+        if self.chamfer:
+            return geometry.chamfered_core(vertices, self.chamfer)
+        return geometry.sharp_core(vertices)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Block:
+    """One block as designed: a convex outline of one material, movable or a support."""
+
+    id: str
+    vertices: Array  # (n, 2) m, counter-clockwise, convex
+    unit_weight: float  # N/m3
+    material: str = ""
+    support: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shapes:
+    """Contact shapes of all blocks, packed: block ``i`` owns rows ``offset[i]:offset[i + 1]``."""
+
+    offset: IntArray  # (n + 1,)
+    vertices: Array  # (n_vertices, dim) m, core vertices relative to the centroid
+    setback: Array  # (n_vertices, 2) m, see `geometry.Core`
+    radius: Array  # (n,) m
+
+    def of(self, i: int) -> Array:
+        """Core vertices of block ``i`` relative to its centroid, (m, dim) [m]."""
+        return self.vertices[self.offset[i] : self.offset[i + 1]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Assembly:
+    """Blocks, supports and joint laws.  Constant during an analysis.
+
+    The rows of every array are all blocks in the order given, supports included;
+    ``n_blocks`` counts the movable ones, as the literature does.
+    """
+
+    dimension: int
+    thickness: float  # m, out of plane; 1 in three dimensions
+    blocks: tuple[Block, ...]
+    joint: JointLaw
+    corner: Corner
+    joint_between: Mapping[frozenset[str], JointLaw] = field(default_factory=dict)
+
+    # Derived, filled in by `Assembly.build`.
+    shapes: Shapes
+    centroid: Array  # (n, dim) m
+    volume: Array  # (n,) m3
+    weight: Array  # (n,) N
+    mass: Array  # (n, n_dof) kg and kg m2, per degree of freedom
+    fixed: NDArray[np.bool_]  # (n,)
+    laws: tuple[JointLaw, ...]  # laws[0] is `joint`
+
+    @classmethod
+    def build(
+        cls,
+        blocks: Sequence[Block],
+        *,
+        joint: JointLaw,
+        corner: Corner | None = None,
+        thickness: float = 1.0,
+        joint_between: Mapping[frozenset[str], JointLaw] | None = None,
+    ) -> Assembly:
+        """Compute mass properties and contact shapes.
+
+        Raises
+        ------
+        GeometryError
+            A block's outline or corner is impossible; the message names the block.
+        """
+        corner = corner or Corner()
+        between = dict(joint_between or {})
+        n = len(blocks)
+        centroid = np.zeros((n, 2))
+        volume = np.zeros(n)
+        inertia = np.zeros(n)
+        cores = []
+        for i, block in enumerate(blocks):
+            try:
+                geometry.check_convex(block.vertices)
+                core = corner.core(block.vertices)
+            except GeometryError as error:
+                raise GeometryError(f'block "{block.id}": {error}') from None
+            properties = geometry.mass_properties(block.vertices)
+            centroid[i] = properties.centroid
+            volume[i] = properties.area * thickness
+            inertia[i] = properties.polar_moment * thickness
+            cores.append(core)
+        unit_weight = np.array([block.unit_weight for block in blocks])
+        weight = unit_weight * volume
+        mass = np.column_stack((weight, weight, unit_weight * inertia)) / GRAVITY
+        shapes = Shapes(
+            offset=np.cumsum([0] + [len(core.vertices) for core in cores]).astype(np.int64),
+            vertices=np.vstack([core.vertices - c for core, c in zip(cores, centroid, strict=True)]),
+            setback=np.vstack([core.setback for core in cores]),
+            radius=np.array([core.radius for core in cores]),
+        )
+        return cls(
+            dimension=2,
+            thickness=thickness,
+            blocks=tuple(blocks),
+            joint=joint,
+            corner=corner,
+            joint_between=between,
+            shapes=shapes,
+            centroid=centroid,
+            volume=volume,
+            weight=weight,
+            mass=mass,
+            fixed=np.array([block.support for block in blocks], dtype=bool),
+            laws=(joint, *dict.fromkeys(between.values())),
+        )
+
+    @property
+    def n_bodies(self) -> int:
+        """Blocks and supports together."""
+        return len(self.blocks)
+
+    @property
+    def n_blocks(self) -> int:
+        """Movable blocks."""
+        return int(np.count_nonzero(~self.fixed))
+
+    @property
+    def n_supports(self) -> int:
+        """Blocks that never move."""
+        return int(np.count_nonzero(self.fixed))
+
+    @property
+    def n_dof(self) -> int:
+        """Degrees of freedom of one block."""
+        return 3 if self.dimension == 2 else 6
+
+    @property
+    def heaviest_weight(self) -> float:
+        """Weight of the heaviest movable block [N], the measure of every residual."""
+        return float(self.weight[~self.fixed].max())
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """Names of the blocks, in the order of the arrays."""
+        return tuple(block.id for block in self.blocks)
+
+    def index(self, block_id: str) -> int:
+        """Row of the block with that name; raises `KeyError`."""
+        try:
+            return self.ids.index(block_id)
+        except ValueError:
+            raise KeyError(block_id) from None
+
+    def rest_pose(self) -> Array:
+        """Poses of the blocks as designed: zeros, (n, n_dof)."""
+        return np.zeros((self.n_bodies, self.n_dof))
+
+    def law_index(self, a: IntArray, b: IntArray) -> IntArray:
+        """Index into `laws` of the joint between blocks ``a[k]`` and ``b[k]``.
+
+        A pair named by two block ids goes before one named by two materials.
+        """
+        index = np.zeros(len(a), dtype=np.int64)
+        if not self.joint_between:
+            return index
+        ids = self.ids
+        for k, (i, j) in enumerate(zip(a, b, strict=True)):
+            for names in (
+                frozenset((ids[i], ids[j])),
+                frozenset((self.blocks[i].material, self.blocks[j].material)),
+            ):
+                if names in self.joint_between:
+                    index[k] = self.laws.index(self.joint_between[names])
+                    break
+        return index
+
+    def outline(self, i: int, pose: Array | None = None) -> Array:
+        """Outline of block ``i`` [m] as designed, or moved to ``pose`` (n, n_dof)."""
+        vertices = self.blocks[i].vertices
+        if pose is None:
+            return vertices
+        ux, uy, theta = pose[i]
+        c, s = np.cos(theta), np.sin(theta)
+        rotation = np.array([[c, -s], [s, c]])
+        return (vertices - self.centroid[i]) @ rotation.T + self.centroid[i] + (ux, uy)
+
+    def displacement_at(self, i: int, point: Array, pose: Array) -> Array:
+        """Displacement (dim,) [m] of the material ``point`` (as designed) of block ``i``."""
+        ux, uy, theta = pose[i]
+        arm = np.asarray(point) - self.centroid[i]
+        c, s = np.cos(theta), np.sin(theta)
+        return np.array(
+            [ux + (c - 1.0) * arm[0] - s * arm[1], uy + s * arm[0] + (c - 1.0) * arm[1]]
+        )

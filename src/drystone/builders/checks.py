@@ -1,0 +1,125 @@
+"""What keeps a set of blocks from being an assembly that can be analysed, as sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+import numpy as np
+
+from drystone import geometry
+from drystone.assembly import Assembly, Block, Corner, JointLaw
+from drystone.builders.neighbours import TOUCHING, Outlines
+from drystone.builders.words import millimetres
+from drystone.geometry import GeometryError
+
+#: Overlap, relative to the smaller block, that is taken for rounding of the coordinates.
+OVERLAPPING = 1e-6
+
+#: Names a block by its row, as its author would look for it.
+Place = Callable[[int], str]
+
+
+def law_problems(law: JointLaw) -> list[str]:
+    """Values that no joint can have, each as "key: sentence"."""
+    problems = []
+    if not law.friction_coefficient >= 0.0:
+        problems.append(
+            f"friction_coefficient: must not be negative, it is {law.friction_coefficient:g}"
+        )
+    for key in ("normal_stiffness", "shear_stiffness"):
+        stiffness = getattr(law, key)
+        if stiffness is not None and not stiffness > 0.0:
+            problems.append(f"{key}: must be greater than 0 Pa/m, it is {stiffness:g}")
+    for key in ("dilatancy_angle", "cohesion", "tensile_strength"):
+        if not getattr(law, key) >= 0.0:
+            problems.append(f"{key}: must not be negative, it is {getattr(law, key):g}")
+    friction_angle = float(np.degrees(np.arctan(law.friction_coefficient)))
+    if law.dilatancy_angle > friction_angle * (1.0 + 1e-9):
+        problems.append(
+            f"dilatancy_angle: {law.dilatancy_angle:g} degrees is more than the friction angle of "
+            f"{friction_angle:.4g} degrees, and such a joint would make energy: make it smaller"
+        )
+    return problems
+
+
+def block_problems(blocks: Sequence[Block], corner: Corner, place: Place) -> list[str]:
+    """Ids given twice, outlines and corners that are impossible, blocks without weight."""
+    problems = []
+    too_round = []
+    first: dict[str, int] = {}
+    for i, block in enumerate(blocks):
+        if first.setdefault(block.id, i) != i:
+            problems.append(
+                f"{place(i)}: the id is taken by {place(first[block.id])}: give it another"
+            )
+        if not block.unit_weight > 0.0:
+            problems.append(f"{place(i)}: its unit weight must be greater than 0 N/m3")
+        try:
+            geometry.check_convex(block.vertices)
+        except GeometryError as error:
+            problems.append(f"{place(i)} vertices: {error}")
+            continue
+        try:
+            corner.core(block.vertices)
+        except GeometryError as error:
+            too_round.append(f"corner, at {place(i)}: {error}")
+    if too_round:  # one value is to blame for all of them
+        others = f" (and so at {len(too_round) - 1} more)" if len(too_round) > 1 else ""
+        problems.append(too_round[0] + others)
+    return problems
+
+
+def pair_problems(
+    blocks: Sequence[Block], joint_between: Mapping[frozenset[str], JointLaw]
+) -> list[str]:
+    """Laws between blocks or materials that do not exist."""
+    ids = {block.id for block in blocks}
+    materials = {block.material for block in blocks}
+    return [
+        f'joint.between."{" ".join(sorted(names))}": names neither two blocks nor two materials'
+        for names in joint_between
+        if not (names <= ids and len(names) == 2) and not names <= materials
+    ]
+
+
+def layout_problems(assembly: Assembly, place: Place) -> list[str]:
+    """No support, nothing that moves, blocks that overlap or touch nothing."""
+    problems = []
+    if assembly.n_supports == 0:
+        problems.append(
+            "block: no block is a support: set support = true in one, or base = true in [wall]"
+        )
+    if assembly.n_blocks == 0:
+        problems.append("block: every block is a support, nothing can move: add a block")
+    outlines = Outlines.of(assembly)
+    a, b = outlines.near_pairs()
+    depth = outlines.overlap_depths(a, b)
+    size = outlines.pair_size(a, b)
+    for k in np.flatnonzero(depth > OVERLAPPING * size):
+        problems.append(
+            f"{place(a[k])} and {place(b[k])} overlap by {millimetres(depth[k])}: "
+            "move them apart, or make one smaller"
+        )
+    touches = np.zeros(assembly.n_bodies, dtype=bool)
+    near = depth >= -TOUCHING * size
+    touches[a[near]] = touches[b[near]] = True
+    if assembly.n_bodies > 1:
+        problems.extend(_lonely(outlines, np.flatnonzero(~touches & ~assembly.fixed), place))
+    return problems
+
+
+def _lonely(outlines: Outlines, lonely: Iterable[int], place: Place) -> list[str]:
+    """Sentences on movable blocks that touch nothing, the first few with their nearest block."""
+    problems = []
+    for told, i in enumerate(lonely):
+        nearest = ""
+        if told < 10:  # each one looks at all blocks, so that only those that get listed may
+            between = np.maximum(outlines.lower - outlines.upper[i], 0.0)
+            between += np.maximum(outlines.lower[i] - outlines.upper, 0.0)
+            between[i] = np.inf
+            distance = np.hypot(between[:, 0], between[:, 1])
+            j = int(np.argmin(distance))
+            gap = -outlines.overlap_depths(np.array([i]), np.array([j]))[0]
+            nearest = f" ({place(j)} is nearest, {millimetres(gap)} away)"
+        problems.append(f"{place(i)} touches no other block{nearest}: move it, or take it out")
+    return problems

@@ -1,0 +1,102 @@
+"""A model as plain data, with the keys of the model file."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import fields
+from typing import Any
+
+from drystone.assembly import Assembly, Block, JointLaw
+from drystone.builders.errors import ModelError
+from drystone.model import Model
+
+
+def model_to_dict(model: Model) -> dict[str, Any]:
+    """The model as nested dicts, lists, texts, numbers: what a model file would hold.
+
+    Walls come out block by block.  Blocks without a material name get ``material1`` and so on,
+    one for each unit weight.
+
+    Raises
+    ------
+    ModelError
+        Two unit weights go by the same material name.
+    """
+    assembly = model.assembly
+    names = _material_names(assembly.blocks)
+    data: dict[str, Any] = {
+        "title": model.title,
+        "dimension": assembly.dimension,
+        "thickness": float(assembly.thickness),
+        "material": {name: {"unit_weight": weight} for (_, weight), name in names.items()},
+        "joint": _joint(assembly),
+    }
+    corner = {key: float(v) for key, v in vars(assembly.corner).items() if v}
+    if corner:
+        data["corner"] = corner
+    data["block"] = [
+        {
+            "id": block.id,
+            "material": names[block.material, float(block.unit_weight)],
+            "vertices": block.vertices.tolist(),
+            "support": bool(block.support),
+        }
+        for block in assembly.blocks
+    ]
+    data["load"] = {"pattern": "mass", "direction": model.load.direction.tolist()}
+    data["control"] = {
+        "block": assembly.blocks[model.control_point.block].id,
+        "point": model.control_point.point.tolist(),
+        "direction": model.control_point.direction.tolist(),
+    }
+    analysis = model.analysis
+    data["analysis"] = {
+        "engine": analysis.engine,
+        "strategy": analysis.strategy,
+        "stop_multiplier": float(analysis.stop_multiplier),
+        **{key: float(value) for key, value in analysis.options.items()},
+    }
+    return data
+
+
+def digest(model: Model) -> str:
+    """SHA-256 of the model's description in canonical JSON, as 64 hexadecimal digits."""
+    text = json.dumps(model_to_dict(model), sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _material_names(blocks: Sequence[Block]) -> dict[tuple[str, float], str]:
+    """Name in the file of each material, by its name and unit weight in the model."""
+    names: dict[tuple[str, float], str] = {}
+    unnamed = 0
+    for material, weight in dict.fromkeys((b.material, float(b.unit_weight)) for b in blocks):
+        name = material
+        if not name:
+            unnamed += 1
+            name = f"material{unnamed}"
+        if name in names.values():
+            raise ModelError(
+                [f"material.{name}: has two unit weights: give each its own material name"]
+            )
+        names[material, weight] = name
+    return names
+
+
+def _joint(assembly: Assembly) -> dict[str, Any]:
+    joint: dict[str, Any] = dict(_law(assembly.joint))
+    if assembly.joint_between:
+        pairs = {_pair_key(names): law for names, law in assembly.joint_between.items()}
+        joint["between"] = {key: _law(pairs[key]) for key in sorted(pairs)}
+    return joint
+
+
+def _pair_key(names: frozenset[str]) -> str:
+    first, *rest = sorted(names)
+    return f"{first} {rest[0] if rest else first}"
+
+
+def _law(law: JointLaw) -> dict[str, float]:
+    values = {field.name: getattr(law, field.name) for field in fields(law)}
+    return {key: float(value) for key, value in values.items() if value is not None}

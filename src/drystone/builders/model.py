@@ -1,0 +1,122 @@
+"""A model from its parts, checked: the one way that files and builders put it together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from drystone.assembly import Assembly, Block, Corner, JointLaw
+from drystone.builders.checks import (
+    Place,
+    block_problems,
+    law_problems,
+    layout_problems,
+    pair_problems,
+)
+from drystone.builders.control import choose_control_point, unit_vector
+from drystone.builders.describe import digest
+from drystone.builders.errors import ModelError
+from drystone.geometry import GeometryError
+from drystone.loading import LoadPattern
+from drystone.model import Analysis, Model
+
+
+def make_model(
+    blocks: Sequence[Block],
+    *,
+    joint: JointLaw,
+    thickness: float,
+    load_direction: Sequence[float],
+    corner: Corner | None = None,
+    joint_between: Mapping[frozenset[str], JointLaw] | None = None,
+    control_block: str | None = None,
+    control_point: str | Sequence[float] | None = None,
+    control_direction: Sequence[float] | None = None,
+    analysis: Analysis | None = None,
+    title: str = "",
+    source: str | None = None,
+    sha256: str | None = None,
+    place: Place | None = None,
+) -> Model:
+    """Put a model together and check that it can be analysed.
+
+    Parameters
+    ----------
+    blocks
+        Movable blocks and supports; their order is that of all arrays.
+    joint, joint_between
+        Law of every joint, and of those between two block ids or two materials.
+    thickness
+        Out of plane [m].
+    load_direction
+        Of the forces in proportion to weight; scaled to length one.
+    corner
+        How corners are treated for contact; sharp by default.
+    control_block, control_point, control_direction
+        See `choose_control_point`.
+    source, sha256
+        Path and digest of the file it came from.  By default the digest is that of the
+        model's own description.
+    place
+        Names a block by its row in messages.
+
+    Raises
+    ------
+    ModelError
+        With everything that was found wrong.
+    """
+    corner = corner or Corner()
+    between = dict(joint_between or {})
+    place = place or (lambda i: f'block "{blocks[i].id}"')
+    direction = unit_vector(load_direction, "load.direction")
+
+    problems = [f"joint.{problem}" for problem in law_problems(joint)]
+    for names, law in between.items():
+        where = " ".join(sorted(names))
+        problems += [f'joint.between."{where}".{problem}' for problem in law_problems(law)]
+    problems += pair_problems(blocks, between)
+    if not thickness > 0.0:
+        problems.append(f"thickness: must be greater than 0 m, it is {thickness:g}")
+    if not blocks:
+        problems.append("block: there is none: add [[block]] or [wall]")
+    _raise(problems)
+
+    try:
+        assembly = Assembly.build(
+            blocks, joint=joint, corner=corner, thickness=thickness, joint_between=between
+        )
+    except GeometryError:  # says the first; look at each block to say them all
+        raise ModelError(block_problems(blocks, corner, place)) from None
+    if len(set(assembly.ids)) < len(blocks) or not assembly.weight.min() > 0.0:
+        raise ModelError(block_problems(blocks, corner, place))
+
+    problems = layout_problems(assembly, place)
+    if assembly.n_blocks == 0:
+        raise ModelError(problems)
+    try:
+        control = choose_control_point(
+            assembly,
+            direction,
+            block=control_block,
+            point=control_point,
+            direction=control_direction,
+        )
+    except ModelError as error:
+        raise ModelError(problems + error.problems) from None
+    _raise(problems)
+
+    model = Model(
+        title=title,
+        assembly=assembly,
+        load=LoadPattern(direction=direction),
+        control_point=control,
+        analysis=analysis or Analysis(),
+        source=source,
+        sha256=sha256 or "",
+    )
+    return model if sha256 else replace(model, sha256=digest(model))
+
+
+def _raise(problems: list[str]) -> None:
+    if problems:
+        raise ModelError(problems)

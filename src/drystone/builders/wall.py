@@ -1,0 +1,117 @@
+"""Coursed panels of equal units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from drystone.assembly import Block
+from drystone.builders.errors import ModelError
+
+#: What one letter of a course stands for: its length in half units, and whether a block is there.
+SYMBOLS = {"1": (2, True), "h": (1, True), ".": (2, False)}
+
+
+def course_problem(course: str) -> str | None:
+    """What is wrong with the text of a course, if anything."""
+    if not course:
+        return 'is empty: write the units of the course, as in "h1111h"'
+    for position, symbol in enumerate(course, start=1):
+        if symbol not in SYMBOLS:
+            return (
+                f'has "{symbol}" as letter {position}: '
+                "1 is a whole unit, h half a unit and . a void of one unit"
+            )
+    return None
+
+
+def coursed_wall(
+    *,
+    unit: Sequence[float],
+    courses: Sequence[str],
+    unit_weight: float,
+    repeat: int = 1,
+    base: bool = False,
+    material: str = "",
+    origin: Sequence[float] = (0.0, 0.0),
+) -> list[Block]:
+    """Blocks of a panel in courses, bottom to top, each from left to right.
+
+    Parameters
+    ----------
+    unit
+        Length and height of a whole unit [m].
+    courses
+        Bottom to top, one letter a unit: ``1`` whole, ``h`` half, ``.`` a void of one unit.
+    unit_weight
+        N/m3.
+    repeat
+        How many times the courses are laid.
+    base
+        Whether to lay one fixed block under the wall: its top at the height of the origin, one
+        unit longer than the wall at either end, one unit high.
+    origin
+        Lower left corner of the first course [m].
+
+    Returns
+    -------
+    list of Block
+        ``c{course}u{number}``, both counted from 1 and voids left out; before them ``base``.
+
+    Raises
+    ------
+    ModelError
+        A course holds an unknown letter, or nothing.
+    """
+    problems = [
+        f"courses[{i}]: {problem}"
+        for i, course in enumerate(courses, start=1)
+        if (problem := course_problem(course))
+    ]
+    if problems:
+        raise ModelError(problems)
+    length, height = map(float, unit)
+    x0, y0 = map(float, origin)
+    blocks = []
+    end = 0
+    for row, course in enumerate(list(courses) * repeat):
+        bottom, top = y0 + row * height, y0 + (row + 1) * height
+        for number, (start, end_of_unit) in enumerate(_units(course), start=1):
+            left, right = x0 + 0.5 * start * length, x0 + 0.5 * end_of_unit * length
+            blocks.append(
+                Block(
+                    id=f"c{row + 1}u{number}",
+                    vertices=_rectangle(left, bottom, right, top),
+                    unit_weight=unit_weight,
+                    material=material,
+                )
+            )
+        end = max(end, sum(SYMBOLS[symbol][0] for symbol in course))
+    if base:
+        right = x0 + (0.5 * end + 1.0) * length
+        blocks.insert(
+            0,
+            Block(
+                id="base",
+                vertices=_rectangle(x0 - length, y0 - height, right, y0),
+                unit_weight=unit_weight,
+                material=material,
+                support=True,
+            ),
+        )
+    return blocks
+
+
+def _units(course: str) -> Iterator[tuple[int, int]]:
+    """Start and end of each real unit, in half units: whole numbers, so that joints line up."""
+    position = 0
+    for symbol in course:
+        halves, real = SYMBOLS[symbol]
+        if real:
+            yield position, position + halves
+        position += halves
+
+
+def _rectangle(left: float, bottom: float, right: float, top: float) -> np.ndarray:
+    return np.array([[left, bottom], [right, bottom], [right, top], [left, top]])

@@ -1,0 +1,161 @@
+"""``drystone benchmark``: the published walls, ours beside the published values."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drystone.commands.options import AsJson, Quiet, Strategy
+from drystone.commands.outcome import (
+    DONE,
+    INTERRUPTED,
+    UNFINISHED,
+    WRONG,
+    emit,
+    fail,
+    outcome,
+    tell,
+)
+
+if TYPE_CHECKING:
+    from drystone.benchmark import BenchmarkRow
+
+TITLE = "Peak load multipliers and control displacements at the multiplier 0.01"
+HEADER = (
+    *("wall", "Gilbert 2006", "LMGC90", "UDEC", "LMGC90-UDEC [%]"),
+    *("engine", "peak", "spread [%]", "LMGC90 [m]", "ours [m]", "residual", "time [s]"),
+)
+
+
+def benchmark(
+    engine: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="Engine; may be repeated. [default: equilibrium]",
+            show_default=False,
+        ),
+    ] = None,
+    wall: Annotated[
+        list[int] | None,
+        typer.Option(
+            metavar="N",
+            min=1,
+            max=3,
+            help="Wall; may be repeated. [default: all]",
+            show_default=False,
+        ),
+    ] = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of results.")] = Path(
+        "benchmark-results"
+    ),
+    reference: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            exists=True,
+            file_okay=False,
+            help="Folder with recorded curves wallN_*.csv to draw beside ours.",
+            show_default=False,
+        ),
+    ] = None,
+    strategy: Annotated[
+        Strategy, typer.Option(help="How the load is applied.")
+    ] = Strategy.displacement,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Analyse the published walls and print their table, ours beside the published values."""
+    begun = False
+    with outcome(as_json=as_json, begun=lambda: begun):
+        from drystone.benchmark import benchmark as analyse
+        from drystone.builders.published import PUBLISHED_WALLS
+        from drystone.commands.progress import progress_for
+        from drystone.export.benchmark import recorded_curves, write_benchmark
+        from drystone.export.directory import check_writable
+
+        walls = list(dict.fromkeys(wall or PUBLISHED_WALLS))
+        check_writable(out)
+        if reference:
+            for number in walls:
+                recorded_curves(
+                    reference, number
+                )  # a fault in them is better known before the work
+        result = analyse(
+            walls=walls,
+            engines=list(dict.fromkeys(engine or ())),
+            strategy=strategy.value,
+            progress=lambda title, model: progress_for(
+                title, model.analysis.stop_multiplier, quiet=quiet
+            ),
+        )
+        rows = result.rows
+        unfinished = [row for row in rows if row.status != "finished"]
+        problems = [f"wall {row.wall}, {row.engine}: {row.reason}" for row in unfinished]
+        if all(row.n_points == 0 for row in rows):
+            fail(INTERRUPTED if result.interrupted else WRONG, problems, as_json=as_json)
+        begun = True
+        write_benchmark(result, out, reference=reference)
+        tell(problems)
+        if as_json:
+            emit(
+                {"rows": [asdict(row) for row in rows], "problems": problems, "directory": str(out)}
+            )
+        else:
+            print_table(rows)
+            typer.echo(f"Curves and pictures are in {out}/")
+    raise typer.Exit(INTERRUPTED if result.interrupted else UNFINISHED if unfinished else DONE)
+
+
+def print_table(rows: Sequence[BenchmarkRow]) -> None:
+    """Table 1 on standard output: ruled on a terminal, plain columns elsewhere."""
+    lines = [cells(row) for row in rows]
+    if not sys.stdout.isatty():
+        typer.echo(f"{TITLE}\n{plain_table(lines)}")
+        return
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=TITLE, box=box.SIMPLE_HEAD)
+    for name in HEADER:
+        table.add_column(name, justify="left" if name == "engine" else "right")
+    for line in lines:
+        table.add_row(*line)
+    Console().print(table)
+
+
+def plain_table(lines: Sequence[Sequence[str]]) -> str:
+    """Columns as wide as they need to be, two spaces apart."""
+    widths = [max(len(line[k]) for line in [HEADER, *lines]) for k in range(len(HEADER))]
+    return "\n".join(
+        "  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True))
+        for line in [HEADER, *lines]
+    )
+
+
+def cells(row: BenchmarkRow) -> list[str]:
+    """One line of the table as text."""
+    return [
+        str(row.wall),
+        f"{row.peak_gilbert:.3f}",
+        f"{row.peak_lmgc90:.3f}",
+        f"{row.peak_udec:.3f}",
+        f"{row.published_error:+.2f}",
+        row.engine,
+        _number(row.peak_multiplier, ".3f"),
+        _number(row.spread, ".2f"),
+        f"{row.ultimate_displacement_lmgc90:.3f}",
+        _number(row.ultimate_displacement, ".3f"),
+        _number(row.max_residual, ".1e"),
+        _number(row.wall_time, ".1f"),
+    ]
+
+
+def _number(value: float | None, form: str) -> str:
+    return "-" if value is None else format(value, form)

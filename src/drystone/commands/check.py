@@ -1,0 +1,50 @@
+"""``drystone check``: what a model file holds, or what is wrong with it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+import typer
+
+from drystone.commands.options import AsJson, ModelFile, Quiet
+from drystone.commands.outcome import DONE, WRONG, emit, fail, outcome
+
+if TYPE_CHECKING:
+    from drystone.inspection import Inspection
+
+#: What a model that cannot be read has none of.
+COUNTS = ("n_blocks", "n_supports", "n_joints", "n_contacts", "weight")
+
+
+def check(model_file: ModelFile, as_json: AsJson = False, quiet: Quiet = False) -> None:
+    """Say what a model file holds, or what is wrong with it."""
+    with outcome(as_json=as_json):
+        from drystone.inspection import inspect
+        from drystone.modelfile import ModelError, read_model
+
+        try:
+            found = inspect(read_model(model_file, need_stiffness=False))
+        except ModelError as error:
+            fail(WRONG, error.problems, as_json=as_json, extra=dict.fromkeys(COUNTS))
+        if as_json:
+            emit({**asdict(found), "status": "valid", "problems": []})
+        else:
+            typer.echo(report(found))
+    raise typer.Exit(DONE)
+
+
+def report(found: Inspection) -> str:
+    """The model in a few lines."""
+    (left, low), (right, high) = found.lower, found.upper
+    x, y = found.control_point
+    rows = (
+        ("blocks", str(found.n_blocks)),
+        ("supports", str(found.n_supports)),
+        ("joints", f"{found.n_joints}, with {found.n_contacts} contact points at rest"),
+        ("weight", f"{found.weight / 1e3:.4g} kN"),
+        ("size", f"{right - left:.4g} m x {high - low:.4g} m"),
+        ("control point", f'({x:g}, {y:g}) m on block "{found.control_block}"'),
+    )
+    lines = [found.title, *(f"  {name:<14} {value}" for name, value in rows)]
+    return "\n".join([*lines, *(f"  note: {warning}" for warning in found.warnings)])

@@ -1,0 +1,93 @@
+"""How a command ends: exit statuses, sentences on standard error, JSON on standard output."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any, NoReturn
+
+import typer
+
+#: Exit statuses.
+DONE, WRONG, UNFINISHED, INTERRUPTED = 0, 2, 3, 130
+
+#: Sentences shown of a long list; JSON has them all.
+MOST_SENTENCES = 20
+
+
+@contextmanager
+def outcome(*, as_json: bool, begun: Callable[[], bool] = lambda: False) -> Iterator[None]:
+    """Run the body of a command; errors that are the user's to mend end it without a traceback.
+
+    Parameters
+    ----------
+    as_json
+        Whether standard output gets an object with the problems, too.
+    begun
+        Says whether results were written already: an error is then one of the analysis, not of
+        the model.
+    """
+    try:
+        yield
+    except KeyboardInterrupt:
+        kept = "what was reached is kept" if begun() else "nothing was written"
+        fail(INTERRUPTED, [f"interrupted: {kept}"], as_json=as_json, status="interrupted")
+    except BrokenPipeError:
+        raise  # the reader of standard output has seen enough
+    except Exception as error:
+        problems = sentences(error)
+        if problems is None:
+            raise
+        fail(UNFINISHED if begun() else WRONG, problems, as_json=as_json)
+
+
+def sentences(error: Exception) -> list[str] | None:
+    """What to tell the user of an error; None where it is a fault of the program."""
+    from drystone.builders.errors import ModelError
+    from drystone.engines.base import EngineError
+    from drystone.export.directory import OutputError
+
+    if isinstance(error, ModelError):
+        return error.problems
+    if isinstance(error, EngineError | OutputError):
+        return [str(error)]
+    if isinstance(error, OSError):
+        where = f"{error.filename}: " if error.filename else ""
+        return [f"{where}{error.strerror or error}"]
+    return None
+
+
+def fail(
+    code: int,
+    problems: Sequence[str],
+    *,
+    as_json: bool,
+    status: str = "failed",
+    extra: Mapping[str, Any] | None = None,
+) -> NoReturn:
+    """End the command: sentences on standard error and, if asked for, an object with them."""
+    tell(problems)
+    if as_json:
+        reason = " ".join(problems)
+        emit({"status": status, "reason": reason, "problems": list(problems), **(extra or {})})
+    raise typer.Exit(code)
+
+
+def tell(problems: Sequence[str]) -> None:
+    """Write sentences to standard error."""
+    for problem in problems[:MOST_SENTENCES]:
+        typer.echo(f"drystone: {problem}", err=True)
+    if len(problems) > MOST_SENTENCES:
+        typer.echo(f"drystone: and {len(problems) - MOST_SENTENCES} more", err=True)
+
+
+def emit(value: dict[str, Any]) -> None:
+    """Write one JSON object to standard output."""
+    from drystone.export.summary import to_json
+
+    typer.echo(to_json(value))
+
+
+def exit_code(status: str) -> int:
+    """Exit status for the status of a curve."""
+    return {"finished": DONE, "interrupted": INTERRUPTED}.get(status, UNFINISHED)

@@ -1,0 +1,99 @@
+"""``drystone run``: the pushover curve of a model file."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drystone.commands.options import AsJson, ModelFile, Quiet, StrategyName
+from drystone.commands.outcome import emit, exit_code, fail, outcome, tell
+
+if TYPE_CHECKING:
+    from drystone.curve import CapacityCurve
+
+
+def run(
+    model_file: ModelFile,
+    engine: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="Engine. [default: what the model says]", show_default=False
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR", help="Folder of results. [default: MODEL-results]", show_default=False
+        ),
+    ] = None,
+    strategy: StrategyName = None,
+    mechanism_at: Annotated[
+        float | None,
+        typer.Option(
+            metavar="METRES",
+            min=0.0,
+            help="Control displacement of mechanism.png. [default: what the model says, or 0.2]",
+            show_default=False,
+        ),
+    ] = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Trace the pushover curve of a model file."""
+    if mechanism_at is not None and math.isnan(mechanism_at):
+        raise typer.BadParameter("it must be a number", param_hint="--mechanism-at")
+    folder = out or Path(f"{model_file.stem}-results")
+    begun = False
+    with outcome(as_json=as_json, begun=lambda: begun):
+        from drystone.commands.progress import progress_for
+        from drystone.export.directory import ResultsDirectory
+        from drystone.modelfile import read_model
+
+        model = read_model(model_file)
+        with ResultsDirectory(folder, mechanism_displacement=mechanism_at) as results:
+            from drystone.pushover import pushover
+
+            try:
+                with progress_for(
+                    model.title, model.analysis.stop_multiplier, quiet=quiet
+                ) as progress:
+                    curve = pushover(
+                        model,
+                        engine=engine,
+                        strategy=strategy.value if strategy else None,
+                        recorder=results,
+                        progress=progress,
+                    )
+            finally:
+                begun = results.begun
+        if not curve.points:
+            reason = f"{curve.status} before the first point, nothing was written: {curve.reason}"
+            fail(exit_code(curve.status), [reason], as_json=as_json, status=curve.status)
+        if curve.status != "finished":
+            tell([f"{curve.status}: {curve.reason}"])
+        if as_json:
+            emit({**(results.summary or {}), "directory": str(folder)})
+        else:
+            typer.echo(report(model.title, curve, folder))
+    raise typer.Exit(exit_code(curve.status))
+
+
+def report(title: str, curve: CapacityCurve, folder: Path) -> str:
+    """The few lines that a person wants to read first."""
+    peak, ultimate = curve.peak, curve.ultimate_displacement
+    end = (
+        f"{ultimate:.4f} m, where the multiplier falls to {curve.stop_multiplier:g}"
+        if ultimate is not None
+        else f"not reached; the curve ends at {curve.points[-1].control_displacement:.4f} m"
+    )
+    rows = (
+        ("peak multiplier", f"{peak.load_multiplier:.4f} at {peak.control_displacement:.5f} m"),
+        ("ultimate displacement", end),
+        ("points", f"{len(curve.points)}, largest residual {curve.residual.max():.1e}"),
+        ("time", f"{curve.wall_time:.1f} s ({curve.engine}, {curve.strategy})"),
+        ("results", f"{folder}/"),
+    )
+    return "\n".join([title, *(f"  {name:<22} {value}" for name, value in rows)])

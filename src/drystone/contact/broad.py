@@ -1,0 +1,44 @@
+"""Broad phase: which blocks are near enough to be looked at, in near-linear time."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.kernels import broad as kernels
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+def candidate_pairs(lower: Array, upper: Array) -> tuple[IntArray, IntArray]:
+    """Pairs of boxes that intersect, touching ones included.
+
+    Parameters
+    ----------
+    lower, upper
+        Corners of the boxes, (n, 2) [m].
+
+    Returns
+    -------
+    a, b
+        (n_pairs,) each, ``a < b``, sorted by ``a`` and then ``b``.
+    """
+    lower = np.ascontiguousarray(lower, dtype=np.float64)
+    upper = np.ascontiguousarray(upper, dtype=np.float64)
+    if len(lower) < 2:
+        return np.zeros(0, np.int64), np.zeros(0, np.int64)
+    grid = kernels.grid_of(lower, upper)
+    start = np.zeros(int(np.prod(grid[2])) + 1, np.int64)
+    entries = np.zeros(0, np.int64)
+    kernels.fill_cells(lower, upper, *grid, start, entries)
+    entries = np.zeros(int(start[-1]), np.int64)
+    kernels.fill_cells(lower, upper, *grid, start, entries)
+    out = np.zeros((8 * len(lower), 2), np.int64)
+    found = kernels.pairs_in_cells(lower, upper, *grid, start, entries, out)
+    if found > len(out):
+        out = np.zeros((found, 2), np.int64)
+        kernels.pairs_in_cells(lower, upper, *grid, start, entries, out)
+    pairs = out[:found]
+    pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+    return np.ascontiguousarray(pairs[:, 0]), np.ascontiguousarray(pairs[:, 1])

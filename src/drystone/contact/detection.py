@@ -1,0 +1,152 @@
+"""Contact detection: from an assembly and poses to the slots of `kernels.narrow`.
+
+The pair list is made for boxes grown by a margin and stays good until some block has moved by
+half of that since; blocks that come to touch later are therefore always found.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.assembly import Assembly
+from drystone.contact.broad import candidate_pairs
+from drystone.contact.forces import ContactForces
+from drystone.kernels import narrow
+from drystone.kernels.narrow import Bodies, Slots, World
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: Margin of the broad phase over the smallest block size, a matter of speed only.
+MARGIN_SHARE = 0.25
+
+
+def bodies_of(assembly: Assembly) -> Bodies:
+    """Contact shapes of an assembly as the kernels take them."""
+    shapes = assembly.shapes
+    count = np.diff(shapes.offset)
+    following = np.arange(1, len(shapes.vertices) + 1, dtype=np.int64)
+    following[shapes.offset[1:] - 1] = shapes.offset[:-1]
+    edge = shapes.vertices[following] - shapes.vertices
+    length = np.hypot(edge[:, 0], edge[:, 1])
+    return Bodies(
+        centroid=assembly.centroid,
+        offset=shapes.offset,
+        following=following,
+        owner=np.repeat(np.arange(assembly.n_bodies, dtype=np.int64), count),
+        local=shapes.vertices,
+        local_tangent=edge / length[:, None],
+        length=length,
+        setback=shapes.setback,
+        radius=shapes.radius,
+    )
+
+
+def empty_slots(n_pairs: int) -> Slots:
+    """Unused slots for a number of pairs."""
+    n = 2 * n_pairs
+    return Slots(
+        kind=np.zeros(n, np.int64),
+        feature=np.full((n, 2), -1, np.int64),
+        edges=np.full((n, 2), -1, np.int64),
+        gap=np.full(n, np.inf),
+        normal=np.zeros((n, 2)),
+        arm_a=np.zeros((n, 2)),
+        arm_b=np.zeros((n, 2)),
+        roll=np.zeros((n, 2)),
+        ratio=np.ones(n),
+        length=np.zeros(n),
+    )
+
+
+def block_size(assembly: Assembly) -> float:
+    """Smallest extent of a movable block's outline [m], the measure of margins and steps."""
+    return min(
+        float(np.ptp(block.vertices, axis=0).min())
+        for block in assembly.blocks
+        if not block.support
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pairs:
+    """Candidate pairs, with where they were made and which joint law each has."""
+
+    a: IntArray  # (n_pairs,)
+    b: IntArray  # (n_pairs,)
+    law: IntArray  # (n_pairs,) index into `Assembly.laws`
+    pose: Array  # (n, n_dof) poses they were found in
+
+
+class Detector:
+    """Finds pairs and contacts of one assembly; holds constant arrays and scratch, no state."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        self.assembly = assembly
+        self.bodies = bodies_of(assembly)
+        self.world = World(
+            vertex=np.zeros_like(self.bodies.local), tangent=np.zeros_like(self.bodies.local)
+        )
+        #: Largest gap at which a contact is watched [m].
+        self.reach = MARGIN_SHARE * block_size(assembly)
+        shapes = assembly.shapes
+        self.extent = np.array(
+            [np.hypot(*shapes.of(i).T).max() for i in range(assembly.n_bodies)]
+        )  # farthest core vertex from the centroid, (n,) m
+
+    def pairs(self, pose: Array) -> Pairs:
+        """Candidate pairs in the given poses, two supports never being one."""
+        narrow.place(self.bodies, pose, self.world)
+        first = self.bodies.offset[:-1]
+        grow = self.bodies.radius[:, None] + self.reach
+        lower = np.minimum.reduceat(self.world.vertex, first, axis=0) - grow
+        upper = np.maximum.reduceat(self.world.vertex, first, axis=0) + grow
+        a, b = candidate_pairs(lower, upper)
+        movable = ~(self.assembly.fixed[a] & self.assembly.fixed[b])
+        a, b = a[movable], b[movable]
+        return Pairs(a=a, b=b, law=self.assembly.law_index(a, b), pose=pose.copy())
+
+    def outdated(self, pairs: Pairs, pose: Array) -> bool:
+        """Whether some block has moved so far that a pair may be missing."""
+        return bool(self.motion(pose - pairs.pose).max() > 0.5 * self.reach)
+
+    def motion(self, increment: Array) -> Array:
+        """Bound on the displacement of any point of each block [m], (n,), for pose increments."""
+        return np.hypot(increment[:, 0], increment[:, 1]) + self.extent * np.abs(increment[:, 2])
+
+    def fill(self, pairs: Pairs, pose: Array, slots: Slots) -> None:
+        """Find all contacts of the pairs in the given poses, into ``slots``."""
+        narrow.find_contacts(self.bodies, pose, self.world, pairs.a, pairs.b, self.reach, slots)
+
+    def forces(
+        self, pairs: Pairs, pose: Array, slots: Slots, reaction: Array, status: IntArray
+    ) -> ContactForces:
+        """Used slots as results; ``reaction`` (n_slots, dim) holds normal and tangential [N]."""
+        k = np.flatnonzero(slots.kind)
+        a, b = pairs.a[k // 2], pairs.b[k // 2]
+        centre = self.assembly.centroid[a] + pose[a, :2]
+        reach = np.where(slots.kind[k] == narrow.VERTEX_B, -self.bodies.radius[b], self.bodies.radius[a])
+        return ContactForces(
+            block_a=a,
+            block_b=b,
+            position=centre + slots.arm_a[k] + reach[:, None] * slots.normal[k],
+            normal=slots.normal[k].copy(),
+            gap=slots.gap[k].copy(),
+            area=slots.length[k] * self.assembly.thickness,
+            normal_reaction=reaction[k, 0].copy(),
+            tangential_reaction=reaction[k, 1:].copy(),
+            status=status[k].copy(),
+        )
+
+
+def carry(previous: Pairs, current: Pairs) -> IntArray:
+    """Row of each current pair in the previous list, or -1, (n_pairs,)."""
+    n = int(max(previous.b.max(initial=0), current.b.max(initial=0))) + 1
+    old, new = previous.a * n + previous.b, current.a * n + current.b
+    if len(old) == 0:
+        return np.full(len(new), -1, np.int64)
+    row = np.minimum(np.searchsorted(old, new), len(old) - 1)
+    return np.where(old[row] == new, row, -1).astype(np.int64)

@@ -1,0 +1,122 @@
+"""The result of a pushover analysis: the capacity curve, point by point, frozen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.forces import ContactForces
+
+Array = NDArray[np.float64]
+
+#: How a point was reached: at rest, or on the way of a block that falls or a wall that jumps.
+STATIC, DYNAMIC = "static", "dynamic"
+
+
+@dataclass(frozen=True, kw_only=True)
+class CurvePoint:
+    """One point of the curve with its certificate.
+
+    ``residual`` is the largest unbalanced force on a block, or violation of the joint law, over
+    the weight of the heaviest block.
+    """
+
+    step: int
+    control_displacement: float  # m
+    load_multiplier: float  # static: the assembly would rest under it in its present shape
+    applied_multiplier: float
+    carried_multiplier: float  # support reaction over the sum of the load pattern
+    residual: float  # -
+    penetration: float  # m, deepest overlap of two blocks' contact shapes
+    friction_violation: float  # -, largest excess over the friction cone, over heaviest weight
+    energy_ratio: float  # -, kinetic over potential energy released since the last point
+    inertia_ratio: float  # -, inertia force over applied force
+    n_open: int
+    n_sticking: int
+    n_sliding: int
+    motion: float  # m, of the fastest block in this step
+    time_step: float  # s
+    n_iterations: int
+    status: str = STATIC
+
+
+COLUMNS: tuple[str, ...] = tuple(f.name for f in fields(CurvePoint))
+
+
+@dataclass(frozen=True, kw_only=True)
+class CapacityCurve:
+    """Load multiplier against control displacement, over the peak and down.
+
+    Every array has one entry per point.  `reason` says in a sentence why the curve ends.
+    """
+
+    engine: str
+    strategy: str
+    points: tuple[CurvePoint, ...]
+    status: str  # "finished", "stopped" or "interrupted"
+    reason: str
+    stop_multiplier: float
+    wall_time: float  # s
+    poses: Array | None = None  # (n_points, n, n_dof), on request
+    contacts: tuple[ContactForces, ...] | None = None  # on request
+
+    def column(self, name: str) -> NDArray[Any]:
+        """One quantity over all points, (n_points,); the names are the fields of `CurvePoint`."""
+        return np.array([getattr(point, name) for point in self.points])
+
+    @property
+    def control_displacement(self) -> Array:
+        """(n_points,) [m]."""
+        return self.column("control_displacement")
+
+    @property
+    def load_multiplier(self) -> Array:
+        """(n_points,) static multiplier: the curve."""
+        return self.column("load_multiplier")
+
+    @property
+    def applied_multiplier(self) -> Array:
+        """(n_points,) multiplier that was applied in the step."""
+        return self.column("applied_multiplier")
+
+    @property
+    def carried_multiplier(self) -> Array:
+        """(n_points,) support reaction over the sum of the load pattern."""
+        return self.column("carried_multiplier")
+
+    @property
+    def residual(self) -> Array:
+        """(n_points,) certificate of equilibrium, see `CurvePoint`."""
+        return self.column("residual")
+
+    @property
+    def n_steps(self) -> int:
+        """Points after the first, which is the structure at rest under its own weight."""
+        return max(len(self.points) - 1, 0)
+
+    @property
+    def peak(self) -> CurvePoint:
+        """The static point of highest load multiplier."""
+        static = [p for p in self.points if p.status == STATIC] or list(self.points)
+        return max(static, key=lambda p: p.load_multiplier)
+
+    @property
+    def ultimate_displacement(self) -> float | None:
+        """Control displacement [m] where the multiplier falls below the stop value; None if never."""
+        top = self.peak.step
+        after = [p for p in self.points if p.step >= top]
+        for before, point in zip(after, after[1:], strict=False):
+            if point.load_multiplier <= self.stop_multiplier < before.load_multiplier:
+                drop = before.load_multiplier - point.load_multiplier
+                share = (before.load_multiplier - self.stop_multiplier) / drop
+                return before.control_displacement + share * (
+                    point.control_displacement - before.control_displacement
+                )
+        return None
+
+    def nearest(self, control_displacement: float) -> int:
+        """Index of the point nearest to a control displacement [m]."""
+        return int(np.argmin(np.abs(self.control_displacement - control_displacement)))

@@ -1,0 +1,107 @@
+"""The contract between the pushover loop, the controls and the engines.
+
+An engine starts a state from a problem and steps it as demanded; a control reads what came of
+the step and says what to demand next.  Neither knows which of the others it works with.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.assembly import Assembly
+from drystone.contact.forces import ContactForces
+from drystone.loading import LoadPattern
+from drystone.monitor import ControlPoint
+
+Array = NDArray[np.float64]
+
+
+class EngineError(Exception):
+    """The engine cannot do what the model or the control asks; the message is for the user."""
+
+
+class UnstableError(EngineError):
+    """The structure does not stand under its own weight; the message names the blocks that move."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """What an engine solves: blocks, load and the displacement that is watched."""
+
+    assembly: Assembly
+    load: LoadPattern
+    control_point: ControlPoint
+
+
+@dataclass(frozen=True, kw_only=True)
+class Demand:
+    """What a control asks of one step: a multiplier to apply, or an increment to reach.
+
+    Exactly one of the two is given.  `increment` is for engines that say
+    ``prescribes_displacement``: the multiplier is then an unknown of the step.
+    """
+
+    multiplier: float | None = None
+    increment: float | None = None  # m, of the control displacement or of `along`
+    along: str = "control"  # what the increment measures: "control" or "mechanism"
+    time_step: float = 0.0  # s; engines of dynamic formulations only need a positive one
+    stop_blocks: bool = True  # start the step from rest
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepReport:
+    """What came of one step.  Only `converged` and `reason` count when the step failed."""
+
+    converged: bool
+    reason: str = ""
+    applied_multiplier: float = np.nan
+    carried_multiplier: float = np.nan
+    static_multiplier: float = np.nan
+    control_displacement: float = np.nan  # m
+    residual: float = np.nan
+    penetration: float = np.nan  # m
+    friction_violation: float = np.nan
+    energy_ratio: float = np.nan
+    inertia_ratio: float = np.nan
+    n_open: int = 0
+    n_sticking: int = 0
+    n_sliding: int = 0
+    motion: float = np.nan  # m
+    n_iterations: int = 0
+    dynamic: bool = False
+
+
+class State(Protocol):
+    """Everything that evolves.  Never changed in place by a step: a saved state stays good."""
+
+    @property
+    def pose(self) -> Array:
+        """Displacements of the blocks from their designed places, (n, n_dof) [m, rad]."""
+        ...
+
+
+class Engine(Protocol):
+    """A formulation of rigid blocks in contact."""
+
+    name: str
+    prescribes_displacement: bool  # can solve for the multiplier of an increment
+
+    def start(self, problem: Problem) -> tuple[Any, StepReport]:
+        """Bring the assembly to rest under its own weight; raises `UnstableError`."""
+        ...
+
+    def step(self, state: Any, demand: Demand) -> tuple[Any, StepReport]:
+        """One step from `state`; returns a new state, or `state` itself when not converged."""
+        ...
+
+    def contacts(self, state: Any) -> ContactForces:
+        """Contact points and reactions of a state."""
+        ...
+
+    def close(self) -> None:
+        """Let go of whatever the engine holds (processes, files)."""
+        ...

@@ -1,0 +1,202 @@
+"""The folder of results of one analysis, filled while it runs."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.forces import ContactForces
+from drystone.curve import CapacityCurve, CurvePoint
+from drystone.export.csv import write_curve
+from drystone.export.hdf5 import ResultsReader, ResultsWriter
+from drystone.export.paraview import choose_frames, remove_series, write_series
+from drystone.export.summary import summarise, write_summary
+from drystone.model import Model
+from drystone.report import draw_curve, draw_mechanism
+from drystone.report.mechanism_figure import readable_magnification
+
+Array = NDArray[np.float64]
+T = TypeVar("T")
+
+#: Control displacement [m] of the mechanism's picture, the published one.
+MECHANISM_DISPLACEMENT = 0.2
+#: The option of a model's analysis that says otherwise.
+MECHANISM_OPTION = "mechanism_displacement"
+
+SUMMARY, CURVE, RESULTS = "summary.json", "curve.csv", "results.h5"
+CURVE_FIGURE, MECHANISM_FIGURE, PARAVIEW = "curve.png", "mechanism.png", "paraview"
+
+
+class OutputError(Exception):
+    """The folder of results cannot be made or written; the message is for the user."""
+
+
+class ResultsDirectory:
+    """Records one analysis in a folder; a `Recorder` of the pushover.
+
+    Nothing is written before the first point, so that a model that turns out to be wrong leaves no
+    trace.  From then on ``results.h5`` grows with the analysis; the other files are written at its
+    end, also when it was interrupted.  Files of an earlier analysis in the folder are replaced.
+
+    Parameters
+    ----------
+    path
+        The folder; made where it is missing, with its parents.
+    mechanism_displacement
+        Control displacement [m] of ``mechanism.png``; by default what the model's analysis says
+        under ``mechanism_displacement``, else 0.2 m.
+
+    Raises
+    ------
+    OutputError
+        At once, where nothing can be written there.
+    """
+
+    def __init__(self, path: Path | str, *, mechanism_displacement: float | None = None) -> None:
+        self.path = Path(path)
+        self.summary: dict[str, Any] | None = None  # of the analysis, once it ended
+        self._mechanism_displacement = mechanism_displacement
+        self._model: Model | None = None
+        self._names = ("", "")
+        self._writer: ResultsWriter | None = None
+        check_writable(self.path)
+
+    @property
+    def begun(self) -> bool:
+        """Whether anything was written."""
+        return self._writer is not None
+
+    def begin(self, model: Model, engine: str, strategy: str) -> None:
+        """Take note of what is analysed."""
+        self._model, self._names = model, (engine, strategy)
+
+    def point(self, point: CurvePoint, pose: Array, contacts: ContactForces) -> None:
+        """Take one point of the curve."""
+        if self._writer is None:
+            self._writer = _sentence(self._open)
+        writer = self._writer
+        _sentence(lambda: writer.append(point, pose, contacts))
+
+    def end(self, curve: CapacityCurve) -> None:
+        """Write everything that stands at the end: figures of the analysis first, pictures last."""
+        if self._writer is None or not curve.points:
+            return
+        _sentence(lambda: self._finish(curve))
+
+    def close(self) -> None:
+        """Let go of ``results.h5``; what was recorded stays."""
+        if self._writer is not None:
+            self._writer.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _open(self) -> ResultsWriter:
+        if self._model is None:
+            raise RuntimeError("`begin` comes before the first point")
+        (self.path / PARAVIEW).mkdir(parents=True, exist_ok=True)
+        for name in (SUMMARY, CURVE, CURVE_FIGURE, MECHANISM_FIGURE, RESULTS):
+            (self.path / name).unlink(missing_ok=True)
+        remove_series(self.path / PARAVIEW)
+        return ResultsWriter(self.path / RESULTS, self._model, *self._names)
+
+    def _finish(self, curve: CapacityCurve) -> None:
+        model, writer = self._model, self._writer
+        assert model is not None and writer is not None
+        writer.close(curve)
+        write_curve(curve, self.path / CURVE)
+        self.summary = summarise(curve, model)
+        write_summary(self.summary, self.path / SUMMARY)
+        draw_curve(curve, self.path / CURVE_FIGURE, title=model.title)
+        with ResultsReader(self.path / RESULTS) as results:
+            self._draw_mechanism(model, curve, results)
+            frames = choose_frames(
+                curve.control_displacement, keep=[curve.points.index(curve.peak)]
+            )
+            write_series(
+                self.path / PARAVIEW,
+                model.assembly,
+                curve.points,
+                frames,
+                results.pose,
+                results.contacts,
+            )
+
+    def _draw_mechanism(self, model: Model, curve: CapacityCurve, results: ResultsReader) -> None:
+        wanted = self._mechanism_displacement
+        if wanted is None:
+            wanted = float(model.analysis.options.get(MECHANISM_OPTION, MECHANISM_DISPLACEMENT))
+        row = mechanism_row(curve, wanted)
+        point, pose = curve.points[row], results.pose(row)
+        draw_mechanism(
+            model.assembly,
+            pose,
+            results.contacts(row),
+            self.path / MECHANISM_FIGURE,
+            title=mechanism_title(model.title, point),
+            load_direction=model.load.direction,
+            control_point=model.control_point,
+            magnification=readable_magnification(model.assembly, pose),
+        )
+
+
+def mechanism_row(curve: CapacityCurve, control_displacement: float) -> int:
+    """Row of the point nearest to a control displacement [m], the last if the curve ends before."""
+    if float(curve.control_displacement.max()) < control_displacement:
+        return len(curve.points) - 1
+    return curve.nearest(control_displacement)
+
+
+def mechanism_title(title: str, point: CurvePoint) -> str:
+    """What a picture shows: the point's own displacement, not the one that was asked for."""
+    values = f"$δ_c$ = {point.control_displacement:.4g} m, $λ$ = {point.load_multiplier:.3f}"
+    return f"{title}: {values}" if title else values
+
+
+def check_writable(path: Path) -> None:
+    """Raise `OutputError` unless files can be made in folder ``path``; leaves nothing behind."""
+    if path.exists() and not path.is_dir():
+        raise OutputError(f"{path} is a file, not a folder: choose another folder for the results")
+    made: list[Path] = []
+    try:
+        for folder in reversed([path, *path.parents]):
+            if not folder.exists():
+                folder.mkdir()
+                made.append(folder)
+        handle, name = tempfile.mkstemp(dir=path)
+        os.close(handle)
+        os.unlink(name)
+    except OSError as error:
+        raise OutputError(
+            f"the folder of results {path} cannot be written ({error.strerror}): choose another one"
+        ) from None
+    finally:
+        for folder in reversed(made):
+            folder.rmdir()
+
+
+def _sentence(action: Callable[[], T]) -> T:
+    """Do it; what the operating system refuses becomes an `OutputError`."""
+    try:
+        return action()
+    except OSError as error:
+        where = f" {error.filename}" if error.filename else ""
+        raise OutputError(
+            f"the results{where} cannot be written ({error.strerror or error}): "
+            "free some space or choose another folder"
+        ) from error

@@ -1,0 +1,258 @@
+"""``results.h5``: everything of one analysis, written while it runs.
+
+::
+
+    /                       attributes: title, engine, status, reason, model (its text), ...
+    /curve/<column>         (n_points,) every field of `CurvePoint`
+    /poses                  (n_points, n, n_dof) m, m, rad
+    /contacts/offset        (n_points + 1,) rows of the contacts of point k: offset[k]:offset[k + 1]
+    /contacts/<field>       every field of `ContactForces`, all points one after the other
+    /blocks/id, offset, vertices, centroid, weight, support
+
+Points are gathered in memory and written about once a second, then flushed: what is on the disk is
+a readable file at every moment but those of a write, so a process that is killed leaves the points
+of up to a second ago.  The file is not locked, so that it can be read while it grows.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import fields
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.forces import ContactForces
+from drystone.curve import CapacityCurve, CurvePoint
+from drystone.export.summary import package_version
+from drystone.model import Model
+from drystone.report.outlines import MovingOutlines
+
+Array = NDArray[np.float64]
+
+#: Points are written when this many seconds have passed since the last time ...
+SECONDS = 1.0
+#: ... or when this many bytes wait, whichever comes first.
+BYTES = 32_000_000
+#: States of more blocks than this are compressed: that takes little time beside their steps.
+LARGE = 1000
+
+COLUMN_TYPES = {
+    f.name: {"int": np.dtype("i8"), "float": np.dtype("f8"), "str": np.dtype("S8")}[str(f.type)]
+    for f in fields(CurvePoint)
+}
+UNITS = {
+    "control_displacement": "m",
+    "penetration": "m",
+    "motion": "m",
+    "time_step": "s",
+    "position": "m",
+    "gap": "m",
+    "area": "m2",
+    "normal_reaction": "N",
+    "tangential_reaction": "N",
+    "vertices": "m",
+    "centroid": "m",
+    "weight": "N",
+}
+STORED_AS = {"block_a": "i4", "block_b": "i4", "status": "i1"}
+CONTACT_FIELDS = tuple(f.name for f in fields(ContactForces))
+
+
+class ResultsWriter:
+    """Writes one ``results.h5``.  Replaces a file of that name."""
+
+    def __init__(self, path: Path | str, model: Model, engine: str, strategy: str) -> None:
+        self._file = h5py.File(path, "w", locking=False)
+        self._points: list[CurvePoint] = []
+        self._poses: list[Array] = []
+        self._contacts: list[ContactForces] = []
+        self._waiting = 0  # bytes
+        self._n_contacts = 0
+        self._written = time.monotonic()
+        large = model.assembly.n_bodies > LARGE
+        self._packing: dict[str, Any] = (
+            {"compression": "gzip", "compression_opts": 1, "shuffle": True} if large else {}
+        )
+        self._describe(model, engine, strategy)
+        self._lay_out(model)
+        self._file.flush()
+
+    def append(self, point: CurvePoint, pose: Array, contacts: ContactForces) -> None:
+        """Take one point; it is on the disk a second later, or after `flush`."""
+        self._points.append(point)
+        self._poses.append(np.array(pose))
+        self._contacts.append(contacts)
+        self._waiting += pose.nbytes + sum(
+            getattr(contacts, name).nbytes for name in CONTACT_FIELDS
+        )
+        if self._waiting > BYTES or time.monotonic() - self._written > SECONDS:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write what waits and bring it to the disk."""
+        if self._points:
+            for name, kind in COLUMN_TYPES.items():
+                values = np.array([getattr(point, name) for point in self._points], dtype=kind)
+                _extend(self._file["curve"][name], values)
+            _extend(self._file["poses"], np.array(self._poses))
+            group = self._file["contacts"]
+            counts = [contacts.n_contacts for contacts in self._contacts]
+            for name in CONTACT_FIELDS:
+                _extend(group[name], np.concatenate([getattr(c, name) for c in self._contacts]))
+            _extend(
+                group["offset"], self._n_contacts + np.cumsum(counts)
+            )  # last: what it counts is there
+            self._n_contacts += sum(counts)
+            self._points, self._poses, self._contacts, self._waiting = [], [], [], 0
+        self._file.flush()
+        self._written = time.monotonic()
+
+    def close(self, curve: CapacityCurve | None = None) -> None:
+        """Write what waits, and how the analysis ended where it did.  May be called twice."""
+        if not self._file:
+            return
+        if curve is not None:
+            attributes = self._file.attrs
+            attributes["status"], attributes["reason"] = curve.status, curve.reason
+            attributes["stop_multiplier"], attributes["wall_time"] = (
+                curve.stop_multiplier,
+                curve.wall_time,
+            )
+        self.flush()
+        self._file.close()
+
+    def _describe(self, model: Model, engine: str, strategy: str) -> None:
+        text = ""
+        if model.source is not None and Path(model.source).is_file():
+            text = Path(model.source).read_text(encoding="utf-8", errors="replace")
+        self._file.attrs.update(
+            {
+                "title": model.title,
+                "engine": engine,
+                "strategy": strategy,
+                "status": "running",
+                "reason": "",
+                "dimension": model.assembly.dimension,
+                "thickness": model.assembly.thickness,
+                "model": text,
+                "model_source": model.source or "",
+                "model_sha256": model.sha256,
+                "version": package_version(),
+                "units": "SI: m, N, s, rad",
+            }
+        )
+
+    def _lay_out(self, model: Model) -> None:
+        assembly = model.assembly
+        blocks = self._file.create_group("blocks")
+        outlines = MovingOutlines.of(assembly)
+        blocks["id"] = np.array(assembly.ids, dtype=h5py.string_dtype())
+        for name, values in (
+            ("offset", outlines.offset),
+            ("vertices", outlines.vertices),
+            ("centroid", assembly.centroid),
+            ("weight", assembly.weight),
+            ("support", assembly.fixed),
+        ):
+            blocks[name] = values
+            if name in UNITS:
+                blocks[name].attrs["unit"] = UNITS[name]
+
+        curve = self._file.create_group("curve")
+        for name, kind in COLUMN_TYPES.items():
+            self._growing(curve, name, (), kind, rows=512)
+        shape = (assembly.n_bodies, assembly.n_dof)
+        rows = int(np.clip(1_000_000 // (8 * shape[0] * shape[1]), 1, 64))
+        self._growing(self._file, "poses", shape, np.dtype("f8"), rows=rows)
+        self._file["poses"].attrs["unit"] = "m, m, rad" if assembly.dimension == 2 else "m, rad"
+
+        contacts = self._file.create_group("contacts")
+        widths = {"position": assembly.dimension, "normal": assembly.dimension}
+        widths["tangential_reaction"] = assembly.dimension - 1
+        for name in CONTACT_FIELDS:
+            width = (widths[name],) if name in widths else ()
+            self._growing(contacts, name, width, np.dtype(STORED_AS.get(name, "f8")), rows=16384)
+        self._growing(contacts, "offset", (), np.dtype("i8"), rows=512)
+        _extend(contacts["offset"], np.zeros(1, dtype=np.int64))
+
+    def _growing(
+        self,
+        group: h5py.Group,
+        name: str,
+        shape: tuple[int, ...],
+        kind: np.dtype[Any],
+        *,
+        rows: int,
+    ) -> None:
+        dataset = group.create_dataset(
+            name,
+            shape=(0, *shape),
+            maxshape=(None, *shape),
+            dtype=kind,
+            chunks=(rows, *shape),
+            **self._packing,
+        )
+        if name in UNITS:
+            dataset.attrs["unit"] = UNITS[name]
+
+
+class ResultsReader:
+    """Reads a ``results.h5`` point by point, so that memory holds one state at a time."""
+
+    def __init__(self, path: Path | str) -> None:
+        self._file = h5py.File(path, "r", locking=False)
+        self._offset = self._file["contacts"]["offset"][:]
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._file.close()
+
+    @property
+    def n_points(self) -> int:
+        """Points whose contacts were written, too."""
+        return len(self._offset) - 1
+
+    def attribute(self, name: str) -> Any:
+        """One of the attributes of the file, see the module's description."""
+        return self._file.attrs[name]
+
+    def points(self) -> tuple[CurvePoint, ...]:
+        """All points of the curve."""
+        columns = {
+            name: self._file["curve"][name][: self.n_points].tolist() for name in COLUMN_TYPES
+        }
+        columns["status"] = [status.decode() for status in columns["status"]]
+        rows = zip(*columns.values(), strict=True)
+        return tuple(CurvePoint(**dict(zip(columns, row, strict=True))) for row in rows)
+
+    def pose(self, k: int) -> Array:
+        """Poses of the blocks at point ``k``, (n, n_dof) [m, rad]."""
+        return np.asarray(self._file["poses"][k])
+
+    def contacts(self, k: int) -> ContactForces:
+        """Contact points at point ``k``."""
+        rows = slice(self._offset[k], self._offset[k + 1])
+        values = {name: self._file["contacts"][name][rows] for name in CONTACT_FIELDS}
+        return ContactForces(
+            **{n: v.astype(np.int64) if n in STORED_AS else v for n, v in values.items()}
+        )
+
+
+def _extend(dataset: h5py.Dataset, values: NDArray[Any]) -> None:
+    """Append rows."""
+    if len(values):
+        n = len(dataset)
+        dataset.resize(n + len(values), axis=0)
+        dataset[n:] = values

@@ -1,0 +1,149 @@
+"""Time series for ParaView, ``blocks.pvd`` and ``contacts.pvd``, over control displacement."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.assembly import Assembly
+from drystone.contact.forces import ContactForces
+from drystone.curve import CurvePoint
+from drystone.export import vtu
+from drystone.report.outlines import MovingOutlines, moving_blocks
+
+Array = NDArray[np.float64]
+
+#: Grids written of one curve, about; a curve may have thousands of points.
+MOST_FRAMES = 100
+BLOCKS, CONTACTS = "blocks", "contacts"
+
+
+def choose_frames(
+    control_displacement: Array, keep: Iterable[int] = (), count: int = MOST_FRAMES
+) -> list[int]:
+    """Points to draw: evenly in control displacement, with both ends and those to ``keep``.
+
+    Returns rows in the order of the curve, no two with the same control displacement.
+    """
+    n = len(control_displacement)
+    if n == 0:
+        return []
+    wanted = np.linspace(control_displacement.min(), control_displacement.max(), count)
+    order = np.argsort(control_displacement, kind="stable")
+    place = np.searchsorted(control_displacement[order], wanted).clip(1, max(n - 1, 1))
+    after, before = order[np.minimum(place, n - 1)], order[place - 1]
+    nearer = wanted - control_displacement[before] <= control_displacement[after] - wanted
+    # Those that must be there go first: of equal displacements the first one counts.
+    chosen = [0, *keep, n - 1, *np.where(nearer, before, after).tolist()]
+    by_displacement: dict[float, int] = {}
+    for row in chosen:
+        by_displacement.setdefault(float(control_displacement[row]), int(row))
+    return sorted(by_displacement.values())
+
+
+def write_series(
+    folder: Path,
+    assembly: Assembly,
+    points: Sequence[CurvePoint],
+    frames: Sequence[int],
+    pose: Callable[[int], Array],
+    contacts: Callable[[int], ContactForces],
+) -> None:
+    """Write both series into ``folder``, which exists.
+
+    Parameters
+    ----------
+    points
+        The points of the curve.
+    frames
+        Rows of the points to write.
+    pose, contacts
+        Give the state of a row; asked once for each frame, in order.
+    """
+    blocks = BlockFrames(assembly)
+    block_files, contact_files = [], []
+    for number, row in enumerate(frames):
+        point = points[row]
+        field_data = [
+            vtu.field_value("TimeValue", point.control_displacement),
+            vtu.field_value("control_displacement", point.control_displacement),
+            vtu.field_value("load_multiplier", point.load_multiplier),
+            vtu.field_value("step", float(point.step)),
+        ]
+        name = f"{BLOCKS}_{number:04d}.vtu"
+        blocks.write(folder / name, pose(row), field_data)
+        block_files.append((float(point.control_displacement), name))
+        name = f"{CONTACTS}_{number:04d}.vtu"
+        write_contacts(folder / name, contacts(row), field_data)
+        contact_files.append((float(point.control_displacement), name))
+    vtu.write_pvd(folder / f"{BLOCKS}.pvd", block_files)
+    vtu.write_pvd(folder / f"{CONTACTS}.pvd", contact_files)
+
+
+def remove_series(folder: Path) -> None:
+    """Remove the files of an earlier series, and nothing else."""
+    for series in (BLOCKS, CONTACTS):
+        for path in (folder / f"{series}.pvd", *folder.glob(f"{series}_[0-9][0-9][0-9][0-9].vtu")):
+            path.unlink(missing_ok=True)
+
+
+class BlockFrames:
+    """Writes the blocks of one assembly; what never changes is encoded once."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        self._outlines = MovingOutlines.of(assembly)
+        self._fixed = assembly.fixed
+        n_vertices = len(self._outlines.vertices)
+        self._cells = vtu.cells(np.arange(n_vertices), self._outlines.offset[1:], vtu.POLYGON)
+        self._constant = [
+            vtu.data_array("block", np.arange(assembly.n_bodies)),
+            vtu.data_array("is_support", assembly.fixed.astype(np.uint8)),
+            vtu.data_array("weight", assembly.weight),
+        ]
+
+    def write(self, path: Path, pose: Array, field_data: Iterable[str] = ()) -> None:
+        """One grid: moved outlines as polygons, with displacement [m] and rotation [rad]."""
+        points = self._outlines.moved(pose)
+        moving = moving_blocks(self._outlines.displacement(pose), self._fixed)
+        vtu.write_vtu(
+            path,
+            points=points,
+            n_cells=len(pose),
+            cells=self._cells,
+            point_data=[
+                vtu.data_array(
+                    "vertex_displacement", vtu.in_space(points - self._outlines.vertices)
+                )
+            ],
+            cell_data=[
+                *self._constant,
+                vtu.data_array("displacement", vtu.in_space(pose[:, :2])),
+                vtu.data_array("rotation", pose[:, 2]),
+                vtu.data_array("moving", moving.astype(np.uint8)),
+            ],
+            field_data=field_data,
+        )
+
+
+def write_contacts(path: Path, contacts: ContactForces, field_data: Iterable[str] = ()) -> None:
+    """One grid: contact points with reactions [N] on block b, normals from a to b, gaps [m]."""
+    rows = np.arange(contacts.n_contacts)
+    vtu.write_vtu(
+        path,
+        points=contacts.position,
+        n_cells=len(rows),
+        cells=vtu.cells(rows, rows + 1, vtu.VERTEX),
+        point_data=[
+            vtu.data_array("reaction", vtu.in_space(contacts.vectors())),
+            vtu.data_array("normal", vtu.in_space(contacts.normal)),
+            vtu.data_array("normal_reaction", contacts.normal_reaction),
+            vtu.data_array("gap", contacts.gap),
+            vtu.data_array("status", contacts.status.astype(np.int8)),
+            vtu.data_array("block_a", contacts.block_a),
+            vtu.data_array("block_b", contacts.block_b),
+        ],
+        field_data=field_data,
+    )

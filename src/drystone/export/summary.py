@@ -1,0 +1,97 @@
+"""``summary.json``: the figures of one analysis."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from drystone.curve import CapacityCurve
+    from drystone.model import Model
+
+
+def package_version() -> str:
+    """Version of this package; "unknown" where it runs without having been installed."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("drystone")
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
+    """Figures of a curve of at least one point, SI units, ready for JSON: None where there is none.
+
+    ``max_...`` are taken over all points of the curve, ``peak`` is the whole point of the peak.
+    """
+    from drystone.curve import COLUMNS, DYNAMIC
+
+    peak = curve.peak
+    last = curve.points[-1]
+    summary: dict[str, Any] = {
+        "title": model.title,
+        "engine": curve.engine,
+        "strategy": curve.strategy,
+        "status": curve.status,
+        "reason": curve.reason,
+        "dimension": model.assembly.dimension,
+        "n_blocks": model.assembly.n_blocks,
+        "n_supports": model.assembly.n_supports,
+        "n_steps": curve.n_steps,
+        "n_points": len(curve.points),
+        "n_dynamic": sum(point.status == DYNAMIC for point in curve.points),
+        "n_iterations": sum(point.n_iterations for point in curve.points),
+        "peak_multiplier": peak.load_multiplier,
+        "peak_displacement": peak.control_displacement,
+        "ultimate_displacement": curve.ultimate_displacement,
+        "stop_multiplier": curve.stop_multiplier,
+        "last_displacement": last.control_displacement,
+        "last_multiplier": last.load_multiplier,
+        "max_residual": _largest(curve, "residual"),
+        "max_penetration": _largest(curve, "penetration"),
+        "max_friction_violation": _largest(curve, "friction_violation"),
+        "peak": {name: getattr(peak, name) for name in COLUMNS},
+        "wall_time": curve.wall_time,
+        "version": package_version(),
+        "model": model.source,
+        "model_sha256": model.sha256,
+    }
+    return {key: plain(value) for key, value in summary.items()}
+
+
+def write_summary(summary: dict[str, Any], path: Path | str) -> None:
+    """Write it whole or not at all: readers never see half a file."""
+    path = Path(path)
+    draft = path.with_name(path.name + ".part")
+    draft.write_text(to_json(summary) + "\n", encoding="utf-8")
+    os.replace(draft, path)
+
+
+def to_json(value: Any) -> str:
+    """JSON that every reader takes: no NaN, no infinity."""
+    return json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=False)
+
+
+def plain(value: Any) -> Any:
+    """The same value in Python's own types; NaN and infinities become None."""
+    if hasattr(value, "tolist"):  # arrays and scalars of numpy
+        value = value.tolist()
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def _largest(curve: CapacityCurve, name: str) -> float:
+    """Largest value over all points; NaN where no point knows it."""
+    known = [
+        v for v in (float(getattr(point, name)) for point in curve.points) if not math.isnan(v)
+    ]
+    return max(known, default=math.nan)

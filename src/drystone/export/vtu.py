@@ -1,0 +1,125 @@
+"""VTK's XML format for unstructured grids, as much of it as blocks and contacts need.
+
+Arrays are inline, base64, compressed by zlib: what ParaView itself writes.  See "VTK File Formats",
+https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
+"""
+
+from __future__ import annotations
+
+import base64
+import struct
+import sys
+import zlib
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+from numpy.typing import NDArray
+
+#: Cell types of VTK.
+VERTEX, POLYGON = 1, 7
+#: Bytes compressed at a time.
+PIECE = 1 << 20
+
+TYPE_NAMES = {
+    np.dtype("f8"): "Float64",
+    np.dtype("f4"): "Float32",
+    np.dtype("i8"): "Int64",
+    np.dtype("i4"): "Int32",
+    np.dtype("i1"): "Int8",
+    np.dtype("u1"): "UInt8",
+}
+
+
+def data_array(name: str, values: NDArray[np.generic]) -> str:
+    """One ``<DataArray>``: a row per point or cell, components in columns."""
+    values = np.ascontiguousarray(values)
+    components = values.shape[1] if values.ndim == 2 else 1
+    body = _encode(values.tobytes())
+    return (
+        f'<DataArray type="{TYPE_NAMES[values.dtype]}" Name={quoteattr(name)} '
+        f'NumberOfComponents="{components}" format="binary">{body}</DataArray>\n'
+    )
+
+
+def field_value(name: str, value: float) -> str:
+    """One number that belongs to the whole grid."""
+    return (
+        f'<DataArray type="Float64" Name={quoteattr(name)} NumberOfTuples="1" format="binary">'
+        f"{_encode(struct.pack('=d', value))}</DataArray>\n"
+    )
+
+
+def in_space(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Vectors of two components with a third, zero; those of three as they are."""
+    if vectors.shape[1] == 3:
+        return vectors
+    return np.column_stack((vectors, np.zeros(len(vectors))))
+
+
+def cells(connectivity: NDArray[np.int64], offsets: NDArray[np.int64], kind: int) -> str:
+    """Cells of one kind; cell ``i`` ends before entry ``offsets[i]`` of the connectivity."""
+    return (
+        data_array("connectivity", connectivity)
+        + data_array("offsets", offsets)
+        + data_array("types", np.full(len(offsets), kind, dtype=np.uint8))
+    )
+
+
+def write_vtu(
+    path: Path,
+    *,
+    points: NDArray[np.float64],
+    n_cells: int,
+    cells: str,
+    point_data: Iterable[str] = (),
+    cell_data: Iterable[str] = (),
+    field_data: Iterable[str] = (),
+) -> None:
+    """Write one grid.
+
+    Parameters
+    ----------
+    points
+        (n_points, 2 or 3) [m].
+    n_cells, cells
+        How many, and what `cells` made of them.
+    point_data, cell_data, field_data
+        Arrays as `data_array` and `field_value` give them.
+    """
+    order = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
+    path.write_text(
+        '<?xml version="1.0"?>\n'
+        f'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="{order}" '
+        'header_type="UInt64" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>\n'
+        f"<FieldData>\n{''.join(field_data)}</FieldData>\n"
+        f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{n_cells}">\n'
+        f"<Points>\n{data_array('Points', in_space(points))}</Points>\n"
+        f"<Cells>\n{cells}</Cells>\n"
+        f"<PointData>\n{''.join(point_data)}</PointData>\n"
+        f"<CellData>\n{''.join(cell_data)}</CellData>\n"
+        "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n",
+        encoding="ascii",
+    )
+
+
+def write_pvd(path: Path, frames: Sequence[tuple[float, str]]) -> None:
+    """Write a time series: time and file name, relative to the series' own folder, of each grid."""
+    entries = "".join(
+        f'<DataSet timestep="{time!r}" group="" part="0" file={quoteattr(name)}/>\n'
+        for time, name in frames
+    )
+    path.write_text(
+        '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n'
+        f"<Collection>\n{entries}</Collection>\n</VTKFile>\n",
+        encoding="utf-8",
+    )
+
+
+def _encode(raw: bytes) -> str:
+    """Base64 of the header (pieces, size of one, of the last, when packed), then of the pieces."""
+    pieces = [zlib.compress(raw[i : i + PIECE], 1) for i in range(0, len(raw), PIECE)]
+    last = len(raw) % PIECE
+    header = struct.pack(f"={3 + len(pieces)}Q", len(pieces), PIECE, last, *map(len, pieces))
+    return (base64.b64encode(header) + base64.b64encode(b"".join(pieces))).decode("ascii")

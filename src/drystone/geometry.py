@@ -1,0 +1,161 @@
+"""Plane convex polygons: checks, mass properties, corners taken off.
+
+Every polygon is an ``(n, 2)`` float64 array of vertices [m], counter-clockwise.
+Edge ``i`` runs from vertex ``i`` to vertex ``i + 1``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+#: Relative size under which an area, a length or a turn counts as nothing.
+DEGENERATE = 1e-9
+
+
+class GeometryError(ValueError):
+    """A polygon that cannot be a block; the message says what is wrong and how to mend it."""
+
+
+def signed_area(vertices: Array) -> float:
+    """Area [m2] by the shoelace formula, positive when counter-clockwise."""
+    x, y = (vertices - vertices[0]).T
+    return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+
+
+def check_convex(vertices: Array) -> None:
+    """Raise `GeometryError` unless the vertices make a convex, counter-clockwise polygon."""
+    if vertices.ndim != 2 or vertices.shape[1] != 2:
+        raise GeometryError("vertices must be a list of [x, y] pairs")
+    n = len(vertices)
+    if n < 3:
+        raise GeometryError(f"a polygon needs at least 3 vertices, it has {n}")
+    if not np.all(np.isfinite(vertices)):
+        raise GeometryError("every coordinate must be a finite number")
+    edges = np.roll(vertices, -1, axis=0) - vertices
+    lengths = np.hypot(edges[:, 0], edges[:, 1])
+    size = float(np.ptp(vertices, axis=0).max())
+    if size == 0.0 or np.any(lengths < DEGENERATE * size):
+        i = int(np.argmin(lengths))
+        raise GeometryError(f"vertices {i + 1} and {(i + 1) % n + 1} are the same point: remove one")
+    area = signed_area(vertices)
+    if abs(area) < DEGENERATE * size**2:
+        raise GeometryError(
+            "the outline encloses no area: its vertices lie on one line, or it crosses itself; "
+            "list them in order around the block"
+        )
+    following = np.roll(edges, -1, axis=0)
+    turn = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
+    angle = np.arctan2(turn, np.sum(edges * following, axis=1))
+    turns = round(float(angle.sum()) / (2.0 * np.pi))
+    if abs(turns) != 1:
+        raise GeometryError("the outline crosses itself: list the vertices in order around the block")
+    if turns < 0:
+        raise GeometryError("the vertices run clockwise: list them counter-clockwise")
+    if np.any(angle < -DEGENERATE):
+        i = (int(np.argmin(angle)) + 1) % n
+        x, y = vertices[i]
+        raise GeometryError(
+            f"the outline is not convex at vertex {i + 1} ({x:g}, {y:g}): split the block into convex ones"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class MassProperties:
+    """Of a unit thickness and unit density: area, centroid and polar moment about it."""
+
+    area: float  # m2
+    centroid: Array  # (2,) m
+    polar_moment: float  # m4
+
+
+def mass_properties(vertices: Array) -> MassProperties:
+    """Area, centroid and polar second moment about the centroid of a polygon."""
+    origin = vertices.mean(axis=0)  # a near origin keeps the sums from cancelling
+    p = vertices - origin
+    q = np.roll(p, -1, axis=0)
+    cross = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
+    area = 0.5 * cross.sum()
+    first = ((p + q) * cross[:, None]).sum(axis=0) / (6.0 * area)
+    second = np.sum(cross * np.sum(p * p + p * q + q * q, axis=1)) / 12.0
+    return MassProperties(
+        area=float(area),
+        centroid=origin + first,
+        polar_moment=float(second - area * first @ first),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Core:
+    """What is left of an outline when its corners are treated: a core polygon plus a disc.
+
+    ``setback[i]`` holds by how much edge ``i`` of the core is shorter than the edge of the
+    outline it lies on, at its start and at its end [m]; joints count the full edge.
+    """
+
+    vertices: Array  # (n, 2) m
+    setback: Array  # (n, 2) m
+    radius: float  # m
+
+
+def sharp_core(vertices: Array) -> Core:
+    """The outline itself."""
+    return Core(vertices=vertices.copy(), setback=np.zeros((len(vertices), 2)), radius=0.0)
+
+
+def rounded_core(vertices: Array, radius: float) -> Core:
+    """Outline moved inwards by ``radius`` [m], to be swept with a disc of that radius."""
+    edges = np.roll(vertices, -1, axis=0) - vertices
+    length = np.hypot(edges[:, 0], edges[:, 1])
+    tangent = edges / length[:, None]
+    before = np.roll(tangent, 1, axis=0)
+    # At a corner with turn angle a the core vertex lies back along both edges by r tan(a/2).
+    cosine = np.sum(before * tangent, axis=1)
+    sine = before[:, 0] * tangent[:, 1] - before[:, 1] * tangent[:, 0]
+    back = radius * np.abs(sine) / (1.0 + cosine)
+    remaining = length - back - np.roll(back, -1)
+    if np.any(remaining <= DEGENERATE * length):
+        i = int(np.argmin(remaining))
+        raise GeometryError(
+            f"the corner radius {radius:g} m leaves nothing of the edge of {length[i]:g} m "
+            f"after vertex {i + 1}: take a smaller radius"
+        )
+    inward = np.column_stack((-tangent[:, 1], tangent[:, 0]))
+    core = vertices + back[:, None] * tangent + radius * inward
+    return Core(vertices=core, setback=np.column_stack((back, np.roll(back, -1))), radius=radius)
+
+
+def chamfered_core(vertices: Array, leg: float) -> Core:
+    """Outline with every corner cut off at ``leg`` [m] from it along both edges."""
+    edges = np.roll(vertices, -1, axis=0) - vertices
+    length = np.hypot(edges[:, 0], edges[:, 1])
+    if np.any(length - 2.0 * leg <= DEGENERATE * length):
+        i = int(np.argmin(length))
+        raise GeometryError(
+            f"the chamfer of {leg:g} m leaves nothing of the edge of {length[i]:g} m "
+            f"after vertex {i + 1}: take a smaller chamfer"
+        )
+    tangent = edges / length[:, None]
+    n = len(vertices)
+    core = np.empty((2 * n, 2))
+    core[0::2] = vertices + leg * tangent
+    core[1::2] = np.roll(vertices, -1, axis=0) - leg * tangent
+    setback = np.zeros((2 * n, 2))
+    setback[0::2] = leg  # the edges of the outline; the cuts between them have none
+    return Core(vertices=core, setback=setback, radius=0.0)
+
+
+def overlap_depth(a: Array, b: Array) -> float:
+    """Depth [m] by which two convex polygons overlap, by separating axes; not positive when apart."""
+    depth = np.inf
+    for p, q in ((a, b), (b, a)):
+        edges = np.roll(p, -1, axis=0) - p
+        normal = np.column_stack((edges[:, 1], -edges[:, 0]))
+        normal /= np.linalg.norm(normal, axis=1)[:, None]
+        separation = (normal @ q.T - np.sum(normal * p, axis=1)[:, None]).min(axis=1)
+        depth = min(depth, -float(separation.max()))
+    return depth

@@ -1,0 +1,85 @@
+"""The bytes of a model file as nested dicts and lists, or a sentence on why not."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from drystone.builders.errors import ModelError
+from drystone.builders.words import quoted
+
+
+def read_bytes(path: Path) -> bytes:
+    """Contents of the file; raises `ModelError` where there is none to read."""
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        raise ModelError(["there is no such file: check the path"]) from None
+    except IsADirectoryError:
+        raise ModelError(["is a folder: name the model file in it"]) from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise ModelError([f"cannot be read ({reason}): check path and permissions"]) from None
+
+
+def parse(contents: bytes, *, is_json: bool) -> dict[str, Any]:
+    """TOML or JSON, told apart by ``is_json`` or by the opening brace that no TOML file has."""
+    try:
+        text = contents.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ModelError(
+            [f"is not text (byte {error.start + 1} is not UTF-8): give a TOML or JSON file"]
+        ) from None
+    if not text.strip():
+        raise ModelError(["is empty: write a model into it, the examples show how"])
+    try:
+        if is_json or text.lstrip().startswith("{"):
+            data = _json(text)
+        else:
+            data = tomllib.loads(text)
+    except json.JSONDecodeError as error:
+        raise ModelError(
+            [f"line {error.lineno}, column {error.colno}: not valid JSON: {error.msg}"]
+        ) from None
+    except tomllib.TOMLDecodeError as error:
+        raise ModelError([_torn_toml(str(error), text)]) from None
+    except RecursionError:
+        raise ModelError(["is nested too deeply to be a model: check its brackets"]) from None
+    except ValueError:  # Python declines to read whole numbers of more than 4300 digits
+        raise ModelError(["holds a whole number of thousands of digits: shorten it"]) from None
+    if not isinstance(data, dict):
+        raise ModelError(['must hold a table of keys, as { "dimension": 2, ... }'])
+    return data
+
+
+def _json(text: str) -> Any:
+    def table(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        keys = dict(pairs)
+        if len(keys) < len(pairs):
+            names = [name for name, _ in pairs]
+            twice = next(name for name in names if names.count(name) > 1)
+            raise ModelError([f"key {quoted(twice)} is given twice in one table: take one out"])
+        return keys
+
+    data = json.loads(text, object_pairs_hook=table)
+    if re.search(r"\\u[dD][89a-fA-F]", text):  # half a character could not even be printed
+        try:
+            json.dumps(data, ensure_ascii=False).encode()
+        except UnicodeEncodeError:
+            raise ModelError(["holds half a character, as \\ud800 without its mate"]) from None
+    return data
+
+
+def _torn_toml(message: str, text: str) -> str:
+    """The parser's message with its place in front."""
+    match = re.fullmatch(r"(.*) \(at (line \d+, column \d+|end of document)\)", message, re.DOTALL)
+    if not match:
+        return f"not valid TOML: {message}"
+    what, where = match.groups()
+    if where == "end of document":
+        lines = text.rstrip("\n").split("\n")
+        where = f"line {len(lines)}, column {len(lines[-1]) + 1} (end of the file)"
+    return f"{where}: not valid TOML: {what}".replace("\n", " ")

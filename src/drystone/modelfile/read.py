@@ -1,0 +1,237 @@
+"""From a model file to a model."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from drystone.assembly import GRAVITY, Block, Corner, JointLaw
+from drystone.builders.checks import law_problems
+from drystone.builders.errors import ModelError
+from drystone.builders.model import make_model
+from drystone.builders.wall import coursed_wall
+from drystone.builders.words import quoted, suggestion
+from drystone.model import Analysis, Model
+from drystone.modelfile.parse import parse, read_bytes
+from drystone.modelfile.schema import ExceptionSection, ModelSection
+from drystone.modelfile.sentences import place_of, sentences
+
+#: Engines that a model file may name.
+ENGINES = ("equilibrium", "nscd", "distinct", "lmgc90")
+
+_LAW_KEYS = tuple(JointLaw.__dataclass_fields__)
+
+
+def read_model(
+    path: str | PathLike[str],
+    *,
+    need_stiffness: bool = True,
+    engines: Sequence[str] = ENGINES,
+) -> Model:
+    """Read a model file, TOML or JSON.
+
+    Parameters
+    ----------
+    path
+        Of the file; JSON if it ends in .json or begins with a brace.
+    need_stiffness
+        Whether joints must have stiffnesses.  Limit analysis does without.
+    engines
+        Names that [analysis] may give as its engine.
+
+    Raises
+    ------
+    ModelError
+        With a sentence on everything that was found wrong; each names the file and the place.
+    """
+    path = Path(path)
+    try:
+        contents = read_bytes(path)
+        data = parse(contents, is_json=path.suffix.lower() == ".json")
+        return _model(
+            data,
+            need_stiffness=need_stiffness,
+            engines=engines,
+            title=path.stem,
+            source=str(path),
+            sha256=hashlib.sha256(contents).hexdigest(),
+        )
+    except ModelError as error:
+        raise ModelError(f"{path}: {problem}" for problem in error.problems) from None
+
+
+def _model(
+    data: dict[str, Any],
+    *,
+    need_stiffness: bool,
+    engines: Sequence[str],
+    title: str,
+    source: str,
+    sha256: str,
+) -> Model:
+    section = _checked(data)
+    problems: list[str] = []
+    blocks, places = _blocks(section, data, problems)
+    joint, between = _laws(section, blocks, need_stiffness, problems)
+    engine = section.analysis.engine
+    if engine not in engines:
+        problems.append(
+            f"analysis.engine: there is no engine {quoted(engine)}: {suggestion(engine, engines)}"
+        )
+    if problems:
+        raise ModelError(problems)
+    return make_model(
+        blocks,
+        joint=joint,
+        joint_between=between,
+        corner=Corner(radius=section.corner.radius or None, chamfer=section.corner.chamfer or None),
+        thickness=section.thickness,
+        load_direction=section.load.direction,
+        control_block=section.control.block,
+        control_point=section.control.point,
+        control_direction=section.control.direction,
+        analysis=Analysis(
+            engine=engine,
+            strategy=section.analysis.strategy,
+            stop_multiplier=section.analysis.stop_multiplier,
+            options=section.analysis.options,
+        ),
+        title=title if section.title is None else section.title,
+        source=source,
+        sha256=sha256,
+        place=lambda i: places[i],
+    )
+
+
+def _checked(data: dict[str, Any]) -> ModelSection:
+    """The file's keys, types and ranges."""
+    if data.get("dimension") == 3 and not isinstance(data["dimension"], bool):
+        raise ModelError(["dimension: this version reads two dimensions only: set dimension = 2"])
+    try:
+        return ModelSection.model_validate(data)
+    except ValidationError as error:
+        raise ModelError(sentences(error, data)) from None
+
+
+def _blocks(
+    section: ModelSection, data: dict[str, Any], problems: list[str]
+) -> tuple[list[Block], list[str]]:
+    """Blocks of [wall] and then of [[block]], and the place of each in the file."""
+    unit_weights = {
+        name: material.density * GRAVITY if material.unit_weight is None else material.unit_weight
+        for name, material in section.material.items()
+    }
+
+    def material_of(name: str | None, place: str) -> str:
+        known = list(unit_weights)
+        if name is None:
+            if len(known) > 1:
+                problems.append(f"{place} is missing: with several materials, name one of them")
+            return known[0]
+        if name not in unit_weights:
+            problems.append(
+                f"{place}: there is no material {quoted(name)}: {suggestion(name, known)}"
+            )
+            return known[0]
+        return name
+
+    blocks, places = [], []
+    if section.wall:
+        wall = section.wall
+        material = material_of(wall.material, "wall.material")
+        blocks = coursed_wall(
+            unit=wall.unit,
+            courses=wall.courses,
+            repeat=wall.repeat,
+            base=wall.base,
+            origin=wall.origin,
+            unit_weight=unit_weights[material],
+            material=material,
+        )
+        places = [f"wall block {quoted(block.id)}" for block in blocks]
+    for i, block in enumerate(section.block):
+        place = place_of(("block", i), data)
+        material = material_of(block.material, f"{place} material")
+        places.append(place)
+        blocks.append(
+            Block(
+                id=block.id,
+                vertices=np.array(block.vertices, dtype=np.float64).reshape(-1, 2),
+                unit_weight=unit_weights[material],
+                material=material,
+                support=block.support,
+            )
+        )
+    return blocks, places
+
+
+def _laws(
+    section: ModelSection, blocks: Sequence[Block], need_stiffness: bool, problems: list[str]
+) -> tuple[JointLaw, dict[frozenset[str], JointLaw]]:
+    """The law of every joint, and the exceptions by pair."""
+    given = _given(section.joint)
+    joint = JointLaw(**{"normal_stiffness": None, "shear_stiffness": None, **given})
+    if need_stiffness:
+        problems.extend(
+            f"joint: {key} is missing: add it in Pa/m, a stiffness per area, as in {key} = 1e8"
+            for key in ("normal_stiffness", "shear_stiffness")
+            if getattr(joint, key) is None
+        )
+    ids = {block.id for block in blocks}
+    in_use = ids | {block.material for block in blocks}
+    between: dict[frozenset[str], JointLaw] = {}
+    for key, exception in section.joint.between.items():
+        place = place_of(("joint", "between", key), {})
+        try:
+            names = pair_named(key, ids, set(section.material))
+        except ModelError as error:
+            problems.extend(f"{place}: {problem}" for problem in error.problems)
+            continue
+        if names in between:
+            problems.append(f"{place}: this pair has a law already: take one of the two out")
+        law = JointLaw(**{**vars(joint), **_given(exception)})
+        problems.extend(f"{place}.{problem}" for problem in law_problems(law))
+        between[names] = law
+    # A file may hold the laws of materials that this wall is not made of.
+    return joint, {names: law for names, law in between.items() if names <= in_use}
+
+
+def _given(section: ExceptionSection) -> dict[str, float]:
+    values = {key: getattr(section, key) for key in _LAW_KEYS}
+    return {key: float(value) for key, value in values.items() if value is not None}
+
+
+def pair_named(key: str, ids: set[str], materials: set[str]) -> frozenset[str]:
+    """The two block ids, or the two materials, that ``key`` names with a space between them.
+
+    Names may hold spaces themselves, as long as only one way of reading the key makes sense.
+    """
+    words = key.split(" ")
+    readings = [(" ".join(words[:k]), " ".join(words[k:])) for k in range(1, len(words))]
+    fitting = {
+        frozenset(names)
+        for names in readings
+        if (names[0] != names[1] and ids.issuperset(names)) or materials.issuperset(names)
+    }
+    if len(fitting) == 1:
+        return fitting.pop()
+    if fitting:
+        raise ModelError(["can be read as more than one pair: rename one of them without spaces"])
+    if len(readings) != 1:
+        raise ModelError(['must name two blocks or two materials that exist, as in "a b"'])
+    known = sorted(materials) + sorted(ids)
+    unknown = [name for name in dict.fromkeys(readings[0]) if name not in ids | materials]
+    if unknown:
+        raise ModelError(
+            f"there is no block or material {quoted(name)}: {suggestion(name, known)}"
+            for name in unknown
+        )
+    if readings[0][0] == readings[0][1]:
+        raise ModelError(["names the same block twice: name the two blocks that meet"])
+    raise ModelError(["names a block and a material: name two blocks or two materials"])

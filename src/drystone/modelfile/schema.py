@@ -1,0 +1,217 @@
+"""The keys of a model file, their types and ranges.  What they mean together is for `read`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, model_validator
+from pydantic_core import PydanticCustomError
+
+from drystone.builders.control import NAMED_POINTS
+from drystone.builders.wall import course_problem
+from drystone.builders.words import quoted, suggestion
+from drystone.model import Analysis
+
+#: Beyond these a number is a slip of the pen, and its square may not be a number any more.
+LARGEST = 1e30
+FURTHEST = 1e6  # m
+
+#: Keys of [analysis] that strategies and engines take as numerical settings.
+OPTION_NAMES = (
+    "increment",
+    "overshoot",
+    "balance_tolerance",
+    "patience",
+    "displacement_step",
+    "time_step",
+    "max_steps",
+    "max_displacement",
+    "mechanism_displacement",
+)
+
+
+def sentence(text: str) -> PydanticCustomError:
+    """An error whose message goes to the user as it stands."""
+    return PydanticCustomError("sentence", "{text}", {"text": text})
+
+
+def _direction(value: list[float]) -> list[float]:
+    if not any(value):
+        raise sentence("has no length: give a direction, as in [1.0, 0.0]")
+    return value
+
+
+def _name(value: str) -> str:
+    if not value.strip() or not value.isprintable():
+        raise sentence("must be a name of printable letters on one line")
+    return value
+
+
+def _course(value: str) -> str:
+    problem = course_problem(value)
+    if problem:
+        raise sentence(problem)
+    return value
+
+
+def _point(value: Any) -> str | list[float]:
+    if isinstance(value, str):
+        if value not in NAMED_POINTS:
+            mend = suggestion(value, list(NAMED_POINTS))
+            raise sentence(f"there is no point {quoted(value)}: {mend}")
+        return value
+    numbers = value if isinstance(value, list) else []
+    numbers = [x for x in numbers if isinstance(x, int | float) and not isinstance(x, bool)]
+    if len(numbers) != 2 or numbers != value or not all(abs(x) <= FURTHEST for x in numbers):
+        raise sentence('must be [x, y] in metres, or one of "' + '", "'.join(NAMED_POINTS) + '"')
+    return [float(x) for x in numbers]
+
+
+Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
+Positive = Annotated[float, Field(gt=0.0, le=LARGEST)]
+NotNegative = Annotated[float, Field(ge=0.0, le=LARGEST)]
+Length = Annotated[float, Field(gt=0.0, le=FURTHEST)]
+Coordinate = Annotated[float, Field(ge=-FURTHEST, le=FURTHEST)]
+Place = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
+Direction = Annotated[list[Number], Field(min_length=2, max_length=2), AfterValidator(_direction)]
+Name = Annotated[str, AfterValidator(_name)]
+Course = Annotated[str, AfterValidator(_course)]
+
+
+class Section(BaseModel):
+    """A table of the file: no unknown keys, no text for numbers, no infinities.
+
+    A field's description is what a message adds when the key is missing.
+    """
+
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
+
+
+class MaterialSection(Section):
+    """[material.NAME]"""
+
+    unit_weight: Positive | None = None  # N/m3
+    density: Positive | None = None  # kg/m3
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> MaterialSection:
+        if (self.unit_weight is None) == (self.density is None):
+            has = "neither {} nor {}" if self.unit_weight is None else "both {} and {}"
+            keys = has.format("unit_weight [N/m3]", "density [kg/m3]")
+            raise sentence(f"has {keys}: give one of them")
+        return self
+
+
+class ExceptionSection(Section):
+    """[joint.between."a b"]: what it leaves out is taken from [joint]."""
+
+    friction_coefficient: NotNegative | None = None  # -
+    normal_stiffness: Positive | None = None  # Pa/m
+    shear_stiffness: Positive | None = None  # Pa/m
+    dilatancy_angle: Annotated[float, Field(ge=0.0, lt=90.0)] | None = None  # degrees
+    cohesion: NotNegative | None = None  # Pa
+    tensile_strength: NotNegative | None = None  # Pa
+
+
+class JointSection(ExceptionSection):
+    """[joint]; the stiffnesses may be left out where only limit analysis is asked for."""
+
+    friction_coefficient: NotNegative = Field(
+        description="the tangent of the friction angle, as in friction_coefficient = 0.65"
+    )
+    between: dict[Name, ExceptionSection] = {}
+
+
+class CornerSection(Section):
+    """[corner]; with neither key corners are sharp."""
+
+    radius: NotNegative | None = None  # m
+    chamfer: NotNegative | None = None  # m
+
+    @model_validator(mode="after")
+    def _not_both(self) -> CornerSection:
+        if self.radius is not None and self.chamfer is not None:
+            raise sentence("has both radius and chamfer: leave one of them out")
+        return self
+
+
+class BlockSection(Section):
+    """[[block]]"""
+
+    id: Name = Field(description='a name of its own, as in id = "b1"')
+    vertices: list[Place] = Field(description="[x, y] pairs in metres, counter-clockwise, convex")
+    material: str | None = None
+    support: bool = False
+
+
+class WallSection(Section):
+    """[wall]"""
+
+    unit: Annotated[list[Length], Field(min_length=2, max_length=2)] = Field(
+        description="[length, height] of a whole unit in metres"
+    )
+    courses: Annotated[list[Course], Field(min_length=1)] = Field(
+        description='bottom to top, as in courses = ["h1111h", "11111"]'
+    )
+    repeat: Annotated[int, Field(ge=1, le=10_000)] = 1
+    base: bool = False
+    origin: Place = [0.0, 0.0]
+    material: str | None = None
+
+
+class LoadSection(Section):
+    """[load]"""
+
+    pattern: Literal["mass"] = Field(
+        description='pattern = "mass" loads each block in proportion to its weight'
+    )
+    direction: Direction = Field(description="as in direction = [1.0, 0.0]")
+
+
+class ControlSection(Section):
+    """[control]; every key has a default, see `builders.control.choose_control_point`."""
+
+    block: str | None = None
+    point: Annotated[Any, PlainValidator(_point)] = None
+    direction: Direction | None = None
+
+
+class AnalysisSection(Section):
+    """[analysis]"""
+
+    engine: str = Analysis.engine
+    strategy: Literal["displacement", "published"] = Analysis.strategy
+    stop_multiplier: Positive = Analysis.stop_multiplier
+    increment: Positive | None = None
+    overshoot: Annotated[float, Field(ge=1.0, le=LARGEST)] | None = None
+    balance_tolerance: Positive | None = None
+    patience: Positive | None = None
+    displacement_step: Positive | None = None  # m
+    time_step: Positive | None = None  # s
+    max_steps: Positive | None = None
+    max_displacement: Positive | None = None  # m
+    mechanism_displacement: Positive | None = None  # m
+
+    @property
+    def options(self) -> dict[str, float]:
+        """The numerical settings that the file gives."""
+        given = {name: getattr(self, name) for name in OPTION_NAMES}
+        return {name: float(value) for name, value in given.items() if value is not None}
+
+
+class ModelSection(Section):
+    """The whole file."""
+
+    title: str | None = None
+    dimension: Literal[2] = Field(description="dimension = 2")
+    thickness: Length = Field(description="out of plane, in metres, as in thickness = 1.0")
+    material: Annotated[dict[Name, MaterialSection], Field(min_length=1)] = Field(
+        description="a table as [material.stone] with its unit_weight in N/m3"
+    )
+    joint: JointSection = Field(description="a table [joint] with friction and stiffnesses")
+    corner: CornerSection = CornerSection()
+    block: list[BlockSection] = []
+    wall: WallSection | None = None
+    load: LoadSection = Field(description="a table [load] with pattern and direction")
+    control: ControlSection = ControlSection()
+    analysis: AnalysisSection = AnalysisSection()

@@ -1,0 +1,293 @@
+"""The capacity curve as a picture: load multiplier against control displacement."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.curve import DYNAMIC, CapacityCurve
+from drystone.report import canvas
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+#: Label, control displacement [m], load multiplier.
+Reference = tuple[str, Array, Array]
+Labelled = Sequence[tuple[str, CapacityCurve]]
+
+#: Curves that end below this control displacement [m] are drawn in millimetres.
+MILLIMETRES_BELOW = 0.05
+#: A peak nearer to the origin than this share of the curve gets a second panel of its own.
+STEEP = 0.1
+#: Dynamic points marked on one curve, about: more would run into each other.
+MOST_MARKERS = 60
+BACKING = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
+DISPLACEMENT, MULTIPLIER = "control displacement $δ_c$", "load multiplier $λ$ [-]"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unit:
+    """Unit of the displacement axis."""
+
+    name: str
+    per_metre: float
+
+
+METRE, MILLIMETRE = Unit(name="m", per_metre=1.0), Unit(name="mm", per_metre=1e3)
+
+
+def draw_curve(
+    curves: CapacityCurve | Labelled,
+    path: Path | str,
+    *,
+    reference: Sequence[Reference] = (),
+    limits: Mapping[str, float] | None = None,
+    title: str = "",
+) -> None:
+    """Write ``curve.png``.
+
+    Parameters
+    ----------
+    curves
+        One curve, or several with their labels.
+    path
+        PNG file to write.
+    reference
+        Recorded curves to compare with.
+    limits
+        Multipliers of limit analysis by label, drawn as horizontal lines.
+    title
+        Above the picture.
+    """
+    labelled = [("", curves)] if isinstance(curves, CapacityCurve) else list(curves)
+    labelled = [(label, curve) for label, curve in labelled if curve.points]
+    unit = _unit(labelled, reference)
+    furthest = max((_furthest(curve) for _, curve in labelled), default=0.0)
+    peak_at = max((curve.peak.control_displacement for _, curve in labelled), default=0.0)
+    steep = 0.0 < peak_at < STEEP * furthest
+
+    figure = canvas.new_figure(10.0 if steep else 7.5, 5.4)
+    if title:
+        figure.suptitle(title, fontsize=12)
+    panels = (
+        figure.subplots(1, 2, width_ratios=(2.3, 1.0), sharey=True)
+        if steep
+        else [figure.subplots()]
+    )
+    plot_curves(panels[0], labelled, unit=unit, reference=reference, limits=limits)
+    handles, labels = panels[0].get_legend_handles_labels()
+    if steep:
+        plot_curves(
+            panels[1], labelled, unit=MILLIMETRE, reference=reference, limits=limits, marks=False
+        )
+        panels[1].set_xlim(0.0, 4.0 * peak_at * MILLIMETRE.per_metre)
+        panels[1].set_title("ascending branch and peak", fontsize=9)
+        panels[1].set_ylabel("")
+    if labels:
+        figure.legend(
+            handles, labels, loc="outside lower center", ncols=3, fontsize=9, frameon=False
+        )
+    canvas.save(figure, path)
+
+
+def plot_curves(
+    axes: Axes,
+    curves: Labelled,
+    *,
+    unit: Unit = METRE,
+    reference: Sequence[Reference] = (),
+    limits: Mapping[str, float] | None = None,
+    marks: bool = True,
+    branches: bool = True,
+) -> None:
+    """Draw labelled curves on given axes.
+
+    A single curve has its peak and end written beside it (``marks``) and its two branches told
+    apart (``branches``).
+    """
+    branches = branches and len(curves) == 1
+    canvas.plain_axes(axes)
+    if branches:
+        _plot_branches(axes, curves[0][1], unit)
+    for i, (label, curve) in enumerate(curves):
+        if not branches:
+            _plot_whole(axes, label, curve, unit, i)
+    _plot_dynamic(axes, [curve for _, curve in curves], unit)
+    for i, (label, x, y) in enumerate(reference):
+        grey = ("#6f6f6f", "#a0a0a0", "#404040")[i % 3]
+        axes.plot(
+            x * unit.per_metre, y, color=grey, linewidth=1.0, linestyle=":", label=label, zorder=2
+        )
+    for i, (label, multiplier) in enumerate((limits or {}).items()):
+        style = ("--", "-.", ":")[i % 3]
+        axes.axhline(
+            multiplier,
+            color=canvas.FAINT,
+            linewidth=1.0,
+            linestyle=style,
+            label=f"{label}: {multiplier:.3f}",
+            zorder=1,
+        )
+    if marks and len(curves) == 1:
+        _mark_peak(axes, curves[0][1], unit)
+        _mark_end(axes, curves[0][1], unit)
+    axes.set_xlabel(f"{DISPLACEMENT} [{unit.name}]")
+    axes.set_ylabel(MULTIPLIER)
+    axes.margins(x=0.02, y=0.04)
+    left, right = axes.get_xlim()
+    bottom, top = axes.get_ylim()
+    # A curve fills the axes; its marks need room above the peak and after the end.
+    beside = 0.16 * (right - left) if marks and len(curves) == 1 else 0.0
+    above = 0.06 * (top - bottom) if marks and len(curves) == 1 else 0.0
+    axes.set_xlim(0.0 if _never_negative(curves, "control_displacement") else left, right + beside)
+    axes.set_ylim(0.0 if _never_negative(curves, "load_multiplier") else bottom, top + above)
+
+
+def _plot_branches(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
+    """One curve: up to the peak and after it in two colours of different darkness."""
+    x, y = _static(curve, unit)
+    top = curve.points.index(curve.peak)
+    style: dict[str, Any] = {"linewidth": 2.0, "solid_capstyle": "round", "zorder": 4}
+    axes.plot(
+        x[: top + 1], y[: top + 1], color=canvas.CURVE_COLOURS[0], label="ascending branch", **style
+    )
+    if top + 1 < len(x):
+        axes.plot(
+            x[top:], y[top:], color=canvas.CURVE_COLOURS[1], label="post-peak branch", **style
+        )
+
+
+def _plot_whole(axes: Axes, label: str, curve: CapacityCurve, unit: Unit, i: int) -> None:
+    """One curve of several: its own colour and line style, its values in the legend."""
+    x, y = _static(curve, unit)
+    peak = curve.peak
+    colour = canvas.CURVE_COLOURS[i % len(canvas.CURVE_COLOURS)]
+    style = canvas.CURVE_STYLES[i % len(canvas.CURVE_STYLES)]
+    text = f"{label}: peak {peak.load_multiplier:.3f}"
+    if curve.ultimate_displacement is not None:
+        text += f", {curve.ultimate_displacement:.3f} m at {curve.stop_multiplier:g}"
+    axes.plot(x, y, color=colour, linestyle=style, linewidth=1.6, label=text, zorder=4)
+    axes.plot(
+        peak.control_displacement * unit.per_metre,
+        peak.load_multiplier,
+        "o",
+        color=colour,
+        markersize=5,
+        zorder=5,
+    )
+
+
+def _plot_dynamic(axes: Axes, curves: Sequence[CapacityCurve], unit: Unit) -> None:
+    """Points on the way of a jump: hollow, on a grey dashed line, with their static neighbours."""
+    label: str | None = "dynamic: between states at rest"
+    for curve in curves:
+        dynamic = curve.column("status") == DYNAMIC
+        if not dynamic.any():
+            continue
+        near = dynamic.copy()
+        near[1:] |= dynamic[:-1]
+        near[:-1] |= dynamic[1:]
+        x, y = curve.control_displacement * unit.per_metre, curve.load_multiplier
+        axes.plot(
+            np.where(near, x, np.nan),
+            y,
+            color=canvas.FAINT,
+            linewidth=1.0,
+            linestyle="--",
+            zorder=3,
+        )
+        every = max(1, int(dynamic.sum()) // MOST_MARKERS)
+        axes.plot(
+            x[dynamic][::every],
+            y[dynamic][::every],
+            "o",
+            markersize=4,
+            markerfacecolor="white",
+            markeredgecolor=canvas.FAINT,
+            linestyle="none",
+            label=label,
+            zorder=3,
+        )
+        label = None  # once in the legend
+
+
+def _mark_peak(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
+    peak = curve.peak
+    x = peak.control_displacement * unit.per_metre
+    axes.plot(x, peak.load_multiplier, "o", color=canvas.INK, markersize=6, zorder=6, label="peak")
+    axes.annotate(
+        f"peak  $λ$ = {peak.load_multiplier:.3f}  at  {_length(peak.control_displacement)}",
+        (x, peak.load_multiplier),
+        xytext=(8, 8),
+        textcoords="offset points",
+        fontsize=10,
+        bbox=BACKING,
+        zorder=7,
+    )
+
+
+def _mark_end(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
+    """The ultimate displacement, or where and why the curve breaks off before."""
+    ultimate = curve.ultimate_displacement
+    if ultimate is not None:
+        x, y = ultimate * unit.per_metre, curve.stop_multiplier
+        text, label = f"{_length(ultimate)}\nat $λ$ = {y:g}", "ultimate displacement"
+        marker, face = "D", canvas.INK
+    else:
+        last = curve.points[-1]
+        x, y = last.control_displacement * unit.per_metre, last.load_multiplier
+        text, label = f"ends at\n{_length(last.control_displacement)}", f"curve {curve.status}"
+        marker, face = "X", canvas.CURVE_COLOURS[1]
+    axes.plot(
+        x,
+        y,
+        marker,
+        color=face,
+        markersize=6,
+        linestyle="none",
+        label=label,
+        zorder=6,
+        clip_on=False,
+    )
+    axes.annotate(
+        text,
+        (x, y),
+        xytext=(9, 4),
+        textcoords="offset points",
+        fontsize=10,
+        bbox=BACKING,
+        zorder=7,
+    )
+
+
+def _static(curve: CapacityCurve, unit: Unit) -> tuple[Array, Array]:
+    """The curve with its dynamic points taken out, so that the line breaks there."""
+    static = curve.column("status") != DYNAMIC
+    return curve.control_displacement * unit.per_metre, np.where(
+        static, curve.load_multiplier, np.nan
+    )
+
+
+def _furthest(curve: CapacityCurve) -> float:
+    return float(np.nanmax(np.abs(curve.control_displacement)))
+
+
+def _unit(curves: Labelled, reference: Sequence[Reference]) -> Unit:
+    reach = [_furthest(curve) for _, curve in curves] + [float(np.max(x)) for _, x, _ in reference]
+    return MILLIMETRE if max(reach, default=1.0) < MILLIMETRES_BELOW else METRE
+
+
+def _length(metres: float) -> str:
+    return f"{metres:.3f} m" if abs(metres) >= MILLIMETRES_BELOW else f"{metres * 1e3:.2f} mm"
+
+
+def _never_negative(curves: Labelled, name: str) -> bool:
+    """Whether a quantity stays above zero but for noise of a thousandth of its range."""
+    values = np.concatenate([curve.column(name) for _, curve in curves]) if curves else np.zeros(1)
+    return bool(np.nanmin(values) >= -1e-3 * np.nanmax(np.abs(values)))

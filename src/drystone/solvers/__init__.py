@@ -1,0 +1,1 @@
+"""Solvers of the equations of a step: they see arrays, not models."""

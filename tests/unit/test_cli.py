@@ -1,0 +1,416 @@
+"""The command line, with a made-up analysis in place of the engines."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+import types
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import synthetic
+from typer.testing import CliRunner
+
+from drystone.benchmark import benchmark
+from drystone.builders.errors import ModelError
+from drystone.cli import app
+from drystone.commands.forecast import Forecast
+from drystone.commands.progress import Bar, Lines, clock_time, progress_for
+from drystone.engines.base import EngineError, UnstableError
+from drystone.export.benchmark import recorded_curves
+
+#: Modules that take long to load, which help and version must not wait for.
+HEAVY = ("numpy", "scipy", "numba", "h5py", "matplotlib", "pydantic", "rich.progress")
+
+
+@pytest.fixture
+def analysis(monkeypatch):
+    """Sets what stands in for the pushover analysis."""
+
+    def use(function):
+        module = types.SimpleNamespace(pushover=function)
+        monkeypatch.setitem(sys.modules, "drystone.pushover", module)
+
+    use(synthetic.pushover)
+    return use
+
+
+@pytest.fixture
+def reads(monkeypatch):
+    """Sets what stands in for the reader of model files."""
+
+    def use(function):
+        monkeypatch.setattr("drystone.modelfile.read_model", function)
+
+    use(lambda path, **_: synthetic.wall_model(source=str(path)))
+    return use
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def drystone(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def failing(error):
+    def function(*_, **__):
+        raise error
+
+    return function
+
+
+# run
+
+
+def test_run_writes_the_folder_and_says_the_peak(here, analysis, reads):
+    result = drystone("run", "wall.toml")
+    assert result.exit_code == 0
+    assert "0.5000 at 0.00200 m" in result.stdout and "wall-results/" in result.stdout
+    assert (here / "wall-results/summary.json").is_file()
+    assert result.stderr == ""  # too short for a line of progress
+
+
+def test_run_as_json_prints_the_summary_and_nothing_else(here, analysis, reads):
+    result = drystone("run", "wall.toml", "--json", "--quiet", "--out", "deep/er")
+    printed = json.loads(result.stdout)
+    written = json.loads((here / "deep/er/summary.json").read_text())
+    assert printed == {**written, "directory": "deep/er"}
+
+
+def test_run_hands_its_options_on(here, analysis, reads):
+    given = {}
+
+    def pushover(model, **options):
+        given.update(options)
+        return synthetic.pushover(model, **options)
+
+    analysis(pushover)
+    arguments = ("--engine", "distinct", "--strategy", "published", "--mechanism-at", "0.1")
+    assert drystone("run", "wall.toml", *arguments).exit_code == 0
+    assert (given["engine"], given["strategy"]) == ("distinct", "published")
+    assert json.loads((here / "wall-results/summary.json").read_text())["engine"] == "distinct"
+
+    drystone("run", "wall.toml")
+    assert given["engine"] is None and given["strategy"] is None  # what the model says
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("run",),
+        ("run", "a.toml", "b.toml"),
+        ("run", "a.toml", "--strategy", "brute"),
+        ("run", "a.toml", "--mechanism-at", "-1"),
+        ("run", "a.toml", "--mechanism-at", "nan"),
+        ("benchmark", "--wall", "4"),
+        ("benchmark", "--reference", "nowhere"),
+        ("fly",),
+    ],
+)
+def test_a_wrong_command_line_exits_with_2(here, arguments):
+    result = drystone(*arguments)
+    assert result.exit_code == 2 and result.stderr and not result.stdout
+    assert list(here.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        EngineError("there is no engine fast: take nscd"),
+        UnstableError("block b1 falls"),
+        OSError(13, "Permission denied", "wall.toml"),
+    ],
+)
+@pytest.mark.parametrize("as_json", [False, True])
+def test_an_analysis_that_cannot_begin_exits_with_2(here, analysis, reads, error, as_json):
+    analysis(failing(error))
+    result = drystone("run", "wall.toml", *(["--json"] if as_json else []))
+    sentence = str(error) if isinstance(error, EngineError) else "wall.toml: Permission denied"
+    assert result.exit_code == 2
+    assert result.stderr == f"drystone: {sentence}\n"
+    assert list(here.iterdir()) == []
+    if as_json:
+        assert json.loads(result.stdout)["problems"] == [sentence]
+    else:
+        assert result.stdout == ""
+
+
+def test_a_wrong_model_exits_with_2_and_every_sentence(here, analysis, reads):
+    reads(failing(ModelError(["wall.toml: joint: one", "wall.toml: load: two"])))
+    result = drystone("run", "wall.toml")
+    assert result.exit_code == 2
+    assert result.stderr.splitlines() == [
+        "drystone: wall.toml: joint: one",
+        "drystone: wall.toml: load: two",
+    ]
+
+
+def test_a_folder_that_cannot_be_written_exits_with_2_before_the_analysis(here, analysis, reads):
+    analysis(failing(AssertionError("the analysis ran")))
+    (here / "file").write_text("")
+    result = drystone("run", "wall.toml", "--out", "file")
+    assert result.exit_code == 2 and "file is a file" in result.stderr
+
+
+def test_an_analysis_that_stops_exits_with_3_and_keeps_what_it_has(here, analysis, reads):
+    analysis(lambda model, **options: synthetic.pushover(model, status="stopped", **options))
+    result = drystone("run", "wall.toml", "--json")
+    assert result.exit_code == 3 and "drystone: stopped: Made up." in result.stderr
+    assert json.loads(result.stdout)["status"] == "stopped"
+    assert (here / "wall-results/curve.png").is_file()
+
+
+def test_an_error_on_the_way_exits_with_3(here, analysis, reads):
+    def breaks(model, **options):
+        synthetic.pushover(model, **options)
+        raise EngineError("the helper program died")
+
+    analysis(breaks)
+    result = drystone("run", "wall.toml")
+    assert result.exit_code == 3 and result.stderr == "drystone: the helper program died\n"
+
+
+def test_a_fault_of_the_program_is_not_hidden(here, analysis, reads):
+    analysis(failing(ZeroDivisionError()))
+    assert isinstance(drystone("run", "wall.toml").exception, ZeroDivisionError)
+
+
+def test_interruption_before_the_first_point_leaves_nothing(here, analysis, reads):
+    for function in (
+        failing(KeyboardInterrupt()),
+        lambda model, **_: replace(synthetic.curve(status="interrupted"), points=()),
+    ):
+        analysis(function)
+        result = drystone("run", "wall.toml")
+        assert result.exit_code == 130 and "nothing was written" in result.stderr
+        assert list(here.iterdir()) == []
+
+
+def test_control_c_leaves_a_valid_folder(tmp_path):
+    """In a process of its own, by the signal that the keys send."""
+    code = (
+        "import signal, sys, time, types, synthetic\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "def pushover(model, *, progress, **options):\n"
+        "    def slowly(point):\n"
+        "        progress(point)\n"
+        "        if point.step == 20: open(sys.argv[1] + '/ready', 'w').close()\n"
+        "        time.sleep(0.0 if point.step < 20 else 0.1)\n"
+        "    return synthetic.pushover(model, progress=slowly, **options)\n"
+        "sys.modules['drystone.pushover'] = types.SimpleNamespace(pushover=pushover)\n"
+        "import drystone.modelfile as m; m.read_model = lambda p, **_: synthetic.wall_model()\n"
+        "from drystone.cli import app\n"
+        "app(['run', 'wall.toml', '--json', '--out', sys.argv[1] + '/out'])\n"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", code, str(tmp_path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=synthetic.environment(),
+    ) as child:
+        deadline = time.monotonic() + 60
+        while not (tmp_path / "ready").exists() and time.monotonic() < deadline:
+            time.sleep(0.01)
+        child.send_signal(signal.SIGINT)
+        out, err = child.communicate(timeout=60)
+    assert child.returncode == 130, err.decode()
+    assert json.loads(out)["status"] == "interrupted"
+    assert 20 <= json.loads(out)["n_steps"] < 59
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        *("summary.json", "curve.csv", "curve.png", "mechanism.png", "results.h5", "paraview")
+    }
+    assert b"Traceback" not in err
+
+
+# check
+
+
+def test_check_counts(here, reads):
+    result = drystone("check", "wall.toml", "--json")
+    found = json.loads(result.stdout)
+    assert result.exit_code == 0 and found["problems"] == []
+    # Twelve blocks; 3 pairs with the base, 5 between two courses, 2 in each course.
+    assert (found["n_blocks"], found["n_supports"], found["n_joints"]) == (12, 1, 3 + 15 + 8)
+    assert found["n_contacts"] == 2 * found["n_joints"]
+    assert found["weight"] == pytest.approx(1.0 * 0.7 * 10e3)  # 1 m x 0.7 m x 1 m of 10 kN/m3
+    text = drystone("check", "wall.toml").stdout
+    assert "7 kN" in text and "A made-up wall" in text
+
+
+def test_check_lists_what_is_wrong(here, reads):
+    problems = [f"wall.toml: block {i}: wrong" for i in range(30)]
+    reads(failing(ModelError(problems)))
+    result = drystone("check", "wall.toml", "--json")
+    found = json.loads(result.stdout)
+    assert result.exit_code == 2 and found["problems"] == problems
+    assert found["n_blocks"] is None and found["weight"] is None
+    assert len(result.stderr.splitlines()) == 21 and "and 10 more" in result.stderr
+
+
+def test_check_of_a_file_that_is_not_there(here):
+    result = drystone("check", "nowhere.toml")
+    assert result.exit_code == 2 and "nowhere.toml" in result.stderr
+
+
+# benchmark
+
+
+def test_benchmark_sets_ours_beside_the_published(here, analysis):
+    result = drystone("benchmark", "--engine", "nscd", "--engine", "distinct", "--out", "b")
+    assert result.exit_code == 0, result.stderr
+    lines = result.stdout.splitlines()
+    assert len(lines) == 2 + 6 + 1
+    first = lines[2].split()
+    # Table 1 of the paper, and what synthetic.pushover has.
+    assert first[:5] == ["1", "0.643", "0.579", "0.574", "+0.87"]
+    assert first[5:10] == ["nscd", "0.500", "0.00", "0.449", "0.392"]
+    names = {path.name for path in (here / "b").iterdir()}
+    assert {"benchmark.json", "benchmark.csv", "wall1.png", "wall2.png", "wall3.png"} <= names
+    assert (here / "b/wall2-distinct/curve.csv").is_file()
+
+
+def test_benchmark_as_json(here, analysis):
+    result = drystone("benchmark", "--wall", "3", "--json", "--quiet")
+    (row,) = json.loads(result.stdout)["rows"]
+    assert row["wall"] == 3 and row["spread"] is None and row["n_blocks"] == 46
+    assert row["ultimate_displacement_lmgc90"] == 0.591
+
+
+def test_benchmark_goes_on_without_an_engine_that_fails(here, analysis):
+    def some(model, *, engine, **options):
+        if engine == "lmgc90":
+            raise EngineError("lmgc90 is not installed")
+        return synthetic.pushover(model, engine=engine, **options)
+
+    analysis(some)
+    result = drystone("benchmark", "--wall", 1, "--engine", "lmgc90", "--engine", "nscd")
+    assert result.exit_code == 3
+    assert result.stderr == "drystone: wall 1, lmgc90: lmgc90 is not installed\n"
+    assert "0.500" in result.stdout
+
+    result = drystone("benchmark", "--wall", 1, "--engine", "lmgc90", "--out", "none")
+    assert result.exit_code == 2 and not (here / "none").exists()
+
+
+def test_benchmark_interrupted_keeps_what_it_has(here, analysis):
+    analysis(lambda model, **options: synthetic.pushover(model, status="interrupted", **options))
+    result = drystone("benchmark", "--json")
+    assert result.exit_code == 130
+    assert len(json.loads(result.stdout)["rows"]) == 1
+
+
+def test_spread_of_engines(analysis):
+    def scaled(model, *, engine, **options):
+        curve = synthetic.pushover(model, engine=engine, **options)
+        factor = {"a": 0.98, "b": 1.02}[engine]
+        points = [replace(p, load_multiplier=p.load_multiplier * factor) for p in curve.points]
+        return replace(curve, points=tuple(points))
+
+    analysis(scaled)
+    rows = benchmark(walls=[1], engines=["a", "b"]).rows
+    assert [row.spread for row in rows] == [pytest.approx(4.0)] * 2  # (1.02 - 0.98) / 1
+
+
+def test_recorded_curves(here, analysis):
+    (here / "wall1_udec.csv").write_text(
+        "control_displacement_m,applied_multiplier,carried_multiplier\n0,0,0\n0.1,0.4,0.3\n"
+    )
+    (here / "wall2_udec.csv").write_text("x,y\n0,0\n")
+    ((label, x, y),) = recorded_curves(here, 1)
+    assert label == "UDEC, recorded (carried)"
+    np.testing.assert_array_equal((x, y), ([0.0, 0.1], [0.0, 0.3]))
+    assert drystone("benchmark", "--wall", 1, "--reference", here).exit_code == 0
+    result = drystone("benchmark", "--wall", 2, "--reference", here)
+    assert result.exit_code == 2 and "wall2_udec.csv is not a recorded curve" in result.stderr
+
+
+# progress
+
+
+def test_forecast_of_a_straight_descent():
+    now = 0.0
+    forecast = Forecast(0.01, clock=lambda: now)
+    for step, multiplier in enumerate([0.0, 0.3, 0.51]):
+        forecast.update(synthetic.point(step, 0.001 * step, multiplier))
+        assert forecast.seconds_left is None  # the peak is not known yet
+    now = 2.0
+    forecast.update(synthetic.point(3, 0.1, 0.41))  # a fifth of the way from 0.51 to 0.01 in 2 s
+    assert forecast.share == pytest.approx(0.2)
+    assert forecast.seconds_left == pytest.approx(8.0)
+    forecast.update(synthetic.point(4, 0.1, 0.45))  # a local rise does not go back
+    assert forecast.share == pytest.approx(0.2)
+    now = 10.0
+    forecast.update(synthetic.point(5, 0.4, 0.005))
+    assert forecast.seconds_left == 0.0
+
+
+def test_lines_come_now_and_then(monkeypatch, capsys):
+    now = 0.0
+    monkeypatch.setattr("drystone.commands.progress.time.monotonic", lambda: now)
+    progress = progress_for("wall", 0.01, quiet=False)
+    assert isinstance(progress, Lines)  # what pytest captures is no terminal
+    for p in synthetic.points():
+        now += 1.0
+        progress(p)
+    captured = capsys.readouterr()
+    assert captured.out == "" and len(captured.err.splitlines()) == 6  # 60 points, one a second
+    assert "10 points" in captured.err.splitlines()[0]
+    assert "left" in captured.err.splitlines()[-1]
+
+
+def test_bar_stays_on_standard_error(monkeypatch, capsys):
+    with Bar("wall", Forecast(0.01)) as progress:
+        for p in synthetic.points():
+            progress(p)
+    assert capsys.readouterr().out == ""
+
+
+def test_quiet_shows_nothing(capsys):
+    with progress_for("wall", 0.01, quiet=True) as progress:
+        progress(synthetic.point(0, 0.0, 0.0))
+    assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(("seconds", "text"), [(5, "0:05"), (3599.6, "1:00:00"), (61, "1:01")])
+def test_clock_time(seconds, text):
+    assert clock_time(seconds) == text
+
+
+# start
+
+
+def test_help_and_version_load_nothing_heavy():
+    code = (
+        "import sys\nfrom drystone.cli import app\n"
+        "try: app(sys.argv[1:])\nexcept SystemExit as end: assert not end.code\n"
+        f"loaded = [name for name in {HEAVY!r} if name in sys.modules]; assert not loaded, loaded\n"
+    )
+    for arguments in (["--help"], ["run", "--help"], ["benchmark", "--help"], ["--version"]):
+        assert synthetic.python(code, *arguments).stdout
+
+
+def test_help_answers_at_once():
+    """In half a second; the best of three, as other work slows some."""
+    seconds = []
+    for _ in range(3):
+        start = time.perf_counter()
+        synthetic.python("from drystone.cli import app; app(['--help'])")
+        seconds.append(time.perf_counter() - start)
+    assert min(seconds) < 0.5
+
+
+def test_help_names_every_command():
+    result = drystone("--help")
+    assert result.exit_code == 0
+    for command in Path(__file__).parents[2].glob("src/drystone/commands/*.py"):
+        if f"def {command.stem}(" in command.read_text():
+            assert command.stem in result.stdout

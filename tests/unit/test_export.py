@@ -1,0 +1,374 @@
+"""Results as files: what is written is what was computed, and readers of others can read it."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import signal
+import subprocess
+import sys
+import time
+import xml.etree.ElementTree as ET
+from dataclasses import fields, replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import synthetic
+
+from drystone.contact.forces import ContactForces
+from drystone.curve import COLUMNS
+from drystone.export import hdf5
+from drystone.export.csv import LEADING, write_curve
+from drystone.export.directory import OutputError, ResultsDirectory, mechanism_row
+from drystone.export.hdf5 import ResultsReader, ResultsWriter
+from drystone.export.paraview import choose_frames
+from drystone.export.summary import plain, summarise, to_json
+
+FILES = {"summary.json", "curve.csv", "curve.png", "mechanism.png", "results.h5", "paraview"}
+PROMISED = {
+    *("engine", "status", "reason", "n_blocks", "n_steps", "peak_multiplier", "peak_displacement"),
+    *("ultimate_displacement", "max_residual", "max_penetration", "wall_time", "version"),
+    "model_sha256",
+}
+
+
+@pytest.fixture
+def model():
+    return synthetic.wall_model()
+
+
+@pytest.fixture
+def curve():
+    return synthetic.curve()
+
+
+@pytest.fixture
+def folder(tmp_path, model, curve):
+    """Of a whole analysis."""
+    synthetic.record(ResultsDirectory(tmp_path / "out"), model, curve)
+    return tmp_path / "out"
+
+
+# csv
+
+
+def test_curve_csv_gives_every_number_back(tmp_path):
+    third = replace(synthetic.point(1, 1 / 3, np.float64(0.1)), residual=math.nan)
+    curve = replace(synthetic.curve(), points=(synthetic.point(0, 0.0, 0.0), third))
+    write_curve(curve, tmp_path / "curve.csv")
+    with (tmp_path / "curve.csv").open(newline="") as file:
+        lines = list(csv.DictReader(file))
+    assert tuple(lines[0])[: len(LEADING)] == LEADING and set(lines[0]) == set(COLUMNS)
+    assert float(lines[1]["control_displacement"]) == 1 / 3
+    assert lines[1]["load_multiplier"] == "0.1"
+    assert math.isnan(float(lines[1]["residual"]))
+    assert (lines[1]["step"], lines[1]["status"]) == ("1", "static")
+
+
+# summary
+
+
+def test_summary_holds_what_is_promised(folder, model, curve):
+    summary = json.loads((folder / "summary.json").read_text())
+    assert set(summary) >= PROMISED
+    assert summary["n_blocks"] == 12 and summary["n_steps"] == len(curve.points) - 1
+    assert summary["peak_multiplier"] == curve.peak.load_multiplier
+    assert summary["ultimate_displacement"] == curve.ultimate_displacement
+    assert summary["peak"]["penetration"] == 1e-5
+    assert not (folder / "summary.json.part").exists()
+
+
+def test_summary_has_null_for_what_there_is_none_of(model):
+    points = tuple(replace(p, residual=math.nan) for p in synthetic.points(end=0.1))
+    summary = summarise(replace(synthetic.curve(), points=points), model)
+    assert summary["ultimate_displacement"] is None and summary["max_residual"] is None
+
+
+def test_json_takes_numpy_and_no_nan():
+    value = {"a": np.float64(math.inf), "b": np.arange(2), "c": (np.bool_(True), math.nan)}
+    assert plain(value) == {"a": None, "b": [0, 1], "c": [True, None]}
+    assert json.loads(to_json(value)) == plain(value)
+
+
+# HDF5
+
+
+def test_results_read_back_to_the_last_bit(folder, model, curve):
+    with ResultsReader(folder / "results.h5") as results:
+        assert results.points() == curve.points
+        assert results.attribute("status") == "finished"
+        for k in (0, 30, results.n_points - 1):
+            pose = synthetic.pose_at(model, curve.points[k].control_displacement)
+            np.testing.assert_array_equal(results.pose(k), pose)
+            expected = synthetic.contacts_at(model, pose)
+            found = results.contacts(k)
+            for field in fields(ContactForces):
+                np.testing.assert_array_equal(
+                    getattr(found, field.name), getattr(expected, field.name)
+                )
+
+
+def test_results_describe_themselves(tmp_path):
+    source = synthetic.write_model(tmp_path)
+    model = synthetic.wall_model(source=str(source))
+    ResultsWriter(tmp_path / "r.h5", model, "nscd", "displacement").close()
+    with h5py.File(tmp_path / "r.h5") as file:
+        assert file.attrs["model"] == source.read_text()
+        assert file.attrs["status"] == "running" and file.attrs["model_sha256"] == "0" * 64
+        assert file["blocks/id"].asstr()[:].tolist() == list(model.assembly.ids)
+        assert file["blocks/vertices"].attrs["unit"] == "m"
+        assert file["curve/penetration"].attrs["unit"] == "m"
+        assert file["contacts/normal_reaction"].attrs["unit"] == "N"
+
+
+def test_contacts_may_come_and_go(tmp_path, model):
+    """From one point to the next their number changes, also to none."""
+    full = synthetic.contacts_at(model, model.assembly.rest_pose())
+    none = ContactForces(**{f.name: getattr(full, f.name)[:0] for f in fields(ContactForces)})
+    writer = ResultsWriter(tmp_path / "r.h5", model, "nscd", "displacement")
+    for k, contacts in enumerate((none, full, none, full)):
+        writer.append(synthetic.point(k, 0.0, 0.0), model.assembly.rest_pose(), contacts)
+    writer.close()
+    with ResultsReader(tmp_path / "r.h5") as results:
+        assert [results.contacts(k).n_contacts for k in range(4)] == [0, 24, 0, 24]
+
+
+def test_large_assemblies_are_compressed(tmp_path, monkeypatch, model, curve):
+    monkeypatch.setattr(hdf5, "LARGE", 1)
+    synthetic.record(ResultsDirectory(tmp_path / "out"), model, curve)
+    with h5py.File(tmp_path / "out/results.h5") as file:
+        assert file["poses"].compression == "gzip"
+    with ResultsReader(tmp_path / "out/results.h5") as results:
+        assert results.points() == curve.points
+
+
+def test_much_data_does_not_wait_for_the_clock(tmp_path, monkeypatch, model):
+    monkeypatch.setattr(hdf5, "BYTES", 1)
+    writer = ResultsWriter(tmp_path / "r.h5", model, "nscd", "displacement")
+    pose = model.assembly.rest_pose()
+    writer.append(synthetic.point(0, 0.0, 0.0), pose, synthetic.contacts_at(model, pose))
+    with ResultsReader(tmp_path / "r.h5") as results:  # still open for writing
+        assert results.n_points == 1
+    writer.close()
+
+
+def test_killed_process_leaves_its_points(tmp_path):
+    """Killed without any chance to tidy up: what was flushed is there."""
+    code = (
+        "import sys, time, synthetic; from drystone.export import hdf5; hdf5.SECONDS = 0.0\n"
+        "from drystone.export.directory import ResultsDirectory\n"
+        "m = synthetic.wall_model(); d = ResultsDirectory(sys.argv[1]); d.begin(m, 'nscd', 'd')\n"
+        "for p in synthetic.points():\n"
+        "    pose = synthetic.pose_at(m, p.control_displacement)\n"
+        "    d.point(p, pose, synthetic.contacts_at(m, pose))\n"
+        "print('ready', flush=True); time.sleep(60)\n"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", code, str(tmp_path / "out")],
+        stdout=subprocess.PIPE,
+        env=synthetic.environment(),
+    ) as child:
+        assert child.stdout is not None and child.stdout.readline() == b"ready\n"
+        child.send_signal(signal.SIGKILL)
+    with ResultsReader(tmp_path / "out/results.h5") as results:
+        assert results.points() == tuple(synthetic.points())
+        assert results.attribute("status") == "running"
+
+
+def test_recording_costs_next_to_nothing(tmp_path):
+    """400 points of 35 blocks in less than 0.05 s; the best of five, as other work slows some."""
+    model = synthetic.wall_model(courses=7, units=4)
+    curve = synthetic.curve(400)
+    poses = [synthetic.pose_at(model, p.control_displacement) for p in curve.points]
+    contacts = [synthetic.contacts_at(model, pose) for pose in poses]
+    seconds = []
+    for _ in range(5):
+        start = time.perf_counter()
+        writer = ResultsWriter(tmp_path / "r.h5", model, "nscd", "displacement")
+        for point, pose, forces in zip(curve.points, poses, contacts, strict=True):
+            writer.append(point, pose, forces)
+        writer.close(curve)
+        seconds.append(time.perf_counter() - start)
+    assert min(seconds) < 0.05
+
+
+# ParaView
+
+
+def test_frames_are_even_in_displacement_not_in_step():
+    # Nine tenths of the points lie in the first tenth of the way.
+    x = np.concatenate((np.linspace(0.0, 0.1, 900), np.linspace(0.1, 1.0, 101)[1:]))
+    frames = choose_frames(x, keep=[17], count=11)
+    assert frames[0] == 0 and frames[-1] == len(x) - 1 and 17 in frames
+    rest = [row for row in frames if row != 17]
+    np.testing.assert_allclose(x[rest], np.linspace(0.0, 1.0, 11), atol=1e-2)  # spacing of x
+
+
+def test_frames_of_a_curve_that_turns_back():
+    x = np.array([0.0, 0.1, 0.2, 0.15, 0.2, 0.3, 0.25])
+    frames = choose_frames(x, keep=[2], count=100)
+    assert len(set(x[frames])) == len(frames)  # no two grids at one time
+    assert {0, 2, 6} <= set(frames) and frames == sorted(frames)
+
+
+@pytest.mark.parametrize("x", [[], [0.0], [0.0, 0.0], [0.0, 1e-9]])
+def test_frames_of_next_to_nothing(x):
+    frames = choose_frames(np.array(x))
+    assert frames == list(range(len(set(x))))
+
+
+def series(path: Path) -> list[tuple[float, str]]:
+    entries = ET.parse(path).getroot().iter("DataSet")
+    return [(float(e.attrib["timestep"]), e.attrib["file"]) for e in entries]
+
+
+def test_series_name_files_that_exist(folder, curve):
+    for name in ("blocks", "contacts"):
+        entries = series(folder / f"paraview/{name}.pvd")
+        assert all((folder / "paraview" / file).is_file() for _, file in entries)
+        times = [time for time, _ in entries]
+        assert times[0] == 0.0 and times[-1] == curve.points[-1].control_displacement
+        assert curve.peak.control_displacement in times
+
+
+def test_paraview_reads_the_blocks(folder, model, curve):
+    pyvista = pytest.importorskip("pyvista")
+    reader = pyvista.get_reader(folder / "paraview/blocks.pvd")
+    reader.set_active_time_value(reader.time_values[-1])
+    grid = reader.read()[0]
+    pose = synthetic.pose_at(model, curve.points[-1].control_displacement)
+    assert grid.n_cells == model.assembly.n_bodies
+    for i in range(grid.n_cells):
+        np.testing.assert_allclose(
+            grid.get_cell(i).points[:, :2], model.assembly.outline(i, pose), atol=1e-14
+        )
+    np.testing.assert_array_equal(grid["displacement"][:, :2], pose[:, :2])
+    np.testing.assert_array_equal(grid["rotation"], pose[:, 2])
+    assert grid["is_support"].tolist() == [1] + [0] * 12
+    assert grid["moving"].tolist() == [0] * 4 + [1] * 9
+    assert grid.field_data["load_multiplier"][0] == curve.points[-1].load_multiplier
+
+
+def test_paraview_reads_the_contacts(folder, model, curve):
+    pyvista = pytest.importorskip("pyvista")
+    file = series(folder / "paraview/contacts.pvd")[-1][1]
+    grid = pyvista.read(folder / "paraview" / file)
+    contacts = synthetic.contacts_at(
+        model, synthetic.pose_at(model, curve.points[-1].control_displacement)
+    )
+    np.testing.assert_array_equal(grid.points[:, :2], contacts.position)
+    np.testing.assert_array_equal(grid["reaction"][:, :2], contacts.vectors())
+    np.testing.assert_array_equal(grid["gap"], contacts.gap)
+    np.testing.assert_array_equal(grid["status"], contacts.status)
+
+
+def test_paraview_reads_large_arrays_and_empty_ones(tmp_path, model):
+    """Arrays of several compressed pieces, and of none."""
+    pyvista = pytest.importorskip("pyvista")
+    from drystone.export import vtu
+    from drystone.export.paraview import write_contacts
+
+    n = vtu.PIECE // 8 + 3  # of 24 bytes each: three whole pieces and a part
+    points = np.random.default_rng(1).normal(size=(n, 3))
+    rows = np.arange(n)
+    cells = vtu.cells(rows, rows + 1, vtu.VERTEX)
+    vtu.write_vtu(tmp_path / "large.vtu", points=points, n_cells=n, cells=cells)
+    np.testing.assert_array_equal(pyvista.read(tmp_path / "large.vtu").points, points)
+
+    whole = points[: vtu.PIECE // 8]  # exactly three pieces, no part
+    cells = vtu.cells(rows[: len(whole)], rows[: len(whole)] + 1, vtu.VERTEX)
+    vtu.write_vtu(tmp_path / "whole.vtu", points=whole, n_cells=len(whole), cells=cells)
+    np.testing.assert_array_equal(pyvista.read(tmp_path / "whole.vtu").points, whole)
+
+    full = synthetic.contacts_at(model, model.assembly.rest_pose())
+    none = ContactForces(**{f.name: getattr(full, f.name)[:0] for f in fields(ContactForces)})
+    write_contacts(tmp_path / "none.vtu", none)
+    assert pyvista.read(tmp_path / "none.vtu").n_points == 0
+
+
+# the folder
+
+
+def test_folder_is_complete(folder):
+    assert {path.name for path in folder.iterdir()} == FILES
+
+
+@pytest.mark.parametrize("end", [0.0, 1e-3])
+def test_folder_of_a_curve_cut_short_is_complete(tmp_path, model, end):
+    """Interrupted at rest, and before the peak."""
+    curve = synthetic.curve(end=end, status="interrupted")
+    synthetic.record(ResultsDirectory(tmp_path), model, curve)
+    assert {path.name for path in tmp_path.iterdir()} == FILES
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["status"] == "interrupted" and summary["ultimate_displacement"] is None
+    assert len(series(tmp_path / "paraview/blocks.pvd")) >= 1
+
+
+def test_nothing_is_written_before_the_first_point(tmp_path, model, curve):
+    results = ResultsDirectory(tmp_path / "deep/down")
+    results.begin(model, "nscd", "displacement")
+    results.end(replace(curve, points=()))
+    results.close()
+    assert not results.begun and list(tmp_path.iterdir()) == []
+
+
+def test_old_results_are_replaced_and_nothing_else(folder, model):
+    (folder / "notes.txt").write_text("mine")
+    (folder / "paraview/view.pvsm").write_text("mine")
+    before = len(list((folder / "paraview").iterdir()))
+    results = ResultsDirectory(folder)
+    assert (folder / "summary.json").exists()  # until there is something to replace it
+    short = synthetic.curve(end=0.0)
+    results.begin(model, "nscd", "displacement")
+    pose = model.assembly.rest_pose()
+    results.point(short.points[0], pose, synthetic.contacts_at(model, pose))
+    assert not (folder / "summary.json").exists()
+    results.end(short)
+    assert {path.name for path in folder.iterdir()} == FILES | {"notes.txt"}
+    left = {path.name for path in (folder / "paraview").iterdir()}
+    assert left == {
+        *("blocks.pvd", "blocks_0000.vtu", "contacts.pvd", "contacts_0000.vtu", "view.pvsm")
+    }
+    assert before > len(left)
+
+
+def test_folder_that_cannot_be_made(tmp_path):
+    (tmp_path / "file").write_text("")
+    for path in (tmp_path / "file", tmp_path / "file/below"):
+        with pytest.raises(OutputError, match="folder"):
+            ResultsDirectory(path)
+    with pytest.raises(OutputError, match="cannot be written"):
+        ResultsDirectory("/proc/results")  # no one may write there, root neither
+
+
+def test_full_disk_is_a_sentence(tmp_path, model, curve, monkeypatch):
+    results = ResultsDirectory(tmp_path)
+
+    def refuse(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("drystone.export.directory.write_curve", refuse)
+    with pytest.raises(OutputError, match="No space left"):
+        synthetic.record(results, model, curve)
+
+
+def test_mechanism_is_at_the_displacement_asked_for(tmp_path, model, curve, monkeypatch):
+    titles = []
+    monkeypatch.setattr(
+        "drystone.export.directory.draw_mechanism", lambda *a, title, **k: titles.append(title)
+    )
+    synthetic.record(ResultsDirectory(tmp_path), model, curve)
+    synthetic.record(ResultsDirectory(tmp_path, mechanism_displacement=0.1), model, curve)
+    option = synthetic.wall_model(mechanism_displacement=0.3)
+    synthetic.record(ResultsDirectory(tmp_path), option, curve)
+    at = [float(title.split("= ")[1].split(" m")[0]) for title in titles]
+    # The points of the curve are 9 mm apart.
+    assert at == pytest.approx([0.2, 0.1, 0.3], abs=0.0046)
+
+
+def test_mechanism_of_a_curve_that_ends_before(curve):
+    short = synthetic.curve(end=0.1)
+    assert mechanism_row(short, 0.2) == len(short.points) - 1

@@ -1,0 +1,221 @@
+"""Figures: what they say of a made-up wall whose mechanism is known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import synthetic
+from matplotlib.collections import LineCollection
+from matplotlib.image import imread
+
+from drystone.assembly import Assembly
+from drystone.report import canvas, draw_benchmark_wall, draw_curve, draw_mechanism
+from drystone.report.curve_figure import plot_curves
+from drystone.report.joints import designed_joints
+from drystone.report.mechanism_figure import Mechanism, plot_mechanism, readable_magnification
+from drystone.report.outlines import MovingOutlines, moving_blocks
+
+
+def mechanism(model, control_displacement):
+    return Mechanism(
+        assembly=model.assembly,
+        pose=synthetic.pose_at(model, control_displacement),
+        load_direction=model.load.direction,
+        control_point=model.control_point,
+    )
+
+
+def labels(axes):
+    return axes.get_legend_handles_labels()[1]
+
+
+def is_picture(path: Path) -> bool:
+    """A PNG with something on it."""
+    return float(imread(path)[..., :3].std()) > 0.01
+
+
+def test_outlines_move_like_the_assembly():
+    model = synthetic.wall_model()
+    pose = synthetic.pose_at(model, 0.2)
+    outlines = MovingOutlines.of(model.assembly)
+    for i, outline in enumerate(outlines.split(outlines.moved(pose))):
+        # The same rotation and sum, rounded in another order: some units in the last place.
+        np.testing.assert_allclose(outline, model.assembly.outline(i, pose), rtol=0, atol=1e-14)
+
+
+def test_moving_blocks_are_those_of_the_mechanism():
+    model = synthetic.wall_model()
+    displacement = MovingOutlines.of(model.assembly).displacement(synthetic.pose_at(model, 0.2))
+    moving = moving_blocks(displacement, model.assembly.fixed)
+    # Base and first course, four bodies, stay; three blocks in each of three courses go.
+    assert moving.tolist() == [False] * 4 + [True] * 9
+
+
+def test_nothing_moves_at_rest():
+    model = synthetic.wall_model()
+    displacement = MovingOutlines.of(model.assembly).displacement(model.assembly.rest_pose())
+    assert not moving_blocks(displacement, model.assembly.fixed).any()
+
+
+def test_joints_of_a_running_bond():
+    # Four courses of three blocks: 2 head joints in each; 3 bed joints on the base, and 5 between
+    # two courses, whose three and three edges start and end together.
+    joints = designed_joints(synthetic.wall_model().assembly)
+    assert len(joints.block_a) == 4 * 2 + 3 + 3 * 5
+
+
+def test_joints_with_edges_of_other_lengths_and_directions():
+    """A triangle leaning on a rectangle: the joint is the part that both edges cover."""
+    model = synthetic.wall_model()
+    block = model.assembly.blocks[1]
+    blocks = [
+        replace(block, id="rectangle", vertices=np.array([[0, 0], [2, 0], [2, 1], [0, 1.0]])),
+        replace(block, id="triangle", vertices=np.array([[1.5, 1], [3, 1], [3, 2.0]])),
+        replace(block, id="away", vertices=np.array([[5, 1], [6, 1], [6, 2.0]])),
+    ]
+    joints = designed_joints(Assembly.build(blocks, joint=model.assembly.joint))
+    assert [(int(a), int(b)) for a, b in zip(joints.block_a, joints.block_b, strict=True)] == [
+        (0, 1)
+    ]
+    ends = np.sort([joints.start[0, 0], joints.end[0, 0]])
+    np.testing.assert_allclose(ends, [1.5, 2.0], atol=1e-12)
+
+
+def test_opening_of_the_rocking_joint():
+    model = synthetic.wall_model()
+    pose = synthetic.pose_at(model, 0.1)
+    joints = designed_joints(model.assembly)
+    opening, slip = joints.opening_and_slip(pose)
+    crossing = (joints.block_a <= 3) & (joints.block_b >= 4)
+    # The joint turns about its right end by asin(0.1 / 0.525), and is 1 m long.
+    assert opening[crossing].max() == pytest.approx(np.sin(np.arcsin(0.1 / 0.525)), rel=1e-12)
+    assert np.abs(opening[~crossing]).max() < 1e-12  # rigid within each part
+    assert slip[~crossing].max() < 1e-12
+
+
+def test_open_and_slid_joints_are_drawn_apart():
+    model = synthetic.wall_model()
+    axes = canvas.new_figure(4, 4).subplots()
+    plot_mechanism(axes, mechanism(model, 0.1))
+    assert {"moving", "at rest", "support", "open joint", "control point"} <= set(labels(axes))
+    assert "slid joint" not in labels(axes)
+
+    pose = model.assembly.rest_pose()
+    pose[4:, 0] = 0.05  # the upper courses slide as one
+    axes = canvas.new_figure(4, 4).subplots()
+    plot_mechanism(axes, replace(mechanism(model, 0.0), pose=pose))
+    assert "slid joint" in labels(axes) and "open joint" not in labels(axes)
+    (slid,) = [c for c in axes.collections if isinstance(c, LineCollection)]
+    assert len(slid.get_segments()) == 5  # the bed joints between first and second course
+
+
+def test_picture_of_a_wall_at_rest(tmp_path):
+    model = synthetic.wall_model()
+    pose = model.assembly.rest_pose()
+    draw_mechanism(model.assembly, pose, None, tmp_path / "rest.png")
+    assert is_picture(tmp_path / "rest.png")
+
+
+@pytest.mark.parametrize("direction", [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.6, -0.8)])
+def test_arrow_of_the_load_is_in_the_picture(direction):
+    model = synthetic.wall_model()
+    axes = canvas.new_figure(4, 4).subplots()
+    plot_mechanism(axes, replace(mechanism(model, 0.1), load_direction=np.array(direction)))
+    (arrow,) = [text for text in axes.texts if getattr(text, "arrow_patch", None)]
+    tail, tip = np.array(arrow.get_position()), np.array(arrow.xy)
+    along = (tip - tail) / np.linalg.norm(tip - tail)
+    np.testing.assert_allclose(along, direction, atol=1e-12)
+    for end in (tail, tip):
+        assert axes.get_xlim()[0] < end[0] < axes.get_xlim()[1]
+        assert axes.get_ylim()[0] < end[1] < axes.get_ylim()[1]
+
+
+def test_small_displacements_are_magnified_by_a_round_number():
+    model = synthetic.wall_model()
+    magnified = readable_magnification(model.assembly, synthetic.pose_at(model, 1e-3))
+    assert magnified in {20.0, 50.0}  # to about a twentieth of the wall's 1.2 m
+    assert readable_magnification(model.assembly, synthetic.pose_at(model, 0.2)) == 1.0
+    assert readable_magnification(model.assembly, model.assembly.rest_pose()) == 1.0
+
+
+def test_mechanism_of_many_blocks(tmp_path):
+    model = synthetic.wall_model(courses=50, units=40)
+    pose = synthetic.pose_at(model, 0.5)
+    draw_mechanism(model.assembly, pose, synthetic.contacts_at(model, pose), tmp_path / "many.png")
+    assert is_picture(tmp_path / "many.png")
+
+
+def test_curve_names_branches_peak_and_end(tmp_path):
+    axes = canvas.new_figure(4, 4).subplots()
+    plot_curves(axes, [("", synthetic.curve())], limits={"non-associative": 0.52})
+    assert {
+        "ascending branch",
+        "post-peak branch",
+        "peak",
+        "ultimate displacement",
+        "dynamic: between states at rest",
+        "non-associative: 0.520",
+    } == set(labels(axes))
+    written = " ".join(text.get_text() for text in axes.texts)
+    assert "0.500" in written and "2.00 mm" in written  # the peak that synthetic.curve has
+    assert "0.392 m" in written  # 0.002 + 0.398 (1 - 0.01 / 0.5), see synthetic.points
+    assert axes.get_xlabel().endswith("[m]")
+
+
+def test_static_line_leaves_out_dynamic_points():
+    curve = synthetic.curve()
+    axes = canvas.new_figure(4, 4).subplots()
+    plot_curves(axes, [("", curve)])
+    static = [line for line in axes.lines if "branch" in str(line.get_label())]
+    drawn = np.concatenate([line.get_ydata() for line in static])
+    dynamic = [p.load_multiplier for p in curve.points if p.status == "dynamic"]
+    assert dynamic and not np.isin(dynamic, drawn).any()
+
+
+def test_curve_that_stopped_says_so():
+    axes = canvas.new_figure(4, 4).subplots()
+    plot_curves(axes, [("", synthetic.curve(200, end=0.1, status="stopped"))])
+    assert "curve stopped" in labels(axes)
+
+
+def test_several_curves_have_their_values_in_the_legend():
+    axes = canvas.new_figure(4, 4).subplots()
+    curves = [("nscd", synthetic.curve()), ("distinct", synthetic.curve(dynamic=False))]
+    plot_curves(axes, curves, reference=[("recorded", np.array([0.0, 0.4]), np.array([0.5, 0.0]))])
+    assert "nscd: peak 0.500, 0.392 m at 0.01" in labels(axes)
+    assert {"distinct: peak 0.500, 0.392 m at 0.01", "recorded"} <= set(labels(axes))
+
+
+@pytest.mark.parametrize("n", [8, 60])
+@pytest.mark.parametrize("end", [0.0, 1e-3, 0.02, 0.4])
+def test_curve_figure_of_any_length(tmp_path, n, end):
+    """From a single point at rest to the whole curve."""
+    draw_curve(synthetic.curve(n, end=end, status="interrupted"), tmp_path / "curve.png")
+    assert is_picture(tmp_path / "curve.png")
+
+
+def test_benchmark_page(tmp_path):
+    model = synthetic.wall_model()
+    for engines in (["nscd"], ["nscd", "distinct"], ["a", "b", "c"]):
+        path = tmp_path / f"{len(engines)}.png"
+        draw_benchmark_wall(
+            [(name, synthetic.curve()) for name in engines],
+            [(name, mechanism(model, 0.2)) for name in engines],
+            path,
+            title="Wall",
+        )
+        assert is_picture(path)
+
+
+def test_pyplot_is_not_touched(tmp_path):
+    """Figures leave the global state of matplotlib alone."""
+    code = (
+        "import sys, synthetic, matplotlib as m; from drystone.report import draw_curve\n"
+        "settings = lambda: list(dict.items(m.rcParams))  # dict(m.rcParams) would import pyplot\n"
+        "before = settings(); draw_curve(synthetic.curve(), sys.argv[1])\n"
+        "assert 'matplotlib.pyplot' not in sys.modules; assert before == settings()\n"
+    )
+    synthetic.python(code, str(tmp_path / "curve.png"))
