@@ -35,7 +35,7 @@ class BenchmarkRow:
     peak_gilbert: float
     peak_lmgc90: float
     peak_udec: float
-    published_error: float  # %, LMGC90's peak against UDEC's
+    published_error: float  # %, (LMGC90 - UDEC) / LMGC90, which gives the paper's column
     ultimate_displacement_lmgc90: float  # m
     engine: str
     status: str  # of the curve, or "failed"
@@ -146,7 +146,9 @@ def _row(run: BenchmarkRun, spread: float | None) -> BenchmarkRow:
         peak_gilbert=published.peak_gilbert,
         peak_lmgc90=published.peak_lmgc90,
         peak_udec=published.peak_udec,
-        published_error=100.0 * (published.peak_lmgc90 - published.peak_udec) / published.peak_udec,
+        published_error=100.0
+        * (published.peak_lmgc90 - published.peak_udec)
+        / published.peak_lmgc90,
         ultimate_displacement_lmgc90=published.ultimate_displacement_lmgc90,
         engine=run.engine,
         status=run.curve.status if run.curve else "failed",

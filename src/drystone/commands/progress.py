@@ -84,17 +84,16 @@ class Bar(Silent):
         self._bar: Any = Progress(
             SpinnerColumn(),
             TextColumn("{task.description}"),
-            BarColumn(bar_width=24),
+            BarColumn(bar_width=12),
             TextColumn("{task.fields[state]}"),
+            TextColumn("{task.fields[count]}"),
             TimeElapsedColumn(),
             TextColumn("{task.fields[left]}"),
             console=Console(stderr=True),
             refresh_per_second=5,
             transient=True,
         )
-        self._task = self._bar.add_task(
-            title, total=None, state="settling under self-weight", left=""
-        )
+        self._task = self._bar.add_task(title, total=None, state="settling", count="", left="")
 
     def __enter__(self) -> Self:
         self._bar.start()
@@ -121,16 +120,15 @@ class Bar(Silent):
             self._task,
             total=None if left is None else 1.0,  # a bar without an end until the peak is passed
             completed=self._forecast.share,
-            state=f"{state_of(point)}, {self._n_points} points",
-            left="" if left is None else f"about {clock_time(left)} left",
+            state=f"{point.control_displacement:.4f} m, λ {point.load_multiplier:.3f}",
+            count=f"{self._n_points} points",
+            left="" if left is None else f"{clock_time(left)} left",
         )
 
 
 def state_of(point: CurvePoint) -> str:
     """Where the curve is, in a few words."""
-    return (
-        f"displacement {point.control_displacement:.4f} m, multiplier {point.load_multiplier:.3f}"
-    )
+    return f"at {point.control_displacement:.4f} m, multiplier {point.load_multiplier:.3f}"
 
 
 def clock_time(seconds: float) -> str:

@@ -58,7 +58,7 @@ def run(
 
             try:
                 with progress_for(
-                    model.title, model.analysis.stop_multiplier, quiet=quiet
+                    model_file.stem, model.analysis.stop_multiplier, quiet=quiet
                 ) as progress:
                     curve = pushover(
                         model,

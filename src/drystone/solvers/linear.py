@@ -42,6 +42,7 @@ class BlockSystem:
     """
 
     def __init__(self, a: IntArray, b: IntArray, fixed: NDArray[np.bool_], n_dof: int = 3) -> None:
+        self.n_pairs = len(a)
         self.movable = np.flatnonzero(~fixed)
         row = np.full(len(fixed), -1, np.int64)
         row[self.movable] = np.arange(len(self.movable))

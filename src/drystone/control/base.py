@@ -1,0 +1,39 @@
+"""The contract of a control."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from drystone.engines.base import Demand, StepReport
+
+
+class ControlError(ValueError):
+    """Settings that make no sense together; the message is for the user."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Decision:
+    """What a control makes of a step.
+
+    `accept` says whether the step becomes a point of the curve; if not, the next step starts from
+    the same state again.  `demand` is None when the analysis is over, for the `reason` given.
+    """
+
+    accept: bool
+    demand: Demand | None
+    state: Any  # the control's own state, passed back to it with the next report
+    reason: str = ""
+    finished: bool = False  # over because the curve is complete, not because it cannot go on
+
+
+class Control(Protocol):
+    """A strategy that traces the curve."""
+
+    def first(self, report: StepReport) -> Decision:
+        """What to demand of the structure at rest under its own weight."""
+        ...
+
+    def decide(self, state: Any, demand: Demand, report: StepReport) -> Decision:
+        """What to make of a step, and what to demand next."""
+        ...

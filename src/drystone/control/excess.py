@@ -1,0 +1,85 @@
+"""Bias-free pacing of engines that step under a given multiplier.
+
+Every step starts from rest under the static multiplier of the last point plus a small excess.  The
+excess adapts so that the fastest block moves by a given amount in the step; with a long time step
+it is tiny.  What the step's inertia took of it is known from virtual work, so that the point's
+static multiplier owes nothing to it (see `engines.measures`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from drystone.control.base import Decision
+from drystone.engines.base import Demand, StepReport
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExcessSettings:
+    """Settings of the pacing."""
+
+    displacement_step: float  # m, of the fastest block in a step
+    time_step: float = 0.2  # s
+    increment: float = 0.01  # largest excess of the multiplier
+    stop_multiplier: float = 0.01
+    max_steps: int = 100_000
+    max_displacement: float = float("inf")  # m, of the control point
+
+
+@dataclass(frozen=True, kw_only=True)
+class _State:
+    excess: float
+    time_step: float
+    static: float = 0.0  # multiplier of the last point
+    highest: float = 0.0
+    n_steps: int = 0
+
+
+class ExcessControl:
+    """See the module's text."""
+
+    def __init__(self, settings: ExcessSettings) -> None:
+        self.settings = settings
+
+    def first(self, report: StepReport) -> Decision:
+        """A tenth of the largest excess."""
+        s = self.settings
+        state = _State(excess=0.1 * s.increment, time_step=s.time_step)
+        return Decision(accept=True, demand=self._demand(state), state=state)
+
+    def _demand(self, state: _State) -> Demand:
+        return Demand(multiplier=state.static + state.excess, time_step=state.time_step)
+
+    def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
+        """Adapt the excess to the motion; a step that fails or goes too far is tried with less."""
+        s = self.settings
+        if not report.converged or report.motion > 2.0 * s.displacement_step:
+            if state.excess > 1e-5 * s.increment:
+                state = replace(state, excess=0.5 * state.excess)
+            else:
+                state = replace(state, time_step=0.5 * state.time_step)
+            if state.time_step < 1e-3 * s.time_step:
+                reason = report.reason or "the blocks run away however little is applied"
+                return Decision(accept=False, demand=None, state=state, reason=reason)
+            return Decision(accept=False, demand=self._demand(state), state=state)
+        static = report.static_multiplier
+        state = replace(
+            state,
+            n_steps=state.n_steps + 1,
+            static=static,
+            highest=max(state.highest, static),
+        )
+        if state.n_steps >= s.max_steps:
+            reason = f"the limit of {s.max_steps} steps was reached"
+            return Decision(accept=True, demand=None, state=state, reason=reason)
+        if report.control_displacement >= s.max_displacement:
+            reason = f"the control displacement reached {s.max_displacement:g} m"
+            return Decision(accept=True, demand=None, state=state, reason=reason, finished=True)
+        if static < s.stop_multiplier < state.highest:
+            reason = f"the load multiplier fell below {s.stop_multiplier:g}"
+            return Decision(accept=True, demand=None, state=state, reason=reason, finished=True)
+        share = s.displacement_step / max(report.motion, 1e-3 * s.displacement_step)
+        excess = min(state.excess * min(max(share, 0.5), 1.5), s.increment)
+        time_step = min(1.4 * state.time_step, s.time_step)
+        state = replace(state, excess=excess, time_step=time_step)
+        return Decision(accept=True, demand=self._demand(state), state=state)

@@ -1,0 +1,104 @@
+"""The published strategy, section 2 and the flowchart of Bouckaert, Godio and de Almeida (2022).
+
+Where its text leaves room, it is read so:
+
+- *Equal* multipliers are those that differ by no more than ``balance_tolerance``.
+- While applied and carried multipliers differ, the same multiplier is applied again, for at most
+  ``patience`` steps; a structure that has not come to balance by then is past its peak.  The
+  flowchart taken literally takes the first loaded step for the peak, because the carried
+  multiplier lags behind.
+- Blocks are stopped at every step, on the ascending branch too: never stopping them while
+  waiting for balance lets the wall run away.
+- The paper's time step is constant.  Here it adapts on the descending branch to a displacement
+  per step; the recursion's fixed point does not depend on it.
+- The analysis ends at a multiplier below ``stop_multiplier`` only on the descending branch.
+
+The curve's load multiplier is the applied one, as the paper plots it.  It is biased: see the page
+on theory.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from drystone.control.base import ControlError, Decision
+from drystone.engines.base import Demand, StepReport
+
+
+@dataclass(frozen=True, kw_only=True)
+class PublishedSettings:
+    """Settings of the published strategy."""
+
+    displacement_step: float  # m, of the fastest block in a step of the descending branch
+    increment: float = 0.005  # of the multiplier, ascending
+    overshoot: float = 1.05  # applied over carried multiplier, descending
+    balance_tolerance: float = 1e-3  # difference of multipliers that counts as equal
+    patience: int = 20  # steps without balance that mean the peak
+    stop_multiplier: float = 0.01  # end of the descending branch
+    time_step: float = 0.05  # s, ascending, and at first descending
+    max_steps: int = 100_000
+    max_displacement: float = float("inf")  # m, of the control point
+
+    def __post_init__(self) -> None:
+        if self.overshoot < 1.0:
+            raise ControlError(f"overshoot must be at least 1, it is {self.overshoot:g}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class _State:
+    multiplier: float
+    descending: bool = False
+    waited: int = 0
+    time_step: float = 0.0
+    n_steps: int = 0
+
+
+class PublishedControl:
+    """See the module's text."""
+
+    def __init__(self, settings: PublishedSettings) -> None:
+        self.settings = settings
+
+    def first(self, report: StepReport) -> Decision:
+        """The first increment."""
+        s = self.settings
+        state = _State(multiplier=s.increment, time_step=s.time_step)
+        return Decision(accept=True, demand=self._demand(state), state=state)
+
+    def _demand(self, state: _State) -> Demand:
+        return Demand(multiplier=state.multiplier, time_step=state.time_step)
+
+    def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
+        """Ascend by increments, descend by the recursion on the carried multiplier."""
+        s = self.settings
+        too_far = report.converged and state.descending and report.motion > 2.0 * s.displacement_step
+        if not report.converged or too_far:
+            state = replace(state, time_step=0.5 * state.time_step)
+            if state.time_step < 1e-6 * s.time_step:
+                return Decision(accept=False, demand=None, state=state, reason=report.reason)
+            return Decision(accept=False, demand=self._demand(state), state=state)
+        state = replace(state, n_steps=state.n_steps + 1)
+        if state.n_steps >= s.max_steps:
+            reason = f"the limit of {s.max_steps} steps was reached"
+            return Decision(accept=True, demand=None, state=state, reason=reason)
+        if report.control_displacement >= s.max_displacement:
+            reason = f"the control displacement reached {s.max_displacement:g} m"
+            return Decision(accept=True, demand=None, state=state, reason=reason, finished=True)
+        if not state.descending:
+            if abs(report.applied_multiplier - report.carried_multiplier) <= s.balance_tolerance:
+                state = replace(state, multiplier=state.multiplier + s.increment, waited=0)
+            else:
+                state = replace(state, waited=state.waited + 1)
+                if state.waited > s.patience:
+                    state = replace(state, descending=True)
+            if not state.descending:
+                state = replace(state, time_step=s.time_step)
+                return Decision(accept=True, demand=self._demand(state), state=state)
+        multiplier = s.overshoot * report.carried_multiplier
+        if multiplier < s.stop_multiplier:
+            reason = f"the load multiplier fell below {s.stop_multiplier:g}"
+            return Decision(accept=True, demand=None, state=state, reason=reason, finished=True)
+        share = s.displacement_step / max(report.motion, 1e-3 * s.displacement_step)
+        scale = min(max(share**0.5, 0.7), 1.2)
+        state = replace(state, multiplier=multiplier, time_step=state.time_step * scale)
+        return Decision(accept=True, demand=self._demand(state), state=state)

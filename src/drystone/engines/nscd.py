@@ -1,0 +1,269 @@
+"""Non-smooth contact dynamics: LMGC90's formulation.
+
+One implicit Moreau-Jean step of size h from velocity v_0,
+
+    M (v - v_0) = h (G + lambda F) + H^T p,        q <- q + h v,
+
+with the contact mapping H taken where the step starts, unilateral contact on an elastic joint,
+
+    p_n / h = -k_n (g + h u_n) where that is positive, else 0,        u = H v,
+
+and Coulomb friction on the sliding velocity u_t, without shear stiffness or dilatancy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.detection import Detector, Pairs, block_size, carry, empty_slots
+from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
+from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
+from drystone.engines.measures import (
+    LoadArrays,
+    StepOutcome,
+    cone_excess,
+    report,
+    unstable_sentence,
+)
+from drystone.kernels import narrow
+from drystone.kernels.narrow import Slots
+from drystone.kernels.nlgs import ContactProblem, map_contacts
+from drystone.kernels.residual import add_contact_forces, unbalanced_force
+from drystone.loading import dead_load
+from drystone.solvers import nlgs
+from drystone.solvers.linear import BlockSystem
+from drystone.solvers.nlgs import NlgsSettings
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class NscdSettings:
+    """Numerical settings."""
+
+    tolerance: float = 5e-7  # true residual over the heaviest weight, -
+    max_sweeps: int = 6000  # of Gauss-Seidel in one step
+    max_motion: float = 0.5  # share of the detection reach a block may move in one step
+    settling_time_step: float = 0.05  # s
+
+
+@dataclass(frozen=True, kw_only=True)
+class NscdState:
+    """Poses, velocities and the reactions that the next step starts from."""
+
+    pose: Array  # (n, n_dof) m, rad
+    velocity: Array  # (n, n_dof) m/s, rad/s
+    pairs: Pairs
+    slots: Slots  # contacts in `pose`
+    reaction: Array  # (n_slots, 2) N
+    status: IntArray  # (n_slots,)
+
+
+class NscdEngine:
+    """See the module's text."""
+
+    name = "nscd"
+    prescribes_displacement = False
+
+    def __init__(self, settings: NscdSettings | None = None) -> None:
+        self.settings = settings or NscdSettings()
+
+    def start(self, problem: Problem) -> tuple[NscdState, StepReport]:
+        """Settle under the dead load; raises `UnstableError`, or `EngineError` for a joint law
+        that this formulation does not have."""
+        assembly = problem.assembly
+        for law in assembly.laws:
+            if law.normal_stiffness is None:
+                raise EngineError("[joint] normal_stiffness is missing: the nscd engine needs it")
+            if law.dilatancy_angle or law.cohesion or law.tensile_strength:
+                raise EngineError(
+                    "the nscd engine has no dilatancy, cohesion or tensile strength: set them to "
+                    "zero, or take the equilibrium or the distinct engine"
+                )
+        self.problem = problem
+        self.detector = Detector(assembly)
+        self.loads = LoadArrays(
+            dead=dead_load(assembly),
+            pattern=problem.load.forces(assembly),
+            mass=np.where(assembly.fixed[:, None], 0.0, assembly.mass),
+            total=problem.load.total(assembly),
+        )
+        self.inverse_mass = np.where(assembly.fixed[:, None], 0.0, 1.0 / assembly.mass)
+        self.extent = np.maximum(self.detector.extent, 1e-12)
+        self.stiffness = np.array([law.normal_stiffness for law in assembly.laws], float)
+        self.friction = np.array([law.friction_coefficient for law in assembly.laws])
+        pose = assembly.rest_pose()
+        pairs = self.detector.pairs(pose)
+        slots = empty_slots(len(pairs.a))
+        self.detector.fill(pairs, pose, slots)
+        self.system = (pairs, BlockSystem(pairs.a, pairs.b, assembly.fixed, assembly.n_dof))
+        state = NscdState(
+            pose=pose,
+            velocity=np.zeros_like(pose),
+            pairs=pairs,
+            slots=slots,
+            reaction=np.zeros((len(slots.kind), 2)),
+            status=np.zeros(len(slots.kind), np.int64),
+        )
+        return self._settle(state)
+
+    def _settle(self, state: NscdState) -> tuple[NscdState, StepReport]:
+        h, limit = self.settings.settling_time_step, block_size(self.problem.assembly)
+        outcome = StepReport(converged=False)
+        for _ in range(500):
+            new, outcome = self.step(state, Demand(multiplier=0.0, time_step=h))
+            if not outcome.converged:
+                h *= 0.5
+                if h < 1e-4 * self.settings.settling_time_step:
+                    break
+                continue
+            state = new
+            # At rest: what a step from rest would move by is far below the joints' own closing.
+            if outcome.motion < 1e-3 * max(outcome.penetration, 1e-9):
+                return state, outcome
+            if self.detector.motion(state.pose).max() > limit:
+                break
+        motion = self.detector.motion(state.pose)
+        raise UnstableError(unstable_sentence(self.problem.assembly.ids, motion))
+
+    def step(self, state: NscdState, demand: Demand) -> tuple[NscdState, StepReport]:
+        """One implicit step; see `Engine.step`."""
+        if demand.multiplier is None or not demand.time_step > 0.0:
+            raise ValueError("the nscd engine steps under a multiplier, with a time step")
+        assembly, loads, h = self.problem.assembly, self.loads, demand.time_step
+        state = self._refresh(state)
+        pairs, slots = state.pairs, state.slots
+        chosen = np.flatnonzero(slots.kind != narrow.NONE)
+        mapping = np.zeros((len(chosen), 2, 6))
+        map_contacts(
+            slots.kind, slots.normal, slots.arm_a, slots.arm_b, slots.roll, slots.ratio,
+            chosen, mapping,
+        )  # fmt: skip
+        pair = chosen // 2
+        law = pairs.law[pair]
+        problem = ContactProblem(
+            body_a=pairs.a[pair],
+            body_b=pairs.b[pair],
+            mapping=mapping,
+            inverse_mass=self.inverse_mass,
+            gap=slots.gap[chosen],
+            normal_stiffness=self.stiffness[law] * slots.length[chosen] * assembly.thickness,
+            friction=self.friction[law],
+        )
+        before = np.zeros_like(state.velocity) if demand.stop_blocks else state.velocity
+        load = loads.dead + demand.multiplier * loads.pattern
+        solved = nlgs.solve(
+            problem, pair, self.system[1], loads.mass, before + h * self.inverse_mass * load,
+            state.reaction[chosen] * h, h,
+            NlgsSettings(
+                tolerance=self.settings.tolerance * assembly.heaviest_weight,
+                max_sweeps=self.settings.max_sweeps,
+            ),
+        )  # fmt: skip
+        iterations = solved.n_sweeps + solved.n_corrections
+        if solved.residual > self.settings.tolerance * assembly.heaviest_weight:
+            share = solved.residual / assembly.heaviest_weight
+            return state, StepReport(
+                converged=False,
+                reason=f"Gauss-Seidel left a residual of {share:.1e} after {solved.n_sweeps} sweeps",
+                n_iterations=iterations,
+            )
+        increment = h * solved.velocity
+        motion = float(self.detector.motion(increment).max())
+        if motion > self.settings.max_motion * self.detector.reach:
+            return state, StepReport(
+                converged=False,
+                reason="a block moves too far in one step",
+                motion=motion,
+                n_iterations=iterations,
+            )
+        pose = state.pose + increment
+        new, reaction = self._arrive(state, pose, solved.velocity, chosen, solved.impulse / h)
+        force = np.zeros_like(pose)
+        add_contact_forces(problem.body_a, problem.body_b, mapping, reaction[chosen], force)
+        acceleration = (solved.velocity - before) / h
+        unbalanced = unbalanced_force(
+            force + load, loads.mass * acceleration, self.extent, assembly.fixed
+        )
+        outcome = report(
+            self.problem,
+            loads,
+            StepOutcome(
+                multiplier=demand.multiplier,
+                pose=pose,
+                increment=increment,
+                acceleration=acceleration,
+                velocity=solved.velocity,
+                contact_force=force,
+                slots=new.slots,
+                reaction=reaction,
+                status=new.status,
+                residual=max(solved.residual, unbalanced),
+                motion=motion,
+                n_iterations=iterations,
+            ),
+        )
+        excess = cone_excess(solved.impulse / h, problem.friction) / assembly.heaviest_weight
+        return new, replace(outcome, friction_violation=excess)
+
+    def _refresh(self, state: NscdState) -> NscdState:
+        """New pairs where the blocks have moved far, and the linear system that fits them."""
+        if self.detector.outdated(state.pairs, state.pose):
+            pairs = self.detector.pairs(state.pose)
+            row = carry(state.pairs, pairs)
+            source = np.where(row[:, None] >= 0, 2 * row[:, None] + (0, 1), -1).ravel()
+            slots = empty_slots(len(pairs.a))
+            self.detector.fill(pairs, state.pose, slots)
+            known = source >= 0
+            reaction = np.zeros((len(source), 2))
+            reaction[known] = state.reaction[source[known]]
+            status = np.zeros(len(source), np.int64)
+            status[known] = state.status[source[known]]
+            state = replace(state, pairs=pairs, slots=slots, reaction=reaction, status=status)
+        if self.system[0] is not state.pairs:
+            assembly = self.problem.assembly
+            system = BlockSystem(state.pairs.a, state.pairs.b, assembly.fixed, assembly.n_dof)
+            self.system = (state.pairs, system)
+        return state
+
+    def _arrive(
+        self, state: NscdState, pose: Array, velocity: Array, chosen: IntArray, found: Array
+    ) -> tuple[NscdState, Array]:
+        """The state at the end of a step: contacts where the blocks are now, reactions carried on.
+
+        Returns the state and the step's reactions by the slots that the step started with.
+        """
+        reaction = np.zeros_like(state.reaction)
+        reaction[chosen] = found
+        slots = empty_slots(len(state.pairs.a))
+        self.detector.fill(state.pairs, pose, slots)
+        source = np.zeros(len(slots.kind), np.int64)
+        before = state.slots
+        narrow.carry_history(before.kind, before.feature, before.edges, slots, source)
+        carried = np.where(source[:, None] >= 0, reaction[source], 0.0)
+        friction = self.friction[state.pairs.law].repeat(2)
+        limit = friction * carried[:, 0] * (1.0 - 1e-9)
+        status = np.where(np.abs(carried[:, 1]) >= limit, SLIDING, STICKING)
+        status[carried[:, 0] <= 0.0] = OPEN
+        new = NscdState(
+            pose=pose,
+            velocity=velocity,
+            pairs=state.pairs,
+            slots=slots,
+            reaction=carried,
+            status=status,
+        )
+        return new, reaction
+
+    def contacts(self, state: NscdState) -> ContactForces:
+        """Contact points and reactions of a state."""
+        return self.detector.forces(
+            state.pairs, state.pose, state.slots, state.reaction, state.status
+        )
+
+    def close(self) -> None:
+        """Nothing is held."""

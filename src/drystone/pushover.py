@@ -1,0 +1,219 @@
+"""The pushover analysis: model x engine x control -> capacity curve."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.forces import ContactForces
+from drystone.control import (
+    Control,
+    ControlError,
+    DisplacementControl,
+    DisplacementSettings,
+    ExcessControl,
+    ExcessSettings,
+    PublishedControl,
+    PublishedSettings,
+)
+from drystone.curve import DYNAMIC, STATIC, CapacityCurve, CurvePoint
+from drystone.engines import make_engine
+from drystone.engines.base import Engine, EngineError, Problem, StepReport
+from drystone.model import Model
+
+Array = NDArray[np.float64]
+
+#: Default displacement per step over the smallest extent of a block.
+STEP_SHARE = 0.005
+
+STRATEGIES = ("displacement", "published")
+
+
+class Recorder(Protocol):
+    """Something that keeps points as they come."""
+
+    def begin(self, model: Model, engine: str, strategy: str) -> None:
+        """Called before the first point."""
+
+    def point(self, point: CurvePoint, pose: Array, contacts: ContactForces) -> None:
+        """Called for every point."""
+
+    def end(self, curve: CapacityCurve) -> None:
+        """Called with the whole curve, also when the analysis was stopped or interrupted."""
+
+
+def pushover(
+    model: Model,
+    *,
+    engine: str | Engine | None = None,
+    strategy: str | None = None,
+    recorder: Recorder | None = None,
+    progress: Callable[[CurvePoint], None] | None = None,
+    keep_poses: bool = False,
+    keep_contacts: bool = False,
+    **options: float,
+) -> CapacityCurve:
+    """Trace the capacity curve of a model.
+
+    Parameters
+    ----------
+    model
+        What to analyse; its ``analysis`` gives what is left out here.
+    engine
+        Name of an engine, or one of your own (see `engines.base.Engine`).
+    strategy
+        "displacement" (no bias) or "published".
+    recorder, progress
+        Are told every point as it comes.
+    keep_poses, keep_contacts
+        Keep poses and contact forces of every point in the result.
+    options
+        Settings of the strategy by name, over those of the model: see `control`.
+
+    Raises
+    ------
+    EngineError
+        The engine cannot do what is asked; `UnstableError` where the structure does not stand
+        under its own weight.
+    """
+    begun = time.perf_counter()
+    solver = make_engine(engine or model.analysis.engine) if not _is_engine(engine) else engine
+    assert not isinstance(solver, str) and solver is not None
+    name = strategy or model.analysis.strategy
+    settings = {"stop_multiplier": model.analysis.stop_multiplier}
+    control = make_control(name, solver, model, {**settings, **model.analysis.options, **options})
+    problem = Problem(
+        assembly=model.assembly, load=model.load, control_point=model.control_point
+    )
+    points: list[CurvePoint] = []
+    poses: list[Array] = []
+    contacts: list[ContactForces] = []
+
+    def add(report: StepReport, state: Any, time_step: float) -> None:
+        point = _point(len(points), report, time_step, biased=name == "published")
+        points.append(point)
+        if keep_poses:
+            poses.append(state.pose.copy())
+        found = solver.contacts(state) if keep_contacts or recorder is not None else None
+        if keep_contacts and found is not None:
+            contacts.append(found)
+        if recorder is not None and found is not None:
+            recorder.point(point, state.pose, found)
+        if progress is not None:
+            progress(point)
+
+    status, reason = "stopped", ""
+    try:
+        state, report = solver.start(problem)
+        if recorder is not None:
+            recorder.begin(model, solver.name, name)
+        add(report, state, 0.0)
+        decision = control.first(report)
+        while decision.demand is not None:
+            demand = decision.demand
+            new, report = solver.step(state, demand)
+            decision = control.decide(decision.state, demand, report)
+            if decision.accept:
+                state = new
+                add(report, state, demand.time_step)
+        status, reason = ("finished" if decision.finished else "stopped"), decision.reason
+    except KeyboardInterrupt:
+        if not points:
+            raise
+        status, reason = "interrupted", "interrupted by the user"
+    except EngineError as error:
+        if not points:
+            raise
+        reason = str(error)
+    finally:
+        solver.close()
+    curve = CapacityCurve(
+        engine=solver.name,
+        strategy=name,
+        points=tuple(points),
+        status=status,
+        reason=reason,
+        stop_multiplier=model.analysis.stop_multiplier,
+        wall_time=time.perf_counter() - begun,
+        poses=np.array(poses) if keep_poses else None,
+        contacts=tuple(contacts) if keep_contacts else None,
+    )
+    if recorder is not None:
+        recorder.end(curve)
+    return curve
+
+
+def make_control(
+    strategy: str, engine: Engine, model: Model, options: Mapping[str, float]
+) -> Control:
+    """The control of a strategy for an engine; raises `EngineError` for settings that fail."""
+    if strategy not in STRATEGIES:
+        raise EngineError(f'there is no strategy "{strategy}": take {" or ".join(STRATEGIES)}')
+    known = {
+        f.name
+        for cls in (PublishedSettings, ExcessSettings, DisplacementSettings)
+        for f in fields(cls)
+    }
+    unknown = [key for key in options if key not in known | {"mechanism_displacement"}]
+    if unknown:
+        raise EngineError(f'there is no setting "{unknown[0]}" of the analysis')
+    step = {"displacement_step": STEP_SHARE * smallest_extent(model)}
+    try:
+        if strategy == "published":
+            return PublishedControl(_settings(PublishedSettings, {**step, **options}))
+        if engine.prescribes_displacement:
+            return DisplacementControl(_settings(DisplacementSettings, {**step, **options}))
+        return ExcessControl(_settings(ExcessSettings, {**step, **options}))
+    except ControlError as error:
+        raise EngineError(f"[analysis] {error}") from None
+
+
+def _settings(cls: type, options: Mapping[str, float]) -> Any:
+    """A settings object from those options that it has; whole numbers where it wants them."""
+    chosen = {}
+    for field in fields(cls):
+        if field.name in options:
+            value = options[field.name]
+            chosen[field.name] = int(value) if field.type == "int" else value
+    return cls(**chosen)
+
+
+def smallest_extent(model: Model) -> float:
+    """Smallest extent of a movable block [m]."""
+    return min(
+        float(np.ptp(block.vertices, axis=0).min())
+        for block in model.assembly.blocks
+        if not block.support
+    )
+
+
+def _is_engine(engine: object) -> bool:
+    return engine is not None and not isinstance(engine, str)
+
+
+def _point(step: int, report: StepReport, time_step: float, *, biased: bool) -> CurvePoint:
+    multiplier = report.applied_multiplier if biased else report.static_multiplier
+    return CurvePoint(
+        step=step,
+        control_displacement=report.control_displacement,
+        load_multiplier=multiplier,
+        applied_multiplier=report.applied_multiplier,
+        carried_multiplier=report.carried_multiplier,
+        residual=report.residual,
+        penetration=report.penetration,
+        friction_violation=report.friction_violation,
+        energy_ratio=report.energy_ratio,
+        inertia_ratio=report.inertia_ratio,
+        n_open=report.n_open,
+        n_sticking=report.n_sticking,
+        n_sliding=report.n_sliding,
+        motion=report.motion,
+        time_step=time_step,
+        n_iterations=report.n_iterations,
+        status=DYNAMIC if report.dynamic else STATIC,
+    )

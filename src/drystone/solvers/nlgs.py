@@ -1,0 +1,225 @@
+"""Non-linear Gauss-Seidel with an active-set accelerator, to a true residual.
+
+Sweeps alone converge as slowly as the joints are stiff against the blocks' inertia.  So, after a
+few, Newton's method on the blocks' velocities is tried from where they have come, with the branches
+of the joint law (open, sticking, sliding either way) that they have found.  Where that lowers the
+true residual it is kept; where not, the sweeps go on from where they were, so that the accelerator
+can only help.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.kernels import nlgs as kernels
+from drystone.kernels.joint import Tangent
+from drystone.kernels.nlgs import ContactProblem
+from drystone.kernels.residual import joint_law_residual
+from drystone.solvers.linear import BlockSystem, SingularMatrixError
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class NlgsSettings:
+    """When to stop, and how sweeps and accelerator take turns."""
+
+    tolerance: float  # N, on the true residual
+    max_sweeps: int = 6000
+    first_sweeps: int = 20  # before the accelerator is first tried
+    corrections: int = 15  # of the branches, each with a linear solution
+    hold_factor: float = 1e3  # stiffness that holds a sticking contact, over the stiffest joint's
+
+
+@dataclass(frozen=True, kw_only=True)
+class NlgsResult:
+    """Impulses and velocities with the residual they were measured to have."""
+
+    impulse: Array  # (n_contacts, 2) N s
+    velocity: Array  # (n, 3) m/s, rad/s
+    residual: float  # N
+    n_sweeps: int
+    n_corrections: int
+
+
+def solve(
+    problem: ContactProblem,
+    pair: IntArray,
+    system: BlockSystem,
+    mass: Array,
+    free_velocity: Array,
+    impulse: Array,
+    h: float,
+    settings: NlgsSettings,
+) -> NlgsResult:
+    """Contact impulses of one implicit step.
+
+    Parameters
+    ----------
+    problem
+        Contacts of the step.
+    pair
+        Row of each contact's pair in the lists that ``system`` was made of, (n_contacts,).
+    mass
+        (n, 3) [kg, kg m2], zero on fixed bodies.
+    free_velocity
+        Velocities without contacts at the end of the step, (n, 3).
+    impulse
+        Warm start, (n_contacts, 2) [N s].
+    h
+        Time step [s].
+    """
+    n = len(problem.gap)
+    blocks = np.zeros((n, 2, 2))
+    kernels.delassus_blocks(problem, blocks)
+    # The natural map's stiffness: the force that would move the contact by the slip in the step.
+    natural = 1.0 / (np.maximum(blocks[:, 1, 1], 1e-300) * h * h)
+    nothing = np.zeros(n)
+    relative = np.zeros((n, 2))
+
+    def measure(p: Array, v: Array) -> float:
+        kernels.contact_velocities(problem, v, relative)
+        reaction = p / h
+        return float(
+            joint_law_residual(
+                problem.gap + h * relative[:, 0], h * relative[:, 1], reaction, reaction[:, 1],
+                problem.normal_stiffness, natural, problem.friction, nothing, nothing,
+            )
+        )  # fmt: skip
+
+    def velocity_of(p: Array) -> Array:
+        v = free_velocity.copy()
+        kernels.apply_impulses(problem, p, v)
+        return v
+
+    impulse = impulse.copy()
+    velocity = velocity_of(impulse)
+    order = np.arange(n)
+    accelerator = _Accelerator(problem, pair, system, mass, free_velocity, h, settings)
+    n_sweeps, chunk = 0, settings.first_sweeps
+    residual = measure(impulse, velocity)
+    while residual > settings.tolerance and n_sweeps < settings.max_sweeps:
+        kernels.sweep(problem, blocks, h, order, chunk, impulse, velocity)
+        n_sweeps += chunk
+        velocity = velocity_of(impulse)  # rounding of the running sums does not pile up
+        residual = measure(impulse, velocity)
+        if residual <= settings.tolerance:
+            break
+        for trial in accelerator.trials(impulse, velocity):
+            trial_velocity = velocity_of(trial)
+            trial_residual = measure(trial, trial_velocity)
+            if trial_residual < residual:
+                impulse, velocity, residual = trial.copy(), trial_velocity, trial_residual
+                if residual <= settings.tolerance:
+                    break
+        chunk = min(2 * chunk, 400)
+    return NlgsResult(
+        impulse=impulse,
+        velocity=velocity,
+        residual=residual,
+        n_sweeps=n_sweeps,
+        n_corrections=accelerator.n_solved,
+    )
+
+
+class _Accelerator:
+    """Newton's method on the velocities, from where the sweeps have come.
+
+    Sticking is held by a stiff spring about the present tangential impulse; once the branches of
+    the law have settled, the spring is moved to the new impulse until nothing slips that sticks.
+    """
+
+    def __init__(self, problem, pair, system, mass, free_velocity, h, settings) -> None:
+        self.problem, self.pair, self.system = problem, pair, system
+        self.mass, self.free_velocity, self.h = mass, free_velocity, h
+        self.inverse_mass = problem.inverse_mass
+        self.corrections = settings.corrections
+        self.penalty = settings.hold_factor * h * h * problem.normal_stiffness.max(initial=0.0)
+        # Momentum defect at which the branches count as settled, from the tolerance on forces.
+        self.enough = 0.1 * settings.tolerance * h * np.sqrt(self.inverse_mass.max(initial=0.0))
+        n, n_pairs = len(mass), system.n_pairs
+        self.tangent = Tangent(
+            diagonal=np.zeros((n, 3, 3)),
+            upper=np.zeros((n_pairs, 3, 3)),
+            lower=np.zeros((n_pairs, 3, 3)),
+        )
+        self.defect = np.zeros((n, 3))
+        self.n_solved = 0
+
+    def trials(self, impulse: Array, velocity: Array) -> Iterator[Array]:
+        """Impulses after each move of the springs; the array is reused."""
+        n = len(impulse)
+        impulse, velocity = impulse.copy(), velocity.copy()
+        piece = np.zeros(n, np.int64)
+        for _ in range(4):
+            centre = impulse[:, 1].copy()
+            if not self._newton(centre, velocity, impulse, piece):
+                return
+            yield impulse
+
+    def _law(self, centre, held, velocity, impulse, piece) -> float:
+        kernels.held_law(
+            self.problem, self.h, self.penalty, centre, held, velocity, impulse, piece
+        )
+        return kernels.momentum_defect(
+            self.problem, self.mass, self.inverse_mass, self.free_velocity, velocity, impulse,
+            self.defect,
+        )  # fmt: skip
+
+    def _direction(self, piece: IntArray) -> Array:
+        for block in self.tangent:
+            block[:] = 0.0
+        diagonal = np.einsum("kii->ki", self.tangent.diagonal)
+        diagonal += self.mass
+        kernels.held_law_tangent(
+            self.problem, self.pair, self.h, self.penalty, piece, *self.tangent
+        )
+        direction = np.zeros_like(self.defect)
+        solve_linear = self.system.factor(self.tangent)
+        self.system.scatter(solve_linear(self.system.gather(self.defect)), direction)
+        self.n_solved += 1
+        return direction
+
+    def _newton(self, centre: Array, velocity: Array, impulse: Array, piece: IntArray) -> bool:
+        """Solve for the velocities in place; False where it does not converge."""
+        none = np.zeros(len(centre), np.bool_)
+        merit = self._law(centre, none, velocity, impulse, piece)
+        for _ in range(self.corrections):
+            if merit <= self.enough:
+                return True
+            base, sense = velocity.copy(), _sense(piece)
+            held = none.copy()
+            try:
+                direction = self._direction(piece)
+                velocity[:] = base + direction
+                trial = self._law(centre, none, velocity, impulse, piece)
+                # A contact that flips from sliding one way to sliding the other passes the narrow
+                # band in which it sticks: hold it there and ask again.
+                for _ in range(8):
+                    skipped = (sense * _sense(piece) < 0) & ~held
+                    if trial <= merit or not skipped.any():
+                        break
+                    held |= skipped
+                    self._law(centre, held, base, impulse, piece)
+                    direction = self._direction(piece)
+                    velocity[:] = base + direction
+                    trial = self._law(centre, none, velocity, impulse, piece)
+            except SingularMatrixError:
+                return False
+            length = 1.0
+            while not trial <= merit and length > 0.05:
+                length *= 0.5
+                velocity[:] = base + length * direction
+                trial = self._law(centre, none, velocity, impulse, piece)
+            merit = trial
+        return merit <= self.enough
+
+
+def _sense(piece: IntArray) -> IntArray:
+    """+1 and -1 for contacts that slide one way and the other, else 0."""
+    return np.where(piece == kernels.SLIDING, 1, 0) - np.where(piece == kernels.SLIDING + 1, 1, 0)
