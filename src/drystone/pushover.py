@@ -14,6 +14,7 @@ from drystone.contact.forces import ContactForces
 from drystone.control import (
     Control,
     ControlError,
+    Decision,
     DisplacementControl,
     DisplacementSettings,
     ExcessControl,
@@ -94,8 +95,8 @@ def pushover(
     poses: list[Array] = []
     contacts: list[ContactForces] = []
 
-    def add(report: StepReport, state: Any, time_step: float) -> None:
-        point = _point(len(points), report, time_step, biased=name == "published")
+    def add(report: StepReport, state: Any, time_step: float, decision: Decision) -> None:
+        point = _point(len(points), report, time_step, decision)
         points.append(point)
         if keep_poses:
             poses.append(state.pose.copy())
@@ -112,15 +113,15 @@ def pushover(
         state, report = solver.start(problem)
         if recorder is not None:
             recorder.begin(model, solver.name, name)
-        add(report, state, 0.0)
         decision = control.first(report)
+        add(report, state, 0.0, decision)
         while decision.demand is not None:
             demand = decision.demand
             new, report = solver.step(state, demand)
             decision = control.decide(decision.state, demand, report)
             if decision.accept:
                 state = new
-                add(report, state, demand.time_step)
+                add(report, state, demand.time_step, decision)
         status, reason = ("finished" if decision.finished else "stopped"), decision.reason
     except KeyboardInterrupt:
         if not points:
@@ -196,12 +197,11 @@ def _is_engine(engine: object) -> bool:
     return engine is not None and not isinstance(engine, str)
 
 
-def _point(step: int, report: StepReport, time_step: float, *, biased: bool) -> CurvePoint:
-    multiplier = report.applied_multiplier if biased else report.static_multiplier
+def _point(step: int, report: StepReport, time_step: float, decision: Decision) -> CurvePoint:
     return CurvePoint(
         step=step,
         control_displacement=report.control_displacement,
-        load_multiplier=multiplier,
+        load_multiplier=decision.load_multiplier,
         applied_multiplier=report.applied_multiplier,
         carried_multiplier=report.carried_multiplier,
         residual=report.residual,
@@ -215,5 +215,5 @@ def _point(step: int, report: StepReport, time_step: float, *, biased: bool) -> 
         motion=report.motion,
         time_step=time_step,
         n_iterations=report.n_iterations,
-        status=DYNAMIC if report.dynamic else STATIC,
+        status=DYNAMIC if decision.dynamic else STATIC,
     )

@@ -18,12 +18,15 @@ class Decision:
 
     `accept` says whether the step becomes a point of the curve; if not, the next step starts from
     the same state again.  `demand` is None when the analysis is over, for the `reason` given.
+    `load_multiplier` is what the curve shows at the point, `dynamic` that it was passed in motion.
     """
 
     accept: bool
     demand: Demand | None
     state: Any  # the control's own state, passed back to it with the next report
     reason: str = ""
+    load_multiplier: float = 0.0
+    dynamic: bool = False
     finished: bool = False  # over because the curve is complete, not because it cannot go on
 
 

@@ -52,6 +52,11 @@ class DisplacementControl:
         state = replace(
             state, n_steps=state.n_steps + 1, static=static, highest=max(state.highest, static)
         )
+        decision = self._go_on(state, report)
+        return replace(decision, load_multiplier=static, dynamic=report.dynamic)
+
+    def _go_on(self, state: _State, report: StepReport) -> Decision:
+        s, static = self.settings, state.static
         if static < s.stop_multiplier < state.highest:
             reason = f"the load multiplier fell below {s.stop_multiplier:g}"
             return Decision(accept=True, demand=None, state=state, reason=reason, finished=True)

@@ -14,6 +14,10 @@ from drystone.control.base import Decision
 from drystone.engines.base import Demand, StepReport
 
 
+#: Difference of applied and static multiplier that needs no explanation.
+LOOSE = 0.002
+
+
 @dataclass(frozen=True, kw_only=True)
 class ExcessSettings:
     """Settings of the pacing."""
@@ -32,6 +36,7 @@ class _State:
     time_step: float
     static: float = 0.0  # multiplier of the last point
     highest: float = 0.0
+    displacement: float = 0.0  # m, of the control point at the last point
     n_steps: int = 0
 
 
@@ -62,13 +67,23 @@ class ExcessControl:
                 reason = report.reason or "the blocks run away however little is applied"
                 return Decision(accept=False, demand=None, state=state, reason=reason)
             return Decision(accept=False, demand=self._demand(state), state=state)
-        static = report.static_multiplier
+        # A steady step differs from the static multiplier by little more than the excess.  Where it
+        # is far more, a block has come loose, whose fall says nothing of the rest: the carried
+        # multiplier, between static and applied, is then the safe one to go on from.
+        unexplained = abs(report.applied_multiplier - report.static_multiplier)
+        dynamic = unexplained > LOOSE + 2.0 * state.excess
+        static = report.carried_multiplier if dynamic else report.static_multiplier
         state = replace(
             state,
             n_steps=state.n_steps + 1,
             static=static,
             highest=max(state.highest, static),
         )
+        decision = self._go_on(state, report)
+        return replace(decision, load_multiplier=static, dynamic=dynamic)
+
+    def _go_on(self, state: _State, report: StepReport) -> Decision:
+        s, static = self.settings, state.static
         if state.n_steps >= s.max_steps:
             reason = f"the limit of {s.max_steps} steps was reached"
             return Decision(accept=True, demand=None, state=state, reason=reason)
@@ -79,7 +94,11 @@ class ExcessControl:
             reason = f"the load multiplier fell below {s.stop_multiplier:g}"
             return Decision(accept=True, demand=None, state=state, reason=reason, finished=True)
         share = s.displacement_step / max(report.motion, 1e-3 * s.displacement_step)
+        if report.control_displacement < state.displacement:
+            share = 2.0  # pushed too little to go on
         excess = min(state.excess * min(max(share, 0.5), 1.5), s.increment)
         time_step = min(1.4 * state.time_step, s.time_step)
-        state = replace(state, excess=excess, time_step=time_step)
+        state = replace(
+            state, excess=excess, time_step=time_step, displacement=report.control_displacement
+        )
         return Decision(accept=True, demand=self._demand(state), state=state)

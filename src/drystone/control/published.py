@@ -70,6 +70,12 @@ class PublishedControl:
 
     def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
         """Ascend by increments, descend by the recursion on the carried multiplier."""
+        decision = self._decide(state, demand, report)
+        return replace(
+            decision, load_multiplier=report.applied_multiplier, dynamic=report.dynamic
+        )
+
+    def _decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
         s = self.settings
         too_far = report.converged and state.descending and report.motion > 2.0 * s.displacement_step
         if not report.converged or too_far:
@@ -94,10 +100,10 @@ class PublishedControl:
             if not state.descending:
                 state = replace(state, time_step=s.time_step)
                 return Decision(accept=True, demand=self._demand(state), state=state)
-        multiplier = s.overshoot * report.carried_multiplier
-        if multiplier < s.stop_multiplier:
+        if report.applied_multiplier < s.stop_multiplier:
             reason = f"the load multiplier fell below {s.stop_multiplier:g}"
             return Decision(accept=True, demand=None, state=state, reason=reason, finished=True)
+        multiplier = s.overshoot * report.carried_multiplier
         share = s.displacement_step / max(report.motion, 1e-3 * s.displacement_step)
         scale = min(max(share**0.5, 0.7), 1.2)
         state = replace(state, multiplier=multiplier, time_step=state.time_step * scale)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.assembly import GRAVITY
 from drystone.contact.forces import OPEN, SLIDING, STICKING
 from drystone.engines.base import Problem, StepReport
 from drystone.kernels import narrow
@@ -15,8 +16,8 @@ from drystone.kernels.narrow import Slots
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: Inertia over applied force above which a point counts as passed dynamically.
-INERTIA_LIMIT = 1e-3
+#: Acceleration of a block, over gravity, above which a point counts as passed dynamically.
+ACCELERATION_LIMIT = 0.3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,18 +54,12 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     dim = assembly.dimension
     direction = problem.load.direction
     inertia = loads.mass * outcome.acceleration
-    push = float(np.sum(loads.pattern * outcome.increment))
-    resisted = float(np.sum(inertia * outcome.increment))
-    # Virtual work of the unbalanced forces on the step's own motion; without motion along the
-    # load there is nothing to tell a static multiplier from the applied one.
-    moved = outcome.motion * loads.total
-    static = outcome.multiplier
-    if abs(push) > 1e-3 * moved:
-        static -= resisted / push
+    static = outcome.multiplier - _unbalanced_multiplier(loads, inertia, outcome)
     # What the blocks hand to the supports; the reaction is its opposite.
     carried = float((outcome.contact_force[assembly.fixed, :dim] @ direction).sum())
     applied = max(abs(outcome.multiplier), 1e-3) * loads.total
     inertia_ratio = float(np.linalg.norm(inertia[:, :dim], axis=1).sum()) / applied
+    fastest = float(np.linalg.norm(outcome.acceleration[:, :dim], axis=1).max())
     kinetic = 0.5 * float(np.sum(loads.mass * outcome.velocity**2))
     work = abs(float(np.sum((loads.dead + outcome.multiplier * loads.pattern) * outcome.increment)))
     used = outcome.slots.kind != narrow.NONE
@@ -85,8 +80,23 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
         n_sliding=int(np.count_nonzero(status == SLIDING)),
         motion=outcome.motion,
         n_iterations=outcome.n_iterations,
-        dynamic=inertia_ratio > INERTIA_LIMIT,
+        dynamic=fastest > ACCELERATION_LIMIT * GRAVITY,
     )
+
+
+def _unbalanced_multiplier(loads: LoadArrays, inertia: Array, outcome: StepOutcome) -> float:
+    """By how much the applied multiplier exceeds the static one, from the step's virtual work.
+
+    On its own motion x the structure would rest under lambda_s with F.x lambda_s = F.x lambda -
+    x.M a.  Blocks that no contact holds obey this whatever the multiplier and say nothing of it.
+    Without motion along the load there is nothing to tell the two multipliers apart.
+    """
+    held = np.abs(outcome.contact_force).max(axis=1) > 0.0
+    x = outcome.increment[held]
+    push = float(np.sum(loads.pattern[held] * x))
+    if abs(push) <= 1e-2 * float(np.sum(np.abs(loads.pattern[held] * x))):
+        return 0.0
+    return float(np.sum(inertia[held] * x)) / push
 
 
 def cone_excess(reaction: Array, friction: Array) -> float:

@@ -57,6 +57,7 @@ class NscdState:
 
     pose: Array  # (n, n_dof) m, rad
     velocity: Array  # (n, n_dof) m/s, rad/s
+    increment: Array  # (n, n_dof) m, rad, of the last step
     pairs: Pairs
     slots: Slots  # contacts in `pose`
     reaction: Array  # (n_slots, 2) N
@@ -104,6 +105,7 @@ class NscdEngine:
         state = NscdState(
             pose=pose,
             velocity=np.zeros_like(pose),
+            increment=np.zeros_like(pose),
             pairs=pairs,
             slots=slots,
             reaction=np.zeros((len(slots.kind), 2)),
@@ -158,7 +160,7 @@ class NscdEngine:
         load = loads.dead + demand.multiplier * loads.pattern
         solved = nlgs.solve(
             problem, pair, self.system[1], loads.mass, before + h * self.inverse_mass * load,
-            state.reaction[chosen] * h, h,
+            state.reaction[chosen] * h, state.increment / h, h,
             NlgsSettings(
                 tolerance=self.settings.tolerance * assembly.heaviest_weight,
                 max_sweeps=self.settings.max_sweeps,
@@ -252,6 +254,7 @@ class NscdEngine:
         new = NscdState(
             pose=pose,
             velocity=velocity,
+            increment=pose - state.pose,
             pairs=state.pairs,
             slots=slots,
             reaction=carried,

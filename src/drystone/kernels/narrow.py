@@ -31,6 +31,9 @@ NONE, VERTEX_B, VERTEX_A, VERTICES = 0, 1, 2, 3
 #: Tributary length of a contact point is at least this share of the shorter facing edge.
 LEAST_SHARE = 0.01
 
+#: Sharp corners nearer than this share of their edges' lengths count as one.
+SAME_CORNER = 1e-3
+
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
@@ -132,6 +135,14 @@ def _centre(bodies, pose, body):
 
 
 @njit(cache=True, inline="always")
+def _along(world, edge, vertex):
+    """Coordinate of a vertex along an edge, from the edge's start [m]."""
+    return (world.vertex[vertex, 0] - world.vertex[edge, 0]) * world.tangent[edge, 0] + (
+        world.vertex[vertex, 1] - world.vertex[edge, 1]
+    ) * world.tangent[edge, 1]
+
+
+@njit(cache=True, inline="always")
 def _arms(bodies, pose, world, slots, k, a, b, va, vb):
     ax, ay = _centre(bodies, pose, a)
     bx, by = _centre(bodies, pose, b)
@@ -192,27 +203,28 @@ def _end(bodies, pose, world, slots, k, a, b, ea, eb, va, vb, reference_is_a):
     """One end of the interface of edges ``ea`` and ``eb``, whose vertices there are va and vb.
 
     The vertex that lies within the other edge makes the contact; where neither does, the two
-    vertices face each other across a corner.
+    vertices face each other across a corner.  Sharp corners that do so have no common normal but
+    where they all but coincide, and there it is the reference edge's.
     """
     dx = world.vertex[vb, 0] - world.vertex[va, 0]
     dy = world.vertex[vb, 1] - world.vertex[va, 1]
-    along_a = dx * world.tangent[ea, 0] + dy * world.tangent[ea, 1]
-    along_b = dx * world.tangent[eb, 0] + dy * world.tangent[eb, 1]
-    if va == ea:  # the start of a's edge and the end of b's
-        b_inside = along_a >= 0.0
-        a_inside = along_b >= 0.0
-    else:
-        b_inside = along_a <= 0.0
-        a_inside = along_b <= 0.0
+    sb = _along(world, ea, vb)
+    sa = _along(world, eb, va)
+    b_inside = 0.0 <= sb <= bodies.length[ea]
+    a_inside = 0.0 <= sa <= bodies.length[eb]
     if b_inside and a_inside:
         # Edges that open towards this end: the nearer of the two candidates.
         gap_b = dx * world.tangent[ea, 1] - dy * world.tangent[ea, 0]
         gap_a = -dx * world.tangent[eb, 1] + dy * world.tangent[eb, 0]
         b_inside = gap_b < gap_a or (gap_b == gap_a and reference_is_a)
     elif not b_inside and not a_inside:
-        reach = bodies.radius[a] + bodies.radius[b]
-        if reach > 0.0 and dx * dx + dy * dy > 0.01 * reach * reach:
+        radii = bodies.radius[a] + bodies.radius[b]
+        apart = dx * dx + dy * dy
+        if radii > 0.0 and apart > 0.01 * radii * radii:
             _vertex_on_vertex(bodies, pose, world, slots, k, a, b, va, vb)
+            return
+        near = SAME_CORNER * (bodies.length[ea] + bodies.length[eb])
+        if apart > near * near:
             return
         b_inside = reference_is_a
     if b_inside:
@@ -245,27 +257,22 @@ def _interface(bodies, pose, world, slots, p, a, b, reach):
     a0, a1 = ea, bodies.following[ea]
     b0, b1 = eb, bodies.following[eb]
     # Coordinates of b's vertices along a's edge; b1 faces a0 and b0 faces a1.
-    tx = world.tangent[ea, 0]
-    ty = world.tangent[ea, 1]
-    s1 = (world.vertex[b1, 0] - world.vertex[a0, 0]) * tx + (
-        world.vertex[b1, 1] - world.vertex[a0, 1]
-    ) * ty
-    s0 = (world.vertex[b0, 0] - world.vertex[a0, 0]) * tx + (
-        world.vertex[b0, 1] - world.vertex[a0, 1]
-    ) * ty
+    s1 = _along(world, ea, b1)
+    s0 = _along(world, ea, b0)
     length_a = bodies.length[ea]
     start = s1 - bodies.setback[eb, 1] if s1 > 0.0 else -bodies.setback[ea, 0]
     end = s0 + bodies.setback[eb, 0] if s0 < length_a else length_a + bodies.setback[ea, 1]
     least = LEAST_SHARE * min(length_a, bodies.length[eb])
     half = max(0.5 * (end - start), least)
-    if s1 > length_a or s0 < 0.0:  # past each other: corner to corner, if at all
-        if radii == 0.0:
-            return
-        if s1 > length_a:
-            k += 1
-            _vertex_on_vertex(bodies, pose, world, slots, k, a, b, a1, b1)
+    if s1 > length_a or s0 < 0.0:  # b lies past an end of a's edge
+        va = a1 if s1 > length_a else a0
+        sa = _along(world, eb, va)
+        if 0.0 <= sa <= bodies.length[eb]:
+            _vertex_on_edge(bodies, pose, world, slots, k, a, b, VERTEX_A, va, eb)
+        elif radii > 0.0:
+            _vertex_on_vertex(bodies, pose, world, slots, k, a, b, va, b0 if sa < 0.0 else b1)
         else:
-            _vertex_on_vertex(bodies, pose, world, slots, k, a, b, a0, b0)
+            return
         slots.length[k] = half
         slots.edges[k, 0] = ea
         slots.edges[k, 1] = eb

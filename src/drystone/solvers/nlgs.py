@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,6 +55,7 @@ def solve(
     mass: Array,
     free_velocity: Array,
     impulse: Array,
+    guess: Array,
     h: float,
     settings: NlgsSettings,
 ) -> NlgsResult:
@@ -71,6 +73,8 @@ def solve(
         Velocities without contacts at the end of the step, (n, 3).
     impulse
         Warm start, (n_contacts, 2) [N s].
+    guess
+        Velocities that the accelerator is first tried from, (n, 3), as of a similar step before.
     h
         Time step [s].
     """
@@ -110,7 +114,8 @@ def solve(
         residual = measure(impulse, velocity)
         if residual <= settings.tolerance:
             break
-        for trial in accelerator.trials(impulse, velocity):
+        starts = (guess, velocity) if n_sweeps == chunk else (velocity,)
+        for trial in chain.from_iterable(accelerator.trials(impulse, v) for v in starts):
             trial_velocity = velocity_of(trial)
             trial_residual = measure(trial, trial_velocity)
             if trial_residual < residual:
