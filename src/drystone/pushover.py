@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from drystone.contact.forces import ContactForces
 from drystone.control import (
@@ -109,6 +110,8 @@ def pushover(
             progress(point)
 
     status, reason = "stopped", ""
+    # Threads of LAPACK only get in each other's way on systems of this size.
+    limits = threadpool_limits(limits=1, user_api="blas")
     try:
         state, report = solver.start(problem)
         if recorder is not None:
@@ -132,6 +135,7 @@ def pushover(
             raise
         reason = str(error)
     finally:
+        limits.restore_original_limits()
         solver.close()
     curve = CapacityCurve(
         engine=solver.name,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,17 @@ TOUCHING = 1e-4
 
 #: Pairs treated as one array, to bound the memory it takes.
 AT_ONCE = 1 << 16
+
+
+@dataclass(frozen=True, kw_only=True)
+class SharedEdges:
+    """Parts of edges of two blocks that lie on each other; places are along the edge of ``a``."""
+
+    pair: IntArray  # (k,) row of the pair
+    edge_a: IntArray  # (k,) row of its first vertex in `Outlines.vertices`
+    edge_b: IntArray  # (k,)
+    extent: Array  # (k, 2) m, from where to where both edges lie
+    extent_b: Array  # (k, 2) m, where the edge of b begins and ends
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,8 +91,30 @@ class Outlines:
         length = np.empty(len(a))
         tolerance = TOUCHING * self.pair_size(a, b)
         for rows, p, q in self._alike(a, b):
-            length[rows] = _shared_length(p, q, tolerance[rows])
+            shared = _shared_parts(p, q, tolerance[rows])
+            length[rows] = np.where(shared.touching, shared.high - shared.low, 0.0).sum(axis=(1, 2))
         return length
+
+    def shared_edges(self, a: IntArray, b: IntArray) -> SharedEdges:
+        """Every part of an edge of a block of ``a`` that lies on an edge of its partner in ``b``."""
+        tolerance = TOUCHING * self.pair_size(a, b)
+        found: list[tuple[Array, ...]] = [(np.zeros(0),) * 7]
+        for rows, p, q in self._alike(a, b):
+            shared = _shared_parts(p, q, tolerance[rows])
+            at = np.nonzero(shared.touching)
+            pair, i, j = at
+            start, end = shared.start[at], shared.end[at]
+            found.append((rows[pair], i, j, shared.low[at], shared.high[at], end, start))
+        pair, i, j, low, high, first, last = map(np.concatenate, zip(*found, strict=True))
+        order = np.lexsort((j, i, pair))
+        pair, i, j = (values[order].astype(np.int64) for values in (pair, i, j))
+        return SharedEdges(
+            pair=pair,
+            edge_a=self.offset[a[pair]] + i,
+            edge_b=self.offset[b[pair]] + j,
+            extent=np.column_stack((low, high))[order],
+            extent_b=np.column_stack((first, last))[order],
+        )
 
     def _alike(self, a: IntArray, b: IntArray) -> Iterator[tuple[IntArray, Array, Array]]:
         """Rows with equal numbers of vertices, and their outlines (m, n_a, 2) and (m, n_b, 2)."""
@@ -118,8 +152,18 @@ def _separation(p: Array, q: Array) -> Array:
     return off.min(axis=2).max(axis=1)
 
 
-def _shared_length(p: Array, q: Array, tolerance: Array) -> Array:
-    """Summed length (m,) [m] of the parts of edges of p and q within ``tolerance`` (m,)."""
+class _Shared(NamedTuple):
+    """Edge i of p against edge j of q, places along the edge of p; all (m, n_p, n_q)."""
+
+    start: Array  # m, of the edge of q, which runs backwards
+    end: Array  # m
+    low: Array  # m, of the common part
+    high: Array  # m
+    touching: NDArray[np.bool_]  # whether there is one, within the tolerance
+
+
+def _shared_parts(p: Array, q: Array, tolerance: Array) -> _Shared:
+    """The parts of edges of p and q that lie on each other within ``tolerance`` (m,) [m]."""
     start, off_start, length = _along_and_off(p, q)
     end, off_end = np.roll(start, -1, axis=2), np.roll(off_start, -1, axis=2)
     # Touching edges run against each other: along an edge of p, that of q goes from high to low.
@@ -135,4 +179,4 @@ def _shared_length(p: Array, q: Array, tolerance: Array) -> Array:
         & (np.abs(off_start + slope * (high - start)) <= tolerance)
         & (high - low > tolerance)
     )
-    return np.where(touching, high - low, 0.0).sum(axis=(1, 2))
+    return _Shared(start, end, low, high, touching)

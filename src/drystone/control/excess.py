@@ -52,6 +52,14 @@ class ExcessControl:
         state = _State(excess=0.1 * s.increment, time_step=s.time_step)
         return Decision(accept=True, demand=self._demand(state), state=state)
 
+    def resume(self, static: float, highest: float, report: StepReport) -> Decision:
+        """Go on from a point of known static multiplier."""
+        s = self.settings
+        state = _State(
+            excess=0.1 * s.increment, time_step=s.time_step, static=static, highest=highest
+        )
+        return Decision(accept=True, demand=self._demand(state), state=state)
+
     def _demand(self, state: _State) -> Demand:
         return Demand(multiplier=state.static + state.excess, time_step=state.time_step)
 
@@ -59,10 +67,11 @@ class ExcessControl:
         """Adapt the excess to the motion; a step that fails or goes too far is tried with less."""
         s = self.settings
         if not report.converged or report.motion > 2.0 * s.displacement_step:
-            if state.excess > 1e-5 * s.increment:
-                state = replace(state, excess=0.5 * state.excess)
-            else:
-                state = replace(state, time_step=0.5 * state.time_step)
+            state = replace(
+                state,
+                excess=max(0.5 * state.excess, 1e-5 * s.increment),
+                time_step=0.6 * state.time_step,
+            )
             if state.time_step < 1e-3 * s.time_step:
                 reason = report.reason or "the blocks run away however little is applied"
                 return Decision(accept=False, demand=None, state=state, reason=reason)

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from drystone.engines.base import Engine
 
 _ENGINES = {
+    "equilibrium": ("drystone.engines.equilibrium", "EquilibriumEngine"),
     "nscd": ("drystone.engines.nscd", "NscdEngine"),
 }
 

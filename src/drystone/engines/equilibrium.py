@@ -22,10 +22,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.assembly import GRAVITY
 from drystone.contact.detection import Detector, Pairs, block_size, carry, empty_slots
-from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
+from drystone.contact.forces import SLIDING, STICKING, ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, Problem, StepReport, UnstableError
+from drystone.engines.measures import (
+    LoadArrays,
+    StepOutcome,
+    cone_excess,
+    report,
+    unstable_sentence,
+)
 from drystone.kernels import joint, narrow
 from drystone.kernels.joint import N_HISTORY, Tangent
 from drystone.kernels.narrow import Slots
@@ -43,6 +51,7 @@ class EquilibriumSettings:
     tolerance: float = 1e-9  # largest unbalanced force over the heaviest weight, -
     static_time_step: float = 30.0  # s; the inertia of a step of 1 mm is then 1e-7 of a weight
     max_iterations: int = 30  # Newton iterations of one step
+    max_attempts: int = 12  # directions tried in one iteration
     max_motion: float = 0.3  # share of the detection reach a block may move in one step
     inertia_limit: float = 1e-3  # inertia over applied force above which a point is dynamic
 
@@ -71,7 +80,8 @@ class Workspace:
         self.pairs = pairs
         self.slots = empty_slots(n_pairs)
         self.source = np.arange(2 * n_pairs)
-        self.force = np.zeros((n, n_dof))
+        self.force = np.zeros((n, n_dof))  # unbalanced
+        self.contact_force = np.zeros((n, n_dof))
         self.reaction = np.zeros((2 * n_pairs, 2))
         self.status = np.zeros(2 * n_pairs, np.int64)
         self.state = np.zeros((2 * n_pairs, N_HISTORY))
@@ -123,9 +133,13 @@ class EquilibriumEngine:
         self.laws = law_table(assembly)
         self.dead = dead_load(assembly)
         self.pattern = problem.load.forces(assembly)
-        self.total = problem.load.total(assembly)
-        self.movable = ~assembly.fixed
         self.mass = np.where(assembly.fixed[:, None], 0.0, assembly.mass)
+        self.loads = LoadArrays(
+            dead=self.dead,
+            pattern=self.pattern,
+            mass=self.mass,
+            total=problem.load.total(assembly),
+        )
         self.inverse_mass = np.where(assembly.fixed[:, None], 0.0, 1.0 / assembly.mass)
         self.scale = assembly.heaviest_weight
         self.extent = np.maximum(self.detector.extent, 1e-12)
@@ -152,18 +166,18 @@ class EquilibriumEngine:
     def _settle(self, state: EquilibriumState) -> tuple[EquilibriumState, StepReport]:
         """Longer and longer steps under the dead load, until one is static."""
         h, limit = 0.02, self.settings.static_time_step
-        report = StepReport(converged=False)
+        outcome = StepReport(converged=False)
         travelled = 0.0
         for _ in range(200):
-            new, report = self.step(state, Demand(multiplier=0.0, time_step=h))
-            if not report.converged:
+            new, outcome = self.step(state, Demand(multiplier=0.0, time_step=h))
+            if not outcome.converged:
                 h *= 0.5
                 if h < 1e-5:
                     break
                 continue
-            travelled += report.motion
-            if h >= limit and report.inertia_ratio < self.settings.inertia_limit:
-                return replace(new, last_increment=np.zeros_like(new.pose)), report
+            travelled += outcome.motion
+            if h >= limit and outcome.inertia_ratio < self.settings.inertia_limit:
+                return replace(new, last_increment=np.zeros_like(new.pose)), outcome
             if travelled > block_size(self.problem.assembly):
                 state = new
                 break
@@ -193,15 +207,18 @@ class EquilibriumEngine:
         work = self.workspace
         weight = 1.0 / h**2
         largest = self.settings.max_motion * self.detector.reach
+        reach = max(3.0 * abs(demand.increment or 0.0), 0.02 * self.detector.reach)
+        damping = 0.0
         reason = f"no equilibrium within {self.settings.max_iterations} iterations"
         converged, residual = False, np.inf
-        merits: list[float] = []
+        # The extrapolated shear of a stiff joint tells nothing of its cone: what stuck in the last
+        # step is taken to stick until the first correction has been made.
+        work.held[:] = state.status == STICKING
         self._evaluate(state, x, multiplier, weight, start_length)
         iteration = 0
         for iteration in range(1, self.settings.max_iterations + 1):
             residual = self._residual(work.force)
             merit = self._merit()
-            merits.append(merit)
             value, gradient = pace.value_and_gradient(x) if pace else (0.0, np.zeros(3))
             lag = pace.increment - value if pace else 0.0
             if residual <= self.settings.tolerance and abs(lag) <= 1e-12:
@@ -209,36 +226,48 @@ class EquilibriumEngine:
                 break
             base_x, base_m = x, multiplier
             sense = self._sense()
-            work.held[:] = False
-            failed = False
-            for _ in range(8):
+            if iteration == 1:
+                merit = np.inf  # the increment itself unbalances the blocks
+            held = np.zeros_like(work.held)
+            better = False
+            stale = False
+            for _ in range(self.settings.max_attempts):
+                if stale:
+                    work.held[:] = held
+                    self._evaluate(state, base_x, base_m, weight, start_length)
                 try:
-                    direction, dm = self._direction(pace, gradient, lag, weight)
+                    direction, dm = self._direction(pace, gradient, lag, weight + damping)
                 except SingularMatrixError:
-                    reason = "a part of the structure is free to move"
-                    failed = True
-                    break
-                x, multiplier = base_x + direction, base_m + dm
-                held = work.held.copy()
+                    damping = max(16.0 * damping, GRAVITY / reach)
+                    stale = False
+                    continue
+                if self.detector.motion(direction).max() > reach:
+                    damping = max(16.0 * damping, GRAVITY / reach)
+                    stale = False
+                    continue
                 work.held[:] = False
+                stale = True
+                x, multiplier = base_x + direction, base_m + dm
                 self._evaluate(state, x, multiplier, weight, start_length)
-                if self._merit() <= merit:
+                if self._merit() <= merit and np.isfinite(self._merit()):
+                    better = True
+                    damping = damping / 16.0 if damping > GRAVITY / reach else 0.0
                     break
                 skipped = (sense * self._sense() < 0) & ~held
-                if not skipped.any():
+                if skipped.any():
+                    held |= skipped
+                    continue
+                for length in (0.5, 0.25):
+                    x, multiplier = base_x + length * direction, base_m + length * dm
+                    self._evaluate(state, x, multiplier, weight, start_length)
+                    if self._merit() <= merit:
+                        better = True
+                        break
+                if better:
                     break
-                work.held[:] = held | skipped
-                self._evaluate(state, base_x, base_m, weight, start_length)
-            if failed:
-                break
-            length = 1.0
-            bound = max(merits[-1:]) * (1.0 + 1e-12)
-            while not self._merit() <= bound and length > 0.05:
-                length *= 0.5
-                x, multiplier = base_x + length * direction, base_m + length * dm
-                self._evaluate(state, x, multiplier, weight, start_length)
-            if not np.isfinite(self._merit()):
-                reason = "the iteration diverged"
+                damping = max(16.0 * damping, GRAVITY / reach)
+            if not better:
+                reason = "no direction leads nearer to equilibrium"
                 break
             if self.detector.motion(x).max() > largest:
                 reason = "a block moves too far in one step"
@@ -326,16 +355,19 @@ class EquilibriumEngine:
         narrow.carry_history(
             state.slots.kind, state.slots.feature, state.slots.edges, work.slots, work.source
         )
-        np.multiply(self.pattern, multiplier, out=work.force)
-        work.force += self.dead
-        work.force -= self.mass * x * weight
+        force = work.contact_force
+        force[:] = 0.0
         for block in work.tangent:
             block[:] = 0.0
         joint.joint_forces(
             work.slots, pairs.a, pairs.b, pairs.law, self.laws,
             self.problem.assembly.thickness, start, state.history, work.source, x,
-            work.held, work.force, work.reaction, work.status, work.state, work.tangent, True,
+            work.held, force, work.reaction, work.status, work.state, work.tangent, True,
         )  # fmt: skip
+        np.multiply(self.pattern, multiplier, out=work.force)
+        work.force += self.dead
+        work.force += force
+        work.force -= self.mass * x * weight
         work.force[self.problem.assembly.fixed] = 0.0
 
     def _merit(self) -> float:
@@ -355,20 +387,21 @@ class EquilibriumEngine:
     ) -> tuple[Array, float]:
         """Newton direction of poses and multiplier."""
         work = self.workspace
-        diagonal = work.tangent.diagonal
+        diagonal = work.tangent.diagonal.copy()
+        tangent = work.tangent._replace(diagonal=diagonal)
         n_dof = diagonal.shape[1]
         diagonal[:, range(n_dof), range(n_dof)] += self.mass * weight
         direction = np.zeros_like(self.mass)
         system = work.system
         if pace is None:
-            system.scatter(system.factor(work.tangent)(system.gather(work.force)), direction)
+            system.scatter(system.factor(tangent)(system.gather(work.force)), direction)
             return direction, 0.0
         spring = np.abs(diagonal[pace.body]).max() / (gradient @ gradient)
         diagonal[pace.body] += spring * np.outer(gradient, gradient)
         right = work.force.copy()
         right[pace.body] += spring * lag * gradient
         both = np.column_stack((system.gather(right), system.gather(self.pattern)))
-        y = system.factor(work.tangent)(both)
+        y = system.factor(tangent)(both)
         first, second = np.zeros_like(self.mass), np.zeros_like(self.mass)
         system.scatter(np.ascontiguousarray(y[:, 0]), first)
         system.scatter(np.ascontiguousarray(y[:, 1]), second)
@@ -383,13 +416,13 @@ class EquilibriumEngine:
         residual: float, iterations: int, pace: Pace | None,
     ) -> tuple[EquilibriumState, StepReport]:  # fmt: skip
         work = self.workspace
-        assembly = self.problem.assembly
         pose = state.pose + x
+        slots = Slots(*(array.copy() for array in work.slots))
         new = EquilibriumState(
             pose=pose,
             multiplier=multiplier,
             pairs=state.pairs,
-            slots=Slots(*(array.copy() for array in work.slots)),
+            slots=slots,
             history=work.state.copy(),
             reaction=work.reaction.copy(),
             status=work.status.copy(),
@@ -397,44 +430,29 @@ class EquilibriumEngine:
             last_multiplier_change=multiplier - state.multiplier,
             last_length=pace.increment if pace else 0.0,
         )
-        inertia = self.mass[:, :2] * x[:, :2] / h**2
-        applied = max(abs(multiplier), 1e-3) * self.total
-        inertia_ratio = float(np.hypot(inertia[:, 0], inertia[:, 1]).sum()) / applied
-        push = float(np.sum(self.pattern * x))
-        static = multiplier
-        if push > 0.0 and pace is None:
-            static = multiplier - float(np.sum(self.mass * x * x)) / h**2 / push
-        direction = self.problem.load.direction
-        carried = multiplier - float((inertia @ direction).sum()) / self.total
-        used = work.slots.kind != narrow.NONE
-        status = work.status[used]
-        cone = np.abs(work.reaction[:, 1]) - self.laws[state.pairs.law, joint.MU].repeat(2) * (
-            work.reaction[:, 0]
+        outcome = report(
+            self.problem,
+            self.loads,
+            StepOutcome(
+                multiplier=multiplier,
+                pose=pose,
+                increment=x,
+                acceleration=x / h**2,
+                velocity=x / h,
+                contact_force=work.contact_force.copy(),
+                slots=slots,
+                reaction=new.reaction,
+                status=new.status,
+                residual=residual * self.scale,
+                motion=float(self.detector.motion(x).max()),
+                n_iterations=iterations,
+            ),
         )
-        return new, StepReport(
-            converged=True,
-            applied_multiplier=multiplier,
-            carried_multiplier=carried,
+        friction = self.laws[state.pairs.law, joint.MU].repeat(2)
+        static = multiplier if pace else outcome.static_multiplier
+        return new, replace(
+            outcome,
             static_multiplier=static,
-            control_displacement=self.problem.control_point.displacement(assembly, pose),
-            residual=residual,
-            penetration=float(max(0.0, -work.slots.gap.min(initial=0.0))),
-            friction_violation=float(max(0.0, cone.max(initial=0.0))) / self.scale,
-            energy_ratio=0.0,
-            inertia_ratio=inertia_ratio,
-            n_open=int(np.count_nonzero(status == OPEN)),
-            n_sticking=int(np.count_nonzero(status == STICKING)),
-            n_sliding=int(np.count_nonzero(status == SLIDING)),
-            motion=float(self.detector.motion(x).max()),
-            n_iterations=iterations,
-            dynamic=inertia_ratio > self.settings.inertia_limit,
+            friction_violation=cone_excess(new.reaction, friction) / self.scale,
+            dynamic=outcome.inertia_ratio > self.settings.inertia_limit,
         )
-
-
-def unstable_sentence(ids: tuple[str, ...], motion: Array) -> str:
-    """Which blocks move under the dead load, the farthest first."""
-    order = np.argsort(-motion)
-    moving = [i for i in order if motion[i] > 0.1 * motion[order[0]]]
-    named = ", ".join(f'"{ids[i]}" ({1e3 * motion[i]:.0f} mm)' for i in moving[:5])
-    more = f" and {len(moving) - 5} more" if len(moving) > 5 else ""
-    return f"the structure does not stand under its own weight: blocks {named}{more} keep moving"

@@ -55,8 +55,9 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     direction = problem.load.direction
     inertia = loads.mass * outcome.acceleration
     static = outcome.multiplier - _unbalanced_multiplier(loads, inertia, outcome)
-    # What the blocks hand to the supports; the reaction is its opposite.
+    # What the blocks hand to the supports, less the dead load; the reaction is its opposite.
     carried = float((outcome.contact_force[assembly.fixed, :dim] @ direction).sum())
+    carried -= float((loads.dead[:, :dim] @ direction).sum())
     applied = max(abs(outcome.multiplier), 1e-3) * loads.total
     inertia_ratio = float(np.linalg.norm(inertia[:, :dim], axis=1).sum()) / applied
     fastest = float(np.linalg.norm(outcome.acceleration[:, :dim], axis=1).max())

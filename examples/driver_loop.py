@@ -1,0 +1,49 @@
+"""The pushover analysis written out by hand, from the same public parts that `ds.pushover` uses.
+
+An engine starts a state from a problem and steps it as demanded; a control reads the report of the
+step and says what to demand next.  There is nothing else to it: the curve is `ds.pushover`'s to
+the last bit, which a test holds it to.
+"""
+
+from pathlib import Path
+
+import drystone as ds
+from drystone.control import ExcessControl, ExcessSettings
+from drystone.engines import make_engine
+from drystone.engines.base import Problem
+
+MODEL = Path(__file__).with_name("two_blocks.toml")
+
+
+def trace(model: ds.Model, displacement_step: float) -> list[tuple[float, float]]:
+    """Control displacement [m] and static load multiplier of every point."""
+    engine = make_engine("nscd")
+    control = ExcessControl(
+        ExcessSettings(
+            displacement_step=displacement_step,
+            stop_multiplier=model.analysis.stop_multiplier,
+        )
+    )
+    problem = Problem(
+        assembly=model.assembly, load=model.load, control_point=model.control_point
+    )
+
+    state, report = engine.start(problem)  # settles under the dead load
+    decision = control.first(report)
+    points = [(report.control_displacement, decision.load_multiplier)]
+
+    while decision.demand is not None:
+        trial, report = engine.step(state, decision.demand)
+        decision = control.decide(decision.state, decision.demand, report)
+        if decision.accept:  # else the next step starts from the same state again, demanding less
+            state = trial
+            points.append((report.control_displacement, decision.load_multiplier))
+
+    engine.close()
+    return points
+
+
+if __name__ == "__main__":
+    curve = trace(ds.read_model(MODEL), displacement_step=2e-3)
+    peak = max(multiplier for _, multiplier in curve)
+    print(f"{len(curve)} points, peak multiplier {peak:.4f}")

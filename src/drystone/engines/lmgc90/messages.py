@@ -1,0 +1,71 @@
+"""What goes over the pipes: a setup once, then steps and what came of them.
+
+Everything is plane: `wheel` extrudes to polyhedra and adds up what it finds at front and back.
+Bodies are in the order of the assembly; the reference point of each is the centroid of its
+polygon, which is LMGC90's centre of inertia.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setup:
+    """A simulation: bodies, supports, joints and solver settings."""
+
+    polygons: tuple[Array, ...]  # each (m, 2) m, counter-clockwise, corners taken off
+    density: Array  # (n,) kg/m3
+    fixed: NDArray[np.bool_]  # (n,)
+    thickness: float  # m
+    friction: float  # -
+    joints: Mapping[tuple[int, int], float]  # N/m of each designed joint, by bodies a < b
+    spare_stiffness: float  # N/m of a joint between bodies that do not touch as designed
+    reach: float  # m, largest gap at which contacts are looked for
+    theta: float  # -, of the theta method
+    tolerance: float  # -, of Gauss-Seidel, in the norm "QM/16"
+    sweeps_per_check: int
+    max_sweeps: int
+    time_step: float  # s, of the first step
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ready:
+    """The simulation stands."""
+
+    program: str  # name and version of what drives LMGC90
+
+
+@dataclass(frozen=True, kw_only=True)
+class Step:
+    """One step from the state that was accepted last."""
+
+    accept: bool  # first make the outcome of the step before this one the accepted state
+    force: Array  # (n, 3) N, N m about the reference points, gravity included
+    time_step: float  # s
+    stop_blocks: bool  # start from rest
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What came of a step; it is not accepted yet."""
+
+    converged: bool
+    n_sweeps: int
+    pose: Array  # (n, 3) m, rad, displacements of the reference points and rotations
+    velocity: Array  # (n, 3) m/s, rad/s, at the end
+    contact_force: Array  # (n, 3) N, N m, of all contacts on each body, supports included
+    body_a: IntArray  # (n_contacts,)
+    body_b: IntArray  # (n_contacts,)
+    position: Array  # (n_contacts, 2) m
+    normal: Array  # (n_contacts, 2), from a to b
+    gap: Array  # (n_contacts,) m, where the step started
+    reaction: Array  # (n_contacts, 2) N on b, normal and along the normal turned clockwise
+    stiffness: Array  # (n_contacts,) N/m

@@ -1,0 +1,459 @@
+"""Cycles of the distinct element method: forces from contacts, motion from forces, and again.
+
+Semi-implicit Euler (central differences with velocities at half steps):
+
+    v <- v + dt M^-1 (f - damping),        x <- x + dt v
+
+Between two searches the features of every contact are frozen: which vertex against which edge (or
+against which vertex), with which tributary area.  The gap is then a function of the poses alone,
+and the shear force grows with the sliding velocity,
+
+    r_n = k_n (d - g)          r_t <- r_t - k_s dt (grad slip . v)
+
+with dilation d; it is kept in the axes of the contact and turns with them.  The joint law is that
+of `kernels.joint`.  For all kinds of contact one of the two bodies, the *edge body* e, owns the
+normal, which points to the *other body* o; with arms from the centroids, t = (n_y, -n_x), S the
+quarter turn, q = 1 but between two vertices, and rolling terms as in `kernels.narrow`,
+
+    grad gap  = [-n, -n.S arm_e, n, n.S arm_o]
+    grad slip = q [-t, -t.S arm_e, t, t.S arm_o] + [0, 0, roll_e, 0, 0, roll_o]
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+NONE, VERTEX_B, VERTEX_A, VERTICES = 0, 1, 2, 3
+OPEN, STICKING, SLIDING = 0, 1, 2
+
+#: Columns of the joint-law table, and of the history of a contact, as in `kernels.joint`.
+MU, KN, KS, TAN_PSI, COHESION, TENSION, DILATANCY_END = 0, 1, 2, 3, 4, 5, 6
+SHEAR, DILATION, SLID, BROKEN = 0, 1, 2, 3
+
+#: A contact this near to its cone slides.
+TIE = 1e-9
+
+#: Columns of `Contacts.shape`: local vertex of the other body, local vertex and tangent of the
+#: edge body [m], radius of the other body, sum of both, 1 where two vertices meet [m].
+OX, OY, EX, EY, TX, TY, R_O, R_SUM, ROUND = 0, 1, 2, 3, 4, 5, 6, 7, 8
+N_SHAPE = 9
+
+#: Columns of `Contacts.law`: stiffnesses [N/m], friction, dilatancy, bond and tensile force [N].
+L_KN, L_KS, L_MU, L_TAN_PSI, L_BOND, L_TENSION, L_END = 0, 1, 2, 3, 4, 5, 6
+N_CONTACT_LAW = 7
+
+#: Entries of the meter, see `cycle`.
+MULTIPLIER, FRICTION_WORK, DAMPING_WORK, LOAD_WORK, RESIDUAL = 0, 1, 2, 3, 4
+N_METER = 5
+
+#: Why `cycle` returned.
+DONE, MOVED, BALANCED = 0, 1, 2
+
+#: Cycles between two looks at the residual.
+LOOK = 25
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+class Contacts(NamedTuple):
+    """Contacts that are watched between two searches, packed; row c belongs to ``slot[c]``."""
+
+    slot: IntArray  # (n_contacts,)
+    edge: IntArray  # (n_contacts,) body that owns the normal
+    other: IntArray  # (n_contacts,)
+    shape: Array  # (n_contacts, N_SHAPE)
+    law: Array  # (n_contacts, N_CONTACT_LAW)
+    history: Array  # (n_contacts, 4)
+    reaction: Array  # (n_contacts, 2) N
+    status: IntArray  # (n_contacts,)
+
+
+class Motion(NamedTuple):
+    """What evolves in the cycles."""
+
+    pose: Array  # (n, 3) m, rad
+    velocity: Array  # (n, 3) m/s, rad/s, half a step behind the pose
+    turn: Array  # (n, 2) cosine and sine of the rotation
+    force: Array  # (n, 3) N, N m, unbalanced, of the last cycle
+    mean: Array  # (n, 3) sum of the unbalanced forces over the cycles
+
+
+class Loads(NamedTuple):
+    """What does not change in the cycles."""
+
+    centroid: Array  # (n, 2) m, as designed
+    dead: Array  # (n, 3) N, N m
+    pattern: Array  # (n, 3) N, N m, at multiplier one
+    inverse_mass: Array  # (n, 3) zero on fixed bodies
+    extent: Array  # (n,) m, by which moments are divided and rotations multiplied
+
+
+@njit(cache=True)
+def pack(slots, bodies, pair_a, pair_b, pair_law, laws, thickness, history, contacts):
+    """Fill ``contacts`` from the slots in use and return their number."""
+    kind, feature, length = slots.kind, slots.feature, slots.length
+    local, local_tangent, radius = bodies.local, bodies.local_tangent, bodies.radius
+    slot, edge, other, shape, law = (
+        contacts.slot, contacts.edge, contacts.other, contacts.shape, contacts.law
+    )  # fmt: skip
+    c = 0
+    for k in range(kind.shape[0]):
+        if kind[k] == NONE:
+            continue
+        p = k // 2
+        e, o, fe, fo = pair_a[p], pair_b[p], feature[k, 0], feature[k, 1]
+        if kind[k] == VERTEX_A:
+            e, o, fe, fo = o, e, fo, fe
+        slot[c] = k
+        edge[c] = e
+        other[c] = o
+        shape[c, OX] = local[fo, 0]
+        shape[c, OY] = local[fo, 1]
+        shape[c, EX] = local[fe, 0]
+        shape[c, EY] = local[fe, 1]
+        shape[c, TX] = local_tangent[fe, 0]
+        shape[c, TY] = local_tangent[fe, 1]
+        shape[c, R_O] = radius[o]
+        shape[c, R_SUM] = radius[e] + radius[o]
+        shape[c, ROUND] = 1.0 if kind[k] == VERTICES else 0.0
+        area = length[k] * thickness
+        row = pair_law[p]
+        law[c, L_KN] = laws[row, KN] * area
+        law[c, L_KS] = laws[row, KS] * area
+        law[c, L_MU] = laws[row, MU]
+        law[c, L_TAN_PSI] = laws[row, TAN_PSI]
+        law[c, L_BOND] = laws[row, COHESION] * area
+        law[c, L_TENSION] = laws[row, TENSION] * area
+        law[c, L_END] = laws[row, DILATANCY_END]
+        for h in range(4):
+            contacts.history[c, h] = history[k, h]
+        contacts.reaction[c, 0] = 0.0
+        contacts.reaction[c, 1] = 0.0
+        contacts.status[c] = OPEN
+        c += 1
+    return c
+
+
+@njit(cache=True)
+def unpack(contacts, n_contacts, loads, motion, slots, pair_a, history, reaction, status):
+    """Write what the cycles made of the contacts back to the slots: geometry, history, reaction."""
+    turn, pose, centroid = motion.turn, motion.pose, loads.centroid
+    shape = contacts.shape
+    history[:] = 0.0
+    reaction[:] = 0.0
+    status[:] = OPEN
+    for c in range(n_contacts):
+        k, e, o = contacts.slot[c], contacts.edge[c], contacts.other[c]
+        ce, se, co, so = turn[e, 0], turn[e, 1], turn[o, 0], turn[o, 1]
+        ox = co * shape[c, OX] - so * shape[c, OY]
+        oy = so * shape[c, OX] + co * shape[c, OY]
+        ex = ce * shape[c, EX] - se * shape[c, EY]
+        ey = se * shape[c, EX] + ce * shape[c, EY]
+        xe, ye = centroid[e, 0] + pose[e, 0], centroid[e, 1] + pose[e, 1]
+        xo, yo = centroid[o, 0] + pose[o, 0], centroid[o, 1] + pose[o, 1]
+        dx = xo + ox - xe - ex
+        dy = yo + oy - ye - ey
+        if shape[c, ROUND] == 0.0:
+            nx = se * shape[c, TX] + ce * shape[c, TY]
+            ny = -(ce * shape[c, TX] - se * shape[c, TY])
+            slots.gap[k] = nx * dx + ny * dy - shape[c, R_SUM]
+            ex += dx
+            ey += dy
+        else:
+            distance = np.sqrt(dx * dx + dy * dy)
+            nx = dx / distance
+            ny = dy / distance
+            slots.gap[k] = distance - shape[c, R_SUM]
+            slots.ratio[k] = shape[c, R_SUM] / distance
+        if e == pair_a[k // 2]:
+            slots.normal[k, 0], slots.normal[k, 1] = nx, ny
+            slots.arm_a[k, 0], slots.arm_a[k, 1] = ex, ey
+            slots.arm_b[k, 0], slots.arm_b[k, 1] = ox, oy
+        else:
+            slots.normal[k, 0], slots.normal[k, 1] = -nx, -ny
+            slots.arm_a[k, 0], slots.arm_a[k, 1] = ox, oy
+            slots.arm_b[k, 0], slots.arm_b[k, 1] = ex, ey
+        for h in range(4):
+            history[k, h] = contacts.history[c, h]
+        reaction[k, 0] = contacts.reaction[c, 0]
+        reaction[k, 1] = contacts.reaction[c, 1]
+        status[k] = contacts.status[c]
+
+
+@njit(cache=True)
+def stiffness_blocks(slots, pair_a, pair_b, pair_law, laws, thickness, watched, blocks):
+    """Add 2 sum k h h^T over the contacts of each body, (n, 3, 3), with h = grad gap, grad slip.
+
+    It bounds the stiffness matrix: k (h_a.x_a + h_b.x_b)^2 <= 2 k (h_a.x_a)^2 + 2 k (h_b.x_b)^2.
+    Contacts open by more than ``watched`` [m] are left out.
+    """
+    kind, gap, normal, ratio, roll = slots.kind, slots.gap, slots.normal, slots.ratio, slots.roll
+    for k in range(kind.shape[0]):
+        if kind[k] == NONE or gap[k] > watched:
+            continue
+        p = k // 2
+        area = slots.length[k] * thickness
+        kn = 2.0 * laws[pair_law[p], KN] * area
+        ks = 2.0 * laws[pair_law[p], KS] * area
+        nx = normal[k, 0]
+        ny = normal[k, 1]
+        q = ratio[k]
+        for side in range(2):
+            if side == 0:
+                body, ax, ay, rolled = pair_a[p], slots.arm_a[k, 0], slots.arm_a[k, 1], roll[k, 0]
+            else:
+                body, ax, ay, rolled = pair_b[p], slots.arm_b[k, 0], slots.arm_b[k, 1], -roll[k, 1]
+            n2 = ny * ax - nx * ay
+            t0 = q * ny
+            t1 = -q * nx
+            t2 = -q * (ny * ay + nx * ax) - rolled
+            blocks[body, 0, 0] += kn * nx * nx + ks * t0 * t0
+            blocks[body, 0, 1] += kn * nx * ny + ks * t0 * t1
+            blocks[body, 0, 2] += kn * nx * n2 + ks * t0 * t2
+            blocks[body, 1, 1] += kn * ny * ny + ks * t1 * t1
+            blocks[body, 1, 2] += kn * ny * n2 + ks * t1 * t2
+            blocks[body, 2, 2] += kn * n2 * n2 + ks * t2 * t2
+    for body in range(blocks.shape[0]):
+        blocks[body, 1, 0] = blocks[body, 0, 1]
+        blocks[body, 2, 0] = blocks[body, 0, 2]
+        blocks[body, 2, 1] = blocks[body, 1, 2]
+
+
+@njit(cache=True)
+def elastic_energy(contacts, n_contacts):
+    """Energy stored in the joints [J]."""
+    energy = 0.0
+    for c in range(n_contacts):
+        rn = contacts.reaction[c, 0]
+        rt = contacts.reaction[c, 1]
+        energy += 0.5 * (rn * rn / contacts.law[c, L_KN] + rt * rt / contacts.law[c, L_KS])
+    return energy
+
+
+@njit(cache=True)
+def cycle(
+    contacts, n_contacts, motion, loads, origin, dt, n_cycles, multiplier, guided, rate,
+    local_damping, viscous_damping, tolerance, reach, meter,
+):  # fmt: skip
+    """Run cycles in place until one of three things happens; returns what, and the cycles run.
+
+    Parameters
+    ----------
+    contacts, n_contacts
+        See `pack`.
+    motion, loads
+        `Motion` and `Loads`.
+    origin
+        (n, 3) poses at the last search.
+    dt
+        [s]
+    n_cycles
+        Return `DONE` after so many.
+    multiplier
+        Load multiplier; where ``guided`` only a start, see below.
+    guided
+        The multiplier is the force that keeps the pattern's own displacement on its course:
+        F.v = ``rate`` [N m/s] at every half step.  From M a = f + lambda F and F.a = 0,
+        lambda = -F.M^-1 f / F.M^-1 F.
+    local_damping
+        Share of the unbalanced force that is taken off where it drives the motion, and added
+        where it brakes it (Cundall's damping), for every degree of freedom by itself.
+    viscous_damping
+        [1/s] by which velocities are damped, in proportion to mass.
+    tolerance
+        Return `BALANCED` when no unbalanced force, or moment over extent, exceeds it [N];
+        negative: never.
+    reach
+        Return `MOVED` when a body has moved so far from ``origin`` [m].
+    meter
+        (N_METER,) multiplier of the last cycle; work done by friction, damping and loads, added
+        to [J]; largest unbalanced force when last looked at [N].
+    """
+    edge, other, shape, law = contacts.edge, contacts.other, contacts.shape, contacts.law
+    history, reaction, status = contacts.history, contacts.reaction, contacts.status
+    pose, velocity, turn = motion.pose, motion.velocity, motion.turn
+    force, mean = motion.force, motion.mean
+    centroid, dead, pattern = loads.centroid, loads.dead, loads.pattern
+    inverse_mass, extent = loads.inverse_mass, loads.extent
+    n = pose.shape[0]
+    flexibility = 0.0
+    for i in range(n):
+        for d in range(3):
+            flexibility += pattern[i, d] * pattern[i, d] * inverse_mass[i, d]
+    keep = (1.0 - 0.5 * viscous_damping * dt) / (1.0 + 0.5 * viscous_damping * dt)
+    push = dt / (1.0 + 0.5 * viscous_damping * dt)
+    friction_work = 0.0
+    damping_work = 0.0
+    load_work = 0.0
+    applied = multiplier
+    for count in range(n_cycles):
+        for i in range(n):
+            force[i, 0] = dead[i, 0]
+            force[i, 1] = dead[i, 1]
+            force[i, 2] = dead[i, 2]
+        for c in range(n_contacts):
+            e = edge[c]
+            o = other[c]
+            ce = turn[e, 0]
+            se = turn[e, 1]
+            co = turn[o, 0]
+            so = turn[o, 1]
+            ox = co * shape[c, OX] - so * shape[c, OY]
+            oy = so * shape[c, OX] + co * shape[c, OY]
+            ex = ce * shape[c, EX] - se * shape[c, EY]
+            ey = se * shape[c, EX] + ce * shape[c, EY]
+            dx = (centroid[o, 0] - centroid[e, 0]) + (pose[o, 0] - pose[e, 0]) + ox - ex
+            dy = (centroid[o, 1] - centroid[e, 1]) + (pose[o, 1] - pose[e, 1]) + oy - ey
+            if shape[c, ROUND] == 0.0:
+                nx = se * shape[c, TX] + ce * shape[c, TY]
+                ny = se * shape[c, TY] - ce * shape[c, TX]
+                gap = nx * dx + ny * dy - shape[c, R_SUM]
+                ex += dx
+                ey += dy
+                q = 1.0
+                roll_o = shape[c, R_O]
+                roll_e = -roll_o
+            else:
+                distance = np.sqrt(dx * dx + dy * dy)
+                nx = dx / distance
+                ny = dy / distance
+                gap = distance - shape[c, R_SUM]
+                q = shape[c, R_SUM] / distance
+                roll_o = shape[c, R_O]
+                roll_e = shape[c, R_SUM] - roll_o
+            kn = law[c, L_KN]
+            bonded = history[c, BROKEN] == 0.0
+            rn = kn * (history[c, DILATION] - gap)
+            if rn < 0.0:
+                if bonded and gap > 0.0 and rn < -law[c, L_TENSION]:
+                    history[c, BROKEN] = 1.0
+                    bonded = False
+                if not bonded or law[c, L_TENSION] == 0.0:
+                    rt = history[c, SHEAR]
+                    if rt != 0.0 or status[c] != OPEN:
+                        friction_work += 0.5 * rt * rt / law[c, L_KS]
+                        history[c, SHEAR] = 0.0
+                        reaction[c, 0] = 0.0
+                        reaction[c, 1] = 0.0
+                        status[c] = OPEN
+                    continue
+            # Moments per unit of normal and of tangential reaction.
+            me_n = nx * ey - ny * ex
+            mo_n = ny * ox - nx * oy
+            me_t = q * (ny * ey + nx * ex) + roll_e
+            mo_t = roll_o - q * (ny * oy + nx * ox)
+            slip = q * (
+                ny * (velocity[o, 0] - velocity[e, 0]) - nx * (velocity[o, 1] - velocity[e, 1])
+            )
+            slip += me_t * velocity[e, 2] + mo_t * velocity[o, 2]
+            ks = law[c, L_KS]
+            mu = law[c, L_MU]
+            rt = history[c, SHEAR] - ks * dt * slip
+            limit = mu * rn
+            if bonded:
+                limit += law[c, L_BOND]
+            now = STICKING
+            if abs(rt) > limit * (1.0 - TIE) and rt != 0.0:
+                history[c, BROKEN] = 1.0
+                before = rt * rt / ks + rn * rn / kn
+                if rn <= 0.0:
+                    friction_work += 0.5 * before
+                    history[c, SHEAR] = 0.0
+                    reaction[c, 0] = 0.0
+                    reaction[c, 1] = 0.0
+                    status[c] = OPEN
+                    continue
+                now = SLIDING
+                tan_psi = law[c, L_TAN_PSI] if history[c, SLID] < law[c, L_END] else 0.0
+                gamma = (abs(rt) - mu * rn) / (ks + mu * kn * tan_psi)
+                rn += kn * tan_psi * gamma
+                rt = mu * rn if rt > 0.0 else -mu * rn
+                history[c, DILATION] += tan_psi * gamma
+                history[c, SLID] += gamma
+                friction_work += 0.5 * (before - rt * rt / ks - rn * rn / kn)
+            history[c, SHEAR] = rt
+            reaction[c, 0] = rn
+            reaction[c, 1] = rt
+            status[c] = now
+            fx = rn * nx + q * rt * ny
+            fy = rn * ny - q * rt * nx
+            force[o, 0] += fx
+            force[o, 1] += fy
+            force[o, 2] += rn * mo_n + rt * mo_t
+            force[e, 0] -= fx
+            force[e, 1] -= fy
+            force[e, 2] += rn * me_n + rt * me_t
+        if guided:
+            drive = 0.0
+            for i in range(n):
+                for d in range(3):
+                    drive += pattern[i, d] * inverse_mass[i, d] * force[i, d]
+            applied = -drive / flexibility
+        look = count % LOOK == LOOK - 1 or count == n_cycles - 1
+        worst = 0.0
+        course = 0.0
+        for i in range(n):
+            for d in range(3):
+                force[i, d] += applied * pattern[i, d]
+                mean[i, d] += force[i, d]
+            if inverse_mass[i, 0] == 0.0:
+                continue
+            if look:
+                worst = max(
+                    worst,
+                    force[i, 0] * force[i, 0] + force[i, 1] * force[i, 1],
+                    (force[i, 2] / extent[i]) ** 2,
+                )
+            for d in range(3):
+                f = force[i, d]
+                v = velocity[i, d]
+                if v > 0.0:
+                    f -= local_damping * abs(f)
+                elif v < 0.0:
+                    f += local_damping * abs(f)
+                new = keep * v + push * inverse_mass[i, d] * f
+                course += pattern[i, d] * new
+                velocity[i, d] = new
+                middle = 0.5 * (v + new) * dt
+                damping_work += (force[i, d] - f) * middle
+                damping_work += viscous_damping * middle * 0.5 * (v + new) / inverse_mass[i, d]
+        steer = (rate - course) / flexibility if guided else 0.0
+        moved = False
+        for i in range(n):
+            if inverse_mass[i, 0] == 0.0:
+                continue
+            if guided:
+                for d in range(3):
+                    velocity[i, d] += steer * inverse_mass[i, d] * pattern[i, d]
+            for d in range(3):
+                step = velocity[i, d] * dt
+                load_work += (dead[i, d] + applied * pattern[i, d]) * step
+                pose[i, d] += step
+            half = 0.5 * velocity[i, 2] * dt
+            # Cayley's rotation by 2 atan(half): exact but for half^3.
+            scale = 1.0 / (1.0 + half * half)
+            cosine = (1.0 - half * half) * scale
+            sine = 2.0 * half * scale
+            c_old = turn[i, 0]
+            turn[i, 0] = cosine * c_old - sine * turn[i, 1]
+            turn[i, 1] = sine * c_old + cosine * turn[i, 1]
+            far = abs(pose[i, 0] - origin[i, 0]) + abs(pose[i, 1] - origin[i, 1])
+            moved = moved or far + extent[i] * abs(pose[i, 2] - origin[i, 2]) > reach
+        if look:
+            meter[RESIDUAL] = np.sqrt(worst)
+        if moved or (look and worst <= tolerance * tolerance and tolerance > 0.0):
+            meter[MULTIPLIER] = applied
+            meter[FRICTION_WORK] += friction_work
+            meter[DAMPING_WORK] += damping_work
+            meter[LOAD_WORK] += load_work
+            return (MOVED if moved else BALANCED), count + 1
+    meter[MULTIPLIER] = applied
+    meter[FRICTION_WORK] += friction_work
+    meter[DAMPING_WORK] += damping_work
+    meter[LOAD_WORK] += load_work
+    return DONE, n_cycles

@@ -1,0 +1,115 @@
+"""Equilibrium of every movable block under its contact forces, in numbers of order one.
+
+With contact forces f (normal and tangential components, compression positive), dead load G, load
+pattern F and multiplier lambda, the blocks balance when
+
+    B f + G + lambda F = 0
+
+The transpose of B takes block velocities to the relative velocities of b seen from a at the
+contacts, along their normals and tangents: B^T u > 0 along a normal opens the contact.  Forces are
+measured in the weight of the heaviest block and moments in that weight times its size.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array
+
+from drystone.assembly import Assembly
+from drystone.limit.joints import ContactPoints, contact_points
+from drystone.loading import LoadPattern, dead_load
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Equilibrium:
+    """The balance of an assembly, scaled; rows are movable blocks times degrees of freedom."""
+
+    assembly: Assembly
+    points: ContactPoints
+    matrix: csc_array  # B, (n_rows, n_contacts dim)
+    dead: Array  # G, (n_rows,)
+    live: Array  # F, (n_rows,)
+    cohesion: Array  # (n_contacts,) in units of force
+    tension: Array  # (n_contacts,) likewise
+    force: float  # N, the unit of force
+    length: float  # m, the unit of length
+
+    @classmethod
+    def of(cls, assembly: Assembly, load: LoadPattern) -> Equilibrium:
+        """Set up the balance in the designed shape."""
+        points = contact_points(assembly)
+        force = assembly.heaviest_weight
+        movable = np.flatnonzero(~assembly.fixed)
+        length = float(np.sqrt(assembly.volume[movable] / assembly.thickness).mean())
+        scale = np.full(assembly.n_dof, 1.0 / force)
+        scale[assembly.dimension :] /= length
+        return cls(
+            assembly=assembly,
+            points=points,
+            matrix=_matrix(assembly, points, length),
+            dead=(dead_load(assembly)[movable] * scale).ravel(),
+            live=(load.forces(assembly)[movable] * scale).ravel(),
+            cohesion=points.cohesion / force,
+            tension=points.tension / force,
+            force=force,
+            length=length,
+        )
+
+    @property
+    def n_contacts(self) -> int:
+        """Number of contact points."""
+        return self.points.n_contacts
+
+    def residual(self, forces: Array, multiplier: float) -> float:
+        """Largest unbalanced force or moment, in scaled units, of ``forces`` (n_contacts, dim)."""
+        rest = self.matrix @ forces.ravel() + self.dead + multiplier * self.live
+        return float(np.abs(rest).max(initial=0.0))
+
+    def relative(self, velocity: Array) -> Array:
+        """Velocities of b seen from a at the contacts, (n_contacts, dim), of scaled ``velocity``."""
+        return (self.matrix.T @ velocity).reshape(self.n_contacts, -1)
+
+    def block_velocities(self, velocity: Array) -> Array:
+        """Scaled velocities (n_rows,) as those of all blocks, (n, n_dof) [m/s, rad/s] as it were."""
+        assembly = self.assembly
+        blocks = np.zeros((assembly.n_bodies, assembly.n_dof))
+        blocks[~assembly.fixed] = velocity.reshape(-1, assembly.n_dof)
+        blocks[:, assembly.dimension :] /= self.length
+        return blocks
+
+
+def _matrix(assembly: Assembly, points: ContactPoints, length: float) -> csc_array:
+    dim, n_dof = points.dimension, assembly.n_dof
+    row_of = np.cumsum(~assembly.fixed) - 1
+    column = np.arange(points.n_contacts * dim).reshape(points.n_contacts, dim)
+    rows, columns, values = [], [], []
+    for block, sign in ((points.block_a, -1.0), (points.block_b, 1.0)):
+        arm = (points.position - assembly.centroid[block])[:, None, :]
+        wrench = np.concatenate((points.frame, moments(arm, points.frame) / length), axis=2)
+        moves = ~assembly.fixed[block]
+        shape = wrench[moves].shape
+        row = n_dof * row_of[block[moves], None, None] + np.arange(n_dof)
+        rows.append(np.broadcast_to(row, shape).ravel())
+        columns.append(np.broadcast_to(column[moves][..., None], shape).ravel())
+        values.append(sign * wrench[moves].ravel())
+    entries = np.concatenate(values)
+    matrix = csc_array(
+        (entries, (np.concatenate(rows), np.concatenate(columns))),
+        shape=(n_dof * assembly.n_blocks, points.n_contacts * dim),
+    )
+    matrix.eliminate_zeros()
+    matrix.sort_indices()
+    return matrix
+
+
+def moments(arm: Array, force: Array) -> Array:
+    """Moments of forces (..., dim) at arms (..., dim): one component in a plane, three in space."""
+    if force.shape[-1] == 3:
+        return np.cross(arm, force)
+    return (arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0])[..., None]

@@ -1,0 +1,491 @@
+"""Contacts between convex blocks: distances, exact derivatives, areas, identity.
+
+The distances are judged by brute force over all vertices and edges, the derivatives by central
+differences.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+import pytest
+from builders import (
+    UNIT_WEIGHT,
+    approach,
+    contacts_of,
+    convex_polygons,
+    rectangle,
+    turned,
+    with_corner,
+)
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from drystone.assembly import Assembly, Block, Corner, JointLaw
+from drystone.builders import published_wall
+from drystone.contact.broad import candidate_pairs
+from drystone.contact.detection import carry, empty_slots
+from drystone.geometry import GeometryError
+from drystone.kernels import joint, narrow
+from drystone.kernels.joint import Tangent
+from drystone.kernels.narrow import NONE, VERTEX_A, VERTEX_B, VERTICES
+from drystone.kernels.nlgs import map_contacts
+
+# Sums of products of lengths below 10 m: a few rounding errors of 1e-15.
+ROUNDING = 1e-12
+
+angles = st.floats(-np.pi, np.pi)
+
+
+def pair_of(a, b, *, radius=0.0, friction=0.3, shear_stiffness=1e6, first_fixed=False):
+    """Two blocks in one assembly."""
+    return Assembly.build(
+        [
+            Block(id="a", vertices=a, unit_weight=UNIT_WEIGHT, support=first_fixed),
+            Block(id="b", vertices=b, unit_weight=UNIT_WEIGHT),
+        ],
+        joint=JointLaw(
+            friction_coefficient=friction, normal_stiffness=1e6, shear_stiffness=shear_stiffness
+        ),
+        corner=Corner(radius=radius or None),
+    )
+
+
+class TestBroadPhase:
+    @given(
+        st.lists(
+            st.tuples(
+                st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(0.0, 2.0), st.floats(0.0, 2.0)
+            ),
+            max_size=40,
+        )
+    )
+    def test_equals_brute_force(self, boxes):
+        boxes = np.array(boxes).reshape(-1, 4)
+        lower, upper = boxes[:, :2], boxes[:, :2] + boxes[:, 2:]
+        expected = [
+            (i, j)
+            for i in range(len(boxes))
+            for j in range(i + 1, len(boxes))
+            if np.all(lower[i] <= upper[j]) and np.all(lower[j] <= upper[i])
+        ]
+        a, b = candidate_pairs(lower, upper)
+        assert list(zip(a.tolist(), b.tolist(), strict=True)) == expected
+
+    def test_one_huge_box_among_small_ones(self):
+        # A base under a long row: no pair is lost, none comes twice.
+        x = 0.5 * np.arange(200.0)  # exact in binary
+        lower = np.vstack(([[-1.0, -1.0]], np.column_stack((x, 0.0 * x))))
+        upper = np.vstack(([[101.0, 0.0]], np.column_stack((x + 0.5, 0.0 * x + 0.2))))
+        a, b = candidate_pairs(lower, upper)
+        pairs = set(zip(a.tolist(), b.tolist(), strict=True))
+        assert len(pairs) == len(a)
+        assert pairs >= {(0, i) for i in range(1, 201)} | {(i, i + 1) for i in range(1, 200)}
+
+    @pytest.mark.parametrize("n", [0, 1])
+    def test_too_few_boxes_for_a_pair(self, n):
+        a, b = candidate_pairs(np.zeros((n, 2)), np.ones((n, 2)))
+        assert len(a) == len(b) == 0
+
+
+class TestDistance:
+    """The smallest gap of a pair is the distance of its rounded shapes, whatever the corners."""
+
+    @staticmethod
+    def apart(p, q, angle, radius, wanted):
+        """Two blocks ``wanted`` [m] apart, core from core, the second come from anywhere."""
+        u = np.array([np.cos(angle), np.sin(angle)])
+        try:
+            assembly = pair_of(p, q + 5.0 * u, radius=radius)
+        except GeometryError:
+            assume(False)  # the corner leaves nothing of an edge
+        return assembly, *approach(assembly, -u, wanted)
+
+    # A core as far from the other as 0.5 r presses 1.5 r into it, rounding included.
+    @given(
+        convex_polygons(),
+        convex_polygons(),
+        angles,
+        st.sampled_from((0.005, 0.02)),
+        st.floats(0.5, 4.0),
+    )
+    @settings(max_examples=300)
+    def test_of_rounded_blocks(self, p, q, angle, radius, share):
+        assembly, pose, apart, _ = self.apart(p, q, angle, radius, share * radius)
+        detector, _, slots = contacts_of(assembly, pose)
+        gap = apart - 2.0 * radius
+        if gap < detector.reach:
+            assert slots.gap.min() == pytest.approx(gap, abs=1e-9)
+        else:
+            assert not slots.kind.any()
+
+    @given(convex_polygons(), convex_polygons(), angles, st.floats(1e-6, 0.03))
+    @settings(max_examples=300)
+    def test_of_sharp_blocks(self, p, q, angle, wanted):
+        # Two sharp vertices have no common normal, and make no contact; an edge and a vertex do.
+        assembly, pose, apart, vertices = self.apart(p, q, angle, 0.0, wanted)
+        detector, _, slots = contacts_of(assembly, pose)
+        assume(apart < detector.reach)
+        if vertices and apart < narrow.SAME_CORNER * 2.4:  # edges of up to 1.2 m: one corner
+            assert np.abs(slots.gap).min() <= apart + 1e-9 or not slots.kind.any()
+        elif vertices:
+            assert slots.gap.min() >= apart - 1e-9
+        else:
+            assert slots.gap.min() == pytest.approx(apart, abs=1e-9)
+
+    @pytest.mark.parametrize("radius", [0.005, 0.02])
+    @pytest.mark.parametrize("degrees", [-33.0, 33.0])
+    @pytest.mark.parametrize("end", [-1.0, 1.0])
+    @pytest.mark.parametrize("overhang", [0.02, 0.05, 0.1])
+    @pytest.mark.parametrize("clearance", [-0.001, 0.0, 0.001])
+    def test_of_a_tilted_block_past_the_end_of_another(
+        self, radius, degrees, end, overhang, clearance
+    ):
+        # The unit of the published walls, turned by 33 degrees above another and hanging past an
+        # end of it: the vertex of the lower block lies inside an edge of the upper one, while the
+        # edges that face each other most may well touch nothing.
+        unit = rectangle(-0.2, -0.0875, 0.4, 0.175)
+        above = unit + (end * (0.2 + overhang), 1.0)
+        assembly = pair_of(unit, above, radius=radius, first_fixed=True)
+        down, wanted = np.array([0.0, -1.0]), 2.0 * radius + clearance
+        pose, apart, _ = approach(assembly, down, wanted, angle=np.radians(degrees))
+        _, _, slots = contacts_of(assembly, pose)
+        gap = apart - 2.0 * radius
+        assert gap == pytest.approx(clearance, abs=1e-8)
+        assert slots.gap.min() == pytest.approx(gap, abs=1e-9)
+
+
+def configurations(radius, n=40):
+    """Pairs of blocks that press on each other, in every kind of contact that there is.
+
+    Small and large angles, edges on edges, vertices on edges of either block, and (with rounded
+    corners) vertices on vertices beside each other's ends.
+    """
+    random = np.random.default_rng(7)
+    unit = rectangle(-0.2, -0.1, 0.4, 0.2)
+    for i in range(n):
+        angle = (1e-3 * random.normal(), random.uniform(0.05, 0.75), -random.uniform(0.05, 0.75))[
+            i % 3
+        ]
+        x = random.uniform(-0.39, 0.39)
+        if radius and i % 4 == 3:  # the discs at two corners, beside each other
+            x, angle = 0.4 - radius * random.uniform(0.8, 1.2), 0.03 * random.normal()
+        side = 1.0 if i % 2 else -1.0  # the first block is below or above
+        assembly = pair_of(
+            unit, unit + (x, side), radius=radius, shear_stiffness=(1e6, 1e4)[i // 2 % 2]
+        )
+        pressed = radius * random.uniform(0.3, 0.5)
+        pose, _, _ = approach(assembly, np.array([0.0, -side]), 2.0 * radius - pressed, angle)
+        if not radius:
+            pose[1, 1] -= 3e-3 * side
+        yield assembly, pose
+
+
+class JointOfPair:
+    """Gaps, slips and forces of one pair as functions of the motion since the start of the step."""
+
+    def __init__(self, assembly, pose, *, friction=0.3, tan_psi=0.0, shear=0.0):
+        self.assembly, self.pose = assembly, pose
+        self.detector, self.pairs, self.slots = contacts_of(assembly, self.pose)
+        n = len(self.slots.kind)
+        self.laws = np.zeros((1, joint.N_LAW))
+        law = assembly.joint
+        self.laws[0, : joint.TAN_PSI + 1] = (
+            friction, law.normal_stiffness, law.shear_stiffness, tan_psi,
+        )  # fmt: skip
+        self.laws[0, joint.DILATANCY_END] = np.inf
+        self.history = np.zeros((n, joint.N_HISTORY))
+        self.history[:, joint.SHEAR] = shear
+        self.length = np.full(n, 0.1)  # fixed within a step, as engines do
+
+    def at(self, increment, with_tangent=False):
+        n, n_pairs = len(self.slots.kind), len(self.pairs.a)
+        self.detector.fill(self.pairs, self.pose + increment, self.slots)
+        self.force, self.reaction = np.zeros((2, 3)), np.zeros((n, 2))
+        self.status = np.zeros(n, np.int64)
+        tangent = Tangent(
+            np.zeros((2, 3, 3)), np.zeros((n_pairs, 3, 3)), np.zeros((n_pairs, 3, 3))
+        )
+        joint.joint_forces(
+            self.slots, self.pairs.a, self.pairs.b, self.pairs.law, self.laws, 1.0, self.length,
+            self.history, np.arange(n), increment, np.zeros(n, np.bool_), self.force,
+            self.reaction, self.status, np.zeros_like(self.history), tangent, with_tangent,
+        )  # fmt: skip
+        top = np.hstack((tangent.diagonal[0], tangent.upper[0]))
+        bottom = np.hstack((tangent.lower[0], tangent.diagonal[1]))
+        self.stiffness = np.vstack((top, bottom))
+        return self
+
+    def features(self):
+        """What must stay the same for a derivative to exist."""
+        return self.slots.kind.tolist(), self.slots.feature.tolist(), self.status.tolist()
+
+    def mapping(self):
+        s, used = self.slots, np.flatnonzero(self.slots.kind)
+        rows = np.zeros((len(used), 2, 6))
+        map_contacts(s.kind, s.normal, s.arm_a, s.arm_b, s.roll, s.ratio, used, rows)
+        return used, rows
+
+
+def central_differences(evaluate, at, step=1e-6):
+    """Derivatives by all six motions, with the value at each; a trial costs two evaluations."""
+    columns = []
+    for j in range(6):
+        e = np.zeros(6)
+        e[j] = step
+        e = e.reshape(2, 3)
+        columns.append((evaluate(at + e) - evaluate(at - e)) / (2.0 * step))
+    return np.stack(columns, axis=-1)
+
+
+class TestDerivatives:
+    """Steps of 1e-6 leave an error of 1e-12 / 6 times the third derivative, which is of order
+    1 / d^2 of the least distance d of cores (millimetres), and rounding of 1e-16 / 1e-6."""
+
+    def smooth(self, pair, increment, step=1e-6):
+        """Whether no branch ends within the step of the differences."""
+        here = pair.at(increment).features()
+        for j in range(12):
+            e = np.zeros(6)
+            e[j % 6] = step if j < 6 else -step
+            if pair.at(increment + e.reshape(2, 3)).features() != here:
+                return False
+        pair.at(increment)
+        return True
+
+    @pytest.mark.parametrize("radius", [0.0, 0.03])
+    def test_of_gap_and_slip_are_the_contact_mapping(self, radius):
+        random = np.random.default_rng(1)
+        seen = Counter()
+        for assembly, pose in configurations(radius):
+            # Friction without end: the shear is the slip times the stiffness.
+            pair = JointOfPair(assembly, pose, friction=1e9)
+            increment = 1e-3 * random.normal(size=(2, 3))
+            if not self.smooth(pair, increment):
+                continue
+            used, rows = pair.mapping()
+            stiffness = assembly.joint.shear_stiffness * 0.1
+            gap = central_differences(lambda x, p=pair, k=used: p.at(x).slots.gap[k].copy(), increment)
+            slip = central_differences(
+                lambda x, p=pair, k=used, s=stiffness: -p.at(x).reaction[k, 1] / s, increment
+            )
+            pair.at(increment)
+            for row, g, s, k in zip(rows, gap, slip, used, strict=True):
+                assert row[0] == pytest.approx(g, abs=1e-7)
+                if pair.status[k] != joint.OPEN:
+                    assert row[1] == pytest.approx(s, abs=1e-7)
+                    seen[int(pair.slots.kind[k])] += 1
+        kinds = {VERTEX_A, VERTEX_B, VERTICES} if radius else {VERTEX_A, VERTEX_B}
+        assert set(seen) == kinds and min(seen.values()) >= 3
+
+    @pytest.mark.parametrize("tan_psi", [0.0, 0.2])
+    @pytest.mark.parametrize("radius", [0.0, 0.03])
+    def test_of_forces_are_the_tangent(self, radius, tan_psi):
+        random = np.random.default_rng(2)
+        seen = Counter()
+        for assembly, pose in configurations(radius):
+            pair = JointOfPair(assembly, pose, tan_psi=tan_psi, shear=300.0 * random.normal())
+            increment = 1e-3 * random.normal(size=(2, 3))
+            if not self.smooth(pair, increment):
+                continue
+            stiffness = pair.at(increment, with_tangent=True).stiffness.copy()
+            if not pair.status.any():
+                continue
+            numerical = -central_differences(lambda x, p=pair: p.at(x).force.ravel(), increment)
+            assert stiffness == pytest.approx(numerical, abs=1e-6 * np.abs(numerical).max())
+            pair.at(increment)
+            seen.update(zip(pair.slots.kind.tolist(), pair.status.tolist(), strict=True))
+        for kind in {VERTEX_A, VERTEX_B, VERTICES} if radius else {VERTEX_A, VERTEX_B}:
+            assert seen[kind, joint.STICKING] >= 1 and seen[kind, joint.SLIDING] >= 1
+
+    @pytest.mark.parametrize("radius", [0.0, 0.03])
+    def test_rigid_motion_of_both_moves_no_joint(self, radius):
+        # A motion of the pair as one: no gap changes, nothing slips.
+        for assembly, pose in configurations(radius, n=12):
+            pair = JointOfPair(assembly, pose, friction=1e9)
+            before = pair.at(np.zeros((2, 3))).slots.gap.copy()
+            angle = 0.3
+            centre = assembly.centroid + pair.pose[:, :2]
+            increment = np.column_stack((turned(centre, angle) - centre + (0.1, -0.2), [angle] * 2))
+            pair.at(increment)
+            used = np.flatnonzero(pair.slots.kind)
+            assert len(used) > 0
+            assert pair.slots.gap[used] == pytest.approx(before[used], abs=ROUNDING)
+            # The shear stiffness times the rounding of a slip.
+            assert pair.reaction[used, 1] == pytest.approx(0.0, abs=1e6 * ROUNDING)
+
+
+class TestBalance:
+    @given(
+        convex_polygons(),
+        convex_polygons(),
+        angles,
+        st.sampled_from((0.0, 0.02)),
+        st.floats(-50.0, 50.0),
+        st.integers(0, 2**31),
+    )
+    def test_forces_and_moments_on_a_pair(self, p, q, angle, radius, shear, seed):
+        """Whatever the contact, a pair feels no resultant and no moment."""
+        assembly, pose, _, _ = TestDistance.apart(p, q, angle, radius, 0.5 * radius + 1e-9)
+        pair = JointOfPair(assembly, pose, shear=shear)
+        # Pressed a little further, and turned.
+        u = np.array([np.cos(angle), np.sin(angle)])
+        increment = 1e-3 * np.random.default_rng(seed).normal(size=(2, 3))
+        increment[1, :2] -= 2e-3 * u
+        pair.at(increment)
+        assume(pair.status.any())
+        centre = assembly.centroid + (pose + increment)[:, :2]
+        f = pair.force
+        scale = np.abs(f).max()
+        assert f[0, :2] == pytest.approx(-f[1, :2], abs=ROUNDING * scale)
+        moment = f[:, 2] + centre[:, 0] * f[:, 1] - centre[:, 1] * f[:, 0]
+        assert moment.sum() == pytest.approx(0.0, abs=1e2 * ROUNDING * scale)
+
+
+CORNERS = {
+    "rounded": Corner(radius=0.02),
+    "chamfered": Corner(chamfer=0.02),
+    "sharp": Corner(),
+}
+
+
+class TestPublishedWalls:
+    """83, 141 and 102 joints (Ferris & Tin-Loi 2001), each with a contact at either end."""
+
+    @pytest.fixture(params=CORNERS)
+    def corner(self, request):
+        return CORNERS[request.param]
+
+    @staticmethod
+    def touching(wall, corner):
+        assembly = with_corner(published_wall(wall), corner).assembly
+        _, pairs, slots = contacts_of(assembly, assembly.rest_pose())
+        return assembly, pairs, slots, np.flatnonzero((slots.kind != NONE) & (slots.gap < 1e-9))
+
+    @pytest.mark.parametrize(("wall", "n_contacts"), [(1, 166), (2, 282), (3, 204)])
+    def test_number_and_lengths(self, wall, n_contacts, corner):
+        _, _, slots, k = self.touching(wall, corner)
+        assert len(k) == n_contacts
+        assert slots.gap[k] == pytest.approx(0.0, abs=ROUNDING)
+        # Half of the joint to each end: 0.1 m on a bed joint of half a unit of 0.4 m and 0.0875 m on
+        # a head joint (the areas of the paper, section 3); whole units meet the base over 0.4 m.
+        lengths = slots.length[k]
+        for row in lengths:
+            assert min(abs(row - np.array([0.0875, 0.1, 0.2]))) < ROUNDING
+        is_bed = np.abs(slots.normal[k, 1]) > 0.5
+        assert np.all(lengths[~is_bed] == pytest.approx(0.0875, abs=ROUNDING))
+
+    @pytest.mark.parametrize("wall", [1, 2, 3])
+    def test_areas_add_up_to_the_designed_joints(self, wall, corner):
+        assembly, pairs, slots, k = self.touching(wall, corner)
+        for p in np.unique(k // 2):
+            a, b = (assembly.blocks[i].vertices for i in (pairs.a[p], pairs.b[p]))
+            # Boxes that touch: one side of their intersection is nothing, the other the joint.
+            low, high = np.maximum(a.min(0), b.min(0)), np.minimum(a.max(0), b.max(0))
+            designed = (high - low).max()
+            found = slots.length[k[k // 2 == p]].sum()
+            assert found == pytest.approx(designed, abs=ROUNDING)
+
+
+class TestLaterContacts:
+    @given(st.integers(0, 2**31))
+    @settings(max_examples=25)
+    def test_a_kept_pair_list_misses_nothing(self, seed):
+        """Blocks on a random walk: until the list is outdated, it finds all that touch."""
+        random = np.random.default_rng(seed)
+        unit = rectangle(-0.2, -0.1, 0.4, 0.2)
+        blocks = [
+            Block(
+                id=str(i),
+                vertices=turned(unit, random.uniform(0, 3)) + random.uniform(-1.0, 1.0, 2),
+                unit_weight=UNIT_WEIGHT,
+            )
+            for i in range(10)
+        ]
+        law = JointLaw(friction_coefficient=0.5, normal_stiffness=1e8, shear_stiffness=1e8)
+        assembly = Assembly.build(blocks, joint=law, corner=Corner(radius=0.01))
+        pose = assembly.rest_pose()
+        detector, pairs, slots = contacts_of(assembly, pose)
+        for _ in range(20):
+            move = random.normal(size=(10, 3))
+            pose = pose + 0.2 * detector.reach * move / detector.motion(move)[:, None]
+            if detector.outdated(pairs, pose):
+                pairs = detector.pairs(pose)
+                slots = empty_slots(len(pairs.a))
+            detector.fill(pairs, pose, slots)
+            _, fresh_pairs, fresh = contacts_of(assembly, pose)
+            found = {
+                (int(pairs.a[k // 2]), int(pairs.b[k // 2]), slots.gap[k])
+                for k in np.flatnonzero(slots.kind)
+            }
+            expected = {
+                (int(fresh_pairs.a[k // 2]), int(fresh_pairs.b[k // 2]), fresh.gap[k])
+                for k in np.flatnonzero(fresh.kind)
+            }
+            assert found == expected
+
+
+class TestIdentity:
+    unit = rectangle(-0.2, -0.1, 0.4, 0.2)
+
+    @pytest.mark.parametrize("radius", [0.0, 0.02])
+    def test_a_contact_goes_on_when_another_edge_comes_to_face_it(self, radius):
+        """A square rolls over its corner on a base: at 45 degrees the facing edge changes."""
+        square = rectangle(-0.1, -0.1, 0.2, 0.2)
+        base = rectangle(-1.0, -1.0, 2.0, 1.0)
+        assembly = pair_of(base, square + (0.0, 0.1), radius=radius, first_fixed=True)
+        corner = assembly.shapes.of(1)[1]  # lower right
+        history = 1
+        detector, pairs, slots = contacts_of(assembly, assembly.rest_pose())
+        # Slot of the corner at the start, followed through all the turning.
+        (slot,) = (k for k in range(2) if slots.arm_b[k, 0] > 0.0)
+        edges = set()
+        for angle in np.radians(np.arange(1.0, 90.0, 2.0)):
+            pose = np.zeros((2, 3))
+            pose[1] = 0.0, radius - turned(corner, -angle)[1] - 0.1, -angle
+            new, source = empty_slots(len(pairs.a)), np.full(2, -1)
+            detector.fill(pairs, pose, new)
+            narrow.carry_history(slots.kind, slots.feature, slots.edges, new, source)
+            here = [k for k in np.flatnonzero(new.kind) if abs(new.gap[k]) < ROUNDING]
+            assert len(here) == 1
+            assert source[here[0]] == slot, f"lost at {np.degrees(angle):.0f} degrees"
+            slots, slot = new, here[0]
+            edges.add(tuple(new.edges[slot].tolist()))
+            history += 1
+        assert len(edges) == 2
+
+    def test_a_contact_goes_on_when_it_passes_from_edge_to_vertex(self):
+        """A rounded block slides past the end of the one below: the slot stays the same."""
+        assembly = pair_of(self.unit, self.unit + (0.0, 0.2), radius=0.02, first_fixed=True)
+        detector, pairs, slots = contacts_of(assembly, assembly.rest_pose())
+        kinds = set()
+        for x in np.arange(0.0, 0.398, 0.006):
+            pose = np.zeros((2, 3))
+            pose[1, 0] = x
+            new, source = empty_slots(1), np.full(2, -1)
+            detector.fill(pairs, pose, new)
+            narrow.carry_history(slots.kind, slots.feature, slots.edges, new, source)
+            for k in np.flatnonzero(new.kind & (new.gap < ROUNDING)):
+                assert source[k] == k
+            kinds |= set(new.kind.tolist())
+            slots = new
+        assert {VERTEX_A, VERTEX_B} <= kinds
+
+    def test_a_new_contact_has_no_past(self):
+        assembly = pair_of(self.unit, self.unit + (0.0, 0.2), radius=0.02)
+        _, _, slots = contacts_of(assembly, assembly.rest_pose())
+        before, source = empty_slots(1), np.zeros(2, np.int64)
+        narrow.carry_history(before.kind, before.feature, before.edges, slots, source)
+        assert source.tolist() == [-1, -1]
+
+    def test_pairs_are_found_again_in_a_new_list(self):
+        wall = published_wall(3).assembly
+        pose = wall.rest_pose()
+        _, before, _ = contacts_of(wall, pose)
+        pose[wall.n_bodies // 2 :, 0] += 1.0  # the upper half slides along
+        _, after, _ = contacts_of(wall, pose)
+        old = {pair: i for i, pair in enumerate(zip(before.a, before.b, strict=True))}
+        expected = [old.get(pair, -1) for pair in zip(after.a, after.b, strict=True)]
+        assert carry(before, after).tolist() == expected
+        assert -1 in expected and max(expected) > 0
