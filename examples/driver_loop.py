@@ -24,9 +24,7 @@ def trace(model: ds.Model, displacement_step: float) -> list[tuple[float, float]
             stop_multiplier=model.analysis.stop_multiplier,
         )
     )
-    problem = Problem(
-        assembly=model.assembly, load=model.load, control_point=model.control_point
-    )
+    problem = Problem(assembly=model.assembly, load=model.load, control_point=model.control_point)
 
     state, report = engine.start(problem)  # settles under the dead load
     decision = control.first(report)

@@ -121,6 +121,10 @@ class Detector:
         """Find all contacts of the pairs in the given poses, into ``slots``."""
         narrow.find_contacts(self.bodies, pose, self.world, pairs.a, pairs.b, self.reach, slots)
 
+    def follow(self, pairs: Pairs, pose: Array, known: Slots, slots: Slots) -> None:
+        """The contacts in ``known``, by their features, in the given poses, into ``slots``."""
+        narrow.follow_contacts(self.bodies, pose, self.world, pairs.a, pairs.b, known, slots)
+
     def forces(
         self, pairs: Pairs, pose: Array, slots: Slots, reaction: Array, status: IntArray
     ) -> ContactForces:

@@ -2,18 +2,17 @@
 
 Static steps of the control displacement, the multiplier being an unknown of each, adapt to how hard
 the last one was.  A step that fails is tried again with less.  Where not even the smallest
-increment has an equilibrium nearby, a block has come loose or the structure jumps: the jump is
-passed with steps from rest under a slight excess of the multiplier (see `control.excess`), whose
-points are marked dynamic, until the structure is steady again.
+increment has an equilibrium nearby, a block has come loose or the structure jumps to another shape.
+The jump is then passed with the control displacement creeping on and with time steps short enough
+for inertia to say where the blocks go, which lengthen as they come to rest; points that inertia
+helps to carry are marked dynamic.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 from drystone.control.base import Decision
-from drystone.control.excess import ExcessControl, ExcessSettings
 from drystone.engines.base import Demand, StepReport
 
 
@@ -24,8 +23,9 @@ class DisplacementSettings:
     displacement_step: float  # m, largest increment
     stop_multiplier: float = 0.01
     first_share: float = 0.02  # first increment over the largest
-    floor_share: float = 0.004  # smallest increment over the largest
-    time_step: float = 0.1  # s, where a jump is passed
+    floor_share: float = 0.01  # smallest increment over the largest
+    time_step: float = 0.1  # s, first one of a jump
+    static_inertia: float = 1e-3  # inertia over applied force of a step that is static again
     max_steps: int = 100_000
     max_displacement: float = float("inf")  # m, of the control point
 
@@ -33,12 +33,9 @@ class DisplacementSettings:
 @dataclass(frozen=True, kw_only=True)
 class _State:
     increment: float
-    static: float = 0.0
     highest: float = 0.0
     n_steps: int = 0
-    passing: Any = None  # state of the control that passes a jump, None on the static path
-    steady: int = 0  # steady steps since the jump
-    wanted: int = 3  # steady steps before the static path is tried again
+    time_step: float = 0.0  # s, of a jump; 0 on the static path
 
 
 class DisplacementControl:
@@ -46,92 +43,78 @@ class DisplacementControl:
 
     def __init__(self, settings: DisplacementSettings) -> None:
         self.settings = settings
-        self.passage = ExcessControl(
-            ExcessSettings(
-                displacement_step=0.5 * settings.displacement_step,
-                time_step=settings.time_step,
-                increment=0.005,
-                stop_multiplier=settings.stop_multiplier,
-            )
-        )
 
     def first(self, report: StepReport) -> Decision:
         """A small first increment."""
+        state = _State(increment=self.settings.first_share * self.settings.displacement_step)
+        return Decision(accept=True, demand=self._demand(state), state=state)
+
+    def _demand(self, state: _State) -> Demand:
+        if state.time_step == 0.0:
+            return Demand(increment=state.increment)
+        # In a jump the control point creeps with an acceleration that does not depend on the step.
         s = self.settings
-        state = _State(increment=s.first_share * s.displacement_step)
-        return Decision(accept=True, demand=Demand(increment=state.increment), state=state)
+        share = min((state.time_step / s.time_step) ** 2, 50.0)
+        creep = s.floor_share * s.displacement_step * share
+        return Demand(increment=creep, time_step=state.time_step)
 
     def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
-        """Halve and try again where a step fails; else go on."""
-        if state.passing is not None:
-            return self._pass(state, demand, report)
-        s = self.settings
+        """Try again with less where a step fails; else go on."""
         if not report.converged:
-            state = replace(state, increment=0.25 * state.increment)
-            if state.increment >= s.floor_share * s.displacement_step:
-                return Decision(accept=False, demand=Demand(increment=state.increment), state=state)
-            entered = self.passage.resume(state.static, state.highest, report)
-            state = replace(state, passing=entered.state, steady=0)
-            return replace(entered, accept=False, state=state)
+            return self._retry(state, report)
+        multiplier = report.static_multiplier
         state = replace(
-            state,
-            n_steps=state.n_steps + 1,
-            static=report.static_multiplier,
-            highest=max(state.highest, report.static_multiplier),
+            state, n_steps=state.n_steps + 1, highest=max(state.highest, multiplier)
         )
         over = self._over(state, report)
-        if over is not None:
-            return over
-        if report.n_iterations <= 5:
-            scale = 1.5
-        else:
-            scale = 1.0 if report.n_iterations <= 10 else 0.7
-        increment = min(scale * abs(demand.increment or 0.0), s.displacement_step)
-        state = replace(state, increment=increment, wanted=3)
+        if over is None:
+            state = self._jumping(state, report) if state.time_step else self._paced(state, report)
         return Decision(
             accept=True,
-            demand=Demand(increment=increment),
+            demand=None if over else self._demand(state),
             state=state,
-            load_multiplier=report.static_multiplier,
+            load_multiplier=multiplier,
             dynamic=report.dynamic,
+            reason=over[1] if over else "",
+            finished=over[0] if over else False,
         )
 
-    def _pass(self, state: _State, demand: Demand, report: StepReport) -> Decision:
-        decision = self.passage.decide(state.passing, demand, report)
-        if decision.demand is None or not decision.accept:
-            return replace(decision, state=replace(state, passing=decision.state))
-        static = decision.load_multiplier
-        state = replace(
-            state,
-            n_steps=state.n_steps + 1,
-            static=static,
-            highest=max(state.highest, static),
-            passing=decision.state,
-            steady=0 if decision.dynamic else state.steady + 1,
-        )
-        if state.steady >= state.wanted:
-            increment = 4.0 * self.settings.floor_share * self.settings.displacement_step
-            state = replace(
-                state, passing=None, increment=increment, wanted=min(2 * state.wanted, 24)
-            )
-            return replace(decision, demand=Demand(increment=increment), state=state)
-        return replace(decision, state=state)
-
-    def _over(self, state: _State, report: StepReport) -> Decision | None:
+    def _retry(self, state: _State, report: StepReport) -> Decision:
         s = self.settings
-        over = Decision(
-            accept=True,
-            demand=None,
-            state=state,
-            load_multiplier=report.static_multiplier,
-            dynamic=report.dynamic,
-        )
-        if state.static < s.stop_multiplier < state.highest:
-            reason = f"the load multiplier fell below {s.stop_multiplier:g}"
-            return replace(over, reason=reason, finished=True)
+        if state.time_step:
+            state = replace(state, time_step=0.5 * state.time_step)
+            if state.time_step < 1e-4 * s.time_step:
+                return Decision(accept=False, demand=None, state=state, reason=report.reason)
+        else:
+            state = replace(state, increment=0.25 * state.increment)
+            if state.increment < s.floor_share * s.displacement_step:
+                state = replace(state, time_step=s.time_step)
+        return Decision(accept=False, demand=self._demand(state), state=state)
+
+    def _paced(self, state: _State, report: StepReport) -> _State:
+        if report.n_iterations <= 6:
+            scale = 1.5
+        else:
+            scale = 1.0 if report.n_iterations <= 12 else 0.7
+        increment = min(scale * state.increment, self.settings.displacement_step)
+        return replace(state, increment=increment)
+
+    def _jumping(self, state: _State, report: StepReport) -> _State:
+        s = self.settings
+        settled = report.inertia_ratio < s.static_inertia and state.time_step > 5.0 * s.time_step
+        if settled:
+            return replace(state, time_step=0.0, increment=4.0 * s.floor_share * s.displacement_step)
+        if report.motion < 0.5 * s.displacement_step:
+            return replace(state, time_step=1.5 * state.time_step)
+        return state
+
+    def _over(self, state: _State, report: StepReport) -> tuple[bool, str] | None:
+        """Whether and why the analysis is over, and whether the curve is then complete."""
+        s = self.settings
+        if report.static_multiplier < s.stop_multiplier < state.highest:
+            return True, f"the load multiplier fell below {s.stop_multiplier:g}"
         if report.control_displacement >= s.max_displacement:
-            reason = f"the control displacement reached {s.max_displacement:g} m"
-            return replace(over, reason=reason, finished=True)
+            return True, f"the control displacement reached {s.max_displacement:g} m"
         if state.n_steps >= s.max_steps:
-            return replace(over, reason=f"the limit of {s.max_steps} steps was reached")
+            return False, f"the limit of {s.max_steps} steps was reached"
         return None

@@ -52,14 +52,6 @@ class ExcessControl:
         state = _State(excess=0.1 * s.increment, time_step=s.time_step)
         return Decision(accept=True, demand=self._demand(state), state=state)
 
-    def resume(self, static: float, highest: float, report: StepReport) -> Decision:
-        """Go on from a point of known static multiplier."""
-        s = self.settings
-        state = _State(
-            excess=0.1 * s.increment, time_step=s.time_step, static=static, highest=highest
-        )
-        return Decision(accept=True, demand=self._demand(state), state=state)
-
     def _demand(self, state: _State) -> Demand:
         return Demand(multiplier=state.static + state.excess, time_step=state.time_step)
 

@@ -38,7 +38,7 @@ class DistinctSettings:
     """Numerical settings."""
 
     safety: float = 0.9  # time step over the critical one, -
-    local_damping: float = 0.8  # Cundall's, share of the unbalanced force, -
+    local_damping: float = 0.5  # Cundall's, share of the unbalanced force, -
     viscous_damping: float = 0.0  # 1/s, in proportion to mass
     mass_scaling: float | None = None
     """Square of the time step over the critical one of the real masses; degrees of freedom that

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from drystone.assembly import GRAVITY
 from drystone.contact.detection import Detector, Pairs, block_size, carry, empty_slots
-from drystone.contact.forces import SLIDING, STICKING, ContactForces
+from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, Problem, StepReport, UnstableError
 from drystone.engines.measures import (
@@ -42,6 +42,11 @@ from drystone.solvers.linear import BlockSystem, SingularMatrixError
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+
+#: History of blocks that come to touch later: no shear yet, and no bond.
+NEW_CONTACT = np.zeros(N_HISTORY)
+NEW_CONTACT[joint.BROKEN] = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,6 +84,8 @@ class Workspace:
         n, n_pairs = len(fixed), len(pairs.a)
         self.pairs = pairs
         self.slots = empty_slots(n_pairs)
+        self.known = empty_slots(n_pairs)  # contacts by the features that the step follows
+        self.found = empty_slots(n_pairs)  # contacts as they are found where the step ends
         self.source = np.arange(2 * n_pairs)
         self.force = np.zeros((n, n_dof))  # unbalanced
         self.contact_force = np.zeros((n, n_dof))
@@ -86,6 +93,7 @@ class Workspace:
         self.status = np.zeros(2 * n_pairs, np.int64)
         self.state = np.zeros((2 * n_pairs, N_HISTORY))
         self.held = np.zeros(2 * n_pairs, np.bool_)
+        self.start_slip = np.zeros((2 * n_pairs, 6))
         self.tangent = Tangent(
             diagonal=np.zeros((n, n_dof, n_dof)),
             upper=np.zeros((n_pairs, n_dof, n_dof)),
@@ -142,6 +150,8 @@ class EquilibriumEngine:
         )
         self.inverse_mass = np.where(assembly.fixed[:, None], 0.0, 1.0 / assembly.mass)
         self.scale = assembly.heaviest_weight
+        #: Stiffness of a contact on a joint as large as the smallest block face [N/m].
+        self.stiffest = float(self.laws[:, joint.KN].max()) * block_size(assembly)
         self.extent = np.maximum(self.detector.extent, 1e-12)
         pose = assembly.rest_pose()
         pairs = self.detector.pairs(pose)
@@ -211,6 +221,13 @@ class EquilibriumEngine:
         damping = 0.0
         reason = f"no equilibrium within {self.settings.max_iterations} iterations"
         converged, residual = False, np.inf
+        before = state.slots
+        joint.slip_gradients(
+            before.kind, before.normal, before.arm_a, before.arm_b, before.roll, before.ratio,
+            work.start_slip,
+        )  # fmt: skip
+        self._follow(state, before)
+        rounds = 0
         # The extrapolated shear of a stiff joint tells nothing of its cone: what stuck in the last
         # step is taken to stick until the first correction has been made.
         work.held[:] = state.status == STICKING
@@ -221,9 +238,19 @@ class EquilibriumEngine:
             merit = self._merit()
             value, gradient = pace.value_and_gradient(x) if pace else (0.0, np.zeros(3))
             lag = pace.increment - value if pace else 0.0
-            if residual <= self.settings.tolerance and abs(lag) <= 1e-12:
-                converged = True
-                break
+            balanced = residual <= self.settings.tolerance and abs(lag) <= 1e-12
+            if balanced and not work.held.any():
+                self.detector.fill(state.pairs, state.pose + x, work.found)
+                depth = 1e-3 * self.settings.tolerance * self.scale / self.stiffest
+                converged = rounds == 3 or not narrow.changed_contacts(
+                    work.slots, work.found, depth
+                )
+                if converged:
+                    break
+                rounds += 1
+                self._follow(state, work.found)
+                self._evaluate(state, x, multiplier, weight, start_length)
+                merit = self._merit()
             base_x, base_m = x, multiplier
             sense = self._sense()
             if iteration == 1:
@@ -276,6 +303,13 @@ class EquilibriumEngine:
             return state, StepReport(converged=False, reason=reason, n_iterations=iteration)
         return self._accept(state, x, multiplier, h, residual, iteration, pace)
 
+    def _follow(self, state: EquilibriumState, slots: Slots) -> None:
+        """Take over the features of these contacts, and whose history each goes on with."""
+        work, before = self.workspace, state.slots
+        for mine, theirs in zip(work.known, slots, strict=True):
+            mine[:] = theirs
+        narrow.carry_history(before.kind, before.feature, before.edges, work.known, work.source)
+
     def _refresh(self, state: EquilibriumState) -> EquilibriumState:
         """New pairs where the blocks have moved far, and the workspace that fits the state."""
         if self.detector.outdated(state.pairs, state.pose):
@@ -285,8 +319,7 @@ class EquilibriumEngine:
             self.detector.fill(pairs, state.pose, slots)
             source = np.where(row[:, None] >= 0, 2 * row[:, None] + (0, 1), -1).ravel()
             known = source >= 0
-            history = np.zeros((len(source), N_HISTORY))
-            history[:, joint.BROKEN] = 1.0
+            history = np.tile(NEW_CONTACT, (len(source), 1))
             history[known] = state.history[source[known]]
             state = replace(
                 state,
@@ -351,17 +384,14 @@ class EquilibriumEngine:
         """Unbalanced forces and tangent at the increments x, into the workspace."""
         work = self.workspace
         pairs = state.pairs
-        self.detector.fill(pairs, state.pose + x, work.slots)
-        narrow.carry_history(
-            state.slots.kind, state.slots.feature, state.slots.edges, work.slots, work.source
-        )
+        self.detector.follow(pairs, state.pose + x, work.known, work.slots)
         force = work.contact_force
         force[:] = 0.0
         for block in work.tangent:
             block[:] = 0.0
         joint.joint_forces(
             work.slots, pairs.a, pairs.b, pairs.law, self.laws,
-            self.problem.assembly.thickness, start, state.history, work.source, x,
+            self.problem.assembly.thickness, start, work.start_slip, state.history, work.source, x,
             work.held, force, work.reaction, work.status, work.state, work.tangent, True,
         )  # fmt: skip
         np.multiply(self.pattern, multiplier, out=work.force)
@@ -417,15 +447,23 @@ class EquilibriumEngine:
     ) -> tuple[EquilibriumState, StepReport]:  # fmt: skip
         work = self.workspace
         pose = state.pose + x
-        slots = Slots(*(array.copy() for array in work.slots))
+        slots = Slots(*(array.copy() for array in work.found))
+        source = np.zeros(len(slots.kind), np.int64)
+        known = work.known
+        narrow.carry_history(known.kind, known.feature, known.edges, slots, source)
+        lost = source < 0
+        history, reaction, status = work.state[source], work.reaction[source], work.status[source]
+        history[lost] = NEW_CONTACT
+        reaction[lost] = 0.0
+        status[lost] = OPEN
         new = EquilibriumState(
             pose=pose,
             multiplier=multiplier,
             pairs=state.pairs,
             slots=slots,
-            history=work.state.copy(),
-            reaction=work.reaction.copy(),
-            status=work.status.copy(),
+            history=history,
+            reaction=reaction,
+            status=status,
             last_increment=x,
             last_multiplier_change=multiplier - state.multiplier,
             last_length=pace.increment if pace else 0.0,

@@ -156,9 +156,26 @@ def _second_derivatives(kind, normal, arm_a, arm_b, roll, ratio, k, rn, rt, hess
 
 
 @njit(cache=True)
+def slip_gradients(kind, normal, arm_a, arm_b, roll, ratio, rows):
+    """Gradients of the slip of all contacts in use, (n_slots, 6); see `kernels.narrow`."""
+    for k in range(kind.shape[0]):
+        if kind[k] == NONE:
+            continue
+        nx = normal[k, 0]
+        ny = normal[k, 1]
+        q = ratio[k]
+        rows[k, 0] = -q * ny
+        rows[k, 1] = q * nx
+        rows[k, 2] = q * (ny * arm_a[k, 1] + nx * arm_a[k, 0]) + roll[k, 0]
+        rows[k, 3] = q * ny
+        rows[k, 4] = -q * nx
+        rows[k, 5] = -q * (ny * arm_b[k, 1] + nx * arm_b[k, 0]) + roll[k, 1]
+
+
+@njit(cache=True)
 def joint_forces(
-    slots, pair_a, pair_b, pair_law, laws, thickness, start_length, history, source, increment,
-    held, force, reaction, status, state, tangent, with_tangent,
+    slots, pair_a, pair_b, pair_law, laws, thickness, start_length, start_slip, history, source,
+    increment, held, force, reaction, status, state, tangent, with_tangent,
 ):  # fmt: skip
     """Reactions of all contacts, added to ``force``, and the tangent of minus that force.
 
@@ -174,6 +191,10 @@ def joint_forces(
         [m]
     start_length
         Tributary lengths at the start of the step, (n_slots,) [m]; zero where there was none.
+    start_slip
+        Gradients of the slip at the start of the step, (n_slots, 6).  The slip of a contact that
+        was there is linear in the increment: taken to second order it would strain the stiff
+        shear springs of blocks that are held at several points and turn together.
     history, source
         (n_slots, N_HISTORY) at the start of the step, and the slot each contact goes on with.
     increment
@@ -190,6 +211,7 @@ def joint_forces(
     hess = np.zeros((6, 6))
     gn = np.zeros(6)
     gt = np.zeros(6)
+    gs = np.zeros(6)
     for k in range(kind.shape[0]):
         reaction[k, 0] = 0.0
         reaction[k, 1] = 0.0
@@ -206,7 +228,8 @@ def joint_forces(
         a = pair_a[p]
         b = pair_b[p]
         law = pair_law[p]
-        length = start_length[k] if start_length[k] > 0.0 else slots.length[k]
+        known = source[k] >= 0 and start_length[source[k]] > 0.0
+        length = start_length[source[k]] if known else slots.length[k]
         area = length * thickness
         kn = laws[law, KN] * area
         ks = laws[law, KS] * area
@@ -221,7 +244,14 @@ def joint_forces(
         if bonded and rn < -laws[law, TENSION] * area:
             state[k, BROKEN] = 1.0
             continue
-        slip = _slip(kind, normal, arm_a, arm_b, roll, ratio, k, a, b, increment)
+        if known:
+            slip = 0.0
+            for i in range(3):
+                gs[i] = start_slip[source[k], i]
+                gs[3 + i] = start_slip[source[k], 3 + i]
+                slip += gs[i] * increment[a, i] + gs[3 + i] * increment[b, i]
+        else:
+            slip = _slip(kind, normal, arm_a, arm_b, roll, ratio, k, a, b, increment)
         rt = shear - ks * slip
         limit = mu * rn
         if bonded:
@@ -269,10 +299,12 @@ def joint_forces(
             force[b, i] += rn * gn[3 + i] + rt * gt[3 + i]
         if not with_tangent:
             continue
+        if not known:
+            gs[:] = gt
         for i in range(6):
             for j in range(6):
                 hess[i, j] = -(
-                    gn[i] * (nn * gn[j] + nt * gt[j]) + gt[i] * (tn * gn[j] + tt * gt[j])
+                    gn[i] * (nn * gn[j] + nt * gs[j]) + gt[i] * (tn * gn[j] + tt * gs[j])
                 )
         _second_derivatives(kind, normal, arm_a, arm_b, roll, ratio, k, rn, rt, hess)
         for i in range(3):

@@ -143,7 +143,8 @@ class Simulation:
         self.setup = setup
         self.library = Library()
         self.n = len(setup.polygons)
-        self.solver = _lmgc90.LMGC90Solver()
+        self.solver: Any = None
+        self._new_solver = _lmgc90.LMGC90Solver
         for depth in DEPTHS:
             # Twice: the first time to learn which axis of each body is the normal of the plane.
             centre, frame = self._build(depth * setup.thickness, None)
@@ -168,7 +169,10 @@ class Simulation:
 
         ``axis`` says which rotation of each movable body is left free; None leaves it all free.
         """
-        setup, solver = self.setup, self.solver
+        setup = self.setup
+        if self.solver is not None:
+            self.solver.finalize()
+        self.solver = solver = self._new_solver()
         solver.initialize(setup.time_step, setup.theta, False)
         solver.add_one_tact_behav(LAW_NAME, LAW, [setup.spare_stiffness, setup.friction])
         density = setup.density * setup.thickness / depth
