@@ -15,8 +15,7 @@ import platform  # noqa: E402
 import resource  # noqa: E402
 import statistics  # noqa: E402
 import time  # noqa: E402
-from collections.abc import Callable, Iterator, Mapping, Sequence  # noqa: E402
-from contextlib import contextmanager  # noqa: E402
+from collections.abc import Callable, Mapping, Sequence  # noqa: E402
 from dataclasses import asdict, dataclass  # noqa: E402
 from importlib.metadata import version  # noqa: E402
 from pathlib import Path  # noqa: E402
@@ -60,23 +59,6 @@ def median_seconds(action: Callable[[], Any], repeats: int = 5) -> float:
         action()
         times.append(time.perf_counter() - begun)
     return statistics.median(times)
-
-
-@contextmanager
-def counted(owner: Any, name: str) -> Iterator[list[int]]:
-    """Count the calls of ``owner.name`` while the body runs, in a list of one number."""
-    original = getattr(owner, name)
-    calls = [0]
-
-    def wrapper(*args: Any, **kwargs: Any) -> Any:
-        calls[0] += 1
-        return original(*args, **kwargs)
-
-    setattr(owner, name, wrapper)
-    try:
-        yield calls
-    finally:
-        setattr(owner, name, original)
 
 
 @dataclass(frozen=True, kw_only=True)

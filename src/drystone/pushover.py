@@ -142,7 +142,8 @@ def pushover(
         strategy=name,
         points=tuple(points),
         status=status,
-        reason=reason,
+        # What the engine left out of the model belongs to how far the curve can be trusted.
+        reason="; ".join(filter(None, (reason, *getattr(solver, "notes", ())))),
         stop_multiplier=model.analysis.stop_multiplier,
         wall_time=time.perf_counter() - begun,
         poses=np.array(poses) if keep_poses else None,
@@ -168,6 +169,8 @@ def make_control(
     if unknown:
         raise EngineError(f'there is no setting "{unknown[0]}" of the analysis')
     step = {"displacement_step": STEP_SHARE * smallest_extent(model)}
+    if hasattr(engine, "time_step"):  # an engine may know which suits it best
+        step["time_step"] = engine.time_step
     try:
         if strategy == "published":
             return PublishedControl(_settings(PublishedSettings, {**step, **options}))

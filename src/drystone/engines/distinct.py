@@ -356,7 +356,7 @@ class DistinctEngine:
         work.run(n // 2)
         work.motion.mean[:] = 0.0
         work.run(n - n // 2)
-        work.motion.mean /= n - n // 2
+        work.motion.mean[:] /= n - n // 2
         if stop:
             pass
         return self._arrive(state, work, static=False)

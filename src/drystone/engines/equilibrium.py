@@ -93,6 +93,7 @@ class Workspace:
         self.status = np.zeros(2 * n_pairs, np.int64)
         self.state = np.zeros((2 * n_pairs, N_HISTORY))
         self.held = np.zeros(2 * n_pairs, np.bool_)
+        self.excess = np.zeros(2 * n_pairs)  # N
         self.start_slip = np.zeros((2 * n_pairs, 6))
         self.tangent = Tangent(
             diagonal=np.zeros((n, n_dof, n_dof)),
@@ -219,6 +220,7 @@ class EquilibriumEngine:
         largest = self.settings.max_motion * self.detector.reach
         reach = max(3.0 * abs(demand.increment or 0.0), 0.02 * self.detector.reach)
         damping = 0.0
+        stuck = np.zeros(len(work.held), np.bool_)
         reason = f"no equilibrium within {self.settings.max_iterations} iterations"
         converged, residual = False, np.inf
         before = state.slots
@@ -256,6 +258,9 @@ class EquilibriumEngine:
             if iteration == 1:
                 merit = np.inf  # the increment itself unbalances the blocks
             held = np.zeros_like(work.held)
+            # Contacts that have just left their cone, and by how much.
+            released = np.where(stuck & (work.status == SLIDING), work.excess, 0.0)
+            stuck = work.status == STICKING
             better = False
             stale = False
             for _ in range(self.settings.max_attempts):
@@ -269,8 +274,18 @@ class EquilibriumEngine:
                     stale = False
                     continue
                 if self.detector.motion(direction).max() > reach:
-                    damping = max(16.0 * damping, GRAVITY / reach)
                     stale = False
+                    if np.count_nonzero(released) > 1:
+                        # Letting go all at once sets a part free: keep but the worst.
+                        keep = (released > 0.0) & (released < 0.5 * released.max())
+                        if not keep.any():
+                            keep = (released > 0.0) & (released < released.max())
+                        held |= keep
+                        released[keep] = 0.0
+                        stale = keep.any()
+                        if stale:
+                            continue
+                    damping = max(16.0 * damping, GRAVITY / reach)
                     continue
                 work.held[:] = False
                 stale = True
@@ -320,14 +335,13 @@ class EquilibriumEngine:
             source = np.where(row[:, None] >= 0, 2 * row[:, None] + (0, 1), -1).ravel()
             known = source >= 0
             history = np.tile(NEW_CONTACT, (len(source), 1))
+            reaction = np.zeros((len(source), 2))
+            status = np.full(len(source), OPEN)
             history[known] = state.history[source[known]]
+            reaction[known] = state.reaction[source[known]]
+            status[known] = state.status[source[known]]
             state = replace(
-                state,
-                pairs=pairs,
-                slots=slots,
-                history=history,
-                reaction=np.zeros((len(source), 2)),
-                status=np.zeros(len(source), np.int64),
+                state, pairs=pairs, slots=slots, history=history, reaction=reaction, status=status
             )
         if self.workspace.pairs is not state.pairs:
             self.workspace = Workspace(
@@ -392,7 +406,8 @@ class EquilibriumEngine:
         joint.joint_forces(
             work.slots, pairs.a, pairs.b, pairs.law, self.laws,
             self.problem.assembly.thickness, start, work.start_slip, state.history, work.source, x,
-            work.held, force, work.reaction, work.status, work.state, work.tangent, True,
+            work.held, force, work.reaction, work.status, work.excess, work.state, work.tangent,
+            True,
         )  # fmt: skip
         np.multiply(self.pattern, multiplier, out=work.force)
         work.force += self.dead

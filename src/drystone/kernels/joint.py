@@ -175,7 +175,7 @@ def slip_gradients(kind, normal, arm_a, arm_b, roll, ratio, rows):
 @njit(cache=True)
 def joint_forces(
     slots, pair_a, pair_b, pair_law, laws, thickness, start_length, start_slip, history, source,
-    increment, held, force, reaction, status, state, tangent, with_tangent,
+    increment, held, force, reaction, status, excess, state, tangent, with_tangent,
 ):  # fmt: skip
     """Reactions of all contacts, added to ``force``, and the tangent of minus that force.
 
@@ -201,8 +201,11 @@ def joint_forces(
         Motion since the start of the step, (n, 3) [m, rad].
     force
         (n, 3) [N, N m], added to.
-    reaction, status, state
-        Filled: (n_slots, 2) [N], (n_slots,), and the history at the end, (n_slots, N_HISTORY).
+    held
+        Contacts that stick whatever their cone says, (n_slots,).
+    reaction, status, excess, state
+        Filled: (n_slots, 2) [N], (n_slots,), by how much the trial shear exceeds the cone,
+        (n_slots,) [N], and the history at the end, (n_slots, N_HISTORY).
     tangent
         `Tangent`, added to where ``with_tangent``.
     """
@@ -216,6 +219,7 @@ def joint_forces(
         reaction[k, 0] = 0.0
         reaction[k, 1] = 0.0
         status[k] = OPEN
+        excess[k] = 0.0
         for c in range(N_HISTORY):
             state[k, c] = history[source[k], c] if source[k] >= 0 else 0.0
         if kind[k] == NONE:
@@ -258,6 +262,7 @@ def joint_forces(
             limit += laws[law, COHESION] * area
         # dr[i, j]: derivative of (r_n, r_t) by (g, s).
         nn, nt, tn, tt = -kn, 0.0, 0.0, -ks
+        excess[k] = abs(rt) - limit
         status[k] = STICKING
         if abs(rt) > limit * (1.0 - TIE) and rt != 0.0 and not held[k]:
             status[k] = SLIDING

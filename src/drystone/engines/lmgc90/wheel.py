@@ -85,6 +85,11 @@ def _array(values: NDArray[Any]) -> Any:
     return values.ctypes.data_as(ctypes.c_void_p)
 
 
+def _row(values: NDArray[Any], k: int) -> ctypes.c_void_p:
+    """Address of row ``k``, sooner than by way of a view of it."""
+    return ctypes.c_void_p(values.ctypes.data + k * values.strides[0])
+
+
 class Library:
     """The procedures and variables of LMGC90 in the wheel's library."""
 
@@ -264,21 +269,20 @@ class Simulation:
         library.call(HANDLER + "recup_rloc", _integer(POLYHEDRA))
         n = library.call(HANDLER + "get_nb_inters", _integer(POLYHEDRA))
         data = np.zeros((n, 13), dtype=np.int32)
+        kind = _integer(POLYHEDRA)
         for k in range(n):
-            library.call(
-                HANDLER + "get_idata", _integer(POLYHEDRA), _integer(k + 1), _array(data[k])
-            )
+            library.call(HANDLER + "get_idata", kind, _integer(k + 1), _row(data, k))
         bodies = data[:, 2:4].astype(np.int64) - 1
         pairs = [tuple(pair) for pair in np.sort(bodies, axis=1).tolist()]
         found = Counter(pairs)
+        first = _integer(1)
         stiffness = np.array(
             [setup.joints.get(pair, setup.spare_stiffness) / found[pair] for pair in pairs]
         )
         for k in range(n):
             library.call(
-                HANDLER + "set_internal_bv",
-                _integer(POLYHEDRA), _integer(k + 1), _integer(1), _double(stiffness[k]),
-            )  # fmt: skip
+                HANDLER + "set_internal_bv", kind, _integer(k + 1), first, _double(stiffness[k])
+            )
         return stiffness, bodies
 
     def _solve(self) -> tuple[int, bool]:
@@ -352,7 +356,7 @@ class Simulation:
         kind = _integer(POLYHEDRA)
         for k in range(n):
             number = _integer(k + 1)
-            self.library.call(HANDLER + "get_local_frame", kind, number, _array(frame[k]))
+            self.library.call(HANDLER + "get_local_frame", kind, number, _row(frame, k))
             self.library.call(
                 HANDLER + "get_rloc", kind, number, *map(ctypes.byref, parts), ctypes.byref(status)
             )
