@@ -32,7 +32,8 @@ class DisplacementSettings:
 
 @dataclass(frozen=True, kw_only=True)
 class _State:
-    increment: float
+    increment: float  # m
+    ceiling: float  # m, under an increment that has failed, and rising again
     highest: float = 0.0
     n_steps: int = 0
     time_step: float = 0.0  # s, of a jump; 0 on the static path
@@ -46,7 +47,10 @@ class DisplacementControl:
 
     def first(self, report: StepReport) -> Decision:
         """A small first increment."""
-        state = _State(increment=self.settings.first_share * self.settings.displacement_step)
+        s = self.settings
+        state = _State(
+            increment=s.first_share * s.displacement_step, ceiling=s.displacement_step
+        )
         return Decision(accept=True, demand=self._demand(state), state=state)
 
     def _demand(self, state: _State) -> Demand:
@@ -86,7 +90,8 @@ class DisplacementControl:
             if state.time_step < 1e-4 * s.time_step:
                 return Decision(accept=False, demand=None, state=state, reason=report.reason)
         else:
-            state = replace(state, increment=0.25 * state.increment)
+            failed = state.increment
+            state = replace(state, increment=0.35 * failed, ceiling=0.7 * failed)
             if state.increment < s.floor_share * s.displacement_step:
                 state = replace(state, time_step=s.time_step)
         return Decision(accept=False, demand=self._demand(state), state=state)
@@ -96,14 +101,15 @@ class DisplacementControl:
             scale = 1.5
         else:
             scale = 1.0 if report.n_iterations <= 12 else 0.7
-        increment = min(scale * state.increment, self.settings.displacement_step)
-        return replace(state, increment=increment)
+        ceiling = min(1.15 * state.ceiling, self.settings.displacement_step)
+        return replace(state, increment=min(scale * state.increment, ceiling), ceiling=ceiling)
 
     def _jumping(self, state: _State, report: StepReport) -> _State:
         s = self.settings
         settled = report.inertia_ratio < s.static_inertia and state.time_step > 5.0 * s.time_step
         if settled:
-            return replace(state, time_step=0.0, increment=4.0 * s.floor_share * s.displacement_step)
+            increment = 4.0 * s.floor_share * s.displacement_step
+            return replace(state, time_step=0.0, increment=increment, ceiling=8.0 * increment)
         if report.motion < 0.5 * s.displacement_step:
             return replace(state, time_step=1.5 * state.time_step)
         return state

@@ -56,7 +56,7 @@ class EquilibriumSettings:
     tolerance: float = 1e-9  # largest unbalanced force over the heaviest weight, -
     static_time_step: float = 30.0  # s; the inertia of a step of 1 mm is then 1e-7 of a weight
     max_iterations: int = 30  # Newton iterations of one step
-    max_attempts: int = 12  # directions tried in one iteration
+    max_attempts: int = 6  # directions tried in one iteration
     max_motion: float = 0.3  # share of the detection reach a block may move in one step
     inertia_limit: float = 1e-3  # inertia over applied force above which a point is dynamic
 
@@ -221,6 +221,9 @@ class EquilibriumEngine:
         reach = max(3.0 * abs(demand.increment or 0.0), 0.02 * self.detector.reach)
         damping = 0.0
         stuck = np.zeros(len(work.held), np.bool_)
+        last_sense = np.where(
+            state.status == SLIDING, np.sign(state.reaction[:, 1]), 0.0
+        )
         reason = f"no equilibrium within {self.settings.max_iterations} iterations"
         converged, residual = False, np.inf
         before = state.slots
@@ -258,9 +261,11 @@ class EquilibriumEngine:
             if iteration == 1:
                 merit = np.inf  # the increment itself unbalances the blocks
             held = np.zeros_like(work.held)
-            # Contacts that have just left their cone, and by how much.
+            # Contacts that have just left their cone, and by how much; and those that have turned
+            # from sliding one way to the other, past the narrow band in which they stick.
             released = np.where(stuck & (work.status == SLIDING), work.excess, 0.0)
-            stuck = work.status == STICKING
+            turned = sense * last_sense < 0
+            stuck, last_sense = work.status == STICKING, sense
             better = False
             stale = False
             for _ in range(self.settings.max_attempts):
@@ -275,6 +280,11 @@ class EquilibriumEngine:
                     continue
                 if self.detector.motion(direction).max() > reach:
                     stale = False
+                    if turned.any():
+                        held |= turned
+                        turned = np.zeros_like(turned)
+                        stale = True
+                        continue
                     if np.count_nonzero(released) > 1:
                         # Letting go all at once sets a part free: keep but the worst.
                         keep = (released > 0.0) & (released < 0.5 * released.max())
