@@ -175,6 +175,7 @@ def make_control(
         if strategy == "published":
             return PublishedControl(_settings(PublishedSettings, {**step, **options}))
         if engine.prescribes_displacement:
+            step = {"displacement_step": 2.0 * step["displacement_step"]}
             return DisplacementControl(_settings(DisplacementSettings, {**step, **options}))
         return ExcessControl(_settings(ExcessSettings, {**step, **options}))
     except ControlError as error:

@@ -6,6 +6,9 @@ increment has an equilibrium nearby, a block has come loose or the structure jum
 The jump is then passed with the control displacement creeping on and with time steps short enough
 for inertia to say where the blocks go, which lengthen as they come to rest; points that inertia
 helps to carry are marked dynamic.
+
+The peak is found by stepping again with less from the highest point, until the step that goes over
+it is small; the stop value by stepping again to where the chord meets it.
 """
 
 from __future__ import annotations
@@ -24,6 +27,8 @@ class DisplacementSettings:
     stop_multiplier: float = 0.01
     first_share: float = 0.02  # first increment over the largest
     floor_share: float = 0.01  # smallest increment over the largest
+    refined_share: float = 0.005  # increment that finds the peak, over the largest; and how near
+    # to the stop value the last point must be, relatively
     time_step: float = 0.1  # s, first one of a jump
     static_inertia: float = 1e-3  # inertia over applied force of a step that is static again
     max_steps: int = 100_000
@@ -34,7 +39,8 @@ class DisplacementSettings:
 class _State:
     increment: float  # m
     ceiling: float  # m, under an increment that has failed, and rising again
-    highest: float = 0.0
+    highest: float = 0.0  # multiplier so far
+    last: float = 0.0  # multiplier of the last point
     n_steps: int = 0
     time_step: float = 0.0  # s, of a jump; 0 on the static path
 
@@ -67,8 +73,15 @@ class DisplacementControl:
         if not report.converged:
             return self._retry(state, report)
         multiplier = report.static_multiplier
+        finer = None if state.time_step else self._finer(state, multiplier)
+        if finer is not None:
+            state = replace(state, increment=finer)
+            return Decision(accept=False, demand=self._demand(state), state=state)
         state = replace(
-            state, n_steps=state.n_steps + 1, highest=max(state.highest, multiplier)
+            state,
+            n_steps=state.n_steps + 1,
+            highest=max(state.highest, multiplier),
+            last=multiplier,
         )
         over = self._over(state, report)
         if over is None:
@@ -82,6 +95,21 @@ class DisplacementControl:
             reason=over[1] if over else "",
             finished=over[0] if over else False,
         )
+
+    def _finer(self, state: _State, multiplier: float) -> float | None:
+        """A smaller increment where the step has gone over the peak or past the stop value."""
+        s = self.settings
+        least = s.refined_share * s.displacement_step
+        if multiplier < s.stop_multiplier < state.last:
+            # Aim just below the stop value, along the chord.
+            if s.stop_multiplier - multiplier <= s.refined_share * s.stop_multiplier:
+                return None
+            aim = (1.0 - 0.5 * s.refined_share) * s.stop_multiplier
+            finer = state.increment * (state.last - aim) / (state.last - multiplier)
+            return finer if finer > 1e-3 * least else None
+        if multiplier < state.last and state.last == state.highest and state.increment > least:
+            return max(0.4 * state.increment, least)
+        return None
 
     def _retry(self, state: _State, report: StepReport) -> Decision:
         s = self.settings

@@ -297,7 +297,8 @@ class Lmgc90Engine:
             ),
         )
         if found.penetration > self.settings.max_penetration * block_size(assembly):
-            reason = f"blocks overlap by {1e3 * found.penetration:.1f} mm: LMGC90 has lost a contact"
+            overlap = f"{1e3 * found.penetration:.1f} mm"
+            reason = f"blocks overlap by {overlap}: LMGC90 has lost a contact"
             return state, replace(found, converged=False, reason=reason)
         status = self._status(outcome)
         friction = np.full(len(status), self.friction)
@@ -411,7 +412,7 @@ def installed_driver() -> str:
 
 
 def check(assembly: Assembly) -> tuple[str, ...]:
-    """What of an assembly LMGC90 leaves out, as notes; raises `EngineError` for what it cannot do."""
+    """What LMGC90 leaves out of an assembly; raises `EngineError` for what it cannot do."""
     for law in assembly.laws:
         if law.normal_stiffness is None:
             raise EngineError("[joint] normal_stiffness is missing: the lmgc90 engine needs it")

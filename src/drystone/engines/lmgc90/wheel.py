@@ -11,8 +11,8 @@ second, `Simulation._accept`, makes its end the start of the next.  A step that 
 left at its first half, and the next one starts where it started.
 
 Blocks are kept in their plane by driven degrees of freedom, whose velocity is zero.  The contact
-law is ``ELASTIC_REPELL_CLB_adapt``, which is ``ELASTIC_REPELL_CLB`` with a stiffness of each point's
-own: a joint's stiffness is shared over the points that were found of it.
+law is ``ELASTIC_REPELL_CLB_adapt``, which is ``ELASTIC_REPELL_CLB`` with a stiffness of each
+point's own: a joint's stiffness is shared over the points that were found of it.
 """
 
 from __future__ import annotations
@@ -152,7 +152,7 @@ class Simulation:
         self._new_solver = _lmgc90.LMGC90Solver
         for depth in DEPTHS:
             # Twice: the first time to learn which axis of each body is the normal of the plane.
-            centre, frame = self._build(depth * setup.thickness, None)
+            _, frame = self._build(depth * setup.thickness, None)
             self.axis = np.argmax(np.abs(frame[:, 2, :]), axis=1)
             self.sign = np.take_along_axis(frame[:, 2, :], self.axis[:, None], axis=1)[:, 0]
             if np.all(np.abs(self.sign) > 1.0 - 1e-9):
