@@ -1,4 +1,4 @@
-"""A pytest plugin: tests that have not begun at DRYSTONE_DEADLINE [s since the epoch] are skipped."""
+"""A pytest plugin: tests not begun at DRYSTONE_DEADLINE [s since the epoch] are skipped."""
 
 import os
 import time

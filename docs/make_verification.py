@@ -265,10 +265,10 @@ def closed_forms_section(engines: Sequence[str]) -> str:
     return "\n".join(
         [
             "## Closed forms",
-            f"One block {B:g} m wide and {H:g} m high on a fixed base, k_n = k_s = {STIFF:.0e} Pa/m,",
-            "turning over its toe: the multiplier is the weight's arm about the contact over the",
-            "height of the centroid, the corner's disc rolling. Compared over the branch from 1 %",
-            "to 95 % of the displacement at which it vanishes, at static points.",
+            f"One block {B:g} m wide and {H:g} m high on a fixed base, k_n = k_s = {STIFF:.0e}",
+            "Pa/m, turning over its toe: the multiplier is the weight's arm about the contact over",
+            "the height of the centroid, the corner's disc rolling. Compared over the branch from",
+            "1 % to 95 % of the displacement at which it vanishes, at static points.",
             "A flat block pushed down an inclined plane slides at tan(phi - alpha).",
             "",
             table(("engine", "case", "quantity", "ours", "difference"), rows),
@@ -287,8 +287,8 @@ def steps_section(engines: Sequence[str]) -> str:
     return "\n".join(
         [
             "## Step size",
-            "Median difference from the closed form of the rocking block with corner radius 0.02 m,",
-            "by the displacement per step.",
+            "Median difference from the closed form of the rocking block with corner radius",
+            "0.02 m, by the displacement per step.",
             "",
             table(("engine", *(f"{1e3 * step:g} mm" for step in STEPS)), rows),
         ]

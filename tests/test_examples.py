@@ -60,15 +60,12 @@ def test_wall_curve(engine):
 @pytest.mark.parametrize("engine", ["equilibrium", "nscd"])
 def test_free_polygons(engine):
     module = example("free_polygons")
-    # The rigid pier's centroid: trapezoid of sides 0.7 and 0.4 m, height 1.5 m, by hand:
-    # y = h (a + 2 b) / (3 (a + b)) = 1.5 * 1.5 / 3.3, x = 0.35 - 0.05 * y / 1.5 * ... is left to
-    # `mass_properties`, which has tests of its own.
+    # Height of a trapezoid's centroid, from its parallel sides 0.7 and 0.4 m.
     x, y = module.mass_properties(module.OUTLINE).centroid
     assert y == pytest.approx(1.5 * (0.7 + 2 * 0.4) / (3 * (0.7 + 0.4)), rel=1e-12)
     assert module.rigid_multiplier() == pytest.approx((0.7 - x) / y, rel=1e-12)
-    # Elasticity lowers the peak by the crushing of the toe over its arm: k_n = 1e10 Pa/m closes
-    # the joint by micrometres; the branch then falls by 1/1.5 per metre of motion at the top, so
-    # that a step of 2 mm may miss the peak by 1e-3.
+    # Of the multiplier, a branch that falls by 1 per 1.5 m loses 1e-3 in the first 1 mm or so that
+    # the peak may lie beside a point; the toe's closing at k_n = 1e10 Pa/m is far less.
     assert module.main(engine) == pytest.approx(module.rigid_multiplier(), rel=1e-3)
 
 

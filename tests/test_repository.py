@@ -1,9 +1,11 @@
-"""The repository's own promises: commands of the README, versions, links, no traces of a machine."""
+"""The repository's own promises: commands, versions, links, no traces of a machine."""
 
 import re
 import subprocess
+import sys
 import tomllib
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
@@ -89,6 +91,59 @@ def test_links_lead_somewhere():
         for target in re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text(encoding="utf-8")):
             if "://" not in target:
                 assert (page.parent / target).exists(), f"{page.name} links to {target}"
+
+
+def test_every_key_of_the_model_file_is_documented():
+    from drystone.modelfile.schema import ModelSection, Section
+
+    page = (ROOT / "docs" / "model-file.md").read_text(encoding="utf-8")
+
+    def sections(annotation: object) -> list[type[Section]]:
+        """Sections that a key's type is made of."""
+        if isinstance(annotation, type) and issubclass(annotation, Section):
+            return [annotation]
+        return [found for part in get_args(annotation) for found in sections(part)]
+
+    def check(section: type[Section]) -> None:
+        for key, field in section.model_fields.items():
+            inner = sections(field.annotation)
+            named = (f"`{key}`", f"[{key}]", f"[{key}.", f".{key}.")
+            assert any(text in page for text in named), f"{section.__name__}: {key}"
+            for found in inner:
+                check(found)
+
+    check(ModelSection)
+
+
+def test_architecture_shows_the_loop_that_is_run():
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    source = (ROOT / "examples" / "driver_loop.py").read_text(encoding="utf-8")
+    (shown,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
+    assert shown in source
+
+
+def test_architecture_names_every_module():
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    for path in (ROOT / "src" / "drystone").iterdir():
+        if path.name.startswith("_"):
+            continue
+        name = f"`{path.name}/`" if path.is_dir() else f"`{path.name}`"
+        assert name in page, f"{name} is not in docs/architecture.md"
+
+
+def test_public_names_stay_what_they_are():
+    # In a process of its own: a submodule of the same name must not take the place of a function.
+    code = """
+import importlib, pkgutil
+import drystone as ds
+names = [n for n in ds.__all__ if n != "__version__"]
+before = {n: getattr(ds, n) for n in names}
+for found in pkgutil.iter_modules(ds.__path__, "drystone."):
+    importlib.import_module(found.name)
+changed = [n for n in names if getattr(ds, n) is not before[n]]
+assert not changed, changed
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_no_paths_of_a_machine():

@@ -6,6 +6,7 @@ from its designed place, ``(u_x, u_y, theta)`` in two dimensions [m, m, rad], ab
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -30,6 +31,7 @@ class JointLaw:
     normal_stiffness: float | None  # Pa/m; None where only limit analysis is asked for
     shear_stiffness: float | None  # Pa/m; likewise
     dilatancy_angle: float = 0.0  # degrees; 0 is the dry joint of the literature
+    dilatancy_end: float = math.inf  # m, slid distance after which the joint dilates no more
     cohesion: float = 0.0  # Pa
     tensile_strength: float = 0.0  # Pa
 

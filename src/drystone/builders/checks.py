@@ -30,7 +30,7 @@ def law_problems(law: JointLaw) -> list[str]:
         stiffness = getattr(law, key)
         if stiffness is not None and not stiffness > 0.0:
             problems.append(f"{key}: must be greater than 0 Pa/m, it is {stiffness:g}")
-    for key in ("dilatancy_angle", "cohesion", "tensile_strength"):
+    for key in ("dilatancy_angle", "dilatancy_end", "cohesion", "tensile_strength"):
         if not getattr(law, key) >= 0.0:
             problems.append(f"{key}: must not be negative, it is {getattr(law, key):g}")
     friction_angle = float(np.degrees(np.arctan(law.friction_coefficient)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
@@ -98,5 +99,6 @@ def _pair_key(names: frozenset[str]) -> str:
 
 
 def _law(law: JointLaw) -> dict[str, float]:
+    """What the file says of a law: without stiffnesses that are missing, or a dilatancy's end."""
     values = {field.name: getattr(law, field.name) for field in fields(law)}
-    return {key: float(value) for key, value in values.items() if value is not None}
+    return {k: float(v) for k, v in values.items() if v is not None and v != math.inf}

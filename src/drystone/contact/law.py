@@ -28,5 +28,5 @@ def law_table(assembly: Assembly) -> Array:
         row[joint.TAN_PSI] = math.tan(math.radians(law.dilatancy_angle))
         row[joint.COHESION] = law.cohesion
         row[joint.TENSION] = law.tensile_strength
-        row[joint.DILATANCY_END] = math.inf
+        row[joint.DILATANCY_END] = law.dilatancy_end
     return table

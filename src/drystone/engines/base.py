@@ -46,8 +46,7 @@ class Demand:
     """
 
     multiplier: float | None = None
-    increment: float | None = None  # m, of the control displacement or of `along`
-    along: str = "control"  # what the increment measures: "control" or "mechanism"
+    increment: float | None = None  # m, of the control displacement
     time_step: float = 0.0  # s; engines of dynamic formulations only need a positive one
     stop_blocks: bool = True  # start the step from rest
 

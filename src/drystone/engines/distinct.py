@@ -1,14 +1,14 @@
 """The distinct element method of Cundall for rigid blocks: UDEC's formulation.
 
-Explicit cycles (see `kernels.explicit`): forces of springs at the contacts give accelerations,
-these give velocities and poses.  Contacts are searched for only when a block has moved by more than
-a tolerance since the last search; in between their features are frozen.
+Explicit cycles (see `kernels.explicit`): springs at the contacts give forces, these accelerations,
+these velocities and poses.  Contacts are searched for only when a block has moved by more than a
+tolerance since the last search; in between their features are frozen.
 
-Under a given multiplier a step is a piece of real motion, as long as the demanded time, ended by
-stopping the blocks where the demand says so.  A step of a given displacement is quasi-static: the
-pattern's own displacement F.x is driven on, the multiplier being the force that this takes, then
-held until all blocks are balanced.  The path there does not matter, so that masses are free: they
-are taken in proportion to the stiffness that each degree of freedom feels.
+Under a given multiplier a step is a piece of real motion, as long as the demanded time.  A step of
+a given displacement is quasi-static: the work-conjugate displacement F.x of the load pattern is
+driven on, the multiplier being the force that this takes, then held until all blocks are balanced.
+Motion and inertia on the way there mean nothing, so that masses are free: each degree of freedom
+gets one in proportion to the stiffness that it feels.
 """
 
 from __future__ import annotations
@@ -23,14 +23,21 @@ from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
-from drystone.kernels import explicit, narrow
+from drystone.kernels import explicit, joint, narrow
 from drystone.kernels.explicit import Contacts, Loads, Motion
-from drystone.kernels.joint import BROKEN, N_HISTORY
+from drystone.kernels.joint import N_HISTORY
 from drystone.kernels.narrow import Slots
+from drystone.kernels.residual import unbalanced_force
 from drystone.loading import dead_load
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+#: Time step [s] of blocks that nothing is near to.
+FREE_TIME_STEP = 1e-3
+
+#: Cycles between two looks at whether an increment is reached or a block runs away.
+CHUNKS, ROUND = 10, 1000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,24 +46,25 @@ class DistinctSettings:
 
     safety: float = 0.9  # time step over the critical one, -
     local_damping: float = 0.5  # Cundall's, share of the unbalanced force, -
-    viscous_damping: float = 0.0  # 1/s, in proportion to mass
+    viscous_damping: float = 0.0  # 1/s in real motion, 1/cycle in quasi-static steps
     mass_scaling: float | None = None
     """Square of the time step over the critical one of the real masses; degrees of freedom that
-    would be unstable become heavier.  None: real masses under a given multiplier, all masses in
-    proportion to stiffness (the limit of large scaling) where a displacement is given."""
-    search_tolerance: float = 2e-3  # motion between two searches over the smallest block size, -
-    tolerance: float = 1e-4  # unbalanced force at rest over the heaviest weight, -
+    would be unstable become heavier.  None: real masses under a given multiplier, and the limit of
+    large scaling, all masses in proportion to stiffness, where a displacement is given."""
+    search_tolerance: float = 2e-3
+    """Motion between two searches over the smallest block size; 0 searches at every cycle."""
+    tolerance: float = 1e-5  # unbalanced force at rest over the heaviest weight, -
     drive_cycles: int = 600  # in which an increment is driven
     max_cycles: int = 200_000  # of one step
-    max_motion: float = 0.1  # motion in one quasi-static step over the smallest block size, -
+    max_motion: float = 10.0  # motion in a quasi-static step over the smallest block size, -
 
 
 @dataclass(frozen=True, kw_only=True)
 class DistinctState:
-    """Poses, velocities and what the contacts remember."""
+    """Poses, velocities, what the contacts remember, and the books of energy."""
 
     pose: Array  # (n, n_dof) m, rad
-    velocity: Array  # (n, n_dof) m/s, rad/s
+    velocity: Array  # (n, n_dof) m/s, rad/s, half a time step before the pose
     multiplier: float
     pairs: Pairs
     slots: Slots  # features of the last search, geometry in `pose`
@@ -65,16 +73,35 @@ class DistinctState:
     reaction: Array  # (n_slots, dim) N
     status: IntArray  # (n_slots,)
     increment: Array  # (n, n_dof) of the last step
-    friction_work: float = 0.0  # J, since the start
-    damping_work: float = 0.0  # J
-    load_work: float = 0.0  # J
-    search_work: float = 0.0  # J, energy of joints that searches took away
+    friction_work: float = 0.0  # J, turned to heat since the start
+    damping_work: float = 0.0  # J, likewise
+    load_work: float = 0.0  # J, done by dead load and pattern
+    search_work: float = 0.0  # J, stored in joints that searches took away or changed
+
+
+@dataclass(frozen=True, kw_only=True)
+class Energy:
+    """Where the work of the loads since the start has gone, in J."""
+
+    kinetic: float
+    elastic: float
+    friction: float
+    damping: float
+    search: float
+    load_work: float
+
+    @property
+    def defect(self) -> float:
+        """What the books miss: an error of the time integration."""
+        return self.load_work - (
+            self.kinetic + self.elastic + self.friction + self.damping + self.search
+        )
 
 
 class Workspace:
     """Contacts, motion and masses while the cycles of one step run."""
 
-    def __init__(self, engine: DistinctEngine, state: DistinctState, real_masses: bool) -> None:
+    def __init__(self, engine: DistinctEngine, state: DistinctState, *, real_masses: bool) -> None:
         self.engine = engine
         self.real_masses = real_masses
         self.pairs = state.pairs
@@ -97,69 +124,74 @@ class Workspace:
         self.n_searches = 0
         self._pack()
 
+    @property
+    def multiplier(self) -> float:
+        """Load multiplier of the last cycle."""
+        return float(self.meter[explicit.MULTIPLIER])
+
     def run(
         self, n_cycles: int, *, guided: bool = False, rate: float = 0.0, tolerance: float = -1.0
-    ) -> int:
-        """Cycles with searches between them, until `DONE` or `BALANCED`."""
-        engine, s = self.engine, self.engine.settings
-        left = n_cycles
-        while True:
-            code, used = explicit.cycle(
+    ) -> bool:
+        """Cycles with searches between them; whether they ended because all is balanced."""
+        s = self.engine.settings
+        last = self.n_cycles + n_cycles
+        while self.n_cycles < last:
+            why, used = explicit.cycle(
                 self.contacts, self.n_contacts, self.motion, self.loads, self.searched, self.dt,
-                left, self.meter[explicit.MULTIPLIER], guided, rate, s.local_damping,
-                s.viscous_damping, tolerance, engine.search_reach, self.meter,
+                last - self.n_cycles, self.multiplier, guided, rate, s.local_damping,
+                s.viscous_damping, tolerance, self.engine.search_reach, self.meter,
             )  # fmt: skip
-            left -= used
             self.n_cycles += used
-            if code == explicit.MOVED:
+            if why == explicit.MOVED:
                 self.search()
-            if code == explicit.BALANCED or left <= 0:
-                return int(code)
+            elif why == explicit.BALANCED:
+                return True
+        return False
 
     def search(self) -> None:
         """Find all contacts anew; those that persist keep their history."""
-        engine = self.engine
-        pose = self.motion.pose
+        detector, pose = self.engine.detector, self.motion.pose
         if not np.isfinite(pose).all():
-            raise EngineError("the cycles became unstable: lower the safety factor")
-        before = explicit.elastic_energy(self.contacts, self.n_contacts)
+            raise EngineError("the cycles are unstable: lower the safety factor of the time step")
         self.unpack()
-        if engine.detector.outdated(self.pairs, pose):
-            pairs = engine.detector.pairs(pose)
-            row = carry(self.pairs, pairs)
-            source = np.where(row[:, None] >= 0, 2 * row[:, None] + (0, 1), -1).ravel()
-            known = source >= 0
-            found = empty_slots(len(pairs.a))
-            for new, old in zip(found, self.slots, strict=True):
-                new[known] = old[source[known]]
-            self.slots = found
-            history = np.zeros((len(source), N_HISTORY))
-            history[known] = self.history[source[known]]
-            self.pairs, self.history = pairs, history
-            self.reaction = np.zeros((len(source), 2))
-            self.status = np.zeros(len(source), np.int64)
-        old = self.slots
+        before = self.engine.elastic_energy(self.pairs, self.slots, self.history)
+        if detector.outdated(self.pairs, pose):
+            self._new_pairs(detector.pairs(pose))
         slots = empty_slots(len(self.pairs.a))
-        engine.detector.fill(self.pairs, pose, slots)
+        detector.fill(self.pairs, pose, slots)
         source = np.zeros(len(slots.kind), np.int64)
+        old = self.slots
         narrow.carry_history(old.kind, old.feature, old.edges, slots, source)
         history = np.where(source[:, None] >= 0, self.history[source], 0.0)
-        history[source < 0, BROKEN] = 1.0
-        self.slots, self.history = slots, history
-        self.searched = pose.copy()
+        history[source < 0, joint.BROKEN] = 1.0  # blocks that come to touch later are not bonded
+        self.slots, self.history, self.searched = slots, history, pose.copy()
+        self.search_work += before - self.engine.elastic_energy(self.pairs, slots, history)
         self.n_searches += 1
         self._pack()
-        self.search_work += before
+
+    def _new_pairs(self, pairs: Pairs) -> None:
+        """Go over to another list of pairs, with the slots and histories of those that stay."""
+        row = carry(self.pairs, pairs)
+        source = np.where(row[:, None] >= 0, 2 * row[:, None] + (0, 1), -1).ravel()
+        known = source >= 0
+        slots = empty_slots(len(pairs.a))
+        for new, old in zip(slots, self.slots, strict=True):
+            new[known] = old[source[known]]
+        history = np.zeros((len(source), N_HISTORY))
+        history[known] = self.history[source[known]]
+        self.pairs, self.slots, self.history = pairs, slots, history
+        self.reaction = np.zeros((len(source), 2))
+        self.status = np.zeros(len(source), np.int64)
 
     def unpack(self) -> None:
-        """Bring slots, history and reactions up to date."""
+        """Bring slots, histories and reactions up to date."""
         explicit.unpack(
             self.contacts, self.n_contacts, self.loads, self.motion, self.slots, self.pairs.a,
             self.history, self.reaction, self.status,
         )  # fmt: skip
 
     def _pack(self) -> None:
-        engine = self.engine
+        engine, assembly = self.engine, self.engine.problem.assembly
         n_slots = len(self.slots.kind)
         self.contacts = Contacts(
             slot=np.zeros(n_slots, np.int64),
@@ -173,17 +205,15 @@ class Workspace:
         )
         self.n_contacts = explicit.pack(
             self.slots, engine.detector.bodies, self.pairs.a, self.pairs.b, self.pairs.law,
-            engine.laws, engine.problem.assembly.thickness, self.history, self.contacts,
+            engine.laws, assembly.thickness, self.history, self.contacts,
         )  # fmt: skip
         rotation = self.motion.pose[:, 2]
         self.motion.turn[:, 0] = np.cos(rotation)
         self.motion.turn[:, 1] = np.sin(rotation)
-        self.mass, self.dt = engine.masses(self.slots, self.pairs, self.real_masses)
-        movable = ~engine.problem.assembly.fixed
-        inverse = np.zeros_like(self.mass)
-        inverse[movable] = 1.0 / self.mass[movable]
+        self.mass, self.dt = engine.masses(self.slots, self.pairs, real=self.real_masses)
+        inverse = np.where(assembly.fixed[:, None], 0.0, 1.0 / self.mass)
         self.loads = Loads(
-            centroid=engine.problem.assembly.centroid,
+            centroid=assembly.centroid,
             dead=engine.loads.dead,
             pattern=engine.loads.pattern,
             inverse_mass=inverse,
@@ -196,6 +226,8 @@ class DistinctEngine:
 
     name = "distinct"
     prescribes_displacement = True
+    #: Cycles of a step up to which increments may grow, and from which they shrink.
+    effort = (20_000, 100_000)
 
     def __init__(self, settings: DistinctSettings | None = None) -> None:
         self.settings = settings or DistinctSettings()
@@ -203,14 +235,11 @@ class DistinctEngine:
     def start(self, problem: Problem) -> tuple[DistinctState, StepReport]:
         """Settle under the dead load; raises `UnstableError`."""
         state = self.release(problem)
-        work = Workspace(self, replace(state, multiplier=0.0), real_masses=False)
-        limit = block_size(problem.assembly)
-        for _ in range(self.settings.max_cycles // 1000):
-            code = work.run(1000, tolerance=self.settings.tolerance * self.scale)
-            if code == explicit.BALANCED:
-                return self._arrive(state, work, static=True)
-            motion = self.detector.motion(work.motion.pose)
-            if motion.max() > limit:
+        work = Workspace(self, state, real_masses=False)
+        for _ in range(self.settings.max_cycles // ROUND):
+            if work.run(ROUND, tolerance=self.settings.tolerance * self.scale):
+                return self._rest(state, work)
+            if self.detector.motion(work.motion.pose).max() > self.size:
                 break
         motion = self.detector.motion(work.motion.pose)
         raise UnstableError(unstable_sentence(problem.assembly.ids, motion))
@@ -218,11 +247,14 @@ class DistinctEngine:
     def release(
         self, problem: Problem, pose: Array | None = None, velocity: Array | None = None
     ) -> DistinctState:
-        """A state in given poses and velocities (n, n_dof), as they are: nothing settles."""
+        """A state in given poses and velocities, (n, n_dof) each, as they are: nothing settles."""
         assembly = problem.assembly
         self.problem = problem
         self.detector = Detector(assembly)
-        self.laws = law_table(assembly)
+        try:
+            self.laws = law_table(assembly)
+        except ValueError as error:
+            raise EngineError(str(error)) from None
         self.loads = LoadArrays(
             dead=dead_load(assembly),
             pattern=problem.load.forces(assembly),
@@ -251,136 +283,159 @@ class DistinctEngine:
             increment=np.zeros_like(pose),
         )
 
-    def masses(self, slots: Slots, pairs: Pairs, real: bool) -> tuple[Array, float]:
+    def masses(self, slots: Slots, pairs: Pairs, *, real: bool) -> tuple[Array, float]:
         """Masses (n, n_dof) and the stable time step [s] that goes with them.
 
-        A block feels at most the stiffness B = 2 sum k h h^T of its own contacts, whatever its
-        neighbours do (see `explicit.stiffness_blocks`), so that no frequency of the assembly is
-        above the highest of the blocks' own, omega^2 = max eig(M^-1/2 B M^-1/2).  Undamped cycles
+        A contact's stiffness k (h_a.x_a + h_b.x_b)^2 is at most 2 k (h_a.x_a)^2 + 2 k (h_b.x_b)^2.
+        With B = 2 sum k h h^T over the contacts of one block, no frequency of the assembly is hence
+        above omega^2 = max eig(M^-1/2 B M^-1/2), the highest of any block's own.  Undamped cycles
         are stable for dt < 2 / omega.  Where a velocity changes its sign at every cycle, local
-        damping alpha makes every force (1 + alpha) times as large, hence the limit
+        damping alpha makes every force (1 + alpha) times as large, and so
 
             dt < 2 / (omega sqrt(1 + alpha))
+
+        Contacts that are open count where they may close before the next search.
         """
         assembly, s = self.problem.assembly, self.settings
         blocks = np.zeros((assembly.n_bodies, 3, 3))
         explicit.stiffness_blocks(
             slots, pairs.a, pairs.b, pairs.law, self.laws, assembly.thickness,
-            3.0 * self.search_reach, blocks,
+            np.inf if real else 3.0 * self.search_reach, blocks,
         )  # fmt: skip
-        blocks *= (1.0 + s.local_damping) / s.safety**2
-        movable = ~assembly.fixed
-        mass = assembly.mass.copy()
+        blocks *= 0.25 * (1.0 + s.local_damping) / s.safety**2
+        # Masses for which a time step of one is stable; a block that touches nothing gets some too.
+        needed = np.einsum("nii->ni", blocks)
+        needed = np.maximum(needed, 1e-3 * needed[~assembly.fixed].max(axis=0) + 1e-30)
+        needed *= _highest(blocks, needed)[:, None]
         scaling = s.mass_scaling or (1.0 if real else np.inf)
-        # A block without contacts has no frequency; a soft spring stands for those it may meet.
-        least = 1e-3 * np.einsum("nii->ni", blocks)[movable].max(axis=0)
-        needed = np.maximum(np.einsum("nii->ni", blocks), least)
-        needed *= self._eigenvalue(blocks, needed)[:, None]
         if np.isinf(scaling):
-            # The masses for which a time step of one is stable.
-            return 0.25 * needed, 1.0
-        omega2 = self._eigenvalue(blocks, mass)[movable].max()
-        dt = 2.0 * np.sqrt(scaling / omega2) if omega2 > 0.0 else 1e-3
-        if scaling > 1.0:
-            mass = np.maximum(mass, 0.25 * needed * dt**2)
-        return mass, dt
+            return needed, 1.0
+        highest = _highest(blocks, assembly.mass)[~assembly.fixed].max()
+        dt = float(np.sqrt(scaling / highest)) if highest > 0.0 else FREE_TIME_STEP
+        if scaling == 1.0:
+            return assembly.mass, dt
+        return np.maximum(assembly.mass, needed * dt**2), dt
 
-    def _eigenvalue(self, blocks: Array, mass: Array) -> Array:
-        """Highest eigenvalue of each M^-1/2 B M^-1/2, (n,)."""
-        root = 1.0 / np.sqrt(mass)
-        return np.linalg.eigvalsh(blocks * root[:, :, None] * root[:, None, :])[:, -1]
+    def elastic_energy(self, pairs: Pairs, slots: Slots, history: Array) -> float:
+        """Energy that the joints store [J]."""
+        law = self.laws[pairs.law].repeat(2, axis=0)
+        area = slots.length * self.problem.assembly.thickness
+        overlap = history[:, joint.DILATION] - slots.gap
+        bonded = (history[:, joint.BROKEN] == 0.0) & (law[:, joint.TENSION] > 0.0)
+        used = (slots.kind != narrow.NONE) & ((overlap > 0.0) | bonded)
+        normal = law[used, joint.KN] * area[used] * overlap[used] ** 2
+        shear = history[used, joint.SHEAR] ** 2 / (law[used, joint.KS] * area[used])
+        return 0.5 * float(np.sum(normal + shear))
+
+    def energy(self, state: DistinctState) -> Energy:
+        """The books of energy at a state that came of real motion, with masses unscaled."""
+        return Energy(
+            kinetic=0.5 * float(np.sum(self.loads.mass * state.velocity**2)),
+            elastic=self.elastic_energy(state.pairs, state.slots, state.history),
+            friction=state.friction_work,
+            damping=state.damping_work,
+            search=state.search_work,
+            load_work=state.load_work,
+        )
 
     def step(self, state: DistinctState, demand: Demand) -> tuple[DistinctState, StepReport]:
         """Cycles from `state`; see `Engine.step`."""
-        if demand.stop_blocks or demand.increment is not None:
-            state = replace(state, velocity=np.zeros_like(state.velocity))
         if demand.increment is not None:
-            return self._relax(state, demand.increment)
+            return self._advance(state, demand.increment)
         if demand.multiplier is None or not demand.time_step > 0.0:
             raise ValueError("a step needs an increment, or a multiplier and a time step")
-        return self._move(state, demand.multiplier, demand.time_step, demand.stop_blocks)
+        return self._move(state, demand)
 
-    def _relax(
-        self, state: DistinctState, increment: float
-    ) -> tuple[DistinctState, StepReport]:
+    def _advance(self, state: DistinctState, increment: float) -> tuple[DistinctState, StepReport]:
         """Drive the control displacement on by an increment, then hold and balance."""
-        s, problem = self.settings, self.problem
-        control, assembly = problem.control_point, problem.assembly
-        work = Workspace(self, state, real_masses=False)
+        s = self.settings
+        at_rest = replace(state, velocity=np.zeros_like(state.velocity))
+        work = Workspace(self, at_rest, real_masses=False)
+        self._drive(state, work, increment)
         motion = work.motion
+        motion.velocity[:] = 0.0
+        gone = self.detector.motion(motion.pose - state.pose)
+        for _ in range(s.max_cycles // ROUND):
+            if work.run(ROUND, guided=True, tolerance=s.tolerance * self.scale):
+                return self._rest(state, work)
+            gone = self.detector.motion(motion.pose - state.pose)
+            if gone.max() > s.max_motion * self.size:
+                break
+        left = work.meter[explicit.RESIDUAL] / self.scale
+        reason = f"an unbalanced force of {left:.1e} weights is left after {work.n_cycles} cycles"
+        if gone.max() > s.max_motion * self.size:
+            name = self.problem.assembly.ids[int(gone.argmax())]
+            reason = f'the block "{name}" runs away, and no rest is found for it'
+        return state, StepReport(converged=False, reason=reason, n_iterations=work.n_cycles)
+
+    def _drive(self, state: DistinctState, work: Workspace, increment: float) -> None:
+        """Move on at a constant rate of F.x until the control displacement is reached.
+
+        The motion of the last step goes on at the pace of this one, so that nothing is shaken.
+        """
+        control, assembly, s = self.problem.control_point, self.problem.assembly, self.settings
+        pattern, pose = self.loads.pattern, work.motion.pose
+        duration = s.drive_cycles * work.dt
+        sense = np.sign(self.problem.load.direction @ control.direction) or 1.0
         begin = control.displacement(assembly, state.pose)
-        pattern = self.loads.pattern
-        # The course of the last step goes on: its motion, at the pace of this increment.
-        ahead = state.increment
-        reached = control.displacement(assembly, state.pose) - control.displacement(
-            assembly, state.pose - ahead
-        )
-        pushed = float(np.sum(pattern * ahead))
-        if reached * increment > 0.0 and pushed * increment > 0.0:
-            share = increment / reached / s.drive_cycles / work.dt
-            share = min(
-                share, 2.0 * abs(increment) / self.detector.motion(ahead).max() / s.drive_cycles / work.dt
-            )
-            motion.velocity[:] = share * ahead
+        last = state.increment
+        came = begin - control.displacement(assembly, state.pose - last)
+        pushed = float(np.sum(pattern * last))
+        if came * increment > 0.0 and pushed * increment * sense > 0.0:
+            farthest = float(self.detector.motion(last).max())
+            share = min(increment / came, 2.0 * abs(increment) / farthest) / duration
+            work.motion.velocity[:] = share * last
             rate = share * pushed
         else:
-            rate = 0.5 * self.loads.total * increment / s.drive_cycles / work.dt
-        farthest = 3.0 * abs(increment)
-        for _ in range(100):
-            work.run(max(s.drive_cycles // 10, 1), guided=True, rate=rate)
-            gone = control.displacement(assembly, motion.pose) - begin
-            if gone / increment > 0.95:
-                break
-            if self.detector.motion(motion.pose - state.pose).max() > farthest:
-                break
-        motion.velocity[:] = 0.0
-        for _ in range(s.max_cycles // 1000):
-            code = work.run(1000, guided=True, tolerance=s.tolerance * self.scale)
-            if code == explicit.BALANCED:
-                return self._arrive(state, work, static=True)
-            if self.detector.motion(motion.pose - state.pose).max() > s.max_motion * self.size:
-                pass
-        left = work.meter[explicit.RESIDUAL] / self.scale
-        return state, StepReport(
-            converged=False,
-            reason=f"an unbalanced force of {left:.1e} weights is left after {work.n_cycles} cycles",
-            n_iterations=work.n_cycles,
-        )
+            rate = 0.5 * sense * self.loads.total * increment / duration
+        for _ in range(10 * CHUNKS):
+            work.run(max(s.drive_cycles // CHUNKS, 1), guided=True, rate=rate)
+            gone = control.displacement(assembly, pose) - begin
+            if gone / increment > 1.0 - 0.5 / CHUNKS:
+                return
+            if self.detector.motion(pose - state.pose).max() > 3.0 * abs(increment):
+                return  # something else moves, which the increment does not measure
 
-    def _move(
-        self, state: DistinctState, multiplier: float, time: float, stop: bool
-    ) -> tuple[DistinctState, StepReport]:
-        """Real motion for a given time under a given multiplier."""
-        work = Workspace(self, replace(state, multiplier=multiplier), real_masses=True)
-        n = max(round(time / work.dt), 2)
+    def _move(self, state: DistinctState, demand: Demand) -> tuple[DistinctState, StepReport]:
+        """Real motion for a given time under a given multiplier.
+
+        What the supports carry, and what is unbalanced, is the mean over the second half of it:
+        after the first waves, and no snapshot of a vibrating wall.
+        """
+        assert demand.multiplier is not None
+        begin = replace(state, multiplier=demand.multiplier)
+        if demand.stop_blocks:
+            begin = replace(begin, velocity=np.zeros_like(state.velocity))
+        work = Workspace(self, begin, real_masses=True)
+        n = max(round(demand.time_step / work.dt), 2)
         work.run(n // 2)
         work.motion.mean[:] = 0.0
         work.run(n - n // 2)
-        work.motion.mean[:] /= n - n // 2
-        if stop:
-            pass
-        return self._arrive(state, work, static=False)
+        unbalanced = work.motion.mean / (n - n // 2)
+        return self._arrive(state, work, unbalanced, work.motion.velocity)
+
+    def _rest(
+        self, state: DistinctState, work: Workspace
+    ) -> tuple[DistinctState, StepReport]:
+        """The state where all is balanced and has been stopped."""
+        new, figures = self._arrive(state, work, work.motion.force, np.zeros_like(state.pose))
+        # What little is unbalanced accelerates nothing: the blocks are at rest.
+        return new, replace(
+            figures, static_multiplier=work.multiplier, inertia_ratio=0.0, dynamic=False
+        )
 
     def _arrive(
-        self, state: DistinctState, work: Workspace, *, static: bool
+        self, state: DistinctState, work: Workspace, unbalanced: Array, velocity: Array
     ) -> tuple[DistinctState, StepReport]:
         """The state at the end of the cycles, and its figures."""
-        assembly, motion, meter = self.problem.assembly, work.motion, work.meter
+        assembly, meter, pose = self.problem.assembly, work.meter, work.motion.pose
         work.unpack()
-        multiplier = float(meter[explicit.MULTIPLIER])
-        unbalanced = motion.force if static else motion.mean
-        load = self.loads.dead + multiplier * self.loads.pattern
-        acceleration = np.zeros_like(unbalanced)
-        velocity = np.zeros_like(unbalanced) if static else motion.velocity
-        movable = ~assembly.fixed
-        if not static:
-            acceleration[movable] = unbalanced[movable] / assembly.mass[movable]
-        increment = motion.pose - state.pose
-        farthest = float(self.detector.motion(increment).max())
+        acceleration = np.where(assembly.fixed[:, None], 0.0, unbalanced / assembly.mass)
+        increment = pose - state.pose
         new = DistinctState(
-            pose=motion.pose,
+            pose=pose,
             velocity=velocity,
-            multiplier=multiplier,
+            multiplier=work.multiplier,
             pairs=work.pairs,
             slots=work.slots,
             searched=work.searched,
@@ -391,19 +446,22 @@ class DistinctEngine:
             friction_work=state.friction_work + float(meter[explicit.FRICTION_WORK]),
             damping_work=state.damping_work + float(meter[explicit.DAMPING_WORK]),
             load_work=state.load_work + float(meter[explicit.LOAD_WORK]),
+            search_work=state.search_work + work.search_work,
         )
         outcome = StepOutcome(
-            multiplier=multiplier,
-            pose=motion.pose,
+            multiplier=work.multiplier,
+            pose=pose,
             increment=increment,
             acceleration=acceleration,
             velocity=velocity,
-            contact_force=unbalanced - load,
+            contact_force=unbalanced - self.loads.dead - work.multiplier * self.loads.pattern,
             slots=work.slots,
             reaction=work.reaction,
             status=work.status,
-            residual=float(meter[explicit.RESIDUAL]),
-            motion=farthest,
+            residual=unbalanced_force(
+                unbalanced, np.zeros_like(unbalanced), self.extent, assembly.fixed
+            ),
+            motion=float(self.detector.motion(increment).max()),
             n_iterations=work.n_cycles,
         )
         return new, report(self.problem, self.loads, outcome)
@@ -416,3 +474,10 @@ class DistinctEngine:
 
     def close(self) -> None:
         """Nothing is held."""
+
+
+def _highest(blocks: Array, mass: Array) -> Array:
+    """Highest eigenvalue of each M^-1/2 B M^-1/2, (n,) [1/s2]."""
+    root = 1.0 / np.sqrt(mass)
+    highest: Array = np.linalg.eigvalsh(blocks * root[:, :, None] * root[:, None, :])[:, -1]
+    return highest

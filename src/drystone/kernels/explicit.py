@@ -189,7 +189,6 @@ def unpack(contacts, n_contacts, loads, motion, slots, pair_a, history, reaction
 def stiffness_blocks(slots, pair_a, pair_b, pair_law, laws, thickness, watched, blocks):
     """Add 2 sum k h h^T over the contacts of each body, (n, 3, 3), with h = grad gap, grad slip.
 
-    It bounds the stiffness matrix: k (h_a.x_a + h_b.x_b)^2 <= 2 k (h_a.x_a)^2 + 2 k (h_b.x_b)^2.
     Contacts open by more than ``watched`` [m] are left out.
     """
     kind, gap, normal, ratio, roll = slots.kind, slots.gap, slots.normal, slots.ratio, slots.roll
@@ -222,17 +221,6 @@ def stiffness_blocks(slots, pair_a, pair_b, pair_law, laws, thickness, watched, 
         blocks[body, 1, 0] = blocks[body, 0, 1]
         blocks[body, 2, 0] = blocks[body, 0, 2]
         blocks[body, 2, 1] = blocks[body, 1, 2]
-
-
-@njit(cache=True)
-def elastic_energy(contacts, n_contacts):
-    """Energy stored in the joints [J]."""
-    energy = 0.0
-    for c in range(n_contacts):
-        rn = contacts.reaction[c, 0]
-        rt = contacts.reaction[c, 1]
-        energy += 0.5 * (rn * rn / contacts.law[c, L_KN] + rt * rt / contacts.law[c, L_KS])
-    return energy
 
 
 @njit(cache=True)

@@ -109,6 +109,7 @@ class ExceptionSection(Section):
     normal_stiffness: Positive | None = None  # Pa/m
     shear_stiffness: Positive | None = None  # Pa/m
     dilatancy_angle: Annotated[float, Field(ge=0.0, lt=90.0)] | None = None  # degrees
+    dilatancy_end: NotNegative | None = None  # m
     cohesion: NotNegative | None = None  # Pa
     tensile_strength: NotNegative | None = None  # Pa
 

@@ -15,6 +15,7 @@ from scipy.sparse import coo_matrix, csc_matrix
 from scipy.sparse.linalg import splu
 
 from drystone.kernels.joint import Tangent
+from drystone.kernels.step import fill_dense
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -42,9 +43,9 @@ class BlockSystem:
     """
 
     def __init__(self, a: IntArray, b: IntArray, fixed: NDArray[np.bool_], n_dof: int = 3) -> None:
-        self.n_pairs = len(a)
+        self.n_pairs, self.a, self.b = len(a), a, b
         self.movable = np.flatnonzero(~fixed)
-        row = np.full(len(fixed), -1, np.int64)
+        row = self._row = np.full(len(fixed), -1, np.int64)
         row[self.movable] = np.arange(len(self.movable))
         self.both = np.flatnonzero(~fixed[a] & ~fixed[b])
         ra, rb, rd = row[a[self.both]], row[b[self.both]], np.arange(len(self.movable))
@@ -62,7 +63,7 @@ class BlockSystem:
         self.size = n_dof * len(self.movable)
         self.dense = self.size <= DENSE_LIMIT
         if self.dense:
-            self._place = columns * self.size + rows  # column-major
+            self._matrix = np.zeros((self.size, self.size), order="F")
         else:
             self._order(rows, columns)
 
@@ -91,10 +92,17 @@ class BlockSystem:
         out[self.movable] = vector.reshape(len(self.movable), -1)
 
     def factor(self, tangent: Tangent) -> Solve:
-        """Factorise; the result solves for right-hand sides (size,) or (size, k).
+        """Factorise; the result solves for right-hand sides (size,) or (size, k) until the next
+        factorisation, which may reuse its memory.
 
         Raises `SingularMatrixError`.
         """
+        if self.dense:
+            fill_dense(*tangent, self._row, self.a, self.b, self._matrix)
+            lu, pivots, info = lapack.dgetrf(self._matrix, overwrite_a=1)
+            if info != 0:
+                raise SingularMatrixError
+            return lambda rhs: lapack.dgetrs(lu, pivots, rhs)[0]
         values = np.concatenate(
             (
                 tangent.diagonal[self.movable].ravel(),
@@ -102,15 +110,6 @@ class BlockSystem:
                 tangent.lower[self.both].ravel(),
             )
         )
-        if self.dense:
-            matrix = np.zeros(self.size * self.size)
-            matrix[self._place] = values
-            lu, pivots, info = lapack.dgetrf(
-                matrix.reshape(self.size, self.size, order="F"), overwrite_a=1
-            )
-            if info != 0:
-                raise SingularMatrixError
-            return lambda rhs: lapack.dgetrs(lu, pivots, rhs)[0]
         matrix = csc_matrix((values[self._place], self._indices, self._indptr), copy=False)
         try:
             factors = splu(

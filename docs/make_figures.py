@@ -1,0 +1,81 @@
+"""Draw the figures of the README and of these pages, docs/images/*.png.
+
+python docs/make_figures.py [--engine NAME]
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import drystone as ds
+from drystone.report import canvas, draw_curve, draw_mechanism
+
+HERE = Path(__file__).parent
+IMAGES = HERE / "images"
+WALL = HERE.parent / "examples" / "wall1.toml"
+AT = 0.2  # m, control displacement of the mechanism, the published one
+OVERSHOOTS = (1.005, 1.02, 1.05)
+
+
+def wall(engine: str | None) -> None:
+    """Curve and mechanism of wall 1."""
+    model = ds.read_model(WALL)
+    curve = ds.pushover(model, engine=engine, keep_poses=True, keep_contacts=True)
+    draw_curve(curve, IMAGES / "wall1_curve.png", title=model.title)
+    row = curve.nearest(AT)
+    point = curve.points[row]
+    draw_mechanism(
+        model.assembly,
+        curve.poses[row],
+        curve.contacts[row],
+        IMAGES / "wall1_mechanism.png",
+        title=f"{model.title} at a control displacement of {point.control_displacement:.3f} m",
+        load_direction=model.load.direction,
+        control_point=model.control_point,
+    )
+
+
+def bias() -> None:
+    """The published strategy with several overshoots beside the static curve, wall 1."""
+    model = ds.published_wall(1)
+    figure = canvas.new_figure(7.5, 4.6)
+    axes = figure.subplots()
+    curves = [
+        (f"published, overshoot {f:g}: applied", {"strategy": "published", "overshoot": f})
+        for f in reversed(OVERSHOOTS)
+    ]
+    curves.append(("displacement: static", {"strategy": "displacement"}))
+    colours = (*canvas.CURVE_COLOURS[1 : len(curves)], canvas.CURVE_COLOURS[0])
+    styles = (*canvas.CURVE_STYLES[1 : len(curves)], canvas.CURVE_STYLES[0])
+    for (label, options), colour, style in zip(curves, colours, styles, strict=True):
+        curve = ds.pushover(model, engine="nscd", **options)
+        axes.plot(
+            curve.control_displacement,
+            curve.load_multiplier,
+            color=colour,
+            linestyle=style,
+            label=label,
+            linewidth=1.4,
+        )
+    canvas.plain_axes(axes)
+    axes.set_xlim(left=0.0)
+    axes.set_ylim(bottom=0.0)
+    axes.set_xlabel("control displacement $δ_c$ [m]")
+    axes.set_ylabel("load multiplier $λ$ [-]")
+    axes.set_title("Wall 1, engine nscd: the overshoot lifts the branch", fontsize=11)
+    axes.legend(frameon=False, fontsize=9)
+    canvas.save(figure, IMAGES / "bias.png")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--engine", help="of the wall's pictures; default: what the model says")
+    arguments = parser.parse_args()
+    IMAGES.mkdir(exist_ok=True)
+    wall(arguments.engine)
+    bias()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,312 @@
+"""What UDEC and 3DEC have in common: their command lines and their language FISH.
+
+The files are written for UDEC 6 and 3DEC 5.  A command is a line, going on after an ampersand; what
+follows a semicolon is a comment.  Names that these programs have no place for (of the model, its
+blocks and materials) are kept in comments as JSON texts.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone import geometry
+from drystone.assembly import GRAVITY, Assembly, Block, Corner, JointLaw
+from drystone.builders.errors import ModelError
+from drystone.builders.model import make_model
+from drystone.builders.neighbours import Outlines
+from drystone.convert.common import (
+    STRATEGY,
+    file_name,
+    friction_angle,
+    friction_coefficient,
+    number,
+    strategy,
+)
+from drystone.model import Analysis, Model
+
+Array = NDArray[np.float64]
+
+#: Letters after which a line is continued.
+WIDTH = 78
+
+
+def quoted(text: str) -> str:
+    """Text for a comment: in double quotes, on one line, ASCII only."""
+    return json.dumps(text)
+
+
+def command(*words: str) -> list[str]:
+    """Lines of one command; a word is never torn."""
+    lines, line = [], words[0]
+    for word in words[1:]:
+        if len(line) + 1 + len(word) > WIDTH - 2:
+            lines.append(line + " &")
+            line = "    " + word
+        else:
+            line += " " + word
+    return [*lines, line]
+
+
+def heading(model: Model, program: str, notes: Sequence[str]) -> list[str]:
+    """Comments at the top of a file."""
+    return [
+        f"; {program} input of drystone, from {quoted(file_name(model.source))}",
+        f"; title {quoted(model.title)}",
+        "; Units: m, kg, s, N.",
+        *(f"; Note: {note}" for note in notes),
+        "",
+    ]
+
+
+def parameters(model: Model, values: dict[str, tuple[float, str]]) -> list[str]:
+    """The FISH function that sets every number of the analysis, and its call."""
+    s = strategy(model)
+    point, read_along = model.control_point.point, model.control_point.direction
+    direction = model.load.direction
+    centre = model.assembly.centroid[model.control_point.block]
+    every: dict[str, tuple[float, str]] = {
+        "grav": (GRAVITY, "m/s2"),
+        **values,
+        "load_x": (direction[0], "direction of the load pattern"),
+        "load_y": (direction[1], ""),
+        "ctl_x": (point[0], "m, control point as designed"),
+        "ctl_y": (point[1], ""),
+        "ctl_bx": (centre[0], "m, centroid of the block that it is on"),
+        "ctl_by": (centre[1], ""),
+        "read_x": (read_along[0], "direction of the control displacement"),
+        "read_y": (read_along[1], ""),
+        **{key: (s[key], text) for key, text in STRATEGY.items()},
+        "stop_mult": (model.analysis.stop_multiplier, "multiplier at which the analysis ends"),
+        "n_cycles": (100.0, "cycles between two looks at the wall; the blocks are then stopped"),
+    }
+    lines = ["def parameters"]
+    for name, (value, text) in every.items():
+        shown = f"{int(value)}" if name in ("patience", "n_cycles") else number(value)
+        lines.append(f"  {name} = {shown}" + (f"  ; {text}" if text else ""))
+    return [*lines, "end", "@parameters", ""]
+
+
+def pushover() -> list[str]:
+    """The published strategy in FISH, on top of the functions that each program has its own of.
+
+    Those are: ``put_loads``, ``stop_blocks``, ``read_carried`` (into ``lam_c``) and
+    ``read_control`` (into ``ctl_u``).
+    """
+    return """\
+; The strategy of Bouckaert, Godio and de Almeida (2022): the multiplier goes up by increments as
+; long as the supports carry what is applied; from the peak on it is the carried one times the
+; overshoot.  Table 1 gets the applied, table 2 the carried multiplier over control displacement.
+def look
+  put_loads
+  stop_blocks
+  command
+    cycle @n_cycles
+  end_command
+  read_carried
+  read_control
+end
+def settle
+  lam = 0.0
+  loop n (1, 200)
+    look
+  end_loop
+end
+def pushover
+  lam = increment
+  n_point = 0
+  waited = 0
+  descending = 0
+  going = 1
+  loop while going = 1
+    look
+    n_point = n_point + 1
+    xtable(1, n_point) = ctl_u
+    ytable(1, n_point) = lam
+    xtable(2, n_point) = ctl_u
+    ytable(2, n_point) = lam_c
+    if descending = 0 then
+      if abs(lam - lam_c) <= balance_tolerance then
+        lam = lam + increment
+        waited = 0
+      else
+        waited = waited + 1
+        if waited > patience then
+          descending = 1
+        end_if
+      end_if
+    end_if
+    if descending = 1 then
+      if lam < stop_mult then
+        going = 0
+      else
+        lam = overshoot * lam_c
+      end_if
+    end_if
+  end_loop
+end
+@settle
+@pushover
+""".splitlines()
+
+
+@dataclass
+class Parsed:
+    """Commands of a file with the comments above and behind them, and its FISH functions."""
+
+    title: str = ""
+    commands: list[tuple[list[str], str]] = field(default_factory=list)
+    values: dict[str, float] = field(default_factory=dict)  # of `parameters`
+
+
+def parse(text: str) -> Parsed:
+    """Read what `heading`, `command` and `parameters` wrote.
+
+    A command comes as its words, with the quoted text of its last comment.
+    """
+    parsed = Parsed()
+    inside: str | None = None
+    for line, comment in _lines(text, parsed):
+        words = [word for word in re.split(r"[\s=,()]+", line) if word]
+        if words[0] == "def":
+            inside = words[1]
+        elif line.strip() == "end":
+            inside = None
+        elif inside == "parameters":
+            parsed.values[words[0]] = float(words[1])
+        elif inside is None:
+            parsed.commands.append((words, comment))
+    return parsed
+
+
+def _lines(text: str, parsed: Parsed) -> Iterator[tuple[str, str]]:
+    """Whole commands without their comments, and the quoted text of the comment they have."""
+    pending, comment = "", ""
+    for raw in text.splitlines():
+        line, _, remark = raw.partition(";")
+        match = re.match(r'\s*(title )?("(?:[^"\\]|\\.)*")', remark)
+        if match and match[1]:
+            parsed.title = json.loads(match[2])
+        elif match:
+            comment = json.loads(match[2])
+        if not line.strip() and not pending:
+            continue
+        if line.rstrip().endswith("&"):
+            pending += line.rstrip()[:-1] + " "
+            continue
+        yield pending + line, comment
+        pending, comment = "", ""
+
+
+def keywords(words: Sequence[str]) -> dict[str, float]:
+    """Pairs of keyword and number."""
+    return {key: float(value) for key, value in zip(words[0::2], words[1::2], strict=True)}
+
+
+def unexpected(program: str, what: str) -> ModelError:
+    """A file that our writer has not written."""
+    return ModelError([f"this is no {program} file of ours: {what}"])
+
+
+def law_words(law: JointLaw) -> list[str]:
+    """Joint properties, common to UDEC and 3DEC."""
+    assert law.normal_stiffness is not None and law.shear_stiffness is not None
+    return [
+        f"jkn={number(law.normal_stiffness)}",
+        f"jks={number(law.shear_stiffness)}",
+        f"jfric={number(friction_angle(law))}",
+        f"jcoh={number(law.cohesion)}",
+        f"jtens={number(law.tensile_strength)}",
+        f"jdil={number(law.dilatancy_angle)}",
+    ]
+
+
+def law_of(values: Mapping[str, float]) -> JointLaw:
+    """The law of joint properties."""
+    return JointLaw(
+        friction_coefficient=friction_coefficient(values["jfric"]),
+        normal_stiffness=values["jkn"],
+        shear_stiffness=values["jks"],
+        dilatancy_angle=values["jdil"],
+        cohesion=values["jcoh"],
+        tensile_strength=values["jtens"],
+    )
+
+
+def pair_laws(assembly: Assembly) -> list[tuple[int, int, int]]:
+    """Number of the law, and rows of the two blocks, of every pair that touches and has its own."""
+    a, b = Outlines.of(assembly).near_pairs()
+    index = assembly.law_index(a, b)
+    return [(int(k) + 1, int(i), int(j)) for k, i, j in zip(index, a, b, strict=True) if k > 0]
+
+
+def assemble(
+    parsed: Parsed,
+    ids: list[str],
+    outlines: list[Array],
+    density: list[float],
+    names: list[str],
+    laws: list[JointLaw],
+    *,
+    material: list[int],
+    support: list[bool],
+    between: list[tuple[int, int, int]],
+    corner: Corner,
+    area_ratio: list[float] | None = None,
+) -> Model:
+    """A model from what a file holds.
+
+    Parameters
+    ----------
+    density, names, laws
+        Of the materials and of the joint materials, in the order of their numbers.
+    material, support
+        Of each block, the number of its material counted from 1.
+    between
+        Number of the law, counted from 1, and rows of the two blocks.
+    area_ratio
+        Area of each block in the file over that of its outline.
+    """
+    v = parsed.values
+    ratio = area_ratio or [1.0] * len(outlines)
+    blocks = [
+        Block(
+            id=block_id,
+            vertices=outline,
+            unit_weight=density[k - 1] * GRAVITY * share,
+            material=names[k - 1],
+            support=held,
+        )
+        for block_id, outline, k, share, held in zip(
+            ids, outlines, material, ratio, support, strict=True
+        )
+    ]
+    control = nearest(outlines, np.array([v["ctl_bx"], v["ctl_by"]]))
+    return make_model(
+        blocks,
+        joint=laws[0],
+        joint_between={frozenset((ids[i], ids[j])): laws[k - 1] for k, i, j in between},
+        corner=corner,
+        thickness=v["thick"],
+        load_direction=(v["load_x"], v["load_y"]),
+        control_block=ids[control],
+        control_point=(v["ctl_x"], v["ctl_y"]),
+        control_direction=(v["read_x"], v["read_y"]),
+        analysis=Analysis(
+            strategy="published",
+            stop_multiplier=v["stop_mult"],
+            options={key: v[key] for key in STRATEGY},
+        ),
+        title=parsed.title,
+    )
+
+
+def nearest(outlines: list[Array], point: Array) -> int:
+    """Row of the outline whose centroid is nearest to a point."""
+    centres = [geometry.mass_properties(outline).centroid for outline in outlines]
+    return int(np.argmin([np.hypot(*(centre - point)) for centre in centres]))

@@ -1,0 +1,78 @@
+"""The equations of a static step: what is unbalanced, and the matrix that corrects it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True)
+def unbalance(
+    contact, dead, pattern, multiplier, mass, inverse_mass, x, weight, extent, fixed, force
+):
+    """Fill ``force`` (n, 3) with what is left of all forces on each block, zero on fixed ones.
+
+    Returns the norm of it weighted with the inverse masses, the merit of the iteration, and the
+    largest force, or moment over block size [N].
+    """
+    merit = 0.0
+    worst = 0.0
+    for i in range(x.shape[0]):
+        if fixed[i]:
+            force[i, :] = 0.0
+            continue
+        for d in range(3):
+            f = contact[i, d] + dead[i, d] + multiplier * pattern[i, d]
+            f -= mass[i, d] * x[i, d] * weight
+            force[i, d] = f
+            merit += f * f * inverse_mass[i, d]
+        size = np.sqrt(force[i, 0] ** 2 + force[i, 1] ** 2)
+        worst = max(worst, size, abs(force[i, 2]) / extent[i])
+    return np.sqrt(merit), worst
+
+
+@njit(cache=True)
+def stiffen(diagonal, mass, weight, pace_body, gradient):
+    """Add inertia to the diagonal blocks and a spring along the pacing displacement.
+
+    The spring, as stiff as the block it holds, makes the matrix regular at the peak.  Returns its
+    stiffness; ``pace_body`` is -1 where nothing paces the step.
+    """
+    for i in range(mass.shape[0]):
+        for d in range(3):
+            diagonal[i, d, d] += mass[i, d] * weight
+    if pace_body < 0:
+        return 0.0
+    largest = 0.0
+    square = 0.0
+    for i in range(3):
+        square += gradient[i] * gradient[i]
+        for j in range(3):
+            largest = max(largest, abs(diagonal[pace_body, i, j]))
+    spring = largest / square
+    for i in range(3):
+        for j in range(3):
+            diagonal[pace_body, i, j] += spring * gradient[i] * gradient[j]
+    return spring
+
+
+@njit(cache=True)
+def fill_dense(diagonal, upper, lower, row, pair_a, pair_b, matrix):
+    """Blocks into a dense matrix (size, size); ``row`` (n,) numbers the movable bodies, or -1."""
+    matrix[:, :] = 0.0
+    for body in range(row.shape[0]):
+        r = 3 * row[body]
+        if r < 0:
+            continue
+        for i in range(3):
+            for j in range(3):
+                matrix[r + i, r + j] = diagonal[body, i, j]
+    for p in range(pair_a.shape[0]):
+        ra = 3 * row[pair_a[p]]
+        rb = 3 * row[pair_b[p]]
+        if ra < 0 or rb < 0:
+            continue
+        for i in range(3):
+            for j in range(3):
+                matrix[ra + i, rb + j] = upper[p, i, j]
+                matrix[rb + i, ra + j] = lower[p, i, j]
