@@ -18,8 +18,8 @@ from drystone.model import Model
 UNIT_WEIGHT = 10e3  # N/m3
 #: The joints of Bouckaert, Godio & de Almeida (2022).
 PUBLISHED_JOINT = JointLaw(friction_coefficient=0.65, normal_stiffness=1e8, shear_stiffness=1e11)
-#: So stiff that a block of a few kN closes the joint by some nanometres only.
-STIFF = 1e12  # Pa/m
+#: So stiff that a block of a few kN closes the joint by a micrometre only.
+STIFF = 1e10  # Pa/m
 
 
 def rectangle(x: float, y: float, width: float, height: float) -> np.ndarray:

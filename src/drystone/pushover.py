@@ -171,11 +171,13 @@ def make_control(
     step = {"displacement_step": STEP_SHARE * smallest_extent(model)}
     if hasattr(engine, "time_step"):  # an engine may know which suits it best
         step["time_step"] = engine.time_step
+    if hasattr(engine, "effort"):  # or how many of its iterations make a step easy or hard
+        step["easy_iterations"], step["hard_iterations"] = engine.effort
     try:
         if strategy == "published":
             return PublishedControl(_settings(PublishedSettings, {**step, **options}))
         if engine.prescribes_displacement:
-            step = {"displacement_step": 2.0 * step["displacement_step"]}
+            step["displacement_step"] *= 2.0
             return DisplacementControl(_settings(DisplacementSettings, {**step, **options}))
         return ExcessControl(_settings(ExcessSettings, {**step, **options}))
     except ControlError as error:

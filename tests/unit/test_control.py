@@ -21,7 +21,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pytest
 from builders import stack
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drystone.control import (
@@ -120,7 +120,9 @@ def started_from(curve):
 class TestExcess:
     """The bias-free pacing reads lambda_s where a step begins, whatever was applied."""
 
-    @given(st.floats(0.05, 1.0), st.floats(1e-3, 0.02), st.floats(0.03, 0.3))
+    # Longer time steps than h^2 g kappa = DELTA_END / PEAK run down the branch by themselves.
+    @given(st.floats(0.05, 1.0), st.floats(5e-3, 0.02), st.floats(0.06, 0.15))
+    @settings(max_examples=30)
     def test_the_curve_is_the_static_one(self, c, increment, time_step):
         curve = trace(SlidingStructure(c=c), "displacement", increment=increment, time_step=time_step)
         assert curve.status == "finished"
@@ -143,15 +145,16 @@ class TestExcess:
         end = DELTA_END * (1.0 - 0.01 / PEAK)
         assert curve.ultimate_displacement == pytest.approx(end, abs=2.0 * STEP)
 
-    @pytest.mark.parametrize("step", [5e-4, 1e-3, 2e-3])
-    @pytest.mark.parametrize("mobility", [1.0, 10.0, 1000.0])
+    @pytest.mark.parametrize("step", [2e-4, 5e-4, 1e-3])
+    @pytest.mark.parametrize("mobility", [2.0, 10.0, 40.0])
     def test_steps_move_by_what_is_asked_for(self, step, mobility):
         structure = SlidingStructure(mobility=mobility)
         curve = trace(structure, "displacement", displacement_step=step, max_displacement=0.2)
         motion = curve.column("motion")
         assert motion.max() <= 2.0 * step
-        if mobility > 1.0:  # else the largest excess of 0.01 moves 0.1 mm in a step of 0.1 s
-            assert np.median(motion[motion > 0.0]) == pytest.approx(step, rel=0.2)
+        # The largest excess of 0.01 moves h^2 kappa 0.01 in a step of 0.1 s, on a level branch.
+        expected = min(step, 0.1**2 * mobility * 0.01)
+        assert np.median(motion[motion > 0.0]) == pytest.approx(expected, rel=0.2)
 
     def test_every_step_starts_from_rest_under_a_multiplier(self):
         structure = SlidingStructure()
@@ -195,14 +198,13 @@ class TestExcess:
 
 class TestPublished:
     @staticmethod
-    def ratio(c, overshoot, at=(0.05, 0.15)):
-        curve = trace(
-            SlidingStructure(c=c), "published", overshoot=overshoot,
-            displacement_step=2e-5, max_displacement=at[1],
-        )  # fmt: skip
-        static = falling(started_from(curve))
-        here = curve.control_displacement > at[0]
-        return curve, (curve.applied_multiplier / static)[here]
+    def ratio(c, overshoot, static=falling, **options):
+        """A curve, and applied over static multiplier from 0.05 m on."""
+        chosen = {"displacement_step": 2e-5, "max_displacement": 0.15, **options}
+        structure = SlidingStructure(c=c, static=static)
+        curve = trace(structure, "published", overshoot=overshoot, **chosen)
+        ratio = curve.applied_multiplier / static(started_from(curve))
+        return curve, ratio[curve.control_displacement > 0.05]
 
     @pytest.mark.parametrize("overshoot", [1.05, 1.02, 1.005])
     @pytest.mark.parametrize("c", [0.173, 0.320, 0.75])
@@ -219,8 +221,11 @@ class TestPublished:
 
     def test_the_bias_grows_without_end_for_a_light_mechanism(self):
         """For c < (f-1)/f there is no steady branch: with f = 1.05 below 0.0476."""
-        _, ratio = self.ratio(0.04, 1.05, at=(0.0, 0.01))
-        assert ratio[-1] > 5.0 and ratio[-1] > ratio[len(ratio) // 2]
+        _, ratio = self.ratio(
+            0.04, 1.05, static=lambda delta: PEAK, displacement_step=1e-4, balance_tolerance=1e-5
+        )
+        assert np.all(np.diff(ratio) > 0.0)
+        assert ratio[-1] > 10.0
 
     def test_the_ascending_branch(self):
         curve = trace(SlidingStructure(), "published", increment=0.01, max_displacement=0.01)
@@ -228,17 +233,18 @@ class TestPublished:
         assert curve.applied_multiplier[: up + 1] == pytest.approx(
             0.01 * np.arange(up + 1), abs=ROUNDING
         )
-        # One increment too far, in the balance tolerance's sense, and no more.
-        assert curve.peak.applied_multiplier == pytest.approx(PEAK + 0.01, abs=ROUNDING)
+        # One increment too far, where it waits for balance; the descent begins with f lambda_x.
+        assert curve.applied_multiplier[up + 1] == pytest.approx(PEAK + 0.01, abs=ROUNDING)
+        after = np.flatnonzero(curve.applied_multiplier > PEAK + 0.0101)[0]
+        carried = curve.carried_multiplier[after - 1]
+        assert curve.applied_multiplier[after] == pytest.approx(1.05 * carried, abs=ROUNDING)
 
     @pytest.mark.parametrize("patience", [0, 3, 20])
     def test_patience_at_the_peak(self, patience):
         """A multiplier out of balance is applied again, `patience` times after the first."""
         structure = SlidingStructure(mobility=1e-6)  # so slow that it waits in vain
         curve = trace(structure, "published", patience=patience, max_steps=200)
-        top = curve.applied_multiplier.max()
-        first = int(np.argmax(curve.applied_multiplier == top))
-        held = np.flatnonzero(curve.applied_multiplier[first:] != top)[0]
+        held = np.count_nonzero(np.isclose(curve.applied_multiplier, PEAK + 0.005))
         assert held == patience + 1
 
     def test_a_lag_that_is_made_up_for_is_no_peak(self):
@@ -256,7 +262,7 @@ class TestPublished:
 
         curve = trace(Lagging(), "published", increment=0.01, max_displacement=0.01)
         assert np.count_nonzero(np.isclose(curve.applied_multiplier, 0.1)) == 4
-        assert curve.applied_multiplier.max() == pytest.approx(PEAK + 0.01)
+        assert np.any(np.isclose(curve.applied_multiplier, PEAK + 0.01))
 
     def test_the_stop_value_counts_only_after_the_peak(self):
         # The first increments lie below it.
@@ -296,15 +302,14 @@ class TestPrescribedDisplacement:
 
     @given(st.floats(0.02, 0.1))
     def test_the_peak_is_found_wherever_it_is(self, at):
-        """A parabola with its peak somewhere: missed by half a refined step at most, squared."""
+        """A parabola with its peak somewhere: missed by half a step at most, squared."""
 
         def static(delta):
             return PEAK * (1.0 - ((delta - at) / 0.15) ** 2)
 
         curve = trace(SlidingStructure(prescribes=True, static=static), "displacement")
-        refined = 0.005 * STEP  # DisplacementSettings.refined_share
         assert curve.peak.load_multiplier <= PEAK
-        assert PEAK - curve.peak.load_multiplier <= PEAK * (2.0 * refined / 0.15) ** 2
+        assert PEAK - curve.peak.load_multiplier <= PEAK * (0.5 * STEP / 0.15) ** 2
 
     def test_a_step_that_fails_is_tried_with_less(self):
         structure = SlidingStructure(

@@ -20,11 +20,12 @@ COUNTS = ("n_blocks", "n_supports", "n_joints", "n_contacts", "weight")
 def check(model_file: ModelFile, as_json: AsJson = False, quiet: Quiet = False) -> None:
     """Say what a model file holds, or what is wrong with it."""
     with outcome(as_json=as_json):
+        from drystone.engines import engine_names
         from drystone.inspection import inspect
         from drystone.modelfile import ModelError, read_model
 
         try:
-            found = inspect(read_model(model_file, need_stiffness=False))
+            found = inspect(read_model(model_file, need_stiffness=False, engines=engine_names()))
         except ModelError as error:
             fail(WRONG, error.problems, as_json=as_json, extra=dict.fromkeys(COUNTS))
         if as_json:

@@ -49,10 +49,11 @@ def run(
     begun = False
     with outcome(as_json=as_json, begun=lambda: begun):
         from drystone.commands.progress import progress_for
+        from drystone.engines import engine_names
         from drystone.export.directory import ResultsDirectory
         from drystone.modelfile import read_model
 
-        model = read_model(model_file)
+        model = read_model(model_file, engines=engine_names())
         with ResultsDirectory(folder, mechanism_displacement=mechanism_at) as results:
             from drystone.pushover import pushover
 

@@ -30,6 +30,8 @@ class DisplacementSettings:
     refined_share: float = 0.005  # increment that finds the peak, over the largest; and how near
     # to the stop value the last point must be, relatively
     time_step: float = 0.1  # s, first one of a jump
+    easy_iterations: int = 6  # of a step up to which increments grow
+    hard_iterations: int = 12  # of a step beyond which they shrink
     static_inertia: float = 1e-3  # inertia over applied force of a step that is static again
     max_steps: int = 100_000
     max_displacement: float = float("inf")  # m, of the control point
@@ -125,11 +127,12 @@ class DisplacementControl:
         return Decision(accept=False, demand=self._demand(state), state=state)
 
     def _paced(self, state: _State, report: StepReport) -> _State:
-        if report.n_iterations <= 6:
+        s = self.settings
+        if report.n_iterations <= s.easy_iterations:
             scale = 1.5
         else:
-            scale = 1.0 if report.n_iterations <= 12 else 0.7
-        ceiling = min(1.15 * state.ceiling, self.settings.displacement_step)
+            scale = 1.0 if report.n_iterations <= s.hard_iterations else 0.7
+        ceiling = min(1.15 * state.ceiling, s.displacement_step)
         return replace(state, increment=min(scale * state.increment, ceiling), ceiling=ceiling)
 
     def _jumping(self, state: _State, report: StepReport) -> _State:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -45,6 +47,17 @@ class Materials:
 def number(value: float) -> str:
     """Shortest text that reads back as the same number."""
     return repr(float(value))
+
+
+def wrapped(notes: Sequence[str], mark: str) -> list[str]:
+    """Notes as lines of comments that begin with ``mark``."""
+    return [
+        line
+        for note in notes
+        for line in textwrap.wrap(
+            f"Note: {note}.", 78, initial_indent=mark, subsequent_indent=mark + "  "
+        )
+    ]
 
 
 def file_name(source: str | None) -> str:

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -27,6 +28,7 @@ from drystone.convert.common import (
     friction_coefficient,
     number,
     strategy,
+    wrapped,
 )
 from drystone.model import Analysis, Model
 
@@ -59,7 +61,7 @@ def heading(model: Model, program: str, notes: Sequence[str]) -> list[str]:
         f"; {program} input of drystone, from {quoted(file_name(model.source))}",
         f"; title {quoted(model.title)}",
         "; Units: m, kg, s, N.",
-        *(f"; Note: {note}" for note in notes),
+        *wrapped(notes, "; "),
         "",
     ]
 
@@ -83,7 +85,7 @@ def parameters(model: Model, values: dict[str, tuple[float, str]]) -> list[str]:
         "read_y": (read_along[1], ""),
         **{key: (s[key], text) for key, text in STRATEGY.items()},
         "stop_mult": (model.analysis.stop_multiplier, "multiplier at which the analysis ends"),
-        "n_cycles": (100.0, "cycles between two looks at the wall; the blocks are then stopped"),
+        "n_cycles": (100.0, "cycles before the blocks are stopped again"),
     }
     lines = ["def parameters"]
     for name, (value, text) in every.items():
@@ -99,9 +101,10 @@ def pushover() -> list[str]:
     ``read_control`` (into ``ctl_u``).
     """
     return """\
-; The strategy of Bouckaert, Godio and de Almeida (2022): the multiplier goes up by increments as
-; long as the supports carry what is applied; from the peak on it is the carried one times the
-; overshoot.  Table 1 gets the applied, table 2 the carried multiplier over control displacement.
+; The strategy of Bouckaert, Godio and de Almeida (2022): the multiplier goes
+; up by increments as long as the supports carry what is applied; from the
+; peak on it is the carried one times the overshoot.  Over the control
+; displacement table 1 has the applied, table 2 the carried multiplier.
 def look
   put_loads
   stop_blocks
@@ -208,9 +211,14 @@ def keywords(words: Sequence[str]) -> dict[str, float]:
     return {key: float(value) for key, value in zip(words[0::2], words[1::2], strict=True)}
 
 
-def unexpected(program: str, what: str) -> ModelError:
-    """A file that our writer has not written."""
-    return ModelError([f"this is no {program} file of ours: {what}"])
+@contextmanager
+def only_ours(program: str) -> Iterator[None]:
+    """Reading in here: what our writers do not write is a `ModelError`."""
+    try:
+        yield
+    except (IndexError, KeyError, ValueError) as error:
+        what = f"{type(error).__name__}: {error}"
+        raise ModelError([f"this is no {program} file of ours ({what})"]) from None
 
 
 def law_words(law: JointLaw) -> list[str]:
@@ -223,6 +231,7 @@ def law_words(law: JointLaw) -> list[str]:
         f"jcoh={number(law.cohesion)}",
         f"jtens={number(law.tensile_strength)}",
         f"jdil={number(law.dilatancy_angle)}",
+        *([f"zdil={number(law.dilatancy_end)}"] if np.isfinite(law.dilatancy_end) else []),
     ]
 
 
@@ -233,6 +242,7 @@ def law_of(values: Mapping[str, float]) -> JointLaw:
         normal_stiffness=values["jkn"],
         shear_stiffness=values["jks"],
         dilatancy_angle=values["jdil"],
+        dilatancy_end=values.get("zdil", np.inf),
         cohesion=values["jcoh"],
         tensile_strength=values["jtens"],
     )
@@ -278,7 +288,8 @@ def assemble(
         Block(
             id=block_id,
             vertices=outline,
-            unit_weight=density[k - 1] * GRAVITY * share,
+            # Rounded, so that blocks of one material have one weight again.
+            unit_weight=float(f"{density[k - 1] * GRAVITY * share:.12g}"),
             material=names[k - 1],
             support=held,
         )

@@ -147,9 +147,9 @@ def write(model: Model, name: str = "") -> Written:
     for k, law in enumerate(assembly.laws, start=1):
         lines += itasca.command("prop", f"jmat={k}", *itasca.law_words(law))
     lines += ["set jmatdf=1", "change jmat=1"]
-    for k, material in enumerate(stuff.of_block, start=1):
-        if material > 1:
-            lines.append(f"change mat={material} range region {k}")
+    for k, kind in enumerate(stuff.of_block, start=1):
+        if kind > 1:
+            lines.append(f"change mat={kind} range region {k}")
     for k, fixed in enumerate(assembly.fixed, start=1):
         if fixed:
             lines.append(f"fix range region {k}")
@@ -183,7 +183,11 @@ def _corner_notes(assembly: Assembly) -> list[str]:
 
 def read(text: str) -> Model:
     """The model of a file that `write` wrote; its corners are chamfered or sharp."""
-    parsed = itasca.parse(text)
+    with itasca.only_ours(PROGRAM):
+        return _model(itasca.parse(text))
+
+
+def _model(parsed: itasca.Parsed) -> Model:
     ids: list[str] = []
     cut: list[Array] = []
     density: list[float] = []
@@ -210,7 +214,7 @@ def read(text: str) -> Model:
             law, first, second = (int(word) for word in words[1:])
             between.append((law, first, second))
     if not cut or not laws:
-        raise itasca.unexpected(PROGRAM, "it lacks poly or prop")
+        raise ValueError("it lacks poly or prop")
     leg = parsed.values["leg"]
     outlines = [unchamfered(outline) for outline in cut] if leg else cut
     ratio = [

@@ -204,7 +204,7 @@ def _box(x: float, y: float, box: float) -> str:
 def _all_right(assembly: Assembly) -> bool:
     for block in assembly.blocks:
         edges = np.roll(block.vertices, -1, axis=0) - block.vertices
-        edges /= np.hypot(*edges.T)[:, None]
+        edges = edges / np.hypot(*edges.T)[:, None]
         if np.abs(np.sum(edges * np.roll(edges, -1, axis=0), axis=1)).max() > 1e-9:
             return False
     return True
@@ -217,7 +217,11 @@ def _is_vertex(model: Model) -> bool:
 
 def read(text: str) -> Model:
     """The model of a file that `write` wrote."""
-    parsed = itasca.parse(text)
+    with itasca.only_ours(PROGRAM):
+        return _model(itasca.parse(text))
+
+
+def _model(parsed: itasca.Parsed) -> Model:
     ids: list[str] = []
     outlines: list[Array] = []
     density: list[float] = []
@@ -247,7 +251,7 @@ def read(text: str) -> Model:
             values = np.array([float(word) for word in words[2:]])
             between.append((int(words[1]), values[:2], values[2:]))
     if not outlines or not laws or rounding is None:
-        raise itasca.unexpected(PROGRAM, "it lacks block, prop or round")
+        raise ValueError("it lacks block, prop or round")
     centres = [geometry.mass_properties(outline).centroid for outline in outlines]
     return itasca.assemble(
         parsed, ids, outlines, density, names, laws,

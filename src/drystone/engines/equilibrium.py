@@ -162,9 +162,11 @@ class EquilibriumEngine:
         h = demand.time_step or settings.static_time_step
         x, multiplier = self._predict(state, demand, pace)
         equations = self.equations
-        equations.begin(state.pose, state.slots, state.history, h)
-        stiffest = self.constants.laws[:, joint.KN].max() * block_size(self.problem.assembly)
-        tolerance = settings.tolerance * scale
+        equations.begin(state.pose, state.slots, state.history, h, x)
+        stiffest = self._stiffest()
+        # Joints so stiff that the rounding of a gap is felt cannot be balanced any better.
+        rounding = 4.0 * np.finfo(float).eps * float(self.detector.extent.max())
+        tolerance = max(settings.tolerance * scale, rounding * stiffest)
         solved = newton.solve(
             equations,
             pace,
@@ -184,6 +186,12 @@ class EquilibriumEngine:
                 converged=False, reason=solved.reason, n_iterations=solved.n_iterations
             )
         return self._accept(state, solved, h, paced=pace is not None)
+
+    def _stiffest(self) -> float:
+        """Normal stiffness [N/m] of a joint as long as the smallest block, of the stiffest law."""
+        assembly = self.problem.assembly
+        stiffness = float(self.constants.laws[:, joint.KN].max())
+        return stiffness * block_size(assembly) * assembly.thickness
 
     def _refresh(self, state: EquilibriumState) -> EquilibriumState:
         """New pairs where the blocks have moved far, and the equations that fit the state."""

@@ -77,7 +77,28 @@ def write_vtu(
     cell_data: Iterable[str] = (),
     field_data: Iterable[str] = (),
 ) -> None:
-    """Write one grid.
+    """Write one grid, see `vtu_text`."""
+    text = vtu_text(
+        points=points,
+        n_cells=n_cells,
+        cells=cells,
+        point_data=point_data,
+        cell_data=cell_data,
+        field_data=field_data,
+    )
+    path.write_text(text, encoding="ascii")
+
+
+def vtu_text(
+    *,
+    points: NDArray[np.float64],
+    n_cells: int,
+    cells: str,
+    point_data: Iterable[str] = (),
+    cell_data: Iterable[str] = (),
+    field_data: Iterable[str] = (),
+) -> str:
+    """One grid as a file's contents.
 
     Parameters
     ----------
@@ -89,7 +110,7 @@ def write_vtu(
         Arrays as `data_array` and `field_value` give them.
     """
     order = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
-    path.write_text(
+    return (
         '<?xml version="1.0"?>\n'
         f'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="{order}" '
         'header_type="UInt64" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>\n'
@@ -99,8 +120,7 @@ def write_vtu(
         f"<Cells>\n{cells}</Cells>\n"
         f"<PointData>\n{''.join(point_data)}</PointData>\n"
         f"<CellData>\n{''.join(cell_data)}</CellData>\n"
-        "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n",
-        encoding="ascii",
+        "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"
     )
 
 

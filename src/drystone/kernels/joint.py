@@ -192,9 +192,8 @@ def joint_forces(
     start_length
         Tributary lengths at the start of the step, (n_slots,) [m]; zero where there was none.
     start_slip
-        Gradients of the slip at the start of the step, (n_slots, 6).  The slip of a contact that
-        was there is linear in the increment: taken to second order it would strain the stiff
-        shear springs of blocks that are held at several points and turn together.
+        Gradients of the slip that hold for the step, (n_slots, 6), of contacts that were there
+        when it began; others slip by the exact distance.
     history, source
         (n_slots, N_HISTORY) at the start of the step, and the slot each contact goes on with.
     increment

@@ -90,16 +90,23 @@ class StaticStep:
         self._right = np.zeros((self.system.size, 2), order="F")
         self._right[:, 1] = self.system.gather(constants.pattern)
 
-    def begin(self, pose: Array, slots: Slots, history: Array, h: float) -> None:
-        """Start a step of size ``h`` [s] from rest in ``pose``, with its contacts and history."""
+    def begin(self, pose: Array, slots: Slots, history: Array, h: float, guess: Array) -> None:
+        """Start a step of size ``h`` [s] from rest in ``pose``, with its contacts and history.
+
+        Slips are linear in the increments, by their gradients half way to the ``guess`` of these:
+        of second order in the step, without straining the stiff shear springs of blocks that
+        are held at several points and turn together.
+        """
         self.pose, self.before, self.history = pose, slots, history
         self.weight = 1.0 / h**2
-        joint.slip_gradients(
-            slots.kind, slots.normal, slots.arm_a, slots.arm_b, slots.roll, slots.ratio,
-            self.start_slip,
-        )  # fmt: skip
         self.start_length[:] = np.where(slots.kind != narrow.NONE, slots.length, 0.0)
         self.follow(slots)
+        half = self.slots
+        self.constants.detector.follow(self.pairs, pose + 0.5 * guess, self.known, half)
+        joint.slip_gradients(
+            half.kind, half.normal, half.arm_a, half.arm_b, half.roll, half.ratio,
+            self.start_slip,
+        )  # fmt: skip
 
     def follow(self, slots: Slots) -> None:
         """Take over the features of these contacts, and whose history each goes on with."""

@@ -229,6 +229,7 @@ class Lmgc90Engine:
             )
         )
         assert isinstance(outcome, Outcome)
+        outcome = lower_first(outcome)
         self._accepted = state.number
         self._latest = next(self._numbers)
         if not outcome.converged:
@@ -401,6 +402,20 @@ class Lmgc90Engine:
         shifted = force.copy()
         shifted[:, 2] -= d[:, 0] * force[:, 1] - d[:, 1] * force[:, 0]
         return shifted
+
+
+def lower_first(outcome: Outcome) -> Outcome:
+    """The same contacts with the block of the lower row as a, as our own detection has them.
+
+    Seen from the other block both normal and reaction change sign, so that the components stay.
+    """
+    turned = outcome.body_a > outcome.body_b
+    return replace(
+        outcome,
+        body_a=np.where(turned, outcome.body_b, outcome.body_a),
+        body_b=np.where(turned, outcome.body_a, outcome.body_b),
+        normal=np.where(turned[:, None], -outcome.normal, outcome.normal),
+    )
 
 
 def installed_driver() -> str:

@@ -1,0 +1,171 @@
+"""LMGC90: one Python script that builds the model with ``pylmgc90.pre`` and runs it with ``chipy``.
+
+The script needs numpy and pylmgc90, not this package.  Its numbers stand at its top as literals.
+"""
+
+from __future__ import annotations
+
+import ast
+import pprint
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+
+from drystone.assembly import GRAVITY, Block, Corner, JointLaw
+from drystone.builders.errors import ModelError
+from drystone.builders.model import make_model
+from drystone.convert.common import (
+    STRATEGY,
+    Written,
+    file_name,
+    leg_of,
+    need_stiffness,
+    strategy,
+    strategy_notes,
+    wrapped,
+)
+from drystone.convert.itasca import pair_laws
+from drystone.model import Analysis, Model
+
+PROGRAM = "LMGC90"
+TEMPLATE = "lmgc90_script.txt"
+MARK = "# The model\n"
+
+
+def write(model: Model, name: str = "") -> Written:
+    """The model as a script for pylmgc90."""
+    assembly = model.assembly
+    need_stiffness(assembly, PROGRAM)
+    _check(assembly.laws)
+    notes = ["LMGC90's joints are rigid in shear: the shear stiffness is left out"]
+    if assembly.corner.radius:
+        notes.append(
+            "LMGC90 has no rounded corners: they are chamfered with legs of "
+            f"{assembly.corner.radius:g} m"
+        )
+    notes += strategy_notes(model, PROGRAM)
+    if assembly.joint_between:
+        notes.append(
+            "joints with stiffnesses of their own keep them as designed: contacts that form later "
+            "get the first"
+        )
+    values: dict[str, Any] = {
+        "TITLE": model.title,
+        "THICKNESS": float(assembly.thickness),
+        "BLOCKS": [
+            {
+                "id": block.id,
+                "material": block.material,
+                "unit_weight": float(block.unit_weight),
+                "support": bool(block.support),
+                "vertices": [tuple(map(float, vertex)) for vertex in block.vertices],
+            }
+            for block in assembly.blocks
+        ],
+        "LEG": leg_of(assembly),
+        "FRICTION": float(assembly.joint.friction_coefficient),
+        "STIFFNESS": float(assembly.joint.normal_stiffness or 0.0),
+        "STIFFNESS_BETWEEN": {
+            (i, j): float(assembly.laws[k - 1].normal_stiffness or 0.0)
+            for k, i, j in pair_laws(assembly)
+        },
+        "LOAD_DIRECTION": tuple(map(float, model.load.direction)),
+        "CONTROL_BLOCK": assembly.blocks[model.control_point.block].id,
+        "CONTROL_POINT": tuple(map(float, model.control_point.point)),
+        "CONTROL_DIRECTION": tuple(map(float, model.control_point.direction)),
+        "STRATEGY": strategy(model),
+        "STOP_MULTIPLIER": float(model.analysis.stop_multiplier),
+        "GRAVITY": GRAVITY,
+    }
+    literals = "\n".join(f"{key} = {_literal(key, value)}" for key, value in values.items())
+    head = "\n".join(
+        [
+            '"""LMGC90 input of drystone, from ' + _plain(file_name(model.source)) + ".",
+            "",
+            *wrapped(notes, ""),
+            '"""',
+            "",
+            MARK,
+        ]
+    )
+    body = files("drystone.convert").joinpath(TEMPLATE).read_text(encoding="utf-8")
+    return Written(text=head + literals + "\n\n" + body, notes=tuple(notes))
+
+
+def _literal(key: str, value: Any) -> str:
+    return pprint.pformat(value, width=99 - len(key), sort_dicts=False)
+
+
+def _plain(text: str) -> str:
+    """Text that may stand in a docstring."""
+    return text.replace("\\", "/").replace('"', "'")
+
+
+def _check(laws: tuple[JointLaw, ...]) -> None:
+    for law in laws:
+        if law.dilatancy_angle or law.cohesion or law.tensile_strength:
+            raise ModelError(
+                ["joint: LMGC90's law has no dilatancy, cohesion or tension: set them to zero"]
+            )
+    if len({law.friction_coefficient for law in laws}) > 1:
+        raise ModelError(["joint: the script for LMGC90 has one friction coefficient for all"])
+
+
+def read(text: str) -> Model:
+    """The model of a script that `write` wrote; nothing of it is run.
+
+    The shear stiffness is that of the normal direction, of which the script says nothing.
+    """
+    try:
+        tree = ast.parse(text)
+    except SyntaxError as error:
+        raise ModelError([f"this is no script of ours: {error}"]) from None
+    v: dict[str, Any] = {}
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            try:
+                v[node.targets[0].id] = ast.literal_eval(node.value)
+            except ValueError:
+                break  # the end of the numbers
+    missing = [key for key in ("BLOCKS", "LEG", "STRATEGY", "GRAVITY") if key not in v]
+    if missing:
+        raise ModelError([f"this is no script of ours: it lacks {missing[0]}"])
+    blocks = [
+        Block(
+            id=block["id"],
+            vertices=np.array(block["vertices"]),
+            unit_weight=block["unit_weight"],
+            material=block["material"],
+            support=block["support"],
+        )
+        for block in v["BLOCKS"]
+    ]
+
+    def law(stiffness: float) -> JointLaw:
+        return JointLaw(
+            friction_coefficient=v["FRICTION"],
+            normal_stiffness=stiffness,
+            shear_stiffness=stiffness,
+        )
+
+    return make_model(
+        blocks,
+        joint=law(v["STIFFNESS"]),
+        joint_between={
+            frozenset((blocks[i].id, blocks[j].id)): law(stiffness)
+            for (i, j), stiffness in v["STIFFNESS_BETWEEN"].items()
+        },
+        corner=Corner(chamfer=v["LEG"] or None),
+        thickness=v["THICKNESS"],
+        load_direction=v["LOAD_DIRECTION"],
+        control_block=v["CONTROL_BLOCK"],
+        control_point=v["CONTROL_POINT"],
+        control_direction=v["CONTROL_DIRECTION"],
+        analysis=Analysis(
+            strategy="published",
+            stop_multiplier=v["STOP_MULTIPLIER"],
+            options={key: v["STRATEGY"][key] for key in STRATEGY},
+        ),
+        title=v["TITLE"],
+    )

@@ -1,0 +1,69 @@
+"""Engines of other packages, found by their entry points."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from builders import stack
+from drystone.cli import app
+from drystone.engines import GROUP, engine_names, make_engine
+from drystone.engines.base import EngineError
+from drystone.model import Analysis
+from drystone.modelfile import write_model
+
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "own_engine.py"
+
+
+@pytest.fixture
+def installed(tmp_path, monkeypatch):
+    """The example as an installed package would be: a module, and a line of metadata."""
+    site = tmp_path / "site"
+    site.mkdir()
+    shutil.copy(EXAMPLE, site / "rocking_program.py")
+    info = site / "rocking_program-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: rocking-program\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(
+        f"[{GROUP}]\nrocking = rocking_program:RockingEngine\n"
+        "torn = rocking_program:NoSuchEngine\nnscd = rocking_program:RockingEngine\n"
+    )
+    monkeypatch.syspath_prepend(str(site))
+    return site
+
+
+def test_an_engine_is_found_by_its_entry_point(installed):
+    assert engine_names()[-2:] == ("rocking", "torn")
+    assert make_engine("rocking").name == "rocking"
+
+
+def test_a_name_of_ours_stays_ours(installed):
+    assert make_engine("nscd").name == "nscd"
+
+
+def test_an_engine_that_cannot_be_loaded_is_told(installed):
+    with pytest.raises(EngineError, match=r'"torn".*NoSuchEngine'):
+        make_engine("torn")
+
+
+def test_an_unknown_name_lists_the_known_ones(installed):
+    with pytest.raises(EngineError, match=r"equilibrium.*lmgc90.*rocking"):
+        make_engine("rockin")
+
+
+def test_the_command_line_and_model_files_take_it(installed, tmp_path):
+    model = stack((0.4, 1.2), analysis=Analysis(engine="rocking"))
+    write_model(model, tmp_path / "block.toml")
+    run = CliRunner().invoke(
+        app, ["run", str(tmp_path / "block.toml"), "--out", str(tmp_path / "out"), "--json"]
+    )
+    assert run.exit_code == 0, run.output
+    summary = json.loads(run.stdout)
+    assert summary["engine"] == "rocking"
+    assert "the toe is a hinge" in summary["reason"]
+    assert summary["peak_multiplier"] == pytest.approx(0.4 / 1.2, rel=0.01)
+    assert CliRunner().invoke(app, ["check", str(tmp_path / "block.toml")]).exit_code == 0
