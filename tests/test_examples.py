@@ -10,6 +10,7 @@ import pytest
 import drystone as ds
 from builders import RockingBlock, stack
 from drystone.engines import engine_names
+from drystone.pushover import pushover
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 
@@ -97,12 +98,13 @@ def test_engines_of_the_examples_are_known():
 
 def test_own_engine():
     own = example("own_engine")
-    curve = ds.pushover(stack((0.4, 1.2)), engine=own.RockingEngine())
+    curve = pushover(stack((0.4, 1.2)), engine=own.RockingEngine())
     # A sharp block on its toe carries B / H before it turns, and nothing at 0.36807 m of its
     # corner, see `builders.RockingBlock`.
     block = RockingBlock(width=0.4, height=1.2)
     assert curve.status == "finished"
     assert curve.reason.endswith("; the toe is a hinge")
     assert curve.ultimate_displacement == pytest.approx(block.ultimate_displacement, rel=1e-6)
-    turn = block.rotation(curve.control_displacement[1:])
-    assert curve.load_multiplier[1:] == pytest.approx(block.multiplier(turn), abs=1e-6)
+    moved = curve.control_displacement > 1e-3
+    turn = block.rotation(curve.control_displacement[moved])
+    assert curve.load_multiplier[moved] == pytest.approx(block.multiplier(turn), abs=1e-6)

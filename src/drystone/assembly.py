@@ -141,7 +141,9 @@ class Assembly:
         mass = np.column_stack((weight, weight, unit_weight * inertia)) / GRAVITY
         shapes = Shapes(
             offset=np.cumsum([0] + [len(core.vertices) for core in cores]).astype(np.int64),
-            vertices=np.vstack([core.vertices - c for core, c in zip(cores, centroid, strict=True)]),
+            vertices=np.vstack(
+                [core.vertices - c for core, c in zip(cores, centroid, strict=True)]
+            ),
             setback=np.vstack([core.setback for core in cores]),
             radius=np.array([core.radius for core in cores]),
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -105,10 +106,10 @@ class CapacityCurve:
 
     @property
     def ultimate_displacement(self) -> float | None:
-        """Control displacement [m] where the multiplier falls below the stop value; None if never."""
+        """Control displacement [m] where the multiplier falls below the stop value, or None."""
         top = self.peak.step
         after = [p for p in self.points if p.step >= top]
-        for before, point in zip(after, after[1:], strict=False):
+        for before, point in pairwise(after):
             if point.load_multiplier <= self.stop_multiplier < before.load_multiplier:
                 drop = before.load_multiplier - point.load_multiplier
                 share = (before.load_multiplier - self.stop_multiplier) / drop

@@ -41,7 +41,9 @@ def check_convex(vertices: Array) -> None:
     size = float(np.ptp(vertices, axis=0).max())
     if size == 0.0 or np.any(lengths < DEGENERATE * size):
         i = int(np.argmin(lengths))
-        raise GeometryError(f"vertices {i + 1} and {(i + 1) % n + 1} are the same point: remove one")
+        raise GeometryError(
+            f"vertices {i + 1} and {(i + 1) % n + 1} are the same point: remove one"
+        )
     area = signed_area(vertices)
     if abs(area) < DEGENERATE * size**2:
         raise GeometryError(
@@ -53,14 +55,17 @@ def check_convex(vertices: Array) -> None:
     angle = np.arctan2(turn, np.sum(edges * following, axis=1))
     turns = round(float(angle.sum()) / (2.0 * np.pi))
     if abs(turns) != 1:
-        raise GeometryError("the outline crosses itself: list the vertices in order around the block")
+        raise GeometryError(
+            "the outline crosses itself: list the vertices in order around the block"
+        )
     if turns < 0:
         raise GeometryError("the vertices run clockwise: list them counter-clockwise")
     if np.any(angle < -DEGENERATE):
         i = (int(np.argmin(angle)) + 1) % n
         x, y = vertices[i]
         raise GeometryError(
-            f"the outline is not convex at vertex {i + 1} ({x:g}, {y:g}): split the block into convex ones"
+            f"the outline is not convex at vertex {i + 1} ({x:g}, {y:g}): "
+            "split the block into convex ones"
         )
 
 
@@ -150,7 +155,7 @@ def chamfered_core(vertices: Array, leg: float) -> Core:
 
 
 def overlap_depth(a: Array, b: Array) -> float:
-    """Depth [m] by which two convex polygons overlap, by separating axes; not positive when apart."""
+    """Depth [m] by which two convex polygons overlap, by separating axes; <= 0 when apart."""
     depth = np.inf
     for p, q in ((a, b), (b, a)):
         edges = np.roll(p, -1, axis=0) - p

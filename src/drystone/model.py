@@ -12,7 +12,10 @@ from drystone.monitor import ControlPoint
 
 @dataclass(frozen=True, kw_only=True)
 class Analysis:
-    """What the file asks for; `options` are the numerical settings of strategy and engine by name."""
+    """What the file asks for.
+
+    ``options`` are the numerical settings of strategy and engine, by name.
+    """
 
     engine: str = "equilibrium"
     strategy: str = "displacement"  # or "published"

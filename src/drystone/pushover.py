@@ -84,14 +84,12 @@ def pushover(
         under its own weight.
     """
     begun = time.perf_counter()
-    solver = make_engine(engine or model.analysis.engine) if not _is_engine(engine) else engine
-    assert not isinstance(solver, str) and solver is not None
+    named = engine is None or isinstance(engine, str)
+    solver: Any = make_engine(str(engine or model.analysis.engine)) if named else engine
     name = strategy or model.analysis.strategy
     settings = {"stop_multiplier": model.analysis.stop_multiplier}
     control = make_control(name, solver, model, {**settings, **model.analysis.options, **options})
-    problem = Problem(
-        assembly=model.assembly, load=model.load, control_point=model.control_point
-    )
+    problem = Problem(assembly=model.assembly, load=model.load, control_point=model.control_point)
     points: list[CurvePoint] = []
     poses: list[Array] = []
     contacts: list[ContactForces] = []
@@ -201,10 +199,6 @@ def smallest_extent(model: Model) -> float:
         for block in model.assembly.blocks
         if not block.support
     )
-
-
-def _is_engine(engine: object) -> bool:
-    return engine is not None and not isinstance(engine, str)
 
 
 def _point(step: int, report: StepReport, time_step: float, decision: Decision) -> CurvePoint:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 from typing import NamedTuple
 
 import numpy as np
@@ -96,9 +97,9 @@ class Outlines:
         return length
 
     def shared_edges(self, a: IntArray, b: IntArray) -> SharedEdges:
-        """Every part of an edge of a block of ``a`` that lies on an edge of its partner in ``b``."""
+        """Every part of an edge of a block of ``a`` that lies on one of its partner in ``b``."""
         tolerance = TOUCHING * self.pair_size(a, b)
-        found: list[tuple[Array, ...]] = [(np.zeros(0),) * 7]
+        found: list[tuple[NDArray[Any], ...]] = [(np.zeros(0),) * 7]
         for rows, p, q in self._alike(a, b):
             shared = _shared_parts(p, q, tolerance[rows])
             at = np.nonzero(shared.touching)

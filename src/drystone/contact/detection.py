@@ -62,6 +62,11 @@ def empty_slots(n_pairs: int) -> Slots:
     )
 
 
+def copied(slots: Slots) -> Slots:
+    """Slots of one's own, which later contact detection does not touch."""
+    return Slots._make(array.copy() for array in slots)
+
+
 def block_size(assembly: Assembly) -> float:
     """Smallest extent of a movable block's outline [m], the measure of margins and steps."""
     return min(
@@ -132,7 +137,9 @@ class Detector:
         k = np.flatnonzero(slots.kind)
         a, b = pairs.a[k // 2], pairs.b[k // 2]
         centre = self.assembly.centroid[a] + pose[a, :2]
-        reach = np.where(slots.kind[k] == narrow.VERTEX_B, -self.bodies.radius[b], self.bodies.radius[a])
+        reach = np.where(
+            slots.kind[k] == narrow.VERTEX_B, -self.bodies.radius[b], self.bodies.radius[a]
+        )
         return ContactForces(
             block_a=a,
             block_b=b,

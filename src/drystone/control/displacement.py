@@ -56,9 +56,7 @@ class DisplacementControl:
     def first(self, report: StepReport) -> Decision:
         """A small first increment."""
         s = self.settings
-        state = _State(
-            increment=s.first_share * s.displacement_step, ceiling=s.displacement_step
-        )
+        state = _State(increment=s.first_share * s.displacement_step, ceiling=s.displacement_step)
         return Decision(accept=True, demand=self._demand(state), state=state)
 
     def _demand(self, state: _State) -> Demand:

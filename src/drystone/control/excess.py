@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from drystone.control.base import Decision
 from drystone.engines.base import Demand, StepReport
 
-
 #: Difference of applied and static multiplier that needs no explanation.
 LOOSE = 0.002
 

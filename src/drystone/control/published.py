@@ -71,13 +71,13 @@ class PublishedControl:
     def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
         """Ascend by increments, descend by the recursion on the carried multiplier."""
         decision = self._decide(state, demand, report)
-        return replace(
-            decision, load_multiplier=report.applied_multiplier, dynamic=report.dynamic
-        )
+        return replace(decision, load_multiplier=report.applied_multiplier, dynamic=report.dynamic)
 
     def _decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
         s = self.settings
-        too_far = report.converged and state.descending and report.motion > 2.0 * s.displacement_step
+        too_far = (
+            report.converged and state.descending and report.motion > 2.0 * s.displacement_step
+        )
         if not report.converged or too_far:
             state = replace(state, time_step=0.5 * state.time_step)
             if state.time_step < 1e-6 * s.time_step:

@@ -414,9 +414,7 @@ class DistinctEngine:
         unbalanced = work.motion.mean / (n - n // 2)
         return self._arrive(state, work, unbalanced, work.motion.velocity)
 
-    def _rest(
-        self, state: DistinctState, work: Workspace
-    ) -> tuple[DistinctState, StepReport]:
+    def _rest(self, state: DistinctState, work: Workspace) -> tuple[DistinctState, StepReport]:
         """The state where all is balanced and has been stopped."""
         new, figures = self._arrive(state, work, work.motion.force, np.zeros_like(state.pose))
         # What little is unbalanced accelerates nothing: the blocks are at rest.

@@ -17,7 +17,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.contact.detection import Detector, Pairs, block_size, carry, empty_slots
+from drystone.contact.detection import (
+    Detector,
+    Pairs,
+    block_size,
+    carry,
+    copied,
+    empty_slots,
+)
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
@@ -244,7 +251,7 @@ class EquilibriumEngine:
         self, state: EquilibriumState, solved: newton.NewtonResult, h: float, *, paced: bool
     ) -> tuple[EquilibriumState, StepReport]:
         equations, x = self.equations, solved.increment
-        slots = Slots(*(array.copy() for array in equations.found))
+        slots = copied(equations.found)
         known, source = equations.known, np.zeros(len(slots.kind), np.int64)
         narrow.carry_history(known.kind, known.feature, known.edges, slots, source)
         history, reaction, status = _carried(

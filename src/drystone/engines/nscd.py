@@ -171,7 +171,9 @@ class NscdEngine:
             share = solved.residual / assembly.heaviest_weight
             return state, StepReport(
                 converged=False,
-                reason=f"Gauss-Seidel left a residual of {share:.1e} after {solved.n_sweeps} sweeps",
+                reason=(
+                    f"Gauss-Seidel left a residual of {share:.1e} after {solved.n_sweeps} sweeps"
+                ),
                 n_iterations=iterations,
             )
         increment = h * solved.velocity

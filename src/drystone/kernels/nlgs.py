@@ -68,7 +68,11 @@ def delassus_blocks(problem, blocks):
             for j in range(2):
                 w = 0.0
                 for d in range(3):
-                    w += problem.mapping[c, i, d] * problem.inverse_mass[a, d] * problem.mapping[c, j, d]
+                    w += (
+                        problem.mapping[c, i, d]
+                        * problem.inverse_mass[a, d]
+                        * problem.mapping[c, j, d]
+                    )
                     w += (
                         problem.mapping[c, i, 3 + d]
                         * problem.inverse_mass[b, d]
@@ -233,9 +237,7 @@ def held_law_tangent(problem, pair, h, penalty, piece, diagonal, upper, lower):
             slope = problem.friction[c] if piece[c] == SLIDING else -problem.friction[c]
             hold = 0.0
         for i in range(6):
-            gn = (
-                problem.mapping[c, 0, i] + slope * problem.mapping[c, 1, i]
-            ) * stiffness
+            gn = (problem.mapping[c, 0, i] + slope * problem.mapping[c, 1, i]) * stiffness
             gt = problem.mapping[c, 1, i] * hold
             for j in range(6):
                 k = gn * problem.mapping[c, 0, j] + gt * problem.mapping[c, 1, j]

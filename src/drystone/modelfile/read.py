@@ -124,7 +124,9 @@ def _blocks(
 ) -> tuple[list[Block], list[str]]:
     """Blocks of [wall] and then of [[block]], and the place of each in the file."""
     unit_weights = {
-        name: material.density * GRAVITY if material.unit_weight is None else material.unit_weight
+        name: (material.density or 0.0) * GRAVITY
+        if material.unit_weight is None
+        else material.unit_weight
         for name, material in section.material.items()
     }
 
@@ -176,7 +178,8 @@ def _laws(
 ) -> tuple[JointLaw, dict[frozenset[str], JointLaw]]:
     """The law of every joint, and the exceptions by pair."""
     given = _given(section.joint)
-    joint = JointLaw(**{"normal_stiffness": None, "shear_stiffness": None, **given})
+    values: dict[str, Any] = {"normal_stiffness": None, "shear_stiffness": None, **given}
+    joint = JointLaw(**values)
     if need_stiffness:
         problems.extend(
             f"joint: {key} is missing: add it in Pa/m, a stiffness per area, as in {key} = 1e8"

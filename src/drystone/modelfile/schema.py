@@ -181,7 +181,7 @@ class AnalysisSection(Section):
     """[analysis]"""
 
     engine: str = Analysis.engine
-    strategy: Literal["displacement", "published"] = Analysis.strategy
+    strategy: Literal["displacement", "published"] = "displacement"
     stop_multiplier: Positive = Analysis.stop_multiplier
     increment: Positive | None = None
     overshoot: Annotated[float, Field(ge=1.0, le=LARGEST)] | None = None

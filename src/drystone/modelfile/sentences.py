@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import Any, get_args
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from drystone.builders.words import quoted, suggestion
@@ -151,7 +151,7 @@ def _section_at(keys: Sequence[str | int]) -> type[Section]:
 
 
 def _section_in(annotation: Any) -> type[Section] | None:
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+    if isinstance(annotation, type) and issubclass(annotation, Section):
         return annotation
     inner = (_section_in(argument) for argument in get_args(annotation))
     return next((section for section in inner if section), None)

@@ -168,9 +168,7 @@ class _Accelerator:
             yield impulse
 
     def _law(self, centre, held, velocity, impulse, piece) -> float:
-        kernels.held_law(
-            self.problem, self.h, self.penalty, centre, held, velocity, impulse, piece
-        )
+        kernels.held_law(self.problem, self.h, self.penalty, centre, held, velocity, impulse, piece)
         return kernels.momentum_defect(
             self.problem, self.mass, self.inverse_mass, self.free_velocity, velocity, impulse,
             self.defect,
