@@ -136,8 +136,8 @@ def main() -> None:
             print(harness.table(rows(timings[-1:])).splitlines()[-1], flush=True)
     programs = ", ".join(f"{name} {number}" for name, number in versions().items())
     notes = (
-        f"{programs or 'LMGC90 is not installed'}. Seconds of one curve: the median of warm runs, a "
-        f"single run of\n{' and '.join(ONCE)}. Residuals are those of static points, over the "
+        f"{programs or 'LMGC90 is not installed'}. Seconds of one curve: the median of warm runs, "
+        f"a single run of\n{' and '.join(ONCE)}. Residuals are those of static points, over the "
         "heaviest block's weight.\nEnd: control displacement at the multiplier 0.01."
     )
     text = "\n".join(
@@ -152,7 +152,11 @@ def main() -> None:
         "engines",
         "The published walls over all engines",
         notes,
-        {"programs": versions(), "timings": timings, "left_out": left_out},
+        {
+            "programs": [versions()],
+            "timings": timings,
+            "left_out": [{"reason": line} for line in left_out],
+        },
         text,
     )
 

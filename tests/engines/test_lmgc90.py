@@ -11,13 +11,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import fake_pylmgc90
 from builders import PUBLISHED_JOINT, RockingBlock, problem_of, rectangle, stack, turned
 from drystone.assembly import Block, Corner, JointLaw
 from drystone.builders import make_model, published_wall
 from drystone.engines import lmgc90, make_engine
 from drystone.engines.base import Demand, EngineError, UnstableError
 from drystone.engines.lmgc90 import Lmgc90Engine, Lmgc90Settings, engine
-from drystone.engines.lmgc90.messages import Outcome, Ready, Setup
+from drystone.engines.lmgc90.messages import Outcome, Ready, Setup, Step
 from drystone.engines.lmgc90.solid import extrude, same_place
 from drystone.pushover import pushover
 
@@ -339,3 +340,48 @@ def test_points_at_front_and_back_are_one():
 def test_the_engine_is_found_by_its_name():
     assert lmgc90.Lmgc90Engine.name == "lmgc90"
     assert not Lmgc90Engine.prescribes_displacement
+
+
+def test_the_full_lmgc90_is_driven_by_its_names(monkeypatch, tmp_path):
+    """On a stand-in: no pylmgc90 is to be had here."""
+    monkeypatch.chdir(tmp_path)
+    program = fake_pylmgc90.Chipy(
+        np.array([0.0, 4000.0]), np.array([True, False]), contacts=[(1, 0), (1, 0)]
+    )
+    pre = fake_pylmgc90.install(monkeypatch, program)
+    from drystone.engines.lmgc90 import chipy
+
+    setup = Setup(
+        polygons=(rectangle(-1, -1, 2, 1), rectangle(-0.2, 0, 0.4, 1.0)),
+        density=np.array([1e3, 1e3]),
+        fixed=np.array([True, False]),
+        thickness=1.0,
+        friction=0.65,
+        joints={(0, 1): 4e7},
+        spare_stiffness=1e7,
+        reach=0.1,
+        theta=1.0,
+        tolerance=5e-6,
+        sweeps_per_check=50,
+        max_sweeps=100,
+        time_step=0.05,
+    )
+    simulation = chipy.Simulation(setup)
+    assert len(pre.told("rigidPolygon")) == 2
+    assert len(pre.told("imposeDrivenDof")) == 1
+    force = np.array([[0.0, 0.0, 0.0], [1000.0, -4000.0, 0.0]])
+    step = Step(accept=False, force=force, time_step=0.02, stop_blocks=True)
+    outcome = simulation.step(step)
+    # The joint's stiffness is shared over its two points, the candidate is our block b.
+    assert program.internal == {1: 2e7, 2: 2e7}
+    np.testing.assert_array_equal(outcome.body_a, [0, 0])
+    np.testing.assert_array_equal(outcome.body_b, [1, 1])
+    np.testing.assert_allclose(outcome.reaction, [[2500.0, 100.0]] * 2)  # impulses over 0.02 s
+    np.testing.assert_allclose(outcome.gap, -1e-4 + 0.02 * 1e-3)  # where the step started
+    assert "StockRloc" not in program.names() and "UpdateStep" not in program.names()
+    again = simulation.step(step)
+    np.testing.assert_array_equal(again.pose, outcome.pose)
+    assert program.moved == 0.0
+    simulation.step(replace(step, accept=True))
+    assert program.moved == 0.01
+    assert program.names().index("StockRloc") < program.names().index("UpdateStep")

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from typer.testing import CliRunner
 
+import fake_pylmgc90
 from builders import PUBLISHED_JOINT, convex_polygons, rectangle, stack, turned
 from drystone.assembly import Block, Corner, JointLaw
 from drystone.builders import ModelError, make_model, published_wall
@@ -276,6 +277,37 @@ def test_the_strategy_in_fish_is_the_published_one(target):
     descent = applied[peak:]
     assert np.all(np.diff(descent)[1:] <= 0.0)
     assert applied[-1] < 0.01 <= applied[-2]
+
+
+def test_the_script_for_lmgc90_runs_the_strategy(monkeypatch, tmp_path):
+    """On a stand-in that holds 0.1 of the weight at most: see `fake_pylmgc90`."""
+    monkeypatch.chdir(tmp_path)
+    model = stack((0.4, 0.5), (0.4, 0.5), corner=Corner(radius=0.02))
+    assembly = model.assembly
+    program = fake_pylmgc90.Chipy(
+        assembly.weight, assembly.fixed, contacts=[(0, 1), (0, 1), (2, 1), (2, 1), (0, 2)]
+    )
+    pre = fake_pylmgc90.install(monkeypatch, program)
+    scope: dict = {"__name__": "__main__"}
+    exec(compile(written(model, "lmgc90")[0], "script", "exec"), scope)
+    curve = np.loadtxt("curve.csv", delimiter=",", skiprows=1)
+    moved, applied, carried = curve.T
+    peak = int(np.argmax(applied))
+    assert applied[peak] == pytest.approx(0.105, abs=1e-9)  # the first that is not carried
+    assert np.count_nonzero(np.isclose(applied, 0.105)) >= 21  # and twenty more, of patience
+    assert applied[-1] < 0.01 <= applied[-2]
+    below = slice(peak + 25, -1)
+    np.testing.assert_allclose(applied[below][1:], 1.05 * carried[below][:-1])
+    assert moved[-1] > 0.85
+    # Each joint of 0.4 m2 at 1e8 Pa/m is shared over its two points; the pair that does not touch
+    # gets the spare stiffness: block size 0.4 m by 1 m.
+    assert [program.internal[k] for k in range(1, 6)] == pytest.approx([2e7] * 4 + [4e7])
+    # The corners are off, the weight is not.
+    outlines = [named["vertices"] for named in pre.told("rigidPolygon")]
+    assert [len(outline) for outline in outlines] == [8, 8, 8]
+    density = [named["density"] for named in pre.told("material")]
+    area = 0.4 * 0.5 - 4 * 0.5 * 0.02**2
+    assert max(density) == pytest.approx(0.4 * 0.5 * 1e4 / 9.81 / area)
 
 
 @pytest.mark.parametrize(

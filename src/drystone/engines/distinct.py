@@ -36,8 +36,15 @@ IntArray = NDArray[np.int64]
 #: Time step [s] of blocks that nothing is near to.
 FREE_TIME_STEP = 1e-3
 
+#: Open joints count for the time step of quasi-static cycles up to three times this share of the
+#: smallest block size, or of what blocks may move between two searches.
+WATCHED = 1e-3
+
 #: Cycles between two looks at whether an increment is reached or a block runs away.
 CHUNKS, ROUND = 10, 1000
+
+#: Stages in which a driven increment ends, and the rate of each over that of the one before.
+STAGES, SLOWER = 4, 0.25
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,6 +154,16 @@ class Workspace:
             elif why == explicit.BALANCED:
                 return True
         return False
+
+    def cycle_once(self) -> None:
+        """One cycle at the present multiplier, without a search after it."""
+        s = self.engine.settings
+        explicit.cycle(
+            self.contacts, self.n_contacts, self.motion, self.loads, self.searched, self.dt, 1,
+            self.multiplier, False, 0.0, s.local_damping, s.viscous_damping, -1.0, np.inf,
+            self.meter,
+        )  # fmt: skip
+        self.n_cycles += 1
 
     def search(self) -> None:
         """Find all contacts anew; those that persist keep their history."""
@@ -294,13 +311,15 @@ class DistinctEngine:
 
             dt < 2 / (omega sqrt(1 + alpha))
 
+        A block that meets another and leaves it within one cycle takes energy from nowhere beyond
+        sqrt(2) / omega: undamped motion with impacts wants a safety factor below 0.7.
         Contacts that are open count where they may close before the next search.
         """
         assembly, s = self.problem.assembly, self.settings
         blocks = np.zeros((assembly.n_bodies, 3, 3))
         explicit.stiffness_blocks(
             slots, pairs.a, pairs.b, pairs.law, self.laws, assembly.thickness,
-            np.inf if real else 3.0 * self.search_reach, blocks,
+            np.inf if real else 3.0 * max(self.search_reach, WATCHED * self.size), blocks,
         )  # fmt: skip
         blocks *= 0.25 * (1.0 + s.local_damping) / s.safety**2
         # Masses for which a time step of one is stable; a block that touches nothing gets some too.
@@ -328,12 +347,22 @@ class DistinctEngine:
         return 0.5 * float(np.sum(normal + shear))
 
     def energy(self, state: DistinctState) -> Energy:
-        """The books of energy at a state that came of real motion, with masses unscaled."""
+        """The books of energy at a state that came of real motion, with masses unscaled.
+
+        Velocities are half a time step behind the pose: one cycle more, on a copy, gives those at
+        half a step after it, and the shear of the joints in it.
+        """
+        work = Workspace(self, state, real_masses=True)
+        before = work.motion.velocity.copy()
+        work.cycle_once()
+        k = slice(0, work.n_contacts)
+        reaction, law = work.contacts.reaction[k], work.contacts.law[k]
+        velocity = 0.5 * (before + work.motion.velocity)
         return Energy(
-            kinetic=0.5 * float(np.sum(self.loads.mass * state.velocity**2)),
-            elastic=self.elastic_energy(state.pairs, state.slots, state.history),
-            friction=state.friction_work,
-            damping=state.damping_work,
+            kinetic=0.5 * float(np.sum(self.loads.mass * velocity**2)),
+            elastic=0.5 * float(np.sum(reaction**2 / law[:, [explicit.L_KN, explicit.L_KS]])),
+            friction=state.friction_work + float(work.meter[explicit.FRICTION_WORK]),
+            damping=state.damping_work + 0.5 * float(work.meter[explicit.DAMPING_WORK]),
             search=state.search_work,
             load_work=state.load_work,
         )
@@ -353,7 +382,6 @@ class DistinctEngine:
         work = Workspace(self, at_rest, real_masses=False)
         self._drive(state, work, increment)
         motion = work.motion
-        motion.velocity[:] = 0.0
         gone = self.detector.motion(motion.pose - state.pose)
         for _ in range(s.max_cycles // ROUND):
             if work.run(ROUND, guided=True, tolerance=s.tolerance * self.scale):
@@ -369,9 +397,11 @@ class DistinctEngine:
         return state, StepReport(converged=False, reason=reason, n_iterations=work.n_cycles)
 
     def _drive(self, state: DistinctState, work: Workspace, increment: float) -> None:
-        """Move on at a constant rate of F.x until the control displacement is reached.
+        """Move on at a constant rate of F.x until the control displacement is reached, then stop.
 
-        The motion of the last step goes on at the pace of this one, so that nothing is shaken.
+        The motion of the last step goes on at the pace of this one, so that nothing is shaken.  It
+        ends in stages, each slower than the one before: joints that slide go on sliding while
+        vibrations fade, and come to rest with their friction fully used.
         """
         control, assembly, s = self.problem.control_point, self.problem.assembly, self.settings
         pattern, pose = self.loads.pattern, work.motion.pose
@@ -388,13 +418,22 @@ class DistinctEngine:
             rate = share * pushed
         else:
             rate = 0.5 * sense * self.loads.total * increment / duration
+            for stage in range(STAGES, 0, -1):  # from rest, begin as it will end
+                work.run(s.drive_cycles, guided=True, rate=rate * SLOWER**stage)
+                work.motion.velocity[:] /= SLOWER
+        left = 1.0 - SLOWER / (1.0 - SLOWER)  # for the first stage, of the increment
         for _ in range(10 * CHUNKS):
             work.run(max(s.drive_cycles // CHUNKS, 1), guided=True, rate=rate)
             gone = control.displacement(assembly, pose) - begin
-            if gone / increment > 1.0 - 0.5 / CHUNKS:
-                return
+            if gone / increment > left - 0.5 / CHUNKS:
+                break
             if self.detector.motion(pose - state.pose).max() > 3.0 * abs(increment):
-                return  # something else moves, which the increment does not measure
+                break  # something else moves, which the increment does not measure
+        for _ in range(STAGES):
+            work.motion.velocity[:] *= SLOWER
+            rate *= SLOWER
+            work.run(s.drive_cycles, guided=True, rate=rate)
+        work.motion.velocity[:] = 0.0
 
     def _move(self, state: DistinctState, demand: Demand) -> tuple[DistinctState, StepReport]:
         """Real motion for a given time under a given multiplier.

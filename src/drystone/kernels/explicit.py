@@ -37,6 +37,9 @@ SHEAR, DILATION, SLID, BROKEN = 0, 1, 2, 3
 #: A contact this near to its cone slides.
 TIE = 1e-9
 
+#: Faces that are drawn apart by less are as they were laid but for rounding [m].
+GRAZE = 1e-9
+
 #: Columns of `Contacts.shape`: local vertex of the other body, local vertex and tangent of the
 #: edge body [m], radius of the other body, sum of both, 1 where two vertices meet [m].
 OX, OY, EX, EY, TX, TY, R_O, R_SUM, ROUND = 0, 1, 2, 3, 4, 5, 6, 7, 8
@@ -318,7 +321,7 @@ def cycle(
             bonded = history[c, BROKEN] == 0.0
             rn = kn * (history[c, DILATION] - gap)
             if rn < 0.0:
-                if bonded and gap > 0.0 and rn < -law[c, L_TENSION]:
+                if bonded and gap > GRAZE and rn < -law[c, L_TENSION]:
                     history[c, BROKEN] = 1.0
                     bonded = False
                 if not bonded or law[c, L_TENSION] == 0.0:
@@ -348,9 +351,8 @@ def cycle(
             now = STICKING
             if abs(rt) > limit * (1.0 - TIE) and rt != 0.0:
                 history[c, BROKEN] = 1.0
-                before = rt * rt / ks + rn * rn / kn
                 if rn <= 0.0:
-                    friction_work += 0.5 * before
+                    friction_work += 0.5 * rt * rt / ks
                     history[c, SHEAR] = 0.0
                     reaction[c, 0] = 0.0
                     reaction[c, 1] = 0.0
@@ -363,7 +365,8 @@ def cycle(
                 rt = mu * rn if rt > 0.0 else -mu * rn
                 history[c, DILATION] += tan_psi * gamma
                 history[c, SLID] += gamma
-                friction_work += 0.5 * (before - rt * rt / ks - rn * rn / kn)
+                # What sliding takes, less what it gives back by lifting the joint.
+                friction_work += (abs(rt) - rn * tan_psi) * gamma
             history[c, SHEAR] = rt
             reaction[c, 0] = rn
             reaction[c, 1] = rt

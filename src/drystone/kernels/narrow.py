@@ -210,8 +210,11 @@ def _end(bodies, pose, world, slots, k, a, b, ea, eb, va, vb, reference_is_a):
     dy = world.vertex[vb, 1] - world.vertex[va, 1]
     sb = _along(world, ea, vb)
     sa = _along(world, eb, va)
-    b_inside = 0.0 <= sb <= bodies.length[ea]
-    a_inside = 0.0 <= sa <= bodies.length[eb]
+    # Sharp corners right above each other must not miss each other by a rounding error.
+    rounded = bodies.radius[a] + bodies.radius[b] > 0.0
+    slack = 0.0 if rounded else 1e-9 * (bodies.length[ea] + bodies.length[eb])
+    b_inside = -slack <= sb <= bodies.length[ea] + slack
+    a_inside = -slack <= sa <= bodies.length[eb] + slack
     if b_inside and a_inside:
         # Edges that open towards this end: the nearer of the two candidates.
         gap_b = dx * world.tangent[ea, 1] - dy * world.tangent[ea, 0]

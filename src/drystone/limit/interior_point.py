@@ -19,18 +19,20 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, csc_matrix, diags_array
+from scipy.sparse import csc_array, csc_matrix, csr_array, diags_array
 from scipy.sparse.linalg import splu
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: Share of the way to the boundary that a step goes, at least.
-LEAST_STEP = 0.995
+#: Share of the way to the boundary that a step goes.
+STEP = 0.995
 #: Further correctors an iteration may take; each costs a solution, not a factorisation.
 MOST_CORRECTORS = 4
-#: Added to the diagonal over its mean, so that rows which nothing holds can be factorised.
-REGULARISATION = 1e-13
+#: Added to each diagonal entry, as a share of it.
+REGULARISATION = 1e-14
+#: Refinements of one solution, and the residual over the right side that needs none.
+MOST_REFINEMENTS, SMALL_REST = 4, 1e-13
 #: Without progress in this many iterations the best point so far is given back.
 PATIENCE = 12
 
@@ -60,7 +62,7 @@ def solve(
     right: Array,
     free: IntArray,
     *,
-    tolerance: float = 1e-9,
+    tolerance: float = 1e-8,
     max_iterations: int = 200,
     enough: float | None = None,
     give_up: float = 1e7,
@@ -123,18 +125,18 @@ class _Newton:
 
     def __init__(self, a: csc_array, a_free: Array) -> None:
         self.a, self.a_free = a, a_free
-        self._order: IntArray | None = None  # of rows, that keeps the factor sparse
+        # The order of rows that keeps the factor sparse, from the pattern without cancellation.
+        pattern = abs(a) @ abs(a).T
+        pattern = pattern + diags_array(np.asarray(pattern.sum(axis=1)) + 1.0)
+        self._order: IntArray = np.argsort(_factor(pattern, "MMD_AT_PLUS_A").perm_c)
+        self._ordered = csc_array(csr_array(a)[self._order])
 
     def factorise(self, scaling: Array) -> None:
         """Prepare solutions for D = diag(scaling)."""
-        n = self.a.shape[0]
-        normal = (self.a @ diags_array(scaling)) @ self.a.T
-        shift = REGULARISATION * float(normal.diagonal().mean())
-        normal = csc_array(normal + diags_array(np.full(n, shift)))
-        if self._order is None:
-            first = _factor(normal, "MMD_AT_PLUS_A")
-            self._order = np.argsort(first.perm_c)
-        normal = csc_array(normal[self._order][:, self._order])
+        normal = (self._ordered @ diags_array(scaling)) @ self._ordered.T
+        diagonal = normal.diagonal()
+        least = float(diagonal[diagonal > 0.0].min(initial=1.0))
+        normal = normal + diags_array(REGULARISATION * np.maximum(diagonal, least))
         self._lu = _factor(normal, "NATURAL")
         self._scaling = scaling
         if self.a_free.shape[1]:
@@ -142,9 +144,20 @@ class _Newton:
             self._small = self.a_free.T @ self._columns
 
     def _normal(self, h: Array) -> Array:
-        """Solve A D A^T y = h, refined once."""
+        """Solve A D A^T y = h, refined until the residual no longer shrinks."""
         y = self._direct(h)
-        return y + self._direct(h - self.a @ (self._scaling * (self.a.T @ y)))
+        rest = h - self.a @ (self._scaling * (self.a.T @ y))
+        size = float(np.abs(rest).max(initial=0.0))
+        for _ in range(MOST_REFINEMENTS):
+            if size <= SMALL_REST * float(np.abs(h).max(initial=0.0)):
+                break
+            finer = y + self._direct(rest)
+            rest = h - self.a @ (self._scaling * (self.a.T @ finer))
+            before, size = size, float(np.abs(rest).max(initial=0.0))
+            if size >= before:
+                break
+            y = finer
+        return y
 
     def _direct(self, h: Array) -> Array:
         y = np.empty_like(h)
@@ -216,8 +229,7 @@ def _iterate(newton: _Newton, point: _Point, rp: Array, rd: Array, rf: Array) ->
         if tp + td < ap + ad:
             break
         step, ap, ad = tried, tp, td
-    ahead = max(LEAST_STEP, 1.0 - mu)
-    ap, ad = min(1.0, ahead * ap), min(1.0, ahead * ad)
+    ap, ad = min(1.0, STEP * ap), min(1.0, STEP * ad)
     return _Point(
         x=x + ap * step[0],
         free=point.free + ap * step[1],
@@ -227,7 +239,7 @@ def _iterate(newton: _Newton, point: _Point, rp: Array, rd: Array, rf: Array) ->
 
 
 def _reach(x: Array, dx: Array) -> float:
-    """Largest share of the step, up to 1 / `LEAST_STEP`, that keeps x from going negative."""
+    """Largest share of the step, up to 1 / `STEP`, that keeps x from going negative."""
     falling = dx < 0.0
     reach = float(np.min(-x[falling] / dx[falling], initial=np.inf))
-    return min(1.0 / LEAST_STEP, reach)
+    return min(1.0 / STEP, reach)

@@ -16,6 +16,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import weakref
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -47,6 +48,14 @@ def receive(pipe: BinaryIO) -> Any:
     if len(body) < length:
         raise EOFError
     return pickle.loads(body)
+
+
+def _end(process: subprocess.Popen[bytes], folder: Path) -> None:
+    """Nothing is left of a worker: neither the process nor its files."""
+    if process.poll() is None:
+        process.kill()
+        process.wait()
+    shutil.rmtree(folder, ignore_errors=True)
 
 
 class Process:
@@ -89,6 +98,8 @@ class Process:
             os.close(out_child)
         self._out = os.fdopen(self_out, "wb")
         self._in = os.fdopen(self_in, "rb")
+        # Also where an engine is dropped without having been closed.
+        self._end = weakref.finalize(self, _end, self._process, self._folder)
 
     @property
     def pid(self) -> int:
@@ -116,13 +127,10 @@ class Process:
         """End the process, whatever it is doing, and remove its files."""
         with contextlib.suppress(OSError):
             self._out.close()
-        try:
+        with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(timeout=2.0)  # it leaves when its pipe is closed
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
         self._in.close()
-        shutil.rmtree(self._folder, ignore_errors=True)
+        self._end()
 
     def _obituary(self) -> str:
         try:

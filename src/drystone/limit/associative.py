@@ -1,0 +1,153 @@
+"""Limit analysis with associative flow: one linear program, exact from both sides.
+
+The lower bound theorem: the largest multiplier under which forces within the joints' strength
+balance the loads,
+
+    maximise lambda   subject to   B f + G + lambda F = 0,   |t| <= c + mu n,   n >= -f_t
+
+Its dual values are the velocities u of a mechanism, in which every sliding joint opens by mu times
+its slip, and whose power balance gives the upper bound
+
+    lambda = (D(u) - G.u) / F.u,      D = sum over contacts of (c + mu l) |v_t| - l v_n
+
+with l the normal force at which a contact gives way in tension.  Two further programs of the same
+kind tell what is the matter where there is no such multiplier: how much of the dead load alone can
+be carried (all of it, or the structure does not stand), and whether forces exist that carry the
+load pattern by itself (then friction locks the structure and no multiple of it brings it down).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, hstack, vstack
+
+from drystone.limit import interior_point
+from drystone.limit.cones import Rays, least_normal, shear_strength
+from drystone.limit.equilibrium import Equilibrium
+from drystone.limit.program import FAILED, OPTIMAL, Answer, ForceProgram
+
+Array = NDArray[np.float64]
+
+#: From this many blocks on the interior-point method is faster than the simplex method.
+LARGE = 150
+#: A load factor this near to one is one: it is 0 or 1 where joints have no cohesion.
+WHOLE = 1e-6
+#: Error of the interior-point method that is still an answer.
+ACCEPTABLE = 1e-6
+
+
+def collapse(equilibrium: Equilibrium) -> Answer:
+    """The largest multiplier of the load pattern that can be carried with the dead load."""
+    return _strongest(equilibrium, equilibrium.live, -equilibrium.dead)
+
+
+def dead_load_factor(equilibrium: Equilibrium) -> Answer:
+    """How much of the dead load can be carried, at most 1; else the velocities of the fall."""
+    zero = np.zeros_like(equilibrium.dead)
+    return _strongest(equilibrium, equilibrium.dead, zero, largest=1.0)
+
+
+def stands(equilibrium: Equilibrium) -> bool:
+    """Whether the structure carries its own weight."""
+    return _is_whole(dead_load_factor(equilibrium))
+
+
+def is_locked(equilibrium: Equilibrium) -> bool:
+    """Whether contact forces without any strength but friction carry the pattern by itself."""
+    zero = np.zeros_like(equilibrium.dead)
+    return _is_whole(
+        _strongest(equilibrium, equilibrium.live, zero, largest=1.0, recession=True)
+    )
+
+
+def upper_bound(equilibrium: Equilibrium, velocity: Array) -> float:
+    """Multiplier of a mechanism by its balance of power, (D - G.u) / F.u."""
+    relative = equilibrium.relative(velocity)
+    low = least_normal(equilibrium)
+    strength = shear_strength(equilibrium, low)
+    dissipated = float(strength @ np.abs(relative[:, 1]) - low @ relative[:, 0])
+    return (dissipated - equilibrium.dead @ velocity) / float(equilibrium.live @ velocity)
+
+
+def flow_violation(equilibrium: Equilibrium, velocity: Array, tangent: Array) -> float:
+    """Largest amount by which contacts close, or open less than ``tangent`` times their slip.
+
+    Over the largest relative velocity of all contacts.
+    """
+    relative = equilibrium.relative(velocity)
+    largest = float(np.abs(relative).max(initial=0.0))
+    missing = tangent * np.abs(relative[:, 1]) - relative[:, 0]
+    return float(missing.max(initial=0.0)) / largest if largest > 0.0 else 0.0
+
+
+def _is_whole(answer: Answer) -> bool:
+    return answer.status == OPTIMAL and answer.factor >= 1.0 - WHOLE
+
+
+def _strongest(
+    equilibrium: Equilibrium,
+    column: Array,
+    right: Array,
+    *,
+    largest: float | None = None,
+    recession: bool = False,
+) -> Answer:
+    """Maximise s subject to B f + s column = right and the strength of the contacts."""
+    if equilibrium.assembly.n_blocks >= LARGE:
+        answer = _by_interior_point(equilibrium, column, right, largest, recession)
+        if answer is not None:
+            return answer
+    nothing = np.zeros(equilibrium.n_contacts)
+    program = ForceProgram(
+        equilibrium,
+        column=column,
+        right=right,
+        slope=equilibrium.points.friction,
+        least=nothing if recession else least_normal(equilibrium),
+        largest=np.inf if largest is None else largest,
+    )
+    program.limit_shear(nothing if recession else equilibrium.cohesion)
+    return program.solve()
+
+
+def _by_interior_point(
+    equilibrium: Equilibrium,
+    column: Array,
+    right: Array,
+    largest: float | None,
+    recession: bool,
+) -> Answer | None:
+    """The same; None where it does not come to an end."""
+    rays = Rays.of(equilibrium, recession=recession)
+    n_amounts = rays.combination.shape[1]
+    n_rows = len(right)
+    matrix = hstack([equilibrium.matrix @ rays.combination, csc_array(column[:, None])])
+    sharing = hstack([rays.sharing, csc_array((rays.sharing.shape[0], 1))])
+    matrix = vstack([matrix, sharing])
+    bound = np.concatenate(
+        (right - equilibrium.matrix @ rays.fixed, np.ones(rays.sharing.shape[0]))
+    )
+    cost = np.zeros(n_amounts + 1)
+    cost[n_amounts] = -1.0
+    free = np.array([n_amounts])
+    enough = None
+    if largest is not None:  # one more row, s + rest = largest, and s is never negative
+        last = np.zeros((1, n_amounts + 2))
+        last[0, n_amounts:] = 1.0
+        matrix = vstack(
+            [hstack([matrix, csc_array((matrix.shape[0], 1))]), csc_array(last)]
+        )
+        bound, cost = np.append(bound, largest), np.append(cost, 0.0)
+        free, enough = np.zeros(0, np.int64), -largest * (1.0 - WHOLE)
+    found = interior_point.solve(cost, csc_array(matrix), bound, free, enough=enough)
+    if not found.converged and found.error > ACCEPTABLE:
+        return None
+    forces = rays.fixed + rays.combination @ found.x[:n_amounts]
+    return Answer(
+        status=OPTIMAL if np.isfinite(found.x).all() else FAILED,
+        factor=float(found.x[n_amounts]),
+        forces=forces.reshape(-1, 2),
+        velocity=-found.y[:n_rows],
+        n_iterations=found.n_iterations,
+    )

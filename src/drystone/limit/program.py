@@ -1,0 +1,163 @@
+"""The linear program of contact forces, solved by HiGHS.
+
+    maximise s   subject to   B f + s q = r,   |t| <= k + m n,   n >= l
+
+over the contact forces f = (n, t) and one factor s.  Limits k and l can be changed and the program
+solved again from where it stood, which costs a few steps only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csc_array, hstack, vstack
+
+from drystone.limit.equilibrium import Equilibrium
+
+Array = NDArray[np.float64]
+
+#: The finest tolerances that HiGHS takes.
+TOLERANCE = 1e-10
+
+OPTIMAL, INFEASIBLE, UNBOUNDED, FAILED = "optimal", "infeasible", "unbounded", "failed"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What came of one linear program."""
+
+    status: str  # one of the four above
+    factor: float  # s
+    forces: Array  # (n_contacts, 2) in units of force
+    velocity: Array  # (n_rows,) of the blocks, scaled: the dual values, with q.u = 1
+    n_iterations: int
+
+
+class ForceProgram:
+    """One program; keeps its last basis.
+
+    Parameters
+    ----------
+    column, right
+        q and r of the module's heading, (n_rows,).
+    slope
+        m, (n_contacts,).
+    least
+        l, (n_contacts,).
+    largest
+        Upper bound on s.
+    """
+
+    def __init__(
+        self,
+        equilibrium: Equilibrium,
+        *,
+        column: Array,
+        right: Array,
+        slope: Array,
+        least: Array,
+        largest: float = np.inf,
+    ) -> None:
+        import highspy  # here, because most commands do without
+
+        self._high = highspy
+        n = equilibrium.n_contacts
+        self._n_rows, self._n = len(right), n
+        normal, tangential = 2 * np.arange(n), 2 * np.arange(n) + 1
+        # Row 2 k is t - m n <= k and row 2 k + 1 is -t - m n <= k.
+        cone = coo_array(
+            (
+                np.concatenate((np.ones(n), -np.ones(n), -slope, -slope)),
+                (
+                    np.concatenate((normal, tangential, normal, tangential)),
+                    np.concatenate((tangential, tangential, normal, normal)),
+                ),
+            ),
+            shape=(2 * n, 2 * n),
+        )
+        matrix = csc_array(
+            vstack(
+                [
+                    hstack([equilibrium.matrix, csc_array(column[:, None])]),
+                    hstack([cone, csc_array((2 * n, 1))]),
+                ]
+            )
+        )
+        matrix.eliminate_zeros()
+        matrix.sort_indices()
+        infinity = highspy.kHighsInf
+        lp = highspy.HighsLp()
+        lp.num_row_, lp.num_col_ = matrix.shape
+        lp.col_cost_ = np.concatenate((np.zeros(2 * n), [-1.0]))
+        lower = np.full(2 * n + 1, -infinity)
+        lower[normal] = least
+        lp.col_lower_ = lower
+        lp.col_upper_ = np.concatenate((np.full(2 * n, infinity), [min(largest, infinity)]))
+        lp.row_lower_ = np.concatenate((right, np.full(2 * n, -infinity)))
+        lp.row_upper_ = np.concatenate((right, np.zeros(2 * n)))
+        lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
+        lp.a_matrix_.start_ = matrix.indptr
+        lp.a_matrix_.index_ = matrix.indices
+        lp.a_matrix_.value_ = matrix.data
+        self._solver: Any = highspy.Highs()
+        for option, value in (
+            ("output_flag", False),
+            ("threads", 1),
+            ("solver", "simplex"),
+            ("presolve", "off"),  # it would throw the last basis away
+            ("primal_feasibility_tolerance", TOLERANCE),
+            ("dual_feasibility_tolerance", TOLERANCE),
+        ):
+            self._solver.setOptionValue(option, value)
+        self._solver.passModel(lp)
+
+    def limit_shear(self, intercept: Array) -> None:
+        """Set k, (n_contacts,)."""
+        rows = np.arange(self._n_rows, self._n_rows + 2 * self._n, dtype=np.int32)
+        lower = np.full(len(rows), -self._high.kHighsInf)
+        self._solver.changeRowsBounds(len(rows), rows, lower, np.repeat(intercept, 2))
+
+    def slide(self, contact: NDArray[np.int64], way: NDArray[np.int64], intercept: Array) -> None:
+        """Hold contacts at their limit: t = way (k + m n), for ways of 1 or -1 and limits k."""
+        rows = (self._n_rows + 2 * contact + (way < 0)).astype(np.int32)
+        self._solver.changeRowsBounds(len(rows), rows, intercept, intercept)
+
+    def hold_normal(self, contact: NDArray[np.int64], normal: Array) -> None:
+        """Set the normal forces of contacts."""
+        self._solver.changeColsBounds(
+            len(contact), (2 * contact).astype(np.int32), normal, normal
+        )
+
+    def aim(self, sense: float) -> None:
+        """Maximise s for 1, minimise it for -1."""
+        self._solver.changeColCost(2 * self._n, -sense)
+
+    def solve(self) -> Answer:
+        """Solve from the last basis, and once more from the beginning where that fails."""
+        status = self._run()
+        if status == FAILED:
+            self._solver.clearSolver()
+            status = self._run()
+        solution = self._solver.getSolution()
+        values = np.array(solution.col_value) if status == OPTIMAL else np.zeros(2 * self._n + 1)
+        dual = np.array(solution.row_dual) if status == OPTIMAL else np.zeros(self._n_rows)
+        return Answer(
+            status=status,
+            factor=float(values[-1]),
+            forces=values[:-1].reshape(-1, 2),
+            velocity=-dual[: self._n_rows],
+            n_iterations=int(self._solver.getInfo().simplex_iteration_count),
+        )
+
+    def _run(self) -> str:
+        self._solver.run()
+        known = self._high.HighsModelStatus
+        return {
+            known.kOptimal: OPTIMAL,
+            known.kInfeasible: INFEASIBLE,
+            known.kUnbounded: UNBOUNDED,
+            known.kUnboundedOrInfeasible: UNBOUNDED,
+        }.get(self._solver.getModelStatus(), FAILED)
