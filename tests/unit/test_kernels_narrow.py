@@ -156,6 +156,21 @@ class TestDistance:
         assert slots.gap.min() == pytest.approx(gap, abs=1e-9)
 
 
+class TestPressed:
+    @given(angles, st.floats(1e-5, 5e-3), st.sampled_from((0.0, 0.02)))
+    def test_equal_blocks_right_above_each_other_keep_both_points(self, angle, depth, radius):
+        """Their corners coincide but for rounding, however deep they are pressed."""
+        unit = rectangle(-0.2, -0.1, 0.4, 0.2)
+        lower, upper = (turned(unit + (0.0, y), angle, (3.0, -2.0)) for y in (0.0, 0.2))
+        assembly = pair_of(lower, upper, radius=radius)
+        pose = np.zeros((2, 3))
+        pose[1, :2] = depth * np.array([np.sin(angle), -np.cos(angle)])
+        _, _, slots = contacts_of(assembly, pose)
+        assert np.all(slots.kind != NONE)
+        assert slots.gap == pytest.approx(-depth, abs=ROUNDING)
+        assert slots.length == pytest.approx(0.2, abs=ROUNDING)
+
+
 def configurations(radius, n=40):
     """Pairs of blocks that press on each other, in every kind of contact that there is.
 

@@ -122,6 +122,7 @@ class Workspace:
             velocity=state.velocity.copy(),
             turn=np.zeros((len(state.pose), 2)),
             force=np.zeros_like(state.pose),
+            last=np.zeros_like(state.pose),
             mean=np.zeros_like(state.pose),
         )
         self.meter = np.zeros(explicit.N_METER)

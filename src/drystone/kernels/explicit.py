@@ -50,8 +50,8 @@ L_KN, L_KS, L_MU, L_TAN_PSI, L_BOND, L_TENSION, L_END = 0, 1, 2, 3, 4, 5, 6
 N_CONTACT_LAW = 7
 
 #: Entries of the meter, see `cycle`.
-MULTIPLIER, FRICTION_WORK, DAMPING_WORK, LOAD_WORK, RESIDUAL = 0, 1, 2, 3, 4
-N_METER = 5
+MULTIPLIER, FRICTION_WORK, DAMPING_WORK, LOAD_WORK, RESIDUAL, CYCLES = 0, 1, 2, 3, 4, 5
+N_METER = 6
 
 #: Why `cycle` returned.
 DONE, MOVED, BALANCED = 0, 1, 2
@@ -83,6 +83,7 @@ class Motion(NamedTuple):
     velocity: Array  # (n, 3) m/s, rad/s, half a step behind the pose
     turn: Array  # (n, 2) cosine and sine of the rotation
     force: Array  # (n, 3) N, N m, unbalanced, of the last cycle
+    last: Array  # (n, 3) N, N m, unbalanced, of the last cycle with combined damping
     mean: Array  # (n, 3) sum of the unbalanced forces over the cycles
 
 
@@ -229,7 +230,7 @@ def stiffness_blocks(slots, pair_a, pair_b, pair_law, laws, thickness, watched, 
 @njit(cache=True)
 def cycle(
     contacts, n_contacts, motion, loads, origin, dt, n_cycles, multiplier, guided, rate,
-    local_damping, viscous_damping, tolerance, reach, meter,
+    local_damping, combined, viscous_damping, tolerance, reach, meter,
 ):  # fmt: skip
     """Run cycles in place until one of three things happens; returns what, and the cycles run.
 
@@ -253,7 +254,11 @@ def cycle(
         lambda = -F.M^-1 f / F.M^-1 F.
     local_damping
         Share of the unbalanced force that is taken off where it drives the motion, and added
-        where it brakes it (Cundall's damping), for every degree of freedom by itself.
+        where it brakes it (Cundall's damping), for every degree of freedom by itself:
+        - alpha |f| sgn(v).
+    combined
+        Half of it judged by how the force changes, alpha |f| (sgn(df) - sgn(v)) / 2, which also
+        damps what vibrates upon a steady motion.
     viscous_damping
         [1/s] by which velocities are damped, in proportion to mass.
     tolerance
@@ -263,12 +268,12 @@ def cycle(
         Return `MOVED` when a body has moved so far from ``origin`` [m].
     meter
         (N_METER,) multiplier of the last cycle; work done by friction, damping and loads, added
-        to [J]; largest unbalanced force when last looked at [N].
+        to [J]; largest unbalanced force when last looked at [N]; cycles so far.
     """
     edge, other, shape, law = contacts.edge, contacts.other, contacts.shape, contacts.law
     history, reaction, status = contacts.history, contacts.reaction, contacts.status
     pose, velocity, turn = motion.pose, motion.velocity, motion.turn
-    force, mean = motion.force, motion.mean
+    force, last, mean = motion.force, motion.last, motion.mean
     centroid, dead, pattern = loads.centroid, loads.dead, loads.pattern
     inverse_mass, extent = loads.inverse_mass, loads.extent
     n = pose.shape[0]
@@ -282,6 +287,7 @@ def cycle(
     damping_work = 0.0
     load_work = 0.0
     applied = multiplier
+    before = int(meter[CYCLES])
     for count in range(n_cycles):
         for i in range(n):
             force[i, 0] = dead[i, 0]
@@ -385,7 +391,7 @@ def cycle(
                 for d in range(3):
                     drive += pattern[i, d] * inverse_mass[i, d] * force[i, d]
             applied = -drive / flexibility
-        look = count % LOOK == LOOK - 1 or count == n_cycles - 1
+        look = (before + count) % LOOK == LOOK - 1
         worst = 0.0
         course = 0.0
         for i in range(n):
@@ -403,10 +409,18 @@ def cycle(
             for d in range(3):
                 f = force[i, d]
                 v = velocity[i, d]
+                sense = 0.0
                 if v > 0.0:
-                    f -= local_damping * abs(f)
+                    sense = -1.0
                 elif v < 0.0:
-                    f += local_damping * abs(f)
+                    sense = 1.0
+                if combined:
+                    if f > last[i, d]:
+                        sense = 0.5 * (sense + 1.0)
+                    elif f < last[i, d]:
+                        sense = 0.5 * (sense - 1.0)
+                    last[i, d] = f
+                f += sense * local_damping * abs(f)
                 new = keep * v + push * inverse_mass[i, d] * f
                 course += pattern[i, d] * new
                 velocity[i, d] = new
@@ -437,14 +451,14 @@ def cycle(
             moved = moved or far + extent[i] * abs(pose[i, 2] - origin[i, 2]) > reach
         if look:
             meter[RESIDUAL] = np.sqrt(worst)
-        if moved or (look and worst <= tolerance * tolerance and tolerance > 0.0):
+        balanced = look and worst <= tolerance * tolerance and tolerance > 0.0
+        if moved or balanced or count == n_cycles - 1:
             meter[MULTIPLIER] = applied
             meter[FRICTION_WORK] += friction_work
             meter[DAMPING_WORK] += damping_work
             meter[LOAD_WORK] += load_work
-            return (MOVED if moved else BALANCED), count + 1
-    meter[MULTIPLIER] = applied
-    meter[FRICTION_WORK] += friction_work
-    meter[DAMPING_WORK] += damping_work
-    meter[LOAD_WORK] += load_work
-    return DONE, n_cycles
+            meter[CYCLES] += count + 1
+            if balanced:
+                return BALANCED, count + 1
+            return (MOVED if moved else DONE), count + 1
+    return DONE, 0
