@@ -6,8 +6,8 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from builders import UNIT_WEIGHT, problem_of, rectangle, stack, stiff_joint
 
+from builders import UNIT_WEIGHT, problem_of, rectangle, stack, stiff_joint
 from drystone.assembly import Block, Corner, JointLaw
 from drystone.builders import make_model
 from drystone.builders.wall import coursed_wall
@@ -45,13 +45,13 @@ class TestTimeStep:
         law = JointLaw(friction_coefficient=1e3, normal_stiffness=1e8, shear_stiffness=1e10)
         engine = DistinctEngine()
         state, _ = engine.start(problem_of(stack((0.4, 0.4), (0.4, 0.2), (0.3, 0.3), joint=law)))
-        engine.settings = DistinctSettings(safety=1.0, local_damping=0.0)
+        engine.settings = DistinctSettings(safety=0.95, local_damping=0.0)
         work = Workspace(engine, state, real_masses=real)
         random = np.random.default_rng(1)
         work.motion.velocity[1:] = random.choice([-1.0, 1.0], (3, 3)) * 1e-9 / work.dt
         first = np.sum(work.mass * work.motion.velocity**2)
         work.run(20_000)
-        # At the limit itself a wave may grow with time, but not with its exponential.
+        # Bounded: velocity and force of the highest waves share 1 / (1 - 0.95^2) times the energy.
         assert np.sum(work.mass * work.motion.velocity**2) < 10.0 * first
 
     @pytest.mark.parametrize("local_damping", [0.5, 0.8])

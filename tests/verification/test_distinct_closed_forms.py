@@ -11,9 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import RockingBlock, problem_of, stack
 from scipy.integrate import quad
 
+from builders import RockingBlock, problem_of, stack
 from drystone.assembly import GRAVITY, Corner, JointLaw
 from drystone.engines.base import Demand, Problem
 from drystone.engines.distinct import DistinctEngine, DistinctSettings, DistinctState
@@ -190,16 +190,16 @@ class TestDilatancy:
         assert gone[1] == pytest.approx(slope * gone[0], rel=1e-3)
 
     def test_ends(self):
-        end = 2e-3
+        # Driven slowly: a joint that lifts fast hops, and does not dilate while it is open.
+        end, engine = 2e-3, DistinctEngine(DistinctSettings(drive_cycles=3000))
         joint = law(self.friction, dilatancy_angle=self.angle, dilatancy_end=end)
-        engine = DistinctEngine()
         state, _ = engine.start(problem_of(stack(self.size, joint=joint)))
         begin = state.pose.copy()
         slope = np.tan(np.radians(self.angle))
         for _ in range(10):
             state, report = engine.step(state, Demand(increment=4e-4))
-            # A joint that lifts vibrates, and rests with a little less than all its friction.
-            assert report.static_multiplier == pytest.approx(self.friction, abs=2e-3)
+            # It lifts until it is stopped, and settles with a little less than all its friction.
+            assert report.static_multiplier == pytest.approx(self.friction, abs=1e-3)
             gone = state.pose[1] - begin[1]
             # The elastic shear before sliding is 0.5 W / k_s = 1e-7 m, a cycle slides 1e-6 m.
             assert gone[1] == pytest.approx(slope * min(gone[0], end), abs=1e-6)

@@ -79,10 +79,10 @@ class ExcessControl:
             static=static,
             highest=max(state.highest, static),
         )
-        decision = self._go_on(state, report, dynamic)
+        decision = self._go_on(state, report)
         return replace(decision, load_multiplier=static, dynamic=dynamic)
 
-    def _go_on(self, state: _State, report: StepReport, dynamic: bool) -> Decision:
+    def _go_on(self, state: _State, report: StepReport) -> Decision:
         s, static = self.settings, state.static
         if state.n_steps >= s.max_steps:
             reason = f"the limit of {s.max_steps} steps was reached"
@@ -90,7 +90,7 @@ class ExcessControl:
         if report.control_displacement >= s.max_displacement:
             reason = f"the control displacement reached {s.max_displacement:g} m"
             return Decision(accept=True, demand=None, state=state, reason=reason, finished=True)
-        if static < s.stop_multiplier < state.highest and not dynamic:
+        if static < s.stop_multiplier < state.highest:
             reason = f"the load multiplier fell below {s.stop_multiplier:g}"
             return Decision(accept=True, demand=None, state=state, reason=reason, finished=True)
         share = s.displacement_step / max(report.motion, 1e-3 * s.displacement_step)

@@ -186,27 +186,34 @@ def _certify(
     equilibrium: Equilibrium, answer: Answer, slope: Array, n_iterations: int
 ) -> State | None:
     """The mechanism with forces that belong to it; None where there are none."""
-    ends = compatible_forces(equilibrium, answer.velocity, slope)
-    if ends is None:
+    program = compatible_forces(equilibrium, answer.velocity, slope)
+    program.aim(-1.0)
+    low = program.solve()
+    if low.status != OPTIMAL:
         return None
-    low, high = ends
-    multiplier = float(np.clip(answer.factor, low.factor, high.factor))
-    width = high.factor - low.factor
-    share = (multiplier - low.factor) / width if width > 0.0 else 0.0
+    program.aim(1.0)
+    high = program.solve()
+    if high.status not in (OPTIMAL, UNBOUNDED):
+        return None
+    lowest = low.factor
+    highest = high.factor if high.status == OPTIMAL else np.inf
+    multiplier = float(np.clip(answer.factor, lowest, highest))
+    program.fix_factor(multiplier)
+    middle = program.solve()
+    if middle.status != OPTIMAL:  # one of the ends, but for rounding
+        middle = low
     return State(
-        multiplier=multiplier,
-        forces=(1.0 - share) * low.forces + share * high.forces,  # the set is convex
+        multiplier=middle.factor,
+        forces=middle.forces,
         velocity=answer.velocity,
-        lowest=low.factor,
-        highest=high.factor,
+        lowest=lowest,
+        highest=highest,
         n_iterations=n_iterations,
     )
 
 
-def compatible_forces(
-    equilibrium: Equilibrium, velocity: Array, slope: Array
-) -> tuple[Answer, Answer] | None:
-    """Compatible forces of lowest and of highest multiplier for a mechanism, if there are any."""
+def compatible_forces(equilibrium: Equilibrium, velocity: Array, slope: Array) -> ForceProgram:
+    """The program of the forces that belong to a mechanism, in balance at any multiplier."""
     relative = equilibrium.relative(velocity)
     still = STILL * float(np.abs(relative).max(initial=0.0))
     low = least_normal(equilibrium)
@@ -226,14 +233,7 @@ def compatible_forces(
     program.slide(contact, way, equilibrium.cohesion[contact])
     contact = np.flatnonzero(opens)
     program.hold_normal(contact, low[contact])
-    ends = []
-    for sense in (-1.0, 1.0):
-        program.aim(sense)
-        answer = program.solve()
-        if answer.status != OPTIMAL:
-            return None
-        ends.append(answer)
-    return ends[0], ends[1]
+    return program
 
 
 def strength_violation(equilibrium: Equilibrium, forces: Array) -> float:

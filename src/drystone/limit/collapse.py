@@ -1,0 +1,322 @@
+"""Collapse by limit analysis: model x flow -> multiplier, mechanism, contact forces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.assembly import Assembly
+from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
+from drystone.limit import associative as bounds
+from drystone.limit.equilibrium import Equilibrium
+from drystone.limit.non_associative import (
+    NonAssociativeSettings,
+    Paths,
+    State,
+    flow_tangent,
+    follow_paths,
+    strength_violation,
+)
+from drystone.limit.program import OPTIMAL, Answer
+from drystone.loading import LoadPattern
+from drystone.model import Model
+
+Array = NDArray[np.float64]
+
+ASSOCIATIVE, NON_ASSOCIATIVE = "associative", "non-associative"
+FLOWS = (ASSOCIATIVE, NON_ASSOCIATIVE)
+
+#: Forces below this share of the heaviest weight are none.
+NO_FORCE = 1e-7
+#: Blocks slower than this share of the fastest stand still in a mechanism.
+AT_REST = 1e-6
+#: Blocks named in a sentence.
+MOST_NAMES = 8
+
+
+@dataclass(frozen=True, kw_only=True)
+class Collapse:
+    """Result of limit analysis.
+
+    ``status`` is "finished", "unstable" (the structure does not stand under its own weight),
+    "locked" (no multiple of the load brings it down) or "failed"; ``reason`` says it in a
+    sentence.
+    """
+
+    flow: str
+    load_multiplier: float
+    """Collapse multiplier; nan where unstable or failed, inf where locked."""
+    collapse_range: tuple[float, float]
+    """Lowest and highest multiplier of all collapse states that were found."""
+    status: str
+    reason: str
+    velocities: Array
+    """Mechanism, (n, n_dof) [m, rad]: rates of motion; the fastest vertex has 1."""
+    contacts: ContactForces | None
+    """Forces at collapse, None where there is none."""
+    moving: tuple[str, ...]
+    """Blocks that move in the mechanism."""
+    duality_gap: float
+    """Multiplier by the mechanism's balance of power less that of the forces, over the latter or 1."""
+    residual: float
+    """Largest unbalanced force or moment on a block, over the heaviest weight (times its size)."""
+    friction_violation: float
+    """Largest excess over the joint law, over the heaviest weight."""
+    dilatancy_violation: float
+    """Largest deviation from the flow rule where contacts slide, over the fastest contact."""
+    n_iterations: int
+    """Linear programs (non-associative), else steps of one."""
+    n_paths: int = 1
+    """Paths that ended in a certified collapse state."""
+
+
+def collapse_load(
+    model: Model,
+    *,
+    flow: str = NON_ASSOCIATIVE,
+    settings: NonAssociativeSettings | None = None,
+) -> Collapse:
+    """Collapse multiplier and mechanism of a model by limit analysis of rigid blocks.
+
+    Parameters
+    ----------
+    model
+        Joint stiffnesses are not needed.
+    flow
+        "non-associative": joints slide with their own dilatancy angle, usually 0.
+        "associative": with one that equals the friction angle, an upper bound to the former.
+    settings
+        Of the non-associative scheme.
+
+    Raises
+    ------
+    ValueError
+        There is no such flow.
+    """
+    if flow not in FLOWS:
+        raise ValueError(f'there is no flow "{flow}": take {" or ".join(FLOWS)}')
+    (result,) = collapse_loads(model, flows=(flow,), settings=settings)
+    return result
+
+
+def collapse_loads(
+    model: Model,
+    *,
+    flows: Sequence[str] = FLOWS,
+    settings: NonAssociativeSettings | None = None,
+) -> tuple[Collapse, ...]:
+    """The same for several flows at once, which share their work."""
+    assembly = model.assembly
+    equilibrium = Equilibrium.of(assembly, model.load)
+    dead = bounds.dead_load_factor(equilibrium)
+    if dead.status != OPTIMAL:
+        return tuple(_without(equilibrium, flow, "failed", NOT_SOLVED) for flow in flows)
+    if dead.factor < 1.0 - bounds.WHOLE:
+        return tuple(_unstable(equilibrium, flow, dead) for flow in flows)
+    answer = bounds.collapse(equilibrium)
+    results = []
+    for flow in flows:
+        if flow == ASSOCIATIVE:
+            results.append(_associative(equilibrium, answer))
+        else:
+            start = answer.forces[:, 0] if answer.status == OPTIMAL else None
+            paths = follow_paths(
+                equilibrium,
+                associative=start,
+                resting=dead.forces[:, 0],
+                settings=settings or NonAssociativeSettings(),
+            )
+            results.append(_non_associative(equilibrium, paths, settings))
+    return tuple(results)
+
+
+NOT_SOLVED = "the linear program could not be solved: are blocks or strengths of extreme sizes?"
+LOCKED = (
+    "no finite multiplier: the joints' friction alone can carry any multiple of the load in this "
+    "direction"
+)
+
+
+def stands(assembly: Assembly) -> bool:
+    """Whether the blocks stand under their own weight (associative joints)."""
+    sideways = LoadPattern(direction=np.eye(assembly.dimension)[0])
+    return bounds.stands(Equilibrium.of(assembly, sideways))
+
+
+def _associative(equilibrium: Equilibrium, answer: Answer) -> Collapse:
+    if answer.status != OPTIMAL:
+        if bounds.is_locked(equilibrium):
+            return _without(equilibrium, ASSOCIATIVE, "locked", LOCKED)
+        return _without(equilibrium, ASSOCIATIVE, "failed", NOT_SOLVED)
+    friction = equilibrium.points.friction
+    upper = bounds.upper_bound(equilibrium, answer.velocity)
+    velocities = _normalised(equilibrium, answer.velocity)
+    moving = _moving(equilibrium.assembly, velocities)
+    return Collapse(
+        flow=ASSOCIATIVE,
+        load_multiplier=answer.factor,
+        collapse_range=(answer.factor, answer.factor),
+        status="finished",
+        reason=f"a mechanism of {_blocks(len(moving))} forms",
+        velocities=velocities,
+        contacts=_contacts(equilibrium, answer.forces, answer.velocity),
+        moving=moving,
+        duality_gap=_relative(upper - answer.factor, answer.factor),
+        residual=equilibrium.residual(answer.forces, answer.factor),
+        friction_violation=strength_violation(equilibrium, answer.forces),
+        dilatancy_violation=bounds.flow_violation(equilibrium, answer.velocity, friction),
+        n_iterations=answer.n_iterations,
+    )
+
+
+def _non_associative(
+    equilibrium: Equilibrium, paths: Paths, settings: NonAssociativeSettings | None
+) -> Collapse:
+    if not paths.states:
+        if paths.n_unbounded:
+            return _without(equilibrium, NON_ASSOCIATIVE, "locked", LOCKED)
+        reason = "the scheme did not come to rest on any path: try a smaller beta, or more paths"
+        return _without(equilibrium, NON_ASSOCIATIVE, "failed", reason)
+    state = paths.states[0]
+    lowest = min(one.lowest for one in paths.states)
+    highest = max(one.highest for one in paths.states)
+    velocities = _normalised(equilibrium, state.velocity)
+    moving = _moving(equilibrium.assembly, velocities)
+    reason = f"a mechanism of {_blocks(len(moving))} forms"
+    if highest - lowest > 1e-4 * max(abs(state.multiplier), 1e-3):
+        reason += (
+            f"; the multiplier is not unique: collapse states from {lowest:.5g} to {highest:.5g} "
+            "were found"
+        )
+    tangent = flow_tangent(equilibrium, settings.alpha if settings else 0.0)
+    return Collapse(
+        flow=NON_ASSOCIATIVE,
+        load_multiplier=state.multiplier,
+        collapse_range=(lowest, highest),
+        status="finished",
+        reason=reason,
+        velocities=velocities,
+        contacts=_contacts(equilibrium, state.forces, state.velocity),
+        moving=moving,
+        duality_gap=_relative(_unbalanced_power(equilibrium, state), state.multiplier),
+        residual=equilibrium.residual(state.forces, state.multiplier),
+        friction_violation=strength_violation(equilibrium, state.forces),
+        dilatancy_violation=_flow_deviation(equilibrium, state, tangent),
+        n_iterations=paths.n_iterations,
+        n_paths=len(paths.states),
+    )
+
+
+def _unbalanced_power(equilibrium: Equilibrium, state: State) -> float:
+    """Multiplier by the power of the state's own contact forces less the state's multiplier."""
+    contact = float(np.sum(state.forces * equilibrium.relative(state.velocity)))
+    dead = float(equilibrium.dead @ state.velocity)
+    live = float(equilibrium.live @ state.velocity)
+    return -(contact + dead) / live - state.multiplier
+
+
+def _flow_deviation(equilibrium: Equilibrium, state: State, tangent: Array) -> float:
+    """Largest closing, and at contacts that carry force also opening, off the flow rule."""
+    relative = equilibrium.relative(state.velocity)
+    largest = float(np.abs(relative).max(initial=0.0))
+    off = relative[:, 0] - tangent * np.abs(relative[:, 1])
+    loaded = state.forces[:, 0] > NO_FORCE
+    wrong = np.where(loaded, np.abs(off), np.maximum(-off, 0.0))
+    return float(wrong.max(initial=0.0)) / largest if largest > 0.0 else 0.0
+
+
+def _unstable(equilibrium: Equilibrium, flow: str, dead: Answer) -> Collapse:
+    velocities = _normalised(equilibrium, dead.velocity)
+    moving = _moving(equilibrium.assembly, velocities)
+    reason = (
+        f"does not stand under its own weight: {_named(moving)} would move before any load; "
+        "support it, widen the joints or raise their friction"
+    )
+    return _without(equilibrium, flow, "unstable", reason, velocities, moving)
+
+
+def _without(
+    equilibrium: Equilibrium,
+    flow: str,
+    status: str,
+    reason: str,
+    velocities: Array | None = None,
+    moving: tuple[str, ...] = (),
+) -> Collapse:
+    """A result without a multiplier."""
+    value = np.inf if status == "locked" else np.nan
+    return Collapse(
+        flow=flow,
+        load_multiplier=value,
+        collapse_range=(value, value),
+        status=status,
+        reason=reason,
+        velocities=equilibrium.assembly.rest_pose() if velocities is None else velocities,
+        contacts=None,
+        moving=moving,
+        duality_gap=np.nan,
+        residual=np.nan,
+        friction_violation=np.nan,
+        dilatancy_violation=np.nan,
+        n_iterations=0,
+        n_paths=0,
+    )
+
+
+def _normalised(equilibrium: Equilibrium, velocity: Array) -> Array:
+    """Velocities of all blocks, scaled so that the fastest vertex has one."""
+    velocities = equilibrium.block_velocities(velocity)
+    fastest = float(_speeds(equilibrium.assembly, velocities).max(initial=0.0))
+    return velocities / fastest if fastest > 0.0 else velocities
+
+
+def _speeds(assembly: Assembly, velocities: Array) -> Array:
+    """Speed of the fastest vertex of each plane block, (n,)."""
+    speeds = np.zeros(assembly.n_bodies)
+    for i, block in enumerate(assembly.blocks):
+        arm = block.vertices - assembly.centroid[i]
+        turn = velocities[i, 2] * np.column_stack((-arm[:, 1], arm[:, 0]))
+        speeds[i] = np.linalg.norm(velocities[i, :2] + turn, axis=1).max()
+    return speeds
+
+
+def _moving(assembly: Assembly, velocities: Array) -> tuple[str, ...]:
+    speeds = _speeds(assembly, velocities)
+    return tuple(assembly.ids[i] for i in np.flatnonzero(speeds > AT_REST))
+
+
+def _contacts(equilibrium: Equilibrium, forces: Array, velocity: Array) -> ContactForces:
+    """Forces in newton, with what each contact does in the mechanism."""
+    points = equilibrium.points
+    relative = equilibrium.relative(velocity)
+    largest = float(np.abs(relative).max(initial=0.0))
+    sliding = np.abs(relative[:, 1]) > AT_REST * largest
+    none = np.hypot(*forces.T) <= NO_FORCE
+    return ContactForces(
+        block_a=points.block_a,
+        block_b=points.block_b,
+        position=points.position,
+        normal=points.frame[:, 0],
+        gap=np.zeros(points.n_contacts),
+        area=points.area,
+        normal_reaction=forces[:, 0] * equilibrium.force,
+        tangential_reaction=forces[:, 1:] * equilibrium.force,
+        status=np.where(none, OPEN, np.where(sliding, SLIDING, STICKING)),
+    )
+
+
+def _relative(difference: float, value: float) -> float:
+    return abs(difference) / max(abs(value), 1.0)
+
+
+def _blocks(count: int) -> str:
+    return "1 block" if count == 1 else f"{count} blocks"
+
+
+def _named(ids: tuple[str, ...]) -> str:
+    shown = ", ".join(f'"{name}"' for name in ids[:MOST_NAMES])
+    more = f" and {len(ids) - MOST_NAMES} more" if len(ids) > MOST_NAMES else ""
+    return f"{'block' if len(ids) == 1 else 'blocks'} {shown}{more}" if ids else "some block"
