@@ -82,9 +82,7 @@ def with_corner(model: Model, corner: Corner) -> Model:
 
 def problem_of(model: Model) -> Problem:
     """What an engine is given of a model."""
-    return Problem(
-        assembly=model.assembly, load=model.load, control_point=model.control_point
-    )
+    return Problem(assembly=model.assembly, load=model.load, control_point=model.control_point)
 
 
 @dataclass(frozen=True)

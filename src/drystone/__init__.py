@@ -10,6 +10,7 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from drystone.builders import published_wall
     from drystone.curve import CapacityCurve, CurvePoint
+    from drystone.limit import Collapse, collapse_load
     from drystone.model import Model
     from drystone.modelfile import ModelError, read_model, write_model
     from drystone.pushover import pushover
@@ -17,9 +18,11 @@ if TYPE_CHECKING:
 # Heavy imports wait until a name is used, so that the command line starts at once.
 _PLACES = {
     "CapacityCurve": "drystone.curve",
+    "Collapse": "drystone.limit",
     "CurvePoint": "drystone.curve",
     "Model": "drystone.model",
     "ModelError": "drystone.modelfile",
+    "collapse_load": "drystone.limit",
     "published_wall": "drystone.builders",
     "pushover": "drystone.pushover",
     "read_model": "drystone.modelfile",

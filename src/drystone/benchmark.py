@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from drystone.builders.published import PUBLISHED_WALLS, PublishedWall, published_wall
 from drystone.curve import CapacityCurve, CurvePoint
 from drystone.engines.base import EngineError
+from drystone.limit import Beside, limits_beside
 from drystone.model import Model
 
 #: Shows the points of one analysis while it runs.
@@ -24,6 +25,7 @@ class BenchmarkRun:
     model: Model
     curve: CapacityCurve | None  # with poses
     reason: str
+    beside: Beside  # limit analysis of the same model
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +42,9 @@ class BenchmarkRow:
     engine: str
     status: str  # of the curve, or "failed"
     reason: str
+    associative_multiplier: float | None  # our limit analysis, with the corners of the curve
+    non_associative_multiplier: float | None
+    warning: str | None  # where the peak exceeds the associative multiplier
     peak_multiplier: float | None
     peak_displacement: float | None  # m
     ultimate_displacement: float | None  # m
@@ -108,8 +113,9 @@ def benchmark(
     runs: list[BenchmarkRun] = []
     for wall in walls:
         model = published_wall(wall)
+        beside = limits_beside(model)
         for engine in engines or (model.analysis.engine,):
-            run = _analyse(wall, model, engine, strategy, progress)
+            run = _analyse(wall, model, beside, engine, strategy, progress)
             runs.append(run)
             if run.curve is not None and run.curve.status == "interrupted":
                 return Benchmark(runs=tuple(runs))
@@ -119,6 +125,7 @@ def benchmark(
 def _analyse(
     wall: int,
     model: Model,
+    beside: Beside,
     engine: str,
     strategy: str,
     progress: Callable[[str, Model], Progress],
@@ -134,7 +141,9 @@ def _analyse(
         reason = curve.reason
     except EngineError as error:
         reason = str(error)
-    return BenchmarkRun(wall=wall, engine=engine, model=model, curve=curve, reason=reason)
+    return BenchmarkRun(
+        wall=wall, engine=engine, model=model, curve=curve, reason=reason, beside=beside
+    )
 
 
 def _row(run: BenchmarkRun, spread: float | None) -> BenchmarkRow:
@@ -153,6 +162,9 @@ def _row(run: BenchmarkRun, spread: float | None) -> BenchmarkRow:
         engine=run.engine,
         status=run.curve.status if run.curve else "failed",
         reason=run.reason,
+        associative_multiplier=run.beside.associative,
+        non_associative_multiplier=run.beside.non_associative,
+        warning=run.beside.warning(curve.peak.load_multiplier) if curve else None,
         peak_multiplier=curve.peak.load_multiplier if curve else None,
         peak_displacement=curve.peak.control_displacement if curve else None,
         ultimate_displacement=curve.ultimate_displacement if curve else None,

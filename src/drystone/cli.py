@@ -12,6 +12,7 @@ import typer
 from drystone.commands.benchmark import benchmark
 from drystone.commands.check import check
 from drystone.commands.convert import convert
+from drystone.commands.limit import limit
 from drystone.commands.run import run
 
 app = typer.Typer(
@@ -44,6 +45,7 @@ def drystone(
 
 
 app.command()(run)
+app.command()(limit)
 app.command()(check)
 app.command()(convert)
 app.command()(benchmark)

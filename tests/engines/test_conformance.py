@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from builders import (
     PUBLISHED_JOINT,
     UNIT_WEIGHT,
@@ -20,7 +21,6 @@ from builders import (
     turned,
     with_corner,
 )
-
 from drystone.assembly import Block, Corner, JointLaw
 from drystone.builders import make_model, published_wall
 from drystone.curve import COLUMNS, CapacityCurve
@@ -78,7 +78,10 @@ def small_wall():
     unit_width, height = 0.4, 0.175
     blocks = [
         Block(
-            id="base", vertices=rectangle(-0.4, -0.2, 1.8, 0.2), unit_weight=UNIT_WEIGHT, support=True
+            id="base",
+            vertices=rectangle(-0.4, -0.2, 1.8, 0.2),
+            unit_weight=UNIT_WEIGHT,
+            support=True,
         )
     ]
     for course, widths in enumerate(([2, 2, 1], [1, 2, 2], [2, 2, 1])):
@@ -131,7 +134,9 @@ class TestAtRest:
         assert report.penetration == pytest.approx(lower, rel=tolerance.closing)
         assert report.control_displacement == pytest.approx(0.0, abs=1e-4 * upper)
 
-    @pytest.mark.parametrize("make", [small_wall, lambda: published_wall(3)], ids=["small", "wall 3"])
+    @pytest.mark.parametrize(
+        "make", [small_wall, lambda: published_wall(3)], ids=["small", "wall 3"]
+    )
     def test_supports_carry_the_weight_and_nothing_sideways(self, engine, tolerance, make):
         model = make()
         solver, state, report = started(model, engine)
@@ -169,7 +174,7 @@ class TestAtRest:
     def test_the_joint_is_as_stiff_whatever_the_number_of_points(
         self, engine, tolerance, corner, pieces
     ):
-        """A block upon one, two or five supports in a row: 2 to 10 contact points, one stiffness."""
+        """A block upon one, two or five supports in a row: 2 to 10 contact points, one joint."""
         width = 0.5 / pieces
         blocks = [
             Block(
@@ -209,9 +214,7 @@ class TestAtRest:
             Block(id="low", vertices=rectangle(-0.5, 0.0, 0.4, 0.2), unit_weight=UNIT_WEIGHT),
             Block(id="high", vertices=rectangle(0.1, 0.0, 0.4, 0.6), unit_weight=UNIT_WEIGHT),
         ]
-        model = make_model(
-            blocks, joint=PUBLISHED_JOINT, thickness=1.0, load_direction=(1.0, 0.0)
-        )
+        model = make_model(blocks, joint=PUBLISHED_JOINT, thickness=1.0, load_direction=(1.0, 0.0))
         _, state, _ = started(model, engine)
         low, high = 0.2 * UNIT_WEIGHT / 1e8, 0.6 * UNIT_WEIGHT / 1e8
         assert state.pose[1:, 1] == pytest.approx([-low, -high], rel=tolerance.closing)
@@ -253,9 +256,7 @@ class TestStanding:
             Block(id="steady", vertices=rectangle(-0.9, 0.0, 0.4, 0.2), unit_weight=UNIT_WEIGHT),
             Block(id="tips", vertices=rectangle(-0.1, 0.0, 0.4, 0.2), unit_weight=UNIT_WEIGHT),
         ]
-        model = make_model(
-            blocks, joint=PUBLISHED_JOINT, thickness=1.0, load_direction=(1.0, 0.0)
-        )
+        model = make_model(blocks, joint=PUBLISHED_JOINT, thickness=1.0, load_direction=(1.0, 0.0))
         with pytest.raises(UnstableError) as error:
             started(model, engine)
         assert '"tips"' in str(error.value)
@@ -285,7 +286,7 @@ class TestStanding:
             for n in (2, 3)
         )
         started(two, engine)
-        with pytest.raises(UnstableError, match='"b3".* keep moving'):
+        with pytest.raises(UnstableError, match=r'"b3".* keep moving'):
             started(three, engine)
 
 
@@ -427,9 +428,7 @@ class TestCurves:
             model = with_corner(
                 stack((0.4, 0.3), (0.3, 0.6), direction=(sign, 0.0), joint=PUBLISHED_JOINT), corner
             )
-            curve = pushover(
-                model, engine=engine, strategy="displacement", max_displacement=0.02
-            )
+            curve = pushover(model, engine=engine, strategy="displacement", max_displacement=0.02)
             peaks.append(curve.peak.load_multiplier)
         assert peaks[0] == pytest.approx(peaks[1], rel=1e-3)
 

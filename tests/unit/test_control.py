@@ -20,10 +20,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
-from builders import stack
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from builders import stack
 from drystone.control import (
     ControlError,
     ExcessControl,
@@ -124,7 +124,9 @@ class TestExcess:
     @given(st.floats(0.05, 1.0), st.floats(5e-3, 0.02), st.floats(0.06, 0.15))
     @settings(max_examples=30)
     def test_the_curve_is_the_static_one(self, c, increment, time_step):
-        curve = trace(SlidingStructure(c=c), "displacement", increment=increment, time_step=time_step)
+        curve = trace(
+            SlidingStructure(c=c), "displacement", increment=increment, time_step=time_step
+        )
         assert curve.status == "finished"
         moved = np.flatnonzero((curve.column("motion") > 0.0) & (curve.column("status") == STATIC))
         expected = falling(started_from(curve))[moved]

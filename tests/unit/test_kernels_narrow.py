@@ -10,6 +10,9 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
 from builders import (
     UNIT_WEIGHT,
     approach,
@@ -19,9 +22,6 @@ from builders import (
     turned,
     with_corner,
 )
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
-
 from drystone.assembly import Assembly, Block, Corner, JointLaw
 from drystone.builders import published_wall
 from drystone.contact.broad import candidate_pairs
@@ -232,9 +232,7 @@ class JointOfPair:
         self.detector.follow(self.pairs, self.pose + increment, self.known, self.slots)
         self.force, self.reaction = np.zeros((2, 3)), np.zeros((n, 2))
         self.status = np.zeros(n, np.int64)
-        tangent = Tangent(
-            np.zeros((2, 3, 3)), np.zeros((n_pairs, 3, 3)), np.zeros((n_pairs, 3, 3))
-        )
+        tangent = Tangent(np.zeros((2, 3, 3)), np.zeros((n_pairs, 3, 3)), np.zeros((n_pairs, 3, 3)))
         joint.joint_forces(
             self.slots, self.pairs.a, self.pairs.b, self.pairs.law, self.laws, 1.0,
             self.start_length, self.start_slip, self.history, np.arange(n), increment,
@@ -433,8 +431,8 @@ class TestPublishedWalls:
         _, _, slots, k = self.touching(wall, corner)
         assert len(k) == n_contacts
         assert slots.gap[k] == pytest.approx(0.0, abs=ROUNDING)
-        # Half of the joint to each end: 0.1 m on a bed joint of half a unit of 0.4 m and 0.0875 m on
-        # a head joint (the areas of the paper, section 3); whole units meet the base over 0.4 m.
+        # Half of the joint to each end: 0.1 m on a bed joint of half a unit of 0.4 m and 0.0875 m
+        # on a head joint (the areas of the paper); whole units meet the base over 0.4 m.
         lengths = slots.length[k]
         for row in lengths:
             assert min(abs(row - np.array([0.0875, 0.1, 0.2]))) < ROUNDING

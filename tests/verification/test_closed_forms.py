@@ -11,8 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import PUBLISHED_JOINT, STIFF, RockingBlock, stack, stiff_joint
 
+from builders import PUBLISHED_JOINT, STIFF, RockingBlock, stack, stiff_joint
 from drystone.assembly import Corner
 from drystone.builders import published_wall
 from drystone.curve import STATIC
@@ -28,9 +28,7 @@ def corner_of(block):
 
 
 def rocking(block, **options):
-    model = stack(
-        (block.width, block.height), joint=stiff_joint(ROUGH), corner=corner_of(block)
-    )
+    model = stack((block.width, block.height), joint=stiff_joint(ROUGH), corner=corner_of(block))
     return pushover(model, engine="nscd", **{"strategy": "displacement", **options})
 
 
@@ -302,7 +300,9 @@ class TestPublishedBias:
         here = d > 0.1 * block.ultimate_displacement
         # 2 % of the multiplier.  The recursion lags behind a branch that falls by 0.5 mm of its
         # remaining 0.14 to 0.3 m in a step, over c = 0.65, and so does the reading: 1 % at most.
-        assert ratio[here] == pytest.approx(predicted(overshoot, block.share(theta[here])), rel=0.02)
+        assert ratio[here] == pytest.approx(
+            predicted(overshoot, block.share(theta[here])), rel=0.02
+        )
 
     def test_on_wall_1_by_its_own_motion(self, biased):
         overshoot, curve, static, c, here = biased

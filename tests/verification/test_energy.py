@@ -14,8 +14,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import PUBLISHED_JOINT, UNIT_WEIGHT, problem_of, rectangle
 
+from builders import PUBLISHED_JOINT, UNIT_WEIGHT, problem_of, rectangle
 from drystone.assembly import GRAVITY, Block, Corner
 from drystone.builders import make_model
 from drystone.engines.base import Demand
@@ -29,7 +29,10 @@ class Flight:
 
     def __init__(self, sizes, places, velocities, corner=None, turn=(0.0, 0.0)):
         base = Block(
-            id="base", vertices=rectangle(-9.0, -1.0, 18.0, 1.0), unit_weight=UNIT_WEIGHT, support=True
+            id="base",
+            vertices=rectangle(-9.0, -1.0, 18.0, 1.0),
+            unit_weight=UNIT_WEIGHT,
+            support=True,
         )
         blocks = [
             Block(
@@ -97,13 +100,31 @@ class Flight:
 
 # Offset, turned, spinning: every kind of contact in turn.
 COLLISIONS = {
-    "head on": ([(0.4, 0.4)] * 2, [(-0.5, 0.0), (0.5, 0.0)], [(2.0, 0.0, 0.0), (-2.0, 0.0, 0.0)], 0.0),
-    "offset": ([(0.4, 0.2)] * 2, [(-0.5, 0.0), (0.5, 0.12)], [(3.0, 0.0, 0.0), (0.0, 0.0, 0.0)], 0.0),
-    "on a corner": (
-        [(0.4, 0.4), (0.2, 0.8)], [(-0.6, 0.0), (0.5, 0.1)], [(2.0, 0.3, 1.0), (-1.0, 0.0, -2.0)], 0.7,
+    "head on": (
+        [(0.4, 0.4), (0.4, 0.4)],
+        [(-0.5, 0.0), (0.5, 0.0)],
+        [(2.0, 0.0, 0.0), (-2.0, 0.0, 0.0)],
+        0.0,
     ),
-    "grazing": ([(0.4, 0.2)] * 2, [(-0.6, 0.0), (0.5, 0.19)], [(4.0, 0.4, 0.0), (-4.0, 0.0, 3.0)], 0.1),
-}  # fmt: skip
+    "offset": (
+        [(0.4, 0.2), (0.4, 0.2)],
+        [(-0.5, 0.0), (0.5, 0.12)],
+        [(3.0, 0.0, 0.0), (0.0, 0.0, 0.0)],
+        0.0,
+    ),
+    "on a corner": (
+        [(0.4, 0.4), (0.2, 0.8)],
+        [(-0.6, 0.0), (0.5, 0.1)],
+        [(2.0, 0.3, 1.0), (-1.0, 0.0, -2.0)],
+        0.7,
+    ),
+    "grazing": (
+        [(0.4, 0.2), (0.4, 0.2)],
+        [(-0.6, 0.0), (0.5, 0.19)],
+        [(4.0, 0.4, 0.0), (-4.0, 0.0, 3.0)],
+        0.1,
+    ),
+}
 
 
 @pytest.mark.parametrize("corner", [Corner(), Corner(radius=0.03)], ids=["sharp", "rounded"])

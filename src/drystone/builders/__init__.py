@@ -1,5 +1,7 @@
-"""Models put together in Python: coursed walls, the published benchmark, any set of blocks."""
+"""Models put together in Python: coursed walls, arches, columns, the published benchmark."""
 
+from drystone.builders.arch import circular_arch
+from drystone.builders.column import column, stack
 from drystone.builders.describe import model_to_dict
 from drystone.builders.errors import ModelError
 from drystone.builders.model import make_model
@@ -10,8 +12,11 @@ __all__ = [
     "PUBLISHED_WALLS",
     "ModelError",
     "PublishedWall",
+    "circular_arch",
+    "column",
     "coursed_wall",
     "make_model",
     "model_to_dict",
     "published_wall",
+    "stack",
 ]

@@ -33,15 +33,20 @@ HEADER = (
     ("UDEC", "peak"),
     ("error", "%"),
     ("", "engine"),
+    ("limit", "assoc"),
+    ("limit", "non-a"),
     ("our", "peak"),
     ("spread", "%"),
-    ("LMGC90", "end, m"),
-    ("our", "end, m"),
+    ("LMGC90", "end m"),
+    ("our", "end m"),
     ("time", "s"),
 )
+HEADS = ["\n".join(head) for head in HEADER]
+SPREAD = HEADER.index(("spread", "%"))
 NOTE = (
     "end: control displacement at the multiplier 0.01; error: LMGC90's peak less UDEC's over "
-    "the former;\nspread: between the peaks of our engines"
+    "the former;\nlimit: our limit analysis, associative and not, same corners; "
+    "spread: between our engines' peaks"
 )
 
 
@@ -115,6 +120,7 @@ def benchmark(
         begun = True
         write_benchmark(result, out, reference=reference)
         tell(problems)
+        tell([f"wall {row.wall}, {row.engine}: {row.warning}" for row in rows if row.warning])
         if as_json:
             emit(
                 {"rows": [asdict(row) for row in rows], "problems": problems, "directory": str(out)}
@@ -127,31 +133,34 @@ def benchmark(
 
 def print_table(rows: Sequence[BenchmarkRow]) -> None:
     """Table 1 on standard output: ruled on a terminal, plain columns elsewhere."""
-    lines = [cells(row) for row in rows]
+    lines = [HEADS, *(cells(row) for row in rows)]
+    if all(row.spread is None for row in rows):  # one engine: the terminal has better uses
+        lines = [line[:SPREAD] + line[SPREAD + 1 :] for line in lines]
+    heads, *lines = lines
     if sys.stdout.isatty():
-        print_ruled(lines)
+        print_ruled(heads, lines)
     else:
-        typer.echo(plain_table(lines))
+        typer.echo(plain_table(heads, lines))
     typer.echo(NOTE)
 
 
-def print_ruled(lines: Sequence[Sequence[str]]) -> None:
+def print_ruled(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> None:
     """Columns with a rule under their heads, narrow enough for a terminal of 80."""
     from rich import box
     from rich.console import Console
     from rich.table import Table
 
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 0), pad_edge=False)
-    for head in HEADER:
-        table.add_column("\n".join(head), justify="right", no_wrap=True)
+    for head in heads:
+        table.add_column(head, justify="right", no_wrap=True)
     for line in lines:
         table.add_row(*line)
     Console().print(table)
 
 
-def plain_table(lines: Sequence[Sequence[str]]) -> str:
+def plain_table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
     """Columns as wide as they need to be, two spaces apart."""
-    lines = [*zip(*HEADER, strict=True), *lines]
+    lines = [*zip(*(head.split("\n") for head in heads), strict=True), *lines]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     return "\n".join(
         "  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True))
@@ -168,6 +177,8 @@ def cells(row: BenchmarkRow) -> list[str]:
         f"{row.peak_udec:.3f}",
         f"{row.published_error:+.2f}",
         row.engine,
+        _number(row.associative_multiplier, ".3f"),
+        _number(row.non_associative_multiplier, ".3f"),
         _number(row.peak_multiplier, ".3f"),
         _number(row.spread, ".2f"),
         f"{row.ultimate_displacement_lmgc90:.3f}",

@@ -13,6 +13,7 @@ from drystone.commands.outcome import emit, exit_code, fail, outcome, tell
 
 if TYPE_CHECKING:
     from drystone.curve import CapacityCurve
+    from drystone.limit import Beside
 
 
 def run(
@@ -50,11 +51,16 @@ def run(
     with outcome(as_json=as_json, begun=lambda: begun):
         from drystone.commands.progress import progress_for
         from drystone.engines import engine_names
-        from drystone.export.directory import ResultsDirectory
+        from drystone.export.directory import ResultsDirectory, check_writable
+        from drystone.limit import limits_beside
         from drystone.modelfile import read_model
 
         model = read_model(model_file, engines=engine_names())
-        with ResultsDirectory(folder, mechanism_displacement=mechanism_at) as results:
+        check_writable(folder)  # better known before the work
+        beside = limits_beside(model)
+        with ResultsDirectory(
+            folder, mechanism_displacement=mechanism_at, beside=beside
+        ) as results:
             from drystone.pushover import pushover
 
             try:
@@ -75,14 +81,16 @@ def run(
             fail(exit_code(curve.status), [reason], as_json=as_json, status=curve.status)
         if curve.status != "finished":
             tell([f"{curve.status}: {curve.reason}"])
+        warning = beside.warning(curve.peak.load_multiplier)
+        tell([warning] if warning else [])
         if as_json:
             emit({**(results.summary or {}), "directory": str(folder)})
         else:
-            typer.echo(report(model.title, curve, folder))
+            typer.echo(report(model.title, curve, folder, beside))
     raise typer.Exit(exit_code(curve.status))
 
 
-def report(title: str, curve: CapacityCurve, folder: Path) -> str:
+def report(title: str, curve: CapacityCurve, folder: Path, beside: Beside) -> str:
     """The few lines that a person wants to read first."""
     peak, ultimate = curve.peak, curve.ultimate_displacement
     end = (
@@ -92,9 +100,23 @@ def report(title: str, curve: CapacityCurve, folder: Path) -> str:
     )
     rows = (
         ("peak multiplier", f"{peak.load_multiplier:.4f} at {peak.control_displacement:.5f} m"),
+        ("limit analysis", _limits(beside)),
         ("ultimate displacement", end),
         ("points", f"{len(curve.points)}, largest residual {curve.residual.max():.1e}"),
         ("time", f"{curve.wall_time:.1f} s ({curve.engine}, {curve.strategy})"),
         ("results", f"{folder}/"),
     )
     return "\n".join([title, *(f"  {name:<22} {value}" for name, value in rows)])
+
+
+def _limits(beside: Beside) -> str:
+    """Both collapse multipliers, or why there are none."""
+    found = [
+        f"{value:.4f} {flow}"
+        for value, flow in (
+            (beside.associative, "associative"),
+            (beside.non_associative, "non-associative"),
+        )
+        if value is not None
+    ]
+    return ", ".join(found + [beside.note] * bool(beside.note))

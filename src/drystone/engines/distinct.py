@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.contact.detection import Detector, Pairs, block_size, carry, empty_slots
+from drystone.contact.detection import Detector, Pairs, block_size, carry, copied, empty_slots
 from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
@@ -112,7 +112,7 @@ class Workspace:
         self.engine = engine
         self.real_masses = real_masses
         self.pairs = state.pairs
-        self.slots = Slots(*(array.copy() for array in state.slots))
+        self.slots = copied(state.slots)
         self.history = state.history.copy()
         self.reaction = state.reaction.copy()
         self.status = state.status.copy()
@@ -407,11 +407,11 @@ class DistinctEngine:
         control, assembly, s = self.problem.control_point, self.problem.assembly, self.settings
         pattern, pose = self.loads.pattern, work.motion.pose
         duration = s.drive_cycles * work.dt
-        sense = np.sign(self.problem.load.direction @ control.direction) or 1.0
+        sense = 1.0 if self.problem.load.direction @ control.direction >= 0.0 else -1.0
         begin = control.displacement(assembly, state.pose)
         last = state.increment
         came = begin - control.displacement(assembly, state.pose - last)
-        pushed = float(np.sum(pattern * last))
+        pushed, rate = float(np.sum(pattern * last)), 0.0
         if came * increment > 0.0 and pushed * increment * sense > 0.0:
             farthest = float(self.detector.motion(last).max())
             share = min(increment / came, 2.0 * abs(increment) / farthest) / duration
@@ -517,5 +517,5 @@ class DistinctEngine:
 def _highest(blocks: Array, mass: Array) -> Array:
     """Highest eigenvalue of each M^-1/2 B M^-1/2, (n,) [1/s2]."""
     root = 1.0 / np.sqrt(mass)
-    highest: Array = np.linalg.eigvalsh(blocks * root[:, :, None] * root[:, None, :])[:, -1]
-    return highest
+    values = np.linalg.eigvalsh(blocks * root[:, :, None] * root[:, None, :])
+    return np.asarray(values[:, -1], dtype=np.float64)

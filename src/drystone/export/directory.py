@@ -18,6 +18,7 @@ from drystone.export.csv import write_curve
 from drystone.export.hdf5 import ResultsReader, ResultsWriter
 from drystone.export.paraview import choose_frames, remove_series, write_series
 from drystone.export.summary import summarise, write_summary
+from drystone.limit.beside import Beside
 from drystone.model import Model
 from drystone.report import draw_curve, draw_mechanism
 from drystone.report.mechanism_figure import readable_magnification
@@ -52,6 +53,8 @@ class ResultsDirectory:
     mechanism_displacement
         Control displacement [m] of ``mechanism.png``; by default what the model's analysis says
         under ``mechanism_displacement``, else 0.2 m.
+    beside
+        Multipliers of limit analysis, for ``summary.json`` and ``curve.png``.
 
     Raises
     ------
@@ -59,8 +62,15 @@ class ResultsDirectory:
         At once, where nothing can be written there.
     """
 
-    def __init__(self, path: Path | str, *, mechanism_displacement: float | None = None) -> None:
+    def __init__(
+        self,
+        path: Path | str,
+        *,
+        mechanism_displacement: float | None = None,
+        beside: Beside | None = None,
+    ) -> None:
         self.path = Path(path)
+        self._beside = beside or Beside()
         self.summary: dict[str, Any] | None = None  # of the analysis, once it ended
         self._mechanism_displacement = mechanism_displacement
         self._model: Model | None = None
@@ -120,9 +130,12 @@ class ResultsDirectory:
         assert model is not None and writer is not None
         writer.close(curve)
         write_curve(curve, self.path / CURVE)
-        self.summary = summarise(curve, model)
+        self.summary = summarise(curve, model) | {
+            "associative_multiplier": self._beside.associative,
+            "non_associative_multiplier": self._beside.non_associative,
+        }
         write_summary(self.summary, self.path / SUMMARY)
-        draw_curve(curve, self.path / CURVE_FIGURE, title=model.title)
+        draw_curve(curve, self.path / CURVE_FIGURE, title=model.title, limits=self._beside.limits)
         with ResultsReader(self.path / RESULTS) as results:
             self._draw_mechanism(model, curve, results)
             frames = choose_frames(

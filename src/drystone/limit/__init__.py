@@ -1,5 +1,6 @@
 """Limit analysis: the load that brings rigid blocks down, and how."""
 
+from drystone.limit.beside import Beside, limits_beside
 from drystone.limit.collapse import (
     ASSOCIATIVE,
     FLOWS,
@@ -7,6 +8,7 @@ from drystone.limit.collapse import (
     Collapse,
     collapse_load,
     collapse_loads,
+    default_paths,
     stands,
 )
 from drystone.limit.non_associative import NonAssociativeSettings
@@ -16,10 +18,13 @@ __all__ = [
     "ASSOCIATIVE",
     "FLOWS",
     "NON_ASSOCIATIVE",
+    "Beside",
     "Collapse",
     "NonAssociativeSettings",
     "collapse_load",
     "collapse_loads",
+    "default_paths",
     "least_standing",
+    "limits_beside",
     "stands",
 ]

@@ -25,12 +25,12 @@ from scipy.sparse import csc_array, hstack, vstack
 from drystone.limit import interior_point
 from drystone.limit.cones import Rays, least_normal, shear_strength
 from drystone.limit.equilibrium import Equilibrium
-from drystone.limit.program import FAILED, OPTIMAL, Answer, ForceProgram
+from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer, ForceProgram
 
 Array = NDArray[np.float64]
 
 #: From this many blocks on the interior-point method is faster than the simplex method.
-LARGE = 150
+LARGE = 120
 #: A load factor this near to one is one: it is 0 or 1 where joints have no cohesion.
 WHOLE = 1e-6
 #: Error of the interior-point method that is still an answer.
@@ -38,14 +38,23 @@ ACCEPTABLE = 1e-6
 
 
 def collapse(equilibrium: Equilibrium) -> Answer:
-    """The largest multiplier of the load pattern that can be carried with the dead load."""
-    return _strongest(equilibrium, equilibrium.live, -equilibrium.dead)
+    """The largest multiplier of the load pattern that can be carried with the dead load.
+
+    Unbounded where friction locks the structure.
+    """
+    large = equilibrium.assembly.n_blocks >= LARGE
+    answer = _by_interior_point(equilibrium, equilibrium.live, -equilibrium.dead) if large else None
+    if answer is None and not (large and is_locked(equilibrium)):
+        answer = _by_simplex(equilibrium, equilibrium.live, -equilibrium.dead)
+    if answer is None or (answer.status == UNBOUNDED and is_locked(equilibrium)):
+        return _no_answer(equilibrium, UNBOUNDED)
+    return answer if answer.status == OPTIMAL else _no_answer(equilibrium, FAILED)
 
 
 def dead_load_factor(equilibrium: Equilibrium) -> Answer:
     """How much of the dead load can be carried, at most 1; else the velocities of the fall."""
     zero = np.zeros_like(equilibrium.dead)
-    return _strongest(equilibrium, equilibrium.dead, zero, largest=1.0)
+    return _strongest(equilibrium, equilibrium.dead, zero)
 
 
 def stands(equilibrium: Equilibrium) -> bool:
@@ -56,9 +65,7 @@ def stands(equilibrium: Equilibrium) -> bool:
 def is_locked(equilibrium: Equilibrium) -> bool:
     """Whether contact forces without any strength but friction carry the pattern by itself."""
     zero = np.zeros_like(equilibrium.dead)
-    return _is_whole(
-        _strongest(equilibrium, equilibrium.live, zero, largest=1.0, recession=True)
-    )
+    return _is_whole(_strongest(equilibrium, equilibrium.live, zero, recession=True))
 
 
 def upper_bound(equilibrium: Equilibrium, velocity: Array) -> float:
@@ -77,27 +84,43 @@ def flow_violation(equilibrium: Equilibrium, velocity: Array, tangent: Array) ->
     """
     relative = equilibrium.relative(velocity)
     largest = float(np.abs(relative).max(initial=0.0))
-    missing = tangent * np.abs(relative[:, 1]) - relative[:, 0]
-    return float(missing.max(initial=0.0)) / largest if largest > 0.0 else 0.0
+    missing = float((tangent * np.abs(relative[:, 1]) - relative[:, 0]).max(initial=0.0))
+    return missing / largest if largest > 0.0 else 0.0
 
 
 def _is_whole(answer: Answer) -> bool:
     return answer.status == OPTIMAL and answer.factor >= 1.0 - WHOLE
 
 
+def _no_answer(equilibrium: Equilibrium, status: str) -> Answer:
+    return Answer(
+        status=status,
+        factor=np.inf if status == UNBOUNDED else np.nan,
+        forces=np.zeros((equilibrium.n_contacts, 2)),
+        velocity=np.zeros_like(equilibrium.dead),
+        n_iterations=0,
+    )
+
+
 def _strongest(
+    equilibrium: Equilibrium, column: Array, right: Array, *, recession: bool = False
+) -> Answer:
+    """Maximise s, at most 1, with B f + s column = right and the strength of the contacts."""
+    if equilibrium.assembly.n_blocks >= LARGE:
+        answer = _by_interior_point(equilibrium, column, right, largest=1.0, recession=recession)
+        if answer is not None:
+            return answer
+    return _by_simplex(equilibrium, column, right, largest=1.0, recession=recession)
+
+
+def _by_simplex(
     equilibrium: Equilibrium,
     column: Array,
     right: Array,
     *,
-    largest: float | None = None,
+    largest: float = np.inf,
     recession: bool = False,
 ) -> Answer:
-    """Maximise s subject to B f + s column = right and the strength of the contacts."""
-    if equilibrium.assembly.n_blocks >= LARGE:
-        answer = _by_interior_point(equilibrium, column, right, largest, recession)
-        if answer is not None:
-            return answer
     nothing = np.zeros(equilibrium.n_contacts)
     program = ForceProgram(
         equilibrium,
@@ -105,7 +128,7 @@ def _strongest(
         right=right,
         slope=equilibrium.points.friction,
         least=nothing if recession else least_normal(equilibrium),
-        largest=np.inf if largest is None else largest,
+        largest=largest,
     )
     program.limit_shear(nothing if recession else equilibrium.cohesion)
     return program.solve()
@@ -115,8 +138,9 @@ def _by_interior_point(
     equilibrium: Equilibrium,
     column: Array,
     right: Array,
-    largest: float | None,
-    recession: bool,
+    *,
+    largest: float = np.inf,
+    recession: bool = False,
 ) -> Answer | None:
     """The same; None where it does not come to an end."""
     rays = Rays.of(equilibrium, recession=recession)
@@ -130,16 +154,14 @@ def _by_interior_point(
     )
     cost = np.zeros(n_amounts + 1)
     cost[n_amounts] = -1.0
-    free = np.array([n_amounts])
     enough = None
-    if largest is not None:  # one more row, s + rest = largest, and s is never negative
+    if largest < np.inf:  # one more row and column, s + rest = largest
         last = np.zeros((1, n_amounts + 2))
         last[0, n_amounts:] = 1.0
-        matrix = vstack(
-            [hstack([matrix, csc_array((matrix.shape[0], 1))]), csc_array(last)]
-        )
+        matrix = vstack([hstack([matrix, csc_array((matrix.shape[0], 1))]), csc_array(last)])
         bound, cost = np.append(bound, largest), np.append(cost, 0.0)
-        free, enough = np.zeros(0, np.int64), -largest * (1.0 - WHOLE)
+        enough = -largest * (1.0 - WHOLE)
+    free = np.array([n_amounts])  # s fills all rows: it must not enter the normal equations
     found = interior_point.solve(cost, csc_array(matrix), bound, free, enough=enough)
     if not found.converged and found.error > ACCEPTABLE:
         return None

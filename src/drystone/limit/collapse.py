@@ -20,7 +20,7 @@ from drystone.limit.non_associative import (
     follow_paths,
     strength_violation,
 )
-from drystone.limit.program import OPTIMAL, Answer
+from drystone.limit.program import OPTIMAL, UNBOUNDED, Answer
 from drystone.loading import LoadPattern
 from drystone.model import Model
 
@@ -33,6 +33,8 @@ FLOWS = (ASSOCIATIVE, NON_ASSOCIATIVE)
 NO_FORCE = 1e-7
 #: Blocks slower than this share of the fastest stand still in a mechanism.
 AT_REST = 1e-6
+#: Paths of the non-associative scheme by default, and from how many blocks on it is only one.
+MANY, FEW, LARGE = 8, 1, 200
 #: Blocks named in a sentence.
 MOST_NAMES = 8
 
@@ -60,7 +62,7 @@ class Collapse:
     moving: tuple[str, ...]
     """Blocks that move in the mechanism."""
     duality_gap: float
-    """Multiplier by the mechanism's balance of power less that of the forces, over the latter or 1."""
+    """Multiplier by the mechanism's power less that of the forces, over the latter or 1."""
     residual: float
     """Largest unbalanced force or moment on a block, over the heaviest weight (times its size)."""
     friction_violation: float
@@ -89,7 +91,8 @@ def collapse_load(
         "non-associative": joints slide with their own dilatancy angle, usually 0.
         "associative": with one that equals the friction angle, an upper bound to the former.
     settings
-        Of the non-associative scheme.
+        Of the non-associative scheme.  By default eight paths, and one from 200 blocks on, where
+        a path takes seconds.
 
     Raises
     ------
@@ -117,6 +120,7 @@ def collapse_loads(
     if dead.factor < 1.0 - bounds.WHOLE:
         return tuple(_unstable(equilibrium, flow, dead) for flow in flows)
     answer = bounds.collapse(equilibrium)
+    settings = settings or NonAssociativeSettings(n_paths=default_paths(assembly))
     results = []
     for flow in flows:
         if flow == ASSOCIATIVE:
@@ -127,10 +131,15 @@ def collapse_loads(
                 equilibrium,
                 associative=start,
                 resting=dead.forces[:, 0],
-                settings=settings or NonAssociativeSettings(),
+                settings=settings,
             )
             results.append(_non_associative(equilibrium, paths, settings))
     return tuple(results)
+
+
+def default_paths(assembly: Assembly) -> int:
+    """Paths of the non-associative scheme where nothing is said about them."""
+    return FEW if assembly.n_blocks >= LARGE else MANY
 
 
 NOT_SOLVED = "the linear program could not be solved: are blocks or strengths of extreme sizes?"
@@ -148,7 +157,7 @@ def stands(assembly: Assembly) -> bool:
 
 def _associative(equilibrium: Equilibrium, answer: Answer) -> Collapse:
     if answer.status != OPTIMAL:
-        if bounds.is_locked(equilibrium):
+        if answer.status == UNBOUNDED:
             return _without(equilibrium, ASSOCIATIVE, "locked", LOCKED)
         return _without(equilibrium, ASSOCIATIVE, "failed", NOT_SOLVED)
     friction = equilibrium.points.friction
@@ -173,7 +182,7 @@ def _associative(equilibrium: Equilibrium, answer: Answer) -> Collapse:
 
 
 def _non_associative(
-    equilibrium: Equilibrium, paths: Paths, settings: NonAssociativeSettings | None
+    equilibrium: Equilibrium, paths: Paths, settings: NonAssociativeSettings
 ) -> Collapse:
     if not paths.states:
         if paths.n_unbounded:
@@ -191,7 +200,7 @@ def _non_associative(
             f"; the multiplier is not unique: collapse states from {lowest:.5g} to {highest:.5g} "
             "were found"
         )
-    tangent = flow_tangent(equilibrium, settings.alpha if settings else 0.0)
+    tangent = flow_tangent(equilibrium, settings.alpha)
     return Collapse(
         flow=NON_ASSOCIATIVE,
         load_multiplier=state.multiplier,

@@ -72,11 +72,11 @@ class Equilibrium:
         return float(np.abs(rest).max(initial=0.0))
 
     def relative(self, velocity: Array) -> Array:
-        """Velocities of b seen from a at the contacts, (n_contacts, dim), of scaled ``velocity``."""
+        """Velocities of b seen from a at the contacts, (n_contacts, dim), from scaled ones."""
         return (self.matrix.T @ velocity).reshape(self.n_contacts, -1)
 
     def block_velocities(self, velocity: Array) -> Array:
-        """Scaled velocities (n_rows,) as those of all blocks, (n, n_dof) [m/s, rad/s] as it were."""
+        """Scaled velocities (n_rows,) as those of all blocks, (n, n_dof) [m/s, rad/s]."""
         assembly = self.assembly
         blocks = np.zeros((assembly.n_bodies, assembly.n_dof))
         blocks[~assembly.fixed] = velocity.reshape(-1, assembly.n_dof)

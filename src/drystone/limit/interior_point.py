@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, csc_matrix, csr_array, diags_array
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -89,34 +89,34 @@ def solve(
     newton = _Newton(a, a_free)
     point = _start(newton, c, c_free, right)
     scale_b, scale_c = 1.0 + np.abs(right).max(initial=0.0), 1.0 + np.abs(cost).max(initial=0.0)
-    best, best_error, waited, iteration, converged = point, np.inf, 0, 0, False
-    for iteration in range(max_iterations + 1):
+    best, best_error, waited, converged, n_iterations = point, np.inf, 0, False, 0
+    while n_iterations < max_iterations:
         rp = right - a @ point.x - a_free @ point.free
         rd = c - a.T @ point.y - point.z
         rf = c_free - a_free.T @ point.y
-        objective = c @ point.x + c_free @ point.free
-        gap = abs(objective - right @ point.y) / (1.0 + abs(objective))
-        primal = np.abs(rp).max(initial=0.0) / scale_b
+        objective = float(c @ point.x + c_free @ point.free)
+        primal = float(np.abs(rp).max(initial=0.0)) / scale_b
         dual = max(np.abs(rd).max(initial=0.0), np.abs(rf).max(initial=0.0)) / scale_c
+        gap = abs(objective - float(right @ point.y)) / (1.0 + abs(objective))
         error = max(primal, dual, gap)
         waited = 0 if error < 0.9 * best_error else waited + 1
         if error < best_error:
             best, best_error = point, error
-        converged = best_error <= tolerance
         feasible = primal <= tolerance
-        if converged or (feasible and enough is not None and objective < enough):
-            best, converged = (best, True) if converged else (point, True)
-            break
-        if waited > PATIENCE or (feasible and objective < -give_up):
+        if feasible and enough is not None and objective < enough:
+            best, converged = point, True
+        converged = converged or best_error <= tolerance
+        if converged or waited > PATIENCE or (feasible and objective < -give_up):
             break
         try:
             point = _iterate(newton, point, rp, rd, rf)
-        except (RuntimeError, FloatingPointError):  # the factorisation broke down
+        except (RuntimeError, np.linalg.LinAlgError):  # the factorisation broke down
             break
+        n_iterations += 1
     x = np.zeros(len(cost))
     x[bounded], x[free] = best.x, best.free
     return Solution(
-        x=x, y=best.y, converged=bool(converged), error=float(best_error), n_iterations=iteration
+        x=x, y=best.y, converged=converged, error=float(best_error), n_iterations=n_iterations
     )
 
 
@@ -169,11 +169,11 @@ class _Newton:
         dy = self._normal(h)
         if not self.a_free.shape[1]:
             return dy, np.zeros(0)
-        dx = np.linalg.solve(self._small, self.a_free.T @ dy - g)
+        dx: Array = np.linalg.solve(self._small, self.a_free.T @ dy - g)
         return dy - self._columns @ dx, dx
 
 
-def _factor(normal: csc_array, order: str):  # noqa: ANN202  (SuperLU has no public type)
+def _factor(normal: csc_array, order: str) -> SuperLU:
     return splu(
         csc_matrix(normal),
         permc_spec=order,

@@ -127,9 +127,7 @@ class ForceProgram:
 
     def hold_normal(self, contact: NDArray[np.int64], normal: Array) -> None:
         """Set the normal forces of contacts."""
-        self._solver.changeColsBounds(
-            len(contact), (2 * contact).astype(np.int32), normal, normal
-        )
+        self._solver.changeColsBounds(len(contact), (2 * contact).astype(np.int32), normal, normal)
 
     def aim(self, sense: float) -> None:
         """Maximise s for 1, minimise it for -1."""

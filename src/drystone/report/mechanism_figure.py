@@ -57,6 +57,7 @@ def draw_mechanism(
     load_direction: Array | None = None,
     control_point: ControlPoint | None = None,
     magnification: float = 1.0,
+    scale: str = "",
 ) -> None:
     """Write ``mechanism.png``: joints that opened in red, those that slid in blue.
 
@@ -76,6 +77,8 @@ def draw_mechanism(
         Marked where it is now.
     magnification
         Of the displacements.  Contact points are left out where it is not 1.
+    scale
+        What to say of the displacements' scale, where it is neither true nor a magnification.
     """
     figure = canvas.new_figure(8.0, 8.0)
     axes = figure.subplots()
@@ -90,11 +93,12 @@ def draw_mechanism(
             magnification=magnification,
         ),
     )
-    scale = (
-        "true to scale"
-        if magnification == 1.0
-        else f"displacements magnified {magnification:g} times"
-    )
+    if not scale:
+        scale = (
+            "true to scale"
+            if magnification == 1.0
+            else f"displacements magnified {magnification:g} times"
+        )
     figure.suptitle(f"{title} ({scale})" if title else scale, fontsize=11)
     handles, labels = axes.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=9, frameon=False)

@@ -1,0 +1,82 @@
+"""Results of limit analysis: as data, and a folder with pictures of the mechanisms."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drystone.export.summary import package_version, plain, write_summary
+from drystone.limit import Collapse
+from drystone.model import Model
+from drystone.report import draw_mechanism
+from drystone.report.outlines import MovingOutlines
+
+LIMIT, MECHANISM = "limit.json", "mechanism"
+#: The fastest vertex is drawn this share of the structure's size away from where it was.
+DRAWN = 0.08
+
+
+def collapse_to_dict(result: Collapse) -> dict[str, Any]:
+    """Everything but the arrays, ready for JSON: None for what is not finite."""
+    values: dict[str, Any] = {
+        "flow": result.flow,
+        "collapse_multiplier": result.load_multiplier,
+        "collapse_range": result.collapse_range,
+        "status": result.status,
+        "reason": result.reason,
+        "moving": result.moving,
+        "duality_gap": result.duality_gap,
+        "residual": result.residual,
+        "friction_violation": result.friction_violation,
+        "dilatancy_violation": result.dilatancy_violation,
+        "n_iterations": result.n_iterations,
+        "n_paths": result.n_paths,
+    }
+    return {key: plain(value) for key, value in values.items()}
+
+
+def write_collapse(results: Sequence[Collapse], model: Model, folder: Path) -> None:
+    """Write ``limit.json`` and ``mechanism-FLOW.png`` for every flow that has a mechanism.
+
+    ``mechanism.png`` is that of the last one.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    summary = {
+        "title": model.title,
+        "n_blocks": model.assembly.n_blocks,
+        "flows": [collapse_to_dict(result) for result in results],
+        "version": package_version(),
+        "model": model.source,
+        "model_sha256": model.sha256,
+    }
+    write_summary(summary, folder / LIMIT)
+    size = MovingOutlines.of(model.assembly).size()
+    last = None
+    for result in results:
+        if not np.any(result.velocities):
+            continue
+        last = folder / f"{MECHANISM}-{result.flow}.png"
+        draw_mechanism(
+            model.assembly,
+            DRAWN * size * result.velocities,
+            None,  # forces belong to the designed shape, not to where blocks are drawn
+            last,
+            title=_title(model.title, result),
+            load_direction=model.load.direction,
+            control_point=model.control_point,
+            scale="rates of motion, drawn large",
+        )
+    if last is not None:
+        (folder / f"{MECHANISM}.png").write_bytes(last.read_bytes())
+
+
+def _title(title: str, result: Collapse) -> str:
+    what = (
+        f"{result.flow}, $λ$ = {result.load_multiplier:.4f}"
+        if result.status == "finished"
+        else "falls under its own weight"
+    )
+    return f"{title}: {what}" if title else what

@@ -1,0 +1,68 @@
+"""Limit analysis beside a pushover curve: two multipliers, quickly, or why there are none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.limit.collapse import ASSOCIATIVE, FLOWS, NON_ASSOCIATIVE, collapse_loads
+from drystone.limit.non_associative import NonAssociativeSettings
+from drystone.model import Model
+
+#: Structures of more blocks are left out: they would take seconds.
+MOST_BLOCKS = 2000
+#: Likewise for the non-associative scheme, which solves dozens of linear programs.
+MOST_NON_ASSOCIATIVE = 120
+#: A peak may exceed the associative multiplier by this share before it is a fault.
+MARGIN = 1e-3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Beside:
+    """Collapse multipliers of a model with the corners that its curve has."""
+
+    associative: float | None = None
+    non_associative: float | None = None
+    note: str = ""
+    """Why a value is missing, as a sentence."""
+
+    @property
+    def limits(self) -> dict[str, float]:
+        """Label and multiplier of what was found."""
+        found = {
+            "limit analysis, associative": self.associative,
+            "limit analysis, non-associative": self.non_associative,
+        }
+        return {label: value for label, value in found.items() if value is not None}
+
+    def warning(self, peak: float) -> str | None:
+        """A sentence where a peak lies above what no structure of rigid blocks can carry."""
+        if self.associative is None or peak <= self.associative * (1.0 + MARGIN):
+            return None
+        return (
+            f"the peak multiplier {peak:.4f} exceeds the associative collapse multiplier "
+            f"{self.associative:.4f}, an upper bound: take smaller steps or a finer tolerance"
+        )
+
+
+def limits_beside(model: Model) -> Beside:
+    """Both multipliers, the non-associative one along a single path."""
+    n_blocks = model.assembly.n_blocks
+    if n_blocks > MOST_BLOCKS:
+        return Beside(note=f"{n_blocks} blocks are left to the command `limit`")
+    flows = FLOWS if n_blocks <= MOST_NON_ASSOCIATIVE else (ASSOCIATIVE,)
+    results = collapse_loads(model, flows=flows, settings=NonAssociativeSettings(n_paths=1))
+    values = {
+        result.flow: result.load_multiplier
+        for result in results
+        if result.status == "finished" and np.isfinite(result.load_multiplier)
+    }
+    missing = [result.reason for result in results if result.flow not in values]
+    if len(flows) == 1 and not missing:
+        missing = [f"the non-associative flow of {n_blocks} blocks is left to the command `limit`"]
+    return Beside(
+        associative=values.get(ASSOCIATIVE),
+        non_associative=values.get(NON_ASSOCIATIVE),
+        note=missing[0] if missing else "",
+    )
