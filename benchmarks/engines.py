@@ -19,7 +19,7 @@ import drystone as ds
 from drystone.curve import DYNAMIC, CapacityCurve
 from drystone.engines import engine_names, make_engine
 from drystone.engines.base import EngineError
-from drystone.pushover import pushover
+from drystone.analysis import pushover
 
 #: Engines that are timed in a single run: they need no warming up, and are slow.
 ONCE = ("lmgc90", "distinct")

@@ -9,8 +9,8 @@ import pytest
 
 import drystone as ds
 from builders import RockingBlock, stack
+from drystone.analysis import pushover
 from drystone.engines import engine_names
-from drystone.pushover import pushover
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 

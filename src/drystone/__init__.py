@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from drystone.analysis import pushover
     from drystone.builders import published_wall
     from drystone.curve import CapacityCurve, CurvePoint
     from drystone.limit import Collapse, collapse_load
     from drystone.model import Model
     from drystone.modelfile import ModelError, read_model, write_model
-    from drystone.pushover import pushover
 
 # Heavy imports wait until a name is used, so that the command line starts at once.
 _PLACES = {
@@ -24,7 +24,7 @@ _PLACES = {
     "ModelError": "drystone.modelfile",
     "collapse_load": "drystone.limit",
     "published_wall": "drystone.builders",
-    "pushover": "drystone.pushover",
+    "pushover": "drystone.analysis",
     "read_model": "drystone.modelfile",
     "write_model": "drystone.modelfile",
 }

@@ -130,7 +130,7 @@ def _analyse(
     strategy: str,
     progress: Callable[[str, Model], Progress],
 ) -> BenchmarkRun:
-    from drystone.pushover import pushover
+    from drystone.analysis import pushover
 
     curve, reason = None, ""
     try:

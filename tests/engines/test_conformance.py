@@ -21,12 +21,12 @@ from builders import (
     turned,
     with_corner,
 )
+from drystone.analysis import pushover
 from drystone.assembly import Block, Corner, JointLaw
 from drystone.builders import make_model, published_wall
 from drystone.curve import COLUMNS, CapacityCurve
 from drystone.engines import make_engine
 from drystone.engines.base import Demand, UnstableError
-from drystone.pushover import pushover
 
 TESTS = Path(__file__).resolve().parents[1]
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from builders import UNIT_WEIGHT, problem_of, rectangle, stack, stiff_joint
+from drystone.analysis import pushover
 from drystone.assembly import Block, Corner, JointLaw
 from drystone.builders import make_model
 from drystone.builders.wall import coursed_wall
 from drystone.engines.base import Demand, EngineError, UnstableError
 from drystone.engines.distinct import DistinctEngine, DistinctSettings, Workspace
 from drystone.model import Model
-from drystone.pushover import pushover
 
 JOINT = JointLaw(friction_coefficient=0.65, normal_stiffness=1e8, shear_stiffness=1e11)
 

@@ -13,6 +13,7 @@ import pytest
 
 import fake_pylmgc90
 from builders import PUBLISHED_JOINT, RockingBlock, problem_of, rectangle, stack, turned
+from drystone.analysis import pushover
 from drystone.assembly import Block, Corner, JointLaw
 from drystone.builders import make_model, published_wall
 from drystone.engines import lmgc90, make_engine
@@ -20,7 +21,6 @@ from drystone.engines.base import Demand, EngineError, UnstableError
 from drystone.engines.lmgc90 import Lmgc90Engine, Lmgc90Settings, engine
 from drystone.engines.lmgc90.messages import Outcome, Ready, Setup, Step
 from drystone.engines.lmgc90.solid import extrude, same_place
-from drystone.pushover import pushover
 
 LEG = 0.02  # m, of the chamfers
 needs_lmgc90 = pytest.mark.skipif(

@@ -192,7 +192,7 @@ def pushover(
     status: str = "finished",
     **_: Any,
 ) -> CapacityCurve:
-    """Stands in for `drystone.pushover.pushover`, the interruption included."""
+    """Stands in for `drystone.analysis.pushover`, the interruption included."""
     result = curve(n, status=status)
     reached, poses = [], []
     if recorder:

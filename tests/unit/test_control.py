@@ -24,6 +24,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from builders import stack
+from drystone.analysis import pushover
 from drystone.control import (
     ControlError,
     ExcessControl,
@@ -33,7 +34,6 @@ from drystone.control import (
 )
 from drystone.curve import DYNAMIC, STATIC
 from drystone.engines.base import Demand, EngineError, StepReport, UnstableError
-from drystone.pushover import pushover
 
 PEAK, DELTA_END = 0.4, 0.3  # -, m
 STEP = 1e-3  # m

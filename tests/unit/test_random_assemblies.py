@@ -8,10 +8,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from builders import UNIT_WEIGHT, rectangle
+from drystone.analysis import pushover
 from drystone.assembly import Block, Corner, JointLaw
 from drystone.builders import ModelError, make_model
 from drystone.engines.base import UnstableError
-from drystone.pushover import pushover
 
 ENGINES = ["nscd", "equilibrium"]
 

@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 
 from builders import with_corner
+from drystone.analysis import pushover
 from drystone.assembly import Corner
 from drystone.builders import PUBLISHED_WALLS, published_wall
-from drystone.pushover import pushover
 
 REFERENCE = Path(__file__).resolve().parents[3] / "shared" / "reference"
 

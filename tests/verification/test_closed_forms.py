@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 from builders import PUBLISHED_JOINT, STIFF, RockingBlock, stack, stiff_joint
+from drystone.analysis import pushover
 from drystone.assembly import Corner
 from drystone.builders import published_wall
 from drystone.curve import STATIC
 from drystone.engines.nscd import NscdEngine
-from drystone.pushover import pushover
 
 #: Friction that holds every block of these tests where it should rock.
 ROUGH = 2.0

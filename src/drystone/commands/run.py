@@ -61,7 +61,7 @@ def run(
         with ResultsDirectory(
             folder, mechanism_displacement=mechanism_at, beside=beside
         ) as results:
-            from drystone.pushover import pushover
+            from drystone.analysis import pushover
 
             try:
                 with progress_for(

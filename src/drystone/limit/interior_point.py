@@ -169,7 +169,7 @@ class _Newton:
         dy = self._normal(h)
         if not self.a_free.shape[1]:
             return dy, np.zeros(0)
-        dx: Array = np.linalg.solve(self._small, self.a_free.T @ dy - g)
+        dx = np.asarray(np.linalg.solve(self._small, self.a_free.T @ dy - g), dtype=np.float64)
         return dy - self._columns @ dx, dx
 
 
