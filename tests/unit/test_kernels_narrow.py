@@ -171,8 +171,8 @@ class TestPressed:
         assert slots.length == pytest.approx(0.2, abs=ROUNDING)
 
 
-def configurations(radius, n=40):
-    """Pairs of blocks that press on each other, in every kind of contact that there is.
+def configurations(radius, n=40, pressed=True):
+    """Pairs of blocks that press on each other or just touch, in every kind of contact there is.
 
     Small and large angles, edges on edges, vertices on edges of either block, and (with rounded
     corners) vertices on vertices beside each other's ends.
@@ -190,9 +190,9 @@ def configurations(radius, n=40):
         assembly = pair_of(
             unit, unit + (x, side), radius=radius, shear_stiffness=(1e6, 1e4)[i // 2 % 2]
         )
-        pressed = radius * random.uniform(0.3, 0.5)
-        pose, _, _ = approach(assembly, np.array([0.0, -side]), 2.0 * radius - pressed, angle)
-        if not radius:
+        depth = radius * random.uniform(0.3, 0.5) if pressed else 0.0
+        pose, _, _ = approach(assembly, np.array([0.0, -side]), 2.0 * radius - depth, angle)
+        if pressed and not radius:
             pose[1, 1] -= 3e-3 * side
         yield assembly, pose
 
@@ -377,6 +377,65 @@ class TestDerivatives:
             assert pair.slots.gap[used] == pytest.approx(before[used], abs=ROUNDING)
             # The shear stiffness times the rounding of a slip.
             assert pair.reaction[used, 1] == pytest.approx(0.0, abs=1e6 * ROUNDING)
+
+
+class TestKinematics:
+    @pytest.mark.parametrize("radius", [0.0, 0.03])
+    def test_the_mapping_is_the_relative_motion_of_the_touching_points(self, radius):
+        """By rigid kinematics at the point where the shapes touch, rolling included.
+
+        A body's material point at p moves by u + w x (p - x); the contact sees the difference of b
+        and a along the normal and along the tangent (n_y, -n_x).  Points that only just touch have
+        one such p, whatever rolls on what.
+        """
+        seen = Counter()
+        for assembly, pose in configurations(radius, pressed=False):
+            _, pairs, slots = contacts_of(assembly, pose)
+            used = np.flatnonzero(slots.kind)
+            rows = np.zeros((len(used), 2, 6))
+            map_contacts(
+                slots.kind, slots.normal, slots.arm_a, slots.arm_b, slots.roll, slots.ratio,
+                used, rows,
+            )  # fmt: skip
+            for row, k in zip(rows, used, strict=True):
+                kind, n = slots.kind[k], slots.normal[k]
+                if abs(slots.gap[k]) > 1e-8:
+                    continue
+                # From the vertex that touches, or the two, to the surface of its disc.
+                from_a = slots.arm_a[k] + radius * n * (-1.0 if kind == VERTEX_B else 1.0)
+                from_b = slots.arm_b[k] + radius * n * (1.0 if kind == VERTEX_A else -1.0)
+                assert (pairs.a[k // 2], pairs.b[k // 2]) == (0, 1)
+                for found, direction in zip(row, (n, np.array([n[1], -n[0]])), strict=True):
+                    turn_a = from_a[0] * direction[1] - from_a[1] * direction[0]
+                    turn_b = from_b[0] * direction[1] - from_b[1] * direction[0]
+                    # The gap of 1e-8 m over the radii that it is measured by.
+                    assert found == pytest.approx(
+                        [*-direction, -turn_a, *direction, turn_b], abs=1e-6
+                    )
+                seen[int(kind)] += 1
+        assert set(seen) == ({VERTEX_A, VERTEX_B, VERTICES} if radius else {VERTEX_A, VERTEX_B})
+
+    @pytest.mark.parametrize("first", ["disc", "plane"])
+    def test_a_rounded_corner_rolls_without_slipping(self, first):
+        """The disc's centre moves on by r w: nothing slips; turned in place, it slips by r w."""
+        radius, turn = 0.05, 0.2
+        plane = rectangle(-1.0, -1.0, 2.0, 1.0)
+        block = turned(rectangle(-0.1, -0.1, 0.2, 0.2), 0.3)
+        block = block + (0.0, -block[:, 1].min() - (np.cos(0.3) + np.sin(0.3) - 1.0) * radius)
+        shapes = (block, plane) if first == "disc" else (plane, block)
+        disc = 0 if first == "disc" else 1
+        assembly = pair_of(*shapes, radius=radius)
+        pair = JointOfPair(assembly, np.zeros((2, 3)), friction=1e9)
+        (k,) = np.flatnonzero(np.abs(pair.known.gap) < 1e-9)
+        arm = (pair.known.arm_a if disc == 0 else pair.known.arm_b)[k]
+        for share in (0.0, 1.0):
+            # Counter-clockwise on level ground rolls to the left; 1 micrometre closed.
+            increment = np.zeros((2, 3))
+            increment[disc, :2] = arm - turned(arm[None], turn)[0] + (-share * radius * turn, -1e-6)
+            increment[disc, 2] = turn
+            pair.at(increment)
+            slip = -pair.reaction[k, 1] / (assembly.joint.shear_stiffness * 0.1)
+            assert abs(slip) == pytest.approx((1.0 - share) * radius * turn, abs=1e-9)
 
 
 class TestBalance:

@@ -130,7 +130,7 @@ class Workspace:
         self.search_work = 0.0
         self.n_cycles = 0
         self.n_searches = 0
-        self._pack()
+        self._pack(weigh=True)
 
     @property
     def multiplier(self) -> float:
@@ -172,7 +172,8 @@ class Workspace:
         if not np.isfinite(pose).all():
             raise EngineError("the cycles are unstable: lower the safety factor of the time step")
         self.unpack()
-        before = self.engine.elastic_energy(self.pairs, self.slots, self.history)
+        if self.real_masses:
+            self.search_work += self.engine.elastic_energy(self.pairs, self.slots, self.history)
         if detector.outdated(self.pairs, pose):
             self._new_pairs(detector.pairs(pose))
         slots = empty_slots(len(self.pairs.a))
@@ -183,9 +184,12 @@ class Workspace:
         history = np.where(source[:, None] >= 0, self.history[source], 0.0)
         history[source < 0, joint.BROKEN] = 1.0  # blocks that come to touch later are not bonded
         self.slots, self.history, self.searched = slots, history, pose.copy()
-        self.search_work += before - self.engine.elastic_energy(self.pairs, slots, history)
+        if self.real_masses:
+            self.search_work -= self.engine.elastic_energy(self.pairs, slots, history)
         self.n_searches += 1
-        self._pack()
+        same = np.array_equal(old.feature, slots.feature) and np.array_equal(old.kind, slots.kind)
+        moved = detector.motion(pose - self.weighed).max() > WATCHED * self.engine.size
+        self._pack(weigh=moved or not same)
 
     def _new_pairs(self, pairs: Pairs) -> None:
         """Go over to another list of pairs, with the slots and histories of those that stay."""
@@ -208,7 +212,8 @@ class Workspace:
             self.history, self.reaction, self.status,
         )  # fmt: skip
 
-    def _pack(self) -> None:
+    def _pack(self, *, weigh: bool) -> None:
+        """Contacts of the slots as the cycles take them, and masses where they may have changed."""
         engine, assembly = self.engine, self.engine.problem.assembly
         n_slots = len(self.slots.kind)
         self.contacts = Contacts(
@@ -228,6 +233,9 @@ class Workspace:
         rotation = self.motion.pose[:, 2]
         self.motion.turn[:, 0] = np.cos(rotation)
         self.motion.turn[:, 1] = np.sin(rotation)
+        if not weigh:
+            return
+        self.weighed = self.motion.pose.copy()
         self.mass, self.dt = engine.masses(self.slots, self.pairs, real=self.real_masses)
         inverse = np.where(assembly.fixed[:, None], 0.0, 1.0 / self.mass)
         self.loads = Loads(

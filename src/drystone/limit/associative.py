@@ -74,7 +74,8 @@ def upper_bound(equilibrium: Equilibrium, velocity: Array) -> float:
     low = least_normal(equilibrium)
     strength = shear_strength(equilibrium, low)
     dissipated = float(strength @ np.abs(relative[:, 1]) - low @ relative[:, 0])
-    return (dissipated - equilibrium.dead @ velocity) / float(equilibrium.live @ velocity)
+    dead, live = float(equilibrium.dead @ velocity), float(equilibrium.live @ velocity)
+    return (dissipated - dead) / live
 
 
 def flow_violation(equilibrium: Equilibrium, velocity: Array, tangent: Array) -> float:

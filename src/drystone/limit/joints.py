@@ -62,7 +62,7 @@ def contact_points(assembly: Assembly) -> ContactPoints:
     start = outlines.vertices[shared.edge_a]
     tangent = outlines.vertices[following[shared.edge_a]] - start
     length = np.linalg.norm(tangent, axis=1)
-    tangent /= length[:, None]
+    tangent = tangent / length[:, None]
     # The edge of b runs backwards: it ends, with its own second setback, where the part begins.
     low = np.maximum(back_a[:, 0], shared.extent_b[:, 0] + back_b[:, 1])
     high = np.minimum(length - back_a[:, 1], shared.extent_b[:, 1] - back_b[:, 0])
