@@ -16,10 +16,10 @@ import harness  # first: it holds the libraries' threads to one
 import numpy as np
 
 import drystone as ds
+from drystone.analysis import pushover
 from drystone.curve import DYNAMIC, CapacityCurve
 from drystone.engines import engine_names, make_engine
 from drystone.engines.base import EngineError
-from drystone.analysis import pushover
 
 #: Engines that are timed in a single run: they need no warming up, and are slow.
 ONCE = ("lmgc90", "distinct")
