@@ -8,7 +8,7 @@ import pytest
 
 from builders import UNIT_WEIGHT, rectangle
 from drystone.assembly import Block, Corner, JointLaw
-from drystone.builders import circular_arch, column, make_model, stack
+from drystone.builders import circular_arch, column, coursed_wall, make_model, stack
 from drystone.limit import (
     FLOWS,
     NonAssociativeSettings,
@@ -149,6 +149,22 @@ def test_what_falls_is_named():
     assert found.moving and all(name in found.reason for name in found.moving)
     assert "base" not in found.moving
     assert np.abs(found.velocities).max() > 0.0
+
+
+@pytest.mark.parametrize("units", [6, 40])  # by the simplex and by the interior-point method
+def test_what_need_not_fall_is_not_named(units):
+    blocks = coursed_wall(
+        unit=(0.4, 0.2),
+        courses=("h" + (units - 1) * "1" + "h", units * "1"),
+        repeat=4,
+        base=True,
+        unit_weight=UNIT_WEIGHT,
+    )
+    for i in range(2):  # two blocks in the air, one upon the other
+        vertices = rectangle(-5.0, 2.0 + 0.2 * i, 0.4, 0.2)
+        blocks.append(Block(id=f"loose{i}", vertices=vertices, unit_weight=UNIT_WEIGHT))
+    found = collapse_load(model(blocks, joint(0.6)))
+    assert (found.status, found.moving) == ("unstable", ("loose0", "loose1"))
 
 
 def under_a_ceiling(friction=0.5):

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from drystone.control.base import Decision
 from drystone.engines.base import Demand, StepReport
 
-#: Difference of applied and static multiplier that needs no explanation.
-LOOSE = 0.002
+#: Difference of applied and static multiplier that needs no explanation by excess and branch.
+LOOSE = 5e-4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,6 +34,7 @@ class _State:
     excess: float
     time_step: float
     static: float = 0.0  # multiplier of the last point
+    drop: float = 0.0  # by which it differed from the one before
     highest: float = 0.0
     displacement: float = 0.0  # m, of the control point at the last point
     n_steps: int = 0
@@ -71,12 +72,13 @@ class ExcessControl:
         # is far more, a block has come loose, whose fall says nothing of the rest: the carried
         # multiplier, between static and applied, is then the safe one to go on from.
         unexplained = abs(report.applied_multiplier - report.static_multiplier)
-        dynamic = unexplained > LOOSE + 2.0 * state.excess
+        dynamic = unexplained > LOOSE + 2.0 * (state.excess + state.drop)
         static = report.carried_multiplier if dynamic else report.static_multiplier
         state = replace(
             state,
             n_steps=state.n_steps + 1,
             static=static,
+            drop=state.drop if dynamic else abs(static - state.static),
             highest=max(state.highest, static),
         )
         decision = self._go_on(state, report)

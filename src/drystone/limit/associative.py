@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, hstack, vstack
+from scipy.sparse import csc_array, eye_array, hstack, vstack
 
 from drystone.limit import interior_point
 from drystone.limit.cones import Rays, least_normal, shear_strength
@@ -55,6 +55,29 @@ def dead_load_factor(equilibrium: Equilibrium) -> Answer:
     """How much of the dead load can be carried, at most 1; else the velocities of the fall."""
     zero = np.zeros_like(equilibrium.dead)
     return _strongest(equilibrium, equilibrium.dead, zero)
+
+
+def fall(equilibrium: Equilibrium) -> Array:
+    """Velocities (n_rows,) of a structure that does not stand under its own weight.
+
+    Of all mechanisms with no velocity above one, that on which the dead load does most work: what
+    need not fall does not move.  It is the dual of balancing the dead load with as little help
+    from outside as possible.
+    """
+    rays = Rays.of(equilibrium)
+    n_amounts, n_rows = rays.combination.shape[1], len(equilibrium.dead)
+    n_shared = rays.sharing.shape[0]
+    help_ = eye_array(n_rows, format="csc")
+    matrix = vstack(
+        [
+            hstack([equilibrium.matrix @ rays.combination, help_, -help_]),
+            hstack([rays.sharing, csc_array((n_shared, 2 * n_rows))]),
+        ]
+    )
+    bound = np.concatenate((-equilibrium.dead - equilibrium.matrix @ rays.fixed, np.ones(n_shared)))
+    cost = np.concatenate((np.zeros(n_amounts), np.ones(2 * n_rows)))
+    none = np.zeros(0, np.int64)
+    return -interior_point.solve(cost, csc_array(matrix), bound, none).y[:n_rows]
 
 
 def stands(equilibrium: Equilibrium) -> bool:

@@ -33,6 +33,8 @@ FLOWS = (ASSOCIATIVE, NON_ASSOCIATIVE)
 NO_FORCE = 1e-7
 #: Blocks slower than this share of the fastest stand still in a mechanism.
 AT_REST = 1e-6
+#: The same of a fall, which is found to 1e-8 at best and slower where it is just beginning.
+FALLING = 1e-3
 #: Paths of the non-associative scheme by default, and from how many blocks on it is only one.
 MANY, FEW, LARGE = 8, 1, 200
 #: Blocks named in a sentence.
@@ -118,7 +120,8 @@ def collapse_loads(
     if dead.status != OPTIMAL:
         return tuple(_without(equilibrium, flow, "failed", NOT_SOLVED) for flow in flows)
     if dead.factor < 1.0 - bounds.WHOLE:
-        return tuple(_unstable(equilibrium, flow, dead) for flow in flows)
+        falling = bounds.fall(equilibrium)
+        return tuple(_unstable(equilibrium, flow, falling) for flow in flows)
     answer = bounds.collapse(equilibrium)
     settings = settings or NonAssociativeSettings(n_paths=default_paths(assembly))
     results = []
@@ -237,9 +240,9 @@ def _flow_deviation(equilibrium: Equilibrium, state: State, tangent: Array) -> f
     return float(wrong.max(initial=0.0)) / largest if largest > 0.0 else 0.0
 
 
-def _unstable(equilibrium: Equilibrium, flow: str, dead: Answer) -> Collapse:
-    velocities = _normalised(equilibrium, dead.velocity)
-    moving = _moving(equilibrium.assembly, velocities)
+def _unstable(equilibrium: Equilibrium, flow: str, velocity: Array) -> Collapse:
+    velocities = _normalised(equilibrium, velocity)
+    moving = _moving(equilibrium.assembly, velocities, FALLING)
     reason = (
         f"does not stand under its own weight: {_named(moving)} would move before any load; "
         "support it, widen the joints or raise their friction"
@@ -292,9 +295,9 @@ def _speeds(assembly: Assembly, velocities: Array) -> Array:
     return speeds
 
 
-def _moving(assembly: Assembly, velocities: Array) -> tuple[str, ...]:
+def _moving(assembly: Assembly, velocities: Array, slowest: float = AT_REST) -> tuple[str, ...]:
     speeds = _speeds(assembly, velocities)
-    return tuple(assembly.ids[i] for i in np.flatnonzero(speeds > AT_REST))
+    return tuple(assembly.ids[i] for i in np.flatnonzero(speeds > slowest))
 
 
 def _contacts(equilibrium: Equilibrium, forces: Array, velocity: Array) -> ContactForces:
