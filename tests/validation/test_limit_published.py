@@ -118,7 +118,7 @@ def test_the_other_way_is_the_same():
 
 @pytest.mark.slow
 def test_wall_of_a_thousand_blocks_by_both_methods(monkeypatch):
-    """The interior-point method against HiGHS, which takes a minute."""
+    """The interior-point method against HiGHS, which takes ten seconds."""
     import drystone.limit.associative as method
 
     blocks = coursed_wall(

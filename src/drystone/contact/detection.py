@@ -148,7 +148,7 @@ class Detector:
             gap=slots.gap[k].copy(),
             area=slots.length[k] * self.assembly.thickness,
             normal_reaction=reaction[k, 0].copy(),
-            tangential_reaction=slots.ratio[k, None] * reaction[k, 1:],
+            tangential_reaction=reaction[k, 1:].copy(),
             status=status[k].copy(),
         )
 
