@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from drystone.contact.detection import block_size
 from drystone.contact.forces import ContactForces
 from drystone.control import (
     Control,
@@ -166,7 +167,7 @@ def make_control(
     unknown = [key for key in options if key not in known | {"mechanism_displacement"}]
     if unknown:
         raise EngineError(f'there is no setting "{unknown[0]}" of the analysis')
-    step = {"displacement_step": STEP_SHARE * smallest_extent(model)}
+    step = {"displacement_step": STEP_SHARE * block_size(model.assembly)}
     if hasattr(engine, "time_step"):  # an engine may know which suits it best
         step["time_step"] = engine.time_step
     if hasattr(engine, "effort"):  # or how many of its iterations make a step easy or hard
@@ -190,15 +191,6 @@ def _settings(cls: type, options: Mapping[str, float]) -> Any:
             value = options[field.name]
             chosen[field.name] = int(value) if field.type == "int" else value
     return cls(**chosen)
-
-
-def smallest_extent(model: Model) -> float:
-    """Smallest extent of a movable block [m]."""
-    return min(
-        float(np.ptp(block.vertices, axis=0).min())
-        for block in model.assembly.blocks
-        if not block.support
-    )
 
 
 def _point(step: int, report: StepReport, time_step: float, decision: Decision) -> CurvePoint:
