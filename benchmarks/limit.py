@@ -14,11 +14,12 @@ from importlib.metadata import version
 
 import harness  # first: it holds the libraries' threads to one
 import numpy as np
+from walls import running_bond
 
 import drystone as ds
 from drystone.assembly import Corner
-from drystone.builders import PUBLISHED_WALLS, circular_arch, coursed_wall, make_model
-from drystone.builders.published import CORNER_RADIUS, JOINT, UNIT, UNIT_WEIGHT
+from drystone.builders import PUBLISHED_WALLS, circular_arch, make_model
+from drystone.builders.published import CORNER_RADIUS, JOINT, UNIT_WEIGHT
 from drystone.limit import collapse_load, collapse_loads, least_standing
 
 #: Units a course and courses of the large walls.
@@ -82,14 +83,7 @@ def published(wall: int, radius: float | None, repeats: int) -> WallLimits:
 def large(units: int, courses: int) -> LargeLimits:
     """Associative flow of a running bond with sharp corners."""
     begun = time.perf_counter()
-    blocks = coursed_wall(
-        unit=UNIT,
-        courses=("h" + "1" * (units - 1) + "h", "1" * units),
-        repeat=courses // 2,
-        base=True,
-        unit_weight=UNIT_WEIGHT,
-    )
-    model = make_model(blocks, joint=JOINT, thickness=1.0, load_direction=(1.0, 0.0))
+    model = running_bond(units, courses)
     made = time.perf_counter()
     found = collapse_load(model, flow="associative")
     seconds = time.perf_counter() - made

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -163,12 +164,14 @@ class Assembly:
             laws=(joint, *dict.fromkeys(between.values())),
         )
 
+    # Asked for at every step: the assembly does not change, and is gone through once.
+
     @property
     def n_bodies(self) -> int:
         """Blocks and supports together."""
         return len(self.blocks)
 
-    @property
+    @cached_property
     def n_blocks(self) -> int:
         """Movable blocks."""
         return int(np.count_nonzero(~self.fixed))
@@ -183,22 +186,33 @@ class Assembly:
         """Degrees of freedom of one block."""
         return 3 if self.dimension == 2 else 6
 
-    @property
+    @cached_property
     def heaviest_weight(self) -> float:
         """Weight of the heaviest movable block [N], the measure of every residual."""
         return float(self.weight[~self.fixed].max())
 
-    @property
+    @cached_property
+    def smallest_extent(self) -> float:
+        """Smallest side of a movable block's bounding box [m]."""
+        outlines = [block.vertices for block in self.blocks if not block.support]
+        first = np.cumsum([0, *(len(outline) for outline in outlines[:-1])])
+        vertices = np.vstack(outlines)
+        sides = np.maximum.reduceat(vertices, first) - np.minimum.reduceat(vertices, first)
+        return float(sides.min())
+
+    @cached_property
     def ids(self) -> tuple[str, ...]:
         """Names of the blocks, in the order of the arrays."""
         return tuple(block.id for block in self.blocks)
 
+    @cached_property
+    def _row(self) -> dict[str, int]:
+        """Row of each block by its name."""
+        return {name: i for i, name in enumerate(self.ids)}
+
     def index(self, block_id: str) -> int:
         """Row of the block with that name; raises `KeyError`."""
-        try:
-            return self.ids.index(block_id)
-        except ValueError:
-            raise KeyError(block_id) from None
+        return self._row[block_id]
 
     def rest_pose(self) -> Array:
         """Poses of the blocks as designed: zeros, (n, n_dof)."""
@@ -209,19 +223,47 @@ class Assembly:
 
         A pair named by two block ids goes before one named by two materials.
         """
-        index = np.zeros(len(a), dtype=np.int64)
         if not self.joint_between:
-            return index
-        ids = self.ids
-        for k, (i, j) in enumerate(zip(a, b, strict=True)):
-            for names in (
-                frozenset((ids[i], ids[j])),
-                frozenset((self.blocks[i].material, self.blocks[j].material)),
-            ):
-                if names in self.joint_between:
-                    index[k] = self.laws.index(self.joint_between[names])
-                    break
+            return np.zeros(len(a), dtype=np.int64)
+        of_materials, pair, of_pair = self._exceptions
+        index = of_materials[self._material[a], self._material[b]]
+        if len(pair):
+            wanted = np.minimum(a, b) * self.n_bodies + np.maximum(a, b)
+            place = np.minimum(np.searchsorted(pair, wanted), len(pair) - 1)
+            index = np.where(pair[place] == wanted, of_pair[place], index)
         return index
+
+    @cached_property
+    def _material(self) -> IntArray:
+        """Number of each block's material in the order of appearance, (n,)."""
+        number: dict[str, int] = {}
+        numbers = [number.setdefault(block.material, len(number)) for block in self.blocks]
+        return np.array(numbers, dtype=np.int64)
+
+    @cached_property
+    def _exceptions(self) -> tuple[IntArray, IntArray, IntArray]:
+        """`joint_between` by number: a table over two materials; pairs of blocks and their laws.
+
+        A pair of rows i < j is i n + j; the pairs are sorted.
+        """
+        material = {block.material: k for block, k in zip(self.blocks, self._material, strict=True)}
+        of_materials = np.zeros((len(material), len(material)), dtype=np.int64)
+        pairs = {}
+        for names, law in self.joint_between.items():
+            first, last = min(names), max(names)
+            index = self.laws.index(law)
+            if names <= material.keys():
+                i, j = material[first], material[last]
+                of_materials[i, j] = of_materials[j, i] = index
+            if len(names) == 2 and names <= self._row.keys():
+                i, j = sorted((self._row[first], self._row[last]))
+                pairs[i * self.n_bodies + j] = index
+        order = sorted(pairs)
+        return (
+            of_materials,
+            np.array(order, dtype=np.int64),
+            np.array([pairs[k] for k in order], dtype=np.int64),
+        )
 
     def outline(self, i: int, pose: Array | None = None) -> Array:
         """Outline of block ``i`` [m] as designed, or moved to ``pose`` (n, n_dof)."""

@@ -21,10 +21,20 @@ class GeometryError(ValueError):
     """A polygon that cannot be a block; the message says what is wrong and how to mend it."""
 
 
+def _following(rows: Array) -> Array:
+    """The rows from the second on, then the first: `np.roll` in a tenth of its time."""
+    return np.concatenate((rows[1:], rows[:1]))
+
+
+def _preceding(rows: Array) -> Array:
+    """The last row, then the others."""
+    return np.concatenate((rows[-1:], rows[:-1]))
+
+
 def signed_area(vertices: Array) -> float:
     """Area [m2] by the shoelace formula, positive when counter-clockwise."""
     x, y = (vertices - vertices[0]).T
-    return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+    return 0.5 * float(np.sum(x * _following(y) - _following(x) * y))
 
 
 def check_convex(vertices: Array) -> None:
@@ -36,7 +46,7 @@ def check_convex(vertices: Array) -> None:
         raise GeometryError(f"a polygon needs at least 3 vertices, it has {n}")
     if not np.all(np.isfinite(vertices)):
         raise GeometryError("every coordinate must be a finite number")
-    edges = np.roll(vertices, -1, axis=0) - vertices
+    edges = _following(vertices) - vertices
     lengths = np.hypot(edges[:, 0], edges[:, 1])
     size = float(np.ptp(vertices, axis=0).max())
     if size == 0.0 or np.any(lengths < DEGENERATE * size):
@@ -50,7 +60,7 @@ def check_convex(vertices: Array) -> None:
             "the outline encloses no area: its vertices lie on one line, or it crosses itself; "
             "list them in order around the block"
         )
-    following = np.roll(edges, -1, axis=0)
+    following = _following(edges)
     turn = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
     angle = np.arctan2(turn, np.sum(edges * following, axis=1))
     turns = round(float(angle.sum()) / (2.0 * np.pi))
@@ -82,7 +92,7 @@ def mass_properties(vertices: Array) -> MassProperties:
     """Area, centroid and polar second moment about the centroid of a polygon."""
     origin = vertices.mean(axis=0)  # a near origin keeps the sums from cancelling
     p = vertices - origin
-    q = np.roll(p, -1, axis=0)
+    q = _following(p)
     cross = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
     area = 0.5 * cross.sum()
     first = ((p + q) * cross[:, None]).sum(axis=0) / (6.0 * area)
@@ -114,15 +124,15 @@ def sharp_core(vertices: Array) -> Core:
 
 def rounded_core(vertices: Array, radius: float) -> Core:
     """Outline moved inwards by ``radius`` [m], to be swept with a disc of that radius."""
-    edges = np.roll(vertices, -1, axis=0) - vertices
+    edges = _following(vertices) - vertices
     length = np.hypot(edges[:, 0], edges[:, 1])
     tangent = edges / length[:, None]
-    before = np.roll(tangent, 1, axis=0)
+    before = _preceding(tangent)
     # At a corner with turn angle a the core vertex lies back along both edges by r tan(a/2).
     cosine = np.sum(before * tangent, axis=1)
     sine = before[:, 0] * tangent[:, 1] - before[:, 1] * tangent[:, 0]
     back = radius * np.abs(sine) / (1.0 + cosine)
-    remaining = length - back - np.roll(back, -1)
+    remaining = length - back - _following(back)
     if np.any(remaining <= DEGENERATE * length):
         i = int(np.argmin(remaining))
         raise GeometryError(
@@ -131,12 +141,12 @@ def rounded_core(vertices: Array, radius: float) -> Core:
         )
     inward = np.column_stack((-tangent[:, 1], tangent[:, 0]))
     core = vertices + back[:, None] * tangent + radius * inward
-    return Core(vertices=core, setback=np.column_stack((back, np.roll(back, -1))), radius=radius)
+    return Core(vertices=core, setback=np.column_stack((back, _following(back))), radius=radius)
 
 
 def chamfered_core(vertices: Array, leg: float) -> Core:
     """Outline with every corner cut off at ``leg`` [m] from it along both edges."""
-    edges = np.roll(vertices, -1, axis=0) - vertices
+    edges = _following(vertices) - vertices
     length = np.hypot(edges[:, 0], edges[:, 1])
     if np.any(length - 2.0 * leg <= DEGENERATE * length):
         i = int(np.argmin(length))
@@ -148,7 +158,7 @@ def chamfered_core(vertices: Array, leg: float) -> Core:
     n = len(vertices)
     core = np.empty((2 * n, 2))
     core[0::2] = vertices + leg * tangent
-    core[1::2] = np.roll(vertices, -1, axis=0) - leg * tangent
+    core[1::2] = _following(vertices) - leg * tangent
     setback = np.zeros((2 * n, 2))
     setback[0::2] = leg  # the edges of the outline; the cuts between them have none
     return Core(vertices=core, setback=setback, radius=0.0)
@@ -158,7 +168,7 @@ def overlap_depth(a: Array, b: Array) -> float:
     """Depth [m] by which two convex polygons overlap, by separating axes; <= 0 when apart."""
     depth = np.inf
     for p, q in ((a, b), (b, a)):
-        edges = np.roll(p, -1, axis=0) - p
+        edges = _following(p) - p
         normal = np.column_stack((edges[:, 1], -edges[:, 0]))
         normal /= np.linalg.norm(normal, axis=1)[:, None]
         separation = (normal @ q.T - np.sum(normal * p, axis=1)[:, None]).min(axis=1)

@@ -77,6 +77,22 @@ def test_law_of_a_pair_by_block_goes_before_that_by_material(assembly):
     assert laws == [LAW, SMOOTH, ROUGH]
 
 
+def test_laws_of_many_pairs_are_those_of_each():
+    blocks = [block(f"b{i}", 0.4 * i, 0, material="abc"[i % 3], support=i == 0) for i in range(9)]
+    between = {
+        frozenset(("a", "b")): SMOOTH,
+        frozenset(("c",)): ROUGH,
+        frozenset(("b1", "b3")): LAW,  # the default again, before that of the materials
+        frozenset(("b4", "b2")): ROUGH,
+    }
+    assembly = Assembly.build(blocks, joint=LAW, joint_between=between)
+    a, b = np.nonzero(~np.eye(9, dtype=bool))  # both ways round
+    for i, j, k in zip(a, b, assembly.law_index(a, b), strict=True):
+        of_materials = between.get(frozenset(("abc"[i % 3], "abc"[j % 3])), LAW)
+        law = between.get(frozenset((f"b{i}", f"b{j}")), of_materials)
+        assert assembly.laws[k] == law
+
+
 def test_index_by_name(assembly):
     assert assembly.index("right") == 2
     with pytest.raises(KeyError, match="middle"):

@@ -69,11 +69,7 @@ def copied(slots: Slots) -> Slots:
 
 def block_size(assembly: Assembly) -> float:
     """Smallest extent of a movable block's outline [m], the measure of margins and steps."""
-    return min(
-        float(np.ptp(block.vertices, axis=0).min())
-        for block in assembly.blocks
-        if not block.support
-    )
+    return assembly.smallest_extent
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,12 +91,12 @@ class Detector:
         self.world = World(
             vertex=np.zeros_like(self.bodies.local), tangent=np.zeros_like(self.bodies.local)
         )
+        self.block_size = block_size(assembly)  # m
         #: Largest gap at which a contact is watched [m].
-        self.reach = MARGIN_SHARE * block_size(assembly)
+        self.reach = MARGIN_SHARE * self.block_size
         shapes = assembly.shapes
-        self.extent = np.array(
-            [np.hypot(*shapes.of(i).T).max() for i in range(assembly.n_bodies)]
-        )  # farthest core vertex from the centroid, (n,) m
+        #: Farthest core vertex from the centroid, (n,) [m].
+        self.extent = np.maximum.reduceat(np.hypot(*shapes.vertices.T), shapes.offset[:-1])
 
     def pairs(self, pose: Array) -> Pairs:
         """Candidate pairs in the given poses, two supports never being one."""

@@ -27,9 +27,15 @@ class DisplacementSettings:
     stop_multiplier: float = 0.01
     first_share: float = 0.02  # first increment over the largest
     floor_share: float = 0.01  # smallest increment over the largest
+    creep_share: float = 0.001  # increment of the first step of a jump over the largest
     refined_share: float = 0.005  # increment that finds the peak, over the largest; and how near
     # to the stop value the last point must be, relatively
+    peak_share: float = 2e-4  # of the peak, that a step may hide of it
+    bend_share: float = 2e-3  # of the peak, that the curve may bend within a step
     time_step: float = 0.1  # s, first one of a jump
+    snap_motion: float = 10.0  # of a block, over the increment, above which a step is a jump
+    jump_motion: float = 1.0  # of a block, over the largest increment, up to which the time step of
+    # a jump grows
     easy_iterations: int = 6  # of a step up to which increments grow
     hard_iterations: int = 12  # of a step beyond which they shrink
     static_inertia: float = 1e-3  # inertia over applied force of a step that is static again
@@ -45,6 +51,7 @@ class _State:
     last: float = 0.0  # multiplier of the last point
     n_steps: int = 0
     time_step: float = 0.0  # s, of a jump; 0 on the static path
+    over_fold: bool = False  # the path turns back here: look for an equilibrium beyond
 
 
 class DisplacementControl:
@@ -61,19 +68,21 @@ class DisplacementControl:
 
     def _demand(self, state: _State) -> Demand:
         if state.time_step == 0.0:
-            return Demand(increment=state.increment)
+            return Demand(increment=state.increment, over_fold=state.over_fold)
         # In a jump the control point creeps with an acceleration that does not depend on the step.
         s = self.settings
         share = min((state.time_step / s.time_step) ** 2, 50.0)
-        creep = s.floor_share * s.displacement_step * share
+        creep = s.creep_share * s.displacement_step * share
         return Demand(increment=creep, time_step=state.time_step)
 
     def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
         """Try again with less where a step fails; else go on."""
-        if not report.converged:
+        s = self.settings
+        leaps = state.over_fold and report.motion > s.snap_motion * state.increment
+        if not report.converged or leaps:
             return self._retry(state, report)
         multiplier = report.static_multiplier
-        finer = None if state.time_step else self._finer(state, multiplier)
+        finer = None if state.time_step else self._finer(state, report)
         if finer is not None:
             state = replace(state, increment=finer)
             return Decision(accept=False, demand=self._demand(state), state=state)
@@ -96,9 +105,10 @@ class DisplacementControl:
             finished=over[0] if over else False,
         )
 
-    def _finer(self, state: _State, multiplier: float) -> float | None:
-        """A smaller increment where the step has gone over the peak or past the stop value."""
+    def _finer(self, state: _State, report: StepReport) -> float | None:
+        """A smaller increment where the step hides the peak, a bend or the stop value."""
         s = self.settings
+        multiplier = report.static_multiplier
         least = s.refined_share * s.displacement_step
         if multiplier < s.stop_multiplier < state.last:
             # Aim just below the stop value, along the chord.
@@ -107,8 +117,18 @@ class DisplacementControl:
             aim = (1.0 - 0.5 * s.refined_share) * s.stop_multiplier
             finer = state.increment * (state.last - aim) / (state.last - multiplier)
             return finer if finer > 1e-3 * least else None
-        if multiplier < state.last and state.last == state.highest and state.increment > least:
-            return max(0.4 * state.increment, least)
+        if report.excess is None or report.bend is None:  # the engine does not tell
+            if multiplier < state.last and state.last == state.highest and state.increment > least:
+                return max(0.4 * state.increment, least)
+            return None
+        scale = max(state.highest, multiplier, 10.0 * s.stop_multiplier)
+        excess, share = report.excess
+        if excess > s.peak_share * scale and max(state.last, multiplier) + excess > state.highest:
+            if least < share * state.increment < 0.98 * state.increment:
+                return share * state.increment
+        bend, share = report.bend
+        if bend > s.bend_share * scale and least < share * state.increment:
+            return share * state.increment
         return None
 
     def _retry(self, state: _State, report: StepReport) -> Decision:
@@ -117,21 +137,26 @@ class DisplacementControl:
             state = replace(state, time_step=0.5 * state.time_step)
             if state.time_step < 1e-4 * s.time_step:
                 return Decision(accept=False, demand=None, state=state, reason=report.reason)
+        elif state.over_fold:
+            state = replace(state, over_fold=False, time_step=s.time_step)
         else:
-            failed = state.increment
-            state = replace(state, increment=0.35 * failed, ceiling=0.7 * failed)
-            if state.increment < s.floor_share * s.displacement_step:
-                state = replace(state, time_step=s.time_step)
+            # A path that turns back is followed to where it does.
+            near = 0.98 * report.reached if report.reached < 0.9 else 0.6
+            floor = s.floor_share * s.displacement_step
+            state = replace(state, increment=near * state.increment)
+            if state.increment < floor:
+                state = replace(state, increment=4.0 * floor, over_fold=True)
         return Decision(accept=False, demand=self._demand(state), state=state)
 
     def _paced(self, state: _State, report: StepReport) -> _State:
         s = self.settings
         if report.n_iterations <= s.easy_iterations:
-            scale = 1.5
+            scale = 2.0
         else:
             scale = 1.0 if report.n_iterations <= s.hard_iterations else 0.7
         ceiling = min(1.15 * state.ceiling, s.displacement_step)
-        return replace(state, increment=min(scale * state.increment, ceiling), ceiling=ceiling)
+        increment = min(scale * state.increment, ceiling)
+        return replace(state, increment=increment, ceiling=ceiling, over_fold=False)
 
     def _jumping(self, state: _State, report: StepReport) -> _State:
         s = self.settings
@@ -139,7 +164,7 @@ class DisplacementControl:
         if settled:
             increment = 4.0 * s.floor_share * s.displacement_step
             return replace(state, time_step=0.0, increment=increment, ceiling=8.0 * increment)
-        if report.motion < 0.5 * s.displacement_step:
+        if report.motion < s.jump_motion * s.displacement_step:
             return replace(state, time_step=1.5 * state.time_step)
         return state
 

@@ -47,6 +47,7 @@ class Demand:
 
     multiplier: float | None = None
     increment: float | None = None  # m, of the control displacement
+    over_fold: bool = False  # with `increment`: any equilibrium there, not only one on the path
     time_step: float = 0.0  # s; engines of dynamic formulations only need a positive one
     stop_blocks: bool = True  # start the step from rest
 
@@ -71,6 +72,12 @@ class StepReport:
     n_sliding: int = 0
     motion: float = np.nan  # m
     n_iterations: int = 0
+    #: Of engines that prescribe displacement: the share of a failed step to which equilibrium could
+    #: be followed.  Of those that follow it within the step: by how much the multiplier exceeds both
+    #: its ends there, and how far it bends from its chord, each with the share of the step where.
+    reached: float = 0.5
+    excess: tuple[float, float] | None = None
+    bend: tuple[float, float] | None = None
     dynamic: bool = False
 
 

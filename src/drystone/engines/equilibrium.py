@@ -25,7 +25,7 @@ from drystone.contact.detection import (
     copied,
     empty_slots,
 )
-from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
+from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.measures import (
@@ -39,9 +39,9 @@ from drystone.kernels import joint, narrow
 from drystone.kernels.joint import N_HISTORY
 from drystone.kernels.narrow import Slots
 from drystone.loading import dead_load
-from drystone.solvers import newton
-from drystone.solvers.newton import NewtonSettings
-from drystone.solvers.static_step import Constants, Pace, StaticStep
+from drystone.solvers import piecewise
+from drystone.solvers.piecewise import PathSettings, StepSolution
+from drystone.solvers.static_step import STATUS_OF, Constants, Pace, PointPace, StaticStep
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -71,9 +71,8 @@ class EquilibriumState:
     slots: Slots  # contacts in `pose`
     history: Array  # (n_slots, N_HISTORY)
     reaction: Array  # (n_slots, dim) N
-    status: IntArray  # (n_slots,)
+    branch: IntArray  # (n_slots,) of the joint law, see `kernels.joint`
     last_increment: Array  # (n, n_dof) m, rad; zeros where there is nothing to predict from
-    last_multiplier_change: float
 
 
 class EquilibriumEngine:
@@ -108,7 +107,6 @@ class EquilibriumEngine:
             dead=self.loads.dead,
             pattern=self.loads.pattern,
             mass=self.loads.mass,
-            inverse_mass=np.where(free, 1.0 / assembly.mass, 0.0),
             extent=np.maximum(self.detector.extent, 1e-12),
             fixed=assembly.fixed,
         )
@@ -124,9 +122,8 @@ class EquilibriumEngine:
             slots=slots,
             history=np.zeros((len(slots.kind), N_HISTORY)),
             reaction=np.zeros((len(slots.kind), 2)),
-            status=np.zeros(len(slots.kind), np.int64),
+            branch=self._first_branches(pairs, slots),
             last_increment=np.zeros_like(pose),
-            last_multiplier_change=0.0,
         )
         return self._settle(state)
 
@@ -146,7 +143,7 @@ class EquilibriumEngine:
             travelled += outcome.motion
             if h >= limit and outcome.inertia_ratio < self.settings.inertia_limit:
                 return replace(new, last_increment=np.zeros_like(new.pose)), outcome
-            if travelled > block_size(self.problem.assembly):
+            if travelled > self.detector.block_size:
                 break
             h = min(4.0 * h, limit)
         motion = self.detector.motion(state.pose)
@@ -154,9 +151,8 @@ class EquilibriumEngine:
 
     def contacts(self, state: EquilibriumState) -> ContactForces:
         """Contact points and reactions of a state."""
-        return self.detector.forces(
-            state.pairs, state.pose, state.slots, state.reaction, state.status
-        )
+        status = STATUS_OF[state.branch]
+        return self.detector.forces(state.pairs, state.pose, state.slots, state.reaction, status)
 
     def close(self) -> None:
         """Nothing is held."""
@@ -174,31 +170,43 @@ class EquilibriumEngine:
         # Joints so stiff that the rounding of a gap is felt cannot be balanced any better.
         rounding = 4.0 * np.finfo(float).eps * float(self.detector.extent.max())
         tolerance = max(settings.tolerance * scale, rounding * stiffest)
-        solved = newton.solve(
+        solved = piecewise.solve(
             equations,
             pace,
             x,
             multiplier,
-            state.status == STICKING,
-            np.where(state.status == SLIDING, np.sign(state.reaction[:, 1]), 0.0),
-            NewtonSettings(
+            state.branch,
+            state.reaction,
+            PathSettings(
                 tolerance=tolerance,
                 depth=1e-3 * tolerance / stiffest,
                 farthest=settings.max_motion * self.detector.reach,
-                reach=max(3.0 * abs(demand.increment or 0.0), 0.02 * self.detector.reach),
             ),
+            whole=pace is None or demand.time_step > 0.0 or demand.over_fold,
         )
         if solved.reason:
             return state, StepReport(
-                converged=False, reason=solved.reason, n_iterations=solved.n_iterations
+                converged=False,
+                reason=solved.reason,
+                n_iterations=solved.n_iterations,
+                reached=solved.reached,
             )
         return self._accept(state, solved, h, paced=pace is not None)
+
+    def _first_branches(self, pairs: Pairs, slots: Slots) -> IntArray:
+        """Contacts that touch stick, by a bond where there is one."""
+        laws = self.constants.laws[pairs.law]
+        bonded = (laws[:, joint.COHESION] > 0.0) | (laws[:, joint.TENSION] > 0.0)
+        touching = np.where(bonded, joint.BONDED, joint.STICKING).repeat(2)
+        upright = np.abs(slots.normal[:, 1]) > 0.7
+        near = upright & (slots.gap <= 1e-9 * self.detector.block_size)
+        return np.where(near & (slots.kind != narrow.NONE), touching, joint.OPEN)
 
     def _stiffest(self) -> float:
         """Normal stiffness [N/m] of a joint as long as the smallest block, of the stiffest law."""
         assembly = self.problem.assembly
         stiffness = float(self.constants.laws[:, joint.KN].max())
-        return stiffness * block_size(assembly) * assembly.thickness
+        return stiffness * self.detector.block_size * assembly.thickness
 
     def _refresh(self, state: EquilibriumState) -> EquilibriumState:
         """New pairs where the blocks have moved far, and the equations that fit the state."""
@@ -208,11 +216,11 @@ class EquilibriumEngine:
             slots = empty_slots(len(pairs.a))
             self.detector.fill(pairs, state.pose, slots)
             source = np.where(row[:, None] >= 0, 2 * row[:, None] + (0, 1), -1).ravel()
-            history, reaction, status = _carried(
-                source, state.history, state.reaction, state.status
+            history, reaction, branch = _carried(
+                source, state.history, state.reaction, state.branch
             )
             state = replace(
-                state, pairs=pairs, slots=slots, history=history, reaction=reaction, status=status
+                state, pairs=pairs, slots=slots, history=history, reaction=reaction, branch=branch
             )
         if self.equations.pairs is not state.pairs:
             self.equations = StaticStep(self.constants, state.pairs)
@@ -225,7 +233,7 @@ class EquilibriumEngine:
         theta = state.pose[control.block, 2]
         c, s = np.cos(theta), np.sin(theta)
         x, y = control.point - self.problem.assembly.centroid[control.block]
-        return Pace(
+        return PointPace(
             body=control.block,
             arm=np.array([c * x - s * y, s * x + c * y]),
             axis=control.direction,
@@ -235,7 +243,10 @@ class EquilibriumEngine:
     def _predict(
         self, state: EquilibriumState, demand: Demand, pace: Pace | None
     ) -> tuple[Array, float]:
-        """Linear extrapolation of the last step, where that moved the same way."""
+        """Where the step will end, and the multiplier it starts from.
+
+        The last increments go on, turned with the blocks, where they moved the same way.
+        """
         nothing = np.zeros_like(state.pose)
         if pace is None:
             assert demand.multiplier is not None
@@ -245,17 +256,22 @@ class EquilibriumEngine:
         if moved * pace.increment <= 0.0:
             return nothing, state.multiplier
         share = pace.increment / moved
-        return share * state.last_increment, state.multiplier + share * state.last_multiplier_change
+        guess = share * state.last_increment
+        turned = 0.5 * (1.0 + share) * state.last_increment[:, 2]
+        c, s = np.cos(turned), np.sin(turned)
+        ux, uy = guess[:, 0].copy(), guess[:, 1].copy()
+        guess[:, 0], guess[:, 1] = c * ux - s * uy, s * ux + c * uy
+        return guess, state.multiplier
 
     def _accept(
-        self, state: EquilibriumState, solved: newton.NewtonResult, h: float, *, paced: bool
+        self, state: EquilibriumState, solved: StepSolution, h: float, *, paced: bool
     ) -> tuple[EquilibriumState, StepReport]:
         equations, x = self.equations, solved.increment
         slots = copied(equations.found)
         known, source = equations.known, np.zeros(len(slots.kind), np.int64)
         narrow.carry_history(known.kind, known.feature, known.edges, slots, source)
-        history, reaction, status = _carried(
-            source, equations.state, equations.reaction, equations.status
+        history, reaction, branch = _carried(
+            source, equations.state, equations.reaction, equations.branch
         )
         new = EquilibriumState(
             pose=state.pose + x,
@@ -264,9 +280,8 @@ class EquilibriumEngine:
             slots=slots,
             history=history,
             reaction=reaction,
-            status=status,
+            branch=branch,
             last_increment=x,
-            last_multiplier_change=solved.multiplier - state.multiplier,
         )
         outcome = report(
             self.problem,
@@ -280,7 +295,7 @@ class EquilibriumEngine:
                 contact_force=equations.contact_force,
                 slots=slots,
                 reaction=reaction,
-                status=status,
+                status=STATUS_OF[branch],
                 residual=equations.residual,
                 motion=float(self.detector.motion(x).max()),
                 n_iterations=solved.n_iterations,
@@ -292,17 +307,19 @@ class EquilibriumEngine:
             outcome,
             static_multiplier=solved.multiplier if paced else outcome.static_multiplier,
             friction_violation=excess,
+            excess=solved.excess,
+            bend=solved.bend,
             dynamic=outcome.inertia_ratio > self.settings.inertia_limit,
         )
 
 
 def _carried(
-    source: IntArray, history: Array, reaction: Array, status: IntArray
+    source: IntArray, history: Array, reaction: Array, branch: IntArray
 ) -> tuple[Array, Array, IntArray]:
-    """History, reactions and status of the slots they go on in; -1 marks contacts that are new."""
-    history, reaction, status = history[source], reaction[source], status[source]
+    """History, reactions and branch of the slots they go on in; -1 marks contacts that are new."""
+    history, reaction, branch = history[source], reaction[source], branch[source]
     lost = source < 0
     history[lost] = NEW_CONTACT
     reaction[lost] = 0.0
-    status[lost] = OPEN
-    return history, reaction, status
+    branch[lost] = joint.OPEN
+    return history, reaction, branch

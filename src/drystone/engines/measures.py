@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import GRAVITY
-from drystone.contact.forces import OPEN, SLIDING, STICKING
 from drystone.engines.base import Problem, StepReport
-from drystone.kernels import narrow
+from drystone.kernels import measures as kernels
 from drystone.kernels.narrow import Slots
 
 Array = NDArray[np.float64]
@@ -50,64 +49,48 @@ class LoadArrays:
 
 def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepReport:
     """The figures of a converged step; see `CurvePoint` for their meaning."""
-    assembly = problem.assembly
-    dim = assembly.dimension
-    direction = problem.load.direction
-    inertia = loads.mass * outcome.acceleration
-    static = outcome.multiplier - _unbalanced_multiplier(loads, inertia, outcome)
-    # What the blocks hand to the supports, less the dead load; the reaction is its opposite.
-    carried = float((outcome.contact_force[assembly.fixed, :dim] @ direction).sum())
-    carried -= float((loads.dead[:, :dim] @ direction).sum())
-    applied = max(abs(outcome.multiplier), 1e-3) * loads.total
-    inertia_ratio = float(np.linalg.norm(inertia[:, :dim], axis=1).sum()) / applied
-    fastest = float(np.linalg.norm(outcome.acceleration[:, :dim], axis=1).max())
-    kinetic = 0.5 * float(np.sum(loads.mass * outcome.velocity**2))
-    work = abs(float(np.sum((loads.dead + outcome.multiplier * loads.pattern) * outcome.increment)))
-    used = outcome.slots.kind != narrow.NONE
-    status = outcome.status[used]
+    assembly, multiplier, slots = problem.assembly, outcome.multiplier, outcome.slots
+    carried, inertia, fastest, kinetic, work, push, strokes, resistance = kernels.sum_blocks(
+        outcome.increment, outcome.acceleration, outcome.velocity, outcome.contact_force,
+        loads.dead, loads.pattern, loads.mass, assembly.fixed, problem.load.direction, multiplier,
+    )  # fmt: skip
+    counts = np.zeros(3, np.int64)
+    penetration = kernels.count_contacts(slots.kind, slots.gap, outcome.status, counts)
+    n_open, n_sticking, n_sliding = counts.tolist()  # OPEN, STICKING, SLIDING
+    # By how much the applied multiplier exceeds the static one, from the step's virtual work: on
+    # its own motion x the structure would rest under lambda_s with F.x lambda_s = F.x lambda -
+    # x.M a.  Blocks that no contact holds obey this whatever the multiplier and say nothing of it.
+    # Without motion along the load there is nothing to tell the two multipliers apart.
+    excess = resistance / push if abs(push) > 1e-2 * strokes else 0.0
     return StepReport(
         converged=True,
-        applied_multiplier=outcome.multiplier,
+        applied_multiplier=multiplier,
         carried_multiplier=carried / loads.total,
-        static_multiplier=static,
+        static_multiplier=multiplier - excess,
         control_displacement=problem.control_point.displacement(assembly, outcome.pose),
         residual=outcome.residual / assembly.heaviest_weight,
-        penetration=float(max(0.0, -outcome.slots.gap.min(initial=0.0))),
+        penetration=penetration,
         friction_violation=0.0,
         energy_ratio=kinetic / work if work > 0.0 else 0.0,
-        inertia_ratio=inertia_ratio,
-        n_open=int(np.count_nonzero(status == OPEN)),
-        n_sticking=int(np.count_nonzero(status == STICKING)),
-        n_sliding=int(np.count_nonzero(status == SLIDING)),
+        inertia_ratio=inertia / (max(abs(multiplier), 1e-3) * loads.total),
+        n_open=n_open,
+        n_sticking=n_sticking,
+        n_sliding=n_sliding,
         motion=outcome.motion,
         n_iterations=outcome.n_iterations,
         dynamic=fastest > ACCELERATION_LIMIT * GRAVITY,
     )
 
 
-def _unbalanced_multiplier(loads: LoadArrays, inertia: Array, outcome: StepOutcome) -> float:
-    """By how much the applied multiplier exceeds the static one, from the step's virtual work.
-
-    On its own motion x the structure would rest under lambda_s with F.x lambda_s = F.x lambda -
-    x.M a.  Blocks that no contact holds obey this whatever the multiplier and say nothing of it.
-    Without motion along the load there is nothing to tell the two multipliers apart.
-    """
-    held = np.abs(outcome.contact_force).max(axis=1) > 0.0
-    x = outcome.increment[held]
-    push = float(np.sum(loads.pattern[held] * x))
-    if abs(push) <= 1e-2 * float(np.sum(np.abs(loads.pattern[held] * x))):
-        return 0.0
-    return float(np.sum(inertia[held] * x)) / push
-
-
 def cone_excess(reaction: Array, friction: Array) -> float:
     """Largest excess of tangential over limiting reaction [N]."""
-    excess = np.abs(reaction[:, 1]) - friction * np.maximum(reaction[:, 0], 0.0)
-    return float(max(0.0, excess.max(initial=0.0)))
+    return float(kernels.cone_excess(reaction, friction))
 
 
 def unstable_sentence(ids: tuple[str, ...], motion: Array) -> str:
     """Which blocks move under the dead load, the farthest first."""
+    if not motion.any():
+        return "no equilibrium under the structure's own weight was found"
     order = np.argsort(-motion, kind="stable")
     moving = [i for i in order if motion[i] > 0.1 * motion[order[0]]]
     named = ", ".join(f'"{ids[i]}" ({1e3 * motion[i]:.0f} mm)' for i in moving[:5])

@@ -1,17 +1,18 @@
-"""The joint law at every contact, and what it does to the blocks: forces and their tangent.
+"""The joint law at every contact: what the blocks do to each other where they are.
 
 With the stiffnesses times the contact's tributary area k_n, k_s [N/m], gap g, accumulated
 dilation d, slip increment s and shear t_0 at the start of the step, the trial reactions are
 
     r_n = k_n (d - g)          r_t = t_0 - k_s s
 
-Without tension r_n <= 0 means open.  |r_t| <= mu r_n + c A sticks.  Otherwise the joint slides by
+Without tension r_n <= 0 means open.  |r_t| <= mu r_n sticks.  Otherwise the joint slides by
 
     gamma = (|r_t| - mu r_n) / (k_s + mu k_n tan psi)
 
 against the trial shear, which raises the normal reaction by k_n tan(psi) gamma (return mapping;
-non-associative unless tan psi = mu).  Cohesion and tensile strength are lost together, at once,
-where either is exceeded.
+non-associative unless tan psi = mu).  A bond, of cohesion c and tensile strength f_t, holds while
+|r_t| <= mu r_n + c A and r_n >= -f_t A, and is lost at once.  In each of these branches the
+reactions are linear in the trial reactions, and but for a bond's end they are continuous.
 
 The force on block b is r_n n + r_t t, on the blocks together r_n grad(g) + r_t grad(s); their
 tangent includes the second derivatives of g and s (see `kernels.narrow`).
@@ -28,8 +29,13 @@ from numpy.typing import NDArray
 NONE, VERTEX_B, VERTEX_A, VERTICES = 0, 1, 2, 3
 OPEN, STICKING, SLIDING = 0, 1, 2
 
-#: A contact this near to its cone slides; one that slid in the last step starts on it to rounding.
-TIE = 1e-9
+#: Branches of the law: as above, with the two senses of sliding told apart, by the sign of the
+#: shear, and joints whose bond holds.
+FORWARD, BACKWARD, BONDED = 2, 3, 4
+
+#: A contact stays in the branch it came from when another is nearer by this share of its reactions
+#: only: one that slides starts the next step on its cone to rounding.
+TIE = 1e-7
 
 #: Columns of the history of a contact: shear [N], dilation [m], slid distance [m], broken bond.
 SHEAR, DILATION, SLID, BROKEN = 0, 1, 2, 3
@@ -39,6 +45,15 @@ N_HISTORY = 4
 #: dilatancy ends [m].
 MU, KN, KS, TAN_PSI, COHESION, TENSION, DILATANCY_END = 0, 1, 2, 3, 4, 5, 6
 N_LAW = 7
+
+#: Columns of the table of contacts: gradients of gap and of slip, and the gradient by which slip
+#: is measured, each by the motions of both blocks; k_n, k_s [N/m], mu, k_n tan psi [N/m],
+#: c A, f_t A [N], trial reactions [N], and what sliding that has ended within the step adds to them
+#: [N], with its length [m].
+GAP, SLIP, MEASURED = 0, 6, 12
+STIFF_N, STIFF_T, FRICTION, LIFT, BOND, TENSILE, TRIAL_N, TRIAL_T = 18, 19, 20, 21, 22, 23, 24, 25
+ADD_N, ADD_T, PLASTIC = 26, 27, 28
+N_TABLE = 29
 
 Array = NDArray[np.float64]
 
@@ -51,7 +66,7 @@ class Tangent(NamedTuple):
     lower: Array  # (n_pairs, 3, 3) rows of b, columns of a
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def _slip(kind, normal, arm_a, arm_b, roll, ratio, k, a, b, increment):
     """Sliding distance of b over a along the tangent since the start of the step [m].
 
@@ -99,7 +114,7 @@ def _slip(kind, normal, arm_a, arm_b, roll, ratio, k, a, b, increment):
     return rolled - radii * swept
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def _second_derivatives(kind, normal, arm_a, arm_b, roll, ratio, k, rn, rt, hess):
     """Add -(r_n hess(g) + r_t hess(s)) to the 6 x 6 ``hess``, in the order (a, b)."""
     nx = normal[k, 0]
@@ -156,28 +171,43 @@ def _second_derivatives(kind, normal, arm_a, arm_b, roll, ratio, k, rn, rt, hess
 
 
 @njit(cache=True)
-def slip_gradients(kind, normal, arm_a, arm_b, roll, ratio, rows):
-    """Gradients of the slip of all contacts in use, (n_slots, 6); see `kernels.narrow`."""
-    for k in range(kind.shape[0]):
-        if kind[k] == NONE:
-            continue
-        nx = normal[k, 0]
-        ny = normal[k, 1]
-        q = ratio[k]
-        rows[k, 0] = -q * ny
-        rows[k, 1] = q * nx
-        rows[k, 2] = q * (ny * arm_a[k, 1] + nx * arm_a[k, 0]) + roll[k, 0]
-        rows[k, 3] = q * ny
-        rows[k, 4] = -q * nx
-        rows[k, 5] = -q * (ny * arm_b[k, 1] + nx * arm_b[k, 0]) + roll[k, 1]
+def _branch(row, hint):
+    """Branch of the law for the trial reactions of a row of the table."""
+    rn = row[TRIAL_N]
+    rt = row[TRIAL_T]
+    if hint == BONDED and rn >= -row[TENSILE] and abs(rt) <= row[FRICTION] * rn + row[BOND]:
+        return BONDED
+    over = abs(rt) - row[FRICTION] * rn
+    near = TIE * (abs(rt) + row[FRICTION] * abs(rn))
+    if rn < 0.0 or (rn == 0.0 and hint != STICKING):
+        return OPEN
+    sliding = FORWARD if rt > 0.0 else BACKWARD
+    if abs(over) <= near and (hint == STICKING or hint == sliding):
+        return hint
+    return STICKING if over <= 0.0 else sliding
+
+
+@njit(cache=True)
+def _reactions(row, branch):
+    """Normal and tangential reaction [N] in a branch of the law, and the sliding in it [m]."""
+    rn = row[TRIAL_N]
+    rt = row[TRIAL_T]
+    if branch == OPEN:
+        return 0.0, 0.0, 0.0
+    if branch == STICKING or branch == BONDED:
+        return rn, rt, 0.0
+    sign = 1.0 if branch == FORWARD else -1.0
+    gamma = (sign * rt - row[FRICTION] * rn) / (row[STIFF_T] + row[FRICTION] * row[LIFT])
+    rn += row[LIFT] * gamma
+    return rn, sign * row[FRICTION] * rn, gamma
 
 
 @njit(cache=True)
 def joint_forces(
-    slots, pair_a, pair_b, pair_law, laws, thickness, start_length, start_slip, history, source,
-    increment, held, force, reaction, status, excess, state, tangent, with_tangent,
+    slots, pair_a, pair_b, pair_law, laws, thickness, start_length, start_slip, memory, increment,
+    force, table, used, branch, reaction, state,
 ):  # fmt: skip
-    """Reactions of all contacts, added to ``force``, and the tangent of minus that force.
+    """Reactions of all contacts in the present poses; returns the number of contacts.
 
     Parameters
     ----------
@@ -194,125 +224,218 @@ def joint_forces(
     start_slip
         Gradients of the slip that hold for the step, (n_slots, 6), of contacts that were there
         when it began; others slip by the exact distance.
-    history, source
-        (n_slots, N_HISTORY) at the start of the step, and the slot each contact goes on with.
+    memory
+        (n_slots, N_HISTORY), what contacts bring along; see `remember`.
     increment
         Motion since the start of the step, (n, 3) [m, rad].
     force
-        (n, 3) [N, N m], added to.
-    held
-        Contacts that stick whatever their cone says, (n_slots,).
-    reaction, status, excess, state
-        Filled: (n_slots, 2) [N], (n_slots,), by how much the trial shear exceeds the cone,
-        (n_slots,) [N], and the history at the end, (n_slots, N_HISTORY).
-    tangent
-        `Tangent`, added to where ``with_tangent``.
+        (n, 3) [N, N m], filled with what all contacts do to each body.
+    table, used
+        Filled: (n_slots, N_TABLE) and (n_slots,), rows of contacts and the slots they are of.
+    branch
+        (n_slots,) branch that each slot has been in, or -1; replaced by the present one.
+    reaction, state
+        Filled: (n_slots, 2) [N], and the history at the end, (n_slots, N_HISTORY).
     """
     kind, normal, arm_a, arm_b = slots.kind, slots.normal, slots.arm_a, slots.arm_b
     roll, ratio = slots.roll, slots.ratio
-    hess = np.zeros((6, 6))
-    gn = np.zeros(6)
-    gt = np.zeros(6)
-    gs = np.zeros(6)
+    force[:, :] = 0.0
+    count = 0
     for k in range(kind.shape[0]):
         reaction[k, 0] = 0.0
         reaction[k, 1] = 0.0
-        status[k] = OPEN
-        excess[k] = 0.0
-        for c in range(N_HISTORY):
-            state[k, c] = history[source[k], c] if source[k] >= 0 else 0.0
+        state[k] = memory[k]
+        hint = branch[k]
+        branch[k] = OPEN
         if kind[k] == NONE:
             continue
-        if source[k] < 0:
-            state[k, BROKEN] = 1.0  # blocks that come to touch later are not bonded
         shear = state[k, SHEAR]
         state[k, SHEAR] = 0.0
         p = k // 2
         a = pair_a[p]
         b = pair_b[p]
         law = pair_law[p]
-        known = source[k] >= 0 and start_length[source[k]] > 0.0
-        length = start_length[source[k]] if known else slots.length[k]
-        area = length * thickness
-        kn = laws[law, KN] * area
-        ks = laws[law, KS] * area
-        mu = laws[law, MU]
-        tan_psi = laws[law, TAN_PSI] if state[k, SLID] < laws[law, DILATANCY_END] else 0.0
-        bonded = state[k, BROKEN] == 0.0
-        rn = kn * (state[k, DILATION] - slots.gap[k])
-        if rn < 0.0 and not (bonded and laws[law, TENSION] > 0.0):
-            if bonded and slots.gap[k] > 0.0:
-                state[k, BROKEN] = 1.0
-            continue
-        if bonded and rn < -laws[law, TENSION] * area:
-            state[k, BROKEN] = 1.0
-            continue
+        known = start_length[k] > 0.0
+        area = thickness * (start_length[k] if known else slots.length[k])
+        used[count] = k
+        row = table[count]
+        count += 1
+        _gradients(kind, normal, arm_a, arm_b, roll, ratio, k, row)
         if known:
             slip = 0.0
             for i in range(3):
-                gs[i] = start_slip[source[k], i]
-                gs[3 + i] = start_slip[source[k], 3 + i]
-                slip += gs[i] * increment[a, i] + gs[3 + i] * increment[b, i]
+                row[MEASURED + i] = start_slip[k, i]
+                row[MEASURED + 3 + i] = start_slip[k, 3 + i]
+                slip += row[MEASURED + i] * increment[a, i]
+                slip += row[MEASURED + 3 + i] * increment[b, i]
         else:
+            row[MEASURED : MEASURED + 6] = row[SLIP : SLIP + 6]
             slip = _slip(kind, normal, arm_a, arm_b, roll, ratio, k, a, b, increment)
-        rt = shear - ks * slip
-        limit = mu * rn
-        if bonded:
-            limit += laws[law, COHESION] * area
-        # dr[i, j]: derivative of (r_n, r_t) by (g, s).
-        nn, nt, tn, tt = -kn, 0.0, 0.0, -ks
-        excess[k] = abs(rt) - limit
-        status[k] = STICKING
-        if abs(rt) > limit * (1.0 - TIE) and rt != 0.0 and not held[k]:
-            status[k] = SLIDING
+        row[STIFF_N] = laws[law, KN] * area
+        row[STIFF_T] = laws[law, KS] * area
+        row[FRICTION] = laws[law, MU]
+        dilates = state[k, SLID] < laws[law, DILATANCY_END]
+        row[LIFT] = row[STIFF_N] * laws[law, TAN_PSI] if dilates else 0.0
+        row[BOND] = laws[law, COHESION] * area
+        row[TENSILE] = laws[law, TENSION] * area
+        row[TRIAL_N] = row[STIFF_N] * (state[k, DILATION] - slots.gap[k])
+        row[TRIAL_T] = shear - row[STIFF_T] * slip
+        row[ADD_N] = 0.0
+        row[ADD_T] = 0.0
+        row[PLASTIC] = 0.0
+        if state[k, BROKEN] == 0.0 and (row[BOND] > 0.0 or row[TENSILE] > 0.0):
+            hint = BONDED
+        now = _branch(row, hint)
+        branch[k] = now
+        if hint == BONDED and now != BONDED:
             state[k, BROKEN] = 1.0
-            if rn <= 0.0:
-                status[k] = OPEN
-                continue
-            sign = 1.0 if rt > 0.0 else -1.0
-            along = ks + mu * kn * tan_psi
-            gamma = (abs(rt) - mu * rn) / along
-            rn += kn * tan_psi * gamma
-            rt = sign * mu * rn
-            nt = -kn * tan_psi * sign * ks / along
-            nn = -kn + kn * tan_psi * mu * kn / along
-            tn = sign * mu * nn
-            tt = sign * mu * nt
-            state[k, DILATION] += tan_psi * gamma
-            state[k, SLID] += gamma
+        rn, rt, gamma = _reactions(row, now)
+        state[k, DILATION] += laws[law, TAN_PSI] * gamma if row[LIFT] > 0.0 else 0.0
+        state[k, SLID] += gamma
         reaction[k, 0] = rn
         reaction[k, 1] = rt
         state[k, SHEAR] = rt
-        nx = normal[k, 0]
-        ny = normal[k, 1]
-        gn[0] = -nx
-        gn[1] = -ny
-        gn[2] = nx * arm_a[k, 1] - ny * arm_a[k, 0]
-        gn[3] = nx
-        gn[4] = ny
-        gn[5] = -nx * arm_b[k, 1] + ny * arm_b[k, 0]
-        q = ratio[k]
-        gt[0] = -q * ny
-        gt[1] = q * nx
-        gt[2] = q * (ny * arm_a[k, 1] + nx * arm_a[k, 0]) + roll[k, 0]
-        gt[3] = q * ny
-        gt[4] = -q * nx
-        gt[5] = -q * (ny * arm_b[k, 1] + nx * arm_b[k, 0]) + roll[k, 1]
         for i in range(3):
-            force[a, i] += rn * gn[i] + rt * gt[i]
-            force[b, i] += rn * gn[3 + i] + rt * gt[3 + i]
-        if not with_tangent:
-            continue
-        if not known:
-            gs[:] = gt
+            force[a, i] += rn * row[GAP + i] + rt * row[SLIP + i]
+            force[b, i] += rn * row[GAP + 3 + i] + rt * row[SLIP + 3 + i]
+    return count
+
+
+@njit(cache=True)
+def _gradients(kind, normal, arm_a, arm_b, roll, ratio, k, row):
+    """Gradients of gap and slip of contact k into a row of the table; see `kernels.narrow`."""
+    nx = normal[k, 0]
+    ny = normal[k, 1]
+    row[GAP + 0] = -nx
+    row[GAP + 1] = -ny
+    row[GAP + 2] = nx * arm_a[k, 1] - ny * arm_a[k, 0]
+    row[GAP + 3] = nx
+    row[GAP + 4] = ny
+    row[GAP + 5] = -nx * arm_b[k, 1] + ny * arm_b[k, 0]
+    q = ratio[k]
+    row[SLIP + 0] = -q * ny
+    row[SLIP + 1] = q * nx
+    row[SLIP + 2] = q * (ny * arm_a[k, 1] + nx * arm_a[k, 0]) + roll[k, 0]
+    row[SLIP + 3] = q * ny
+    row[SLIP + 4] = -q * nx
+    row[SLIP + 5] = -q * (ny * arm_b[k, 1] + nx * arm_b[k, 0]) + roll[k, 1]
+
+
+@njit(cache=True)
+def slip_gradients(slots, rows):
+    """Gradients of the slip of all contacts in use, (n_slots, 6); see `kernels.narrow`."""
+    row = np.zeros(12)
+    for k in range(slots.kind.shape[0]):
+        if slots.kind[k] != NONE:
+            _gradients(
+                slots.kind, slots.normal, slots.arm_a, slots.arm_b, slots.roll, slots.ratio, k, row
+            )
+            rows[k] = row[SLIP:]
+
+
+@njit(cache=True)
+def move_trial(table, count, used, pair_a, pair_b, motion):
+    """Trial reactions where the blocks have moved on by ``motion`` (n, 3), to first order."""
+    for c in range(count):
+        a = pair_a[used[c] // 2]
+        b = pair_b[used[c] // 2]
+        row = table[c]
+        gap = 0.0
+        slip = 0.0
+        for i in range(3):
+            gap += row[GAP + i] * motion[a, i] + row[GAP + 3 + i] * motion[b, i]
+            slip += row[MEASURED + i] * motion[a, i] + row[MEASURED + 3 + i] * motion[b, i]
+        row[TRIAL_N] -= row[STIFF_N] * gap
+        row[TRIAL_T] -= row[STIFF_T] * slip
+
+
+@njit(cache=True)
+def remember(table, count, used, branch, memory):
+    """Sliding that has ended becomes part of what contacts bring along (n_slots, N_HISTORY)."""
+    for c in range(count):
+        row = table[c]
+        k = used[c]
+        memory[k, SHEAR] += row[ADD_T]
+        memory[k, DILATION] += row[ADD_N] / row[STIFF_N]
+        memory[k, SLID] += row[PLASTIC]
+        if branch[k] != BONDED:
+            memory[k, BROKEN] = 1.0
+        row[ADD_N] = 0.0
+        row[ADD_T] = 0.0
+        row[PLASTIC] = 0.0
+
+
+@njit(cache=True)
+def linearise(
+    slots, table, count, used, pair_a, pair_b, branch, reaction, motion, force, tangent
+):  # fmt: skip
+    """Forces of all contacts in given branches of the law, and the tangent of minus them.
+
+    Parameters
+    ----------
+    slots
+        Contacts where the table was made.
+    table, count, used
+        See `joint_forces`.
+    pair_a, pair_b
+        Bodies of each pair, (n_pairs,).
+    branch
+        (n_slots,) branches the tangent is for.
+    reaction
+        (n_slots, 2) [N] that the second derivatives are multiplied with.
+    motion
+        (n, 3) from where the table was made to where the trial reactions belong.
+    force
+        (n, 3) filled with the forces there, to first order.
+    tangent
+        `Tangent`, filled.
+    """
+    hess = np.zeros((6, 6))
+    force[:, :] = 0.0
+    for block in tangent:
+        block[:, :, :] = 0.0
+    for c in range(count):
+        k = used[c]
+        now = branch[k]
+        p = k // 2
+        a = pair_a[p]
+        b = pair_b[p]
+        row = table[c]
+        rn, rt, _ = _reactions(row, now)
+        nn, nt, tn, tt = 0.0, 0.0, 0.0, 0.0  # derivatives of the reactions by gap and slip
+        if now == STICKING or now == BONDED:
+            nn, tt = -row[STIFF_N], -row[STIFF_T]
+        elif now != OPEN:
+            sign = 1.0 if now == FORWARD else -1.0
+            along = row[STIFF_T] + row[FRICTION] * row[LIFT]
+            nn = -row[STIFF_N] + row[LIFT] * row[FRICTION] * row[STIFF_N] / along
+            nt = -row[LIFT] * sign * row[STIFF_T] / along
+            tn = sign * row[FRICTION] * nn
+            tt = sign * row[FRICTION] * nt
         for i in range(6):
+            by_gap = row[GAP + i] * nn + row[SLIP + i] * tn
+            by_slip = row[GAP + i] * nt + row[SLIP + i] * tt
             for j in range(6):
-                hess[i, j] = -(
-                    gn[i] * (nn * gn[j] + nt * gs[j]) + gt[i] * (tn * gn[j] + tt * gs[j])
-                )
-        _second_derivatives(kind, normal, arm_a, arm_b, roll, ratio, k, rn, rt, hess)
+                hess[i, j] = -(by_gap * row[GAP + j] + by_slip * row[MEASURED + j])
+        for i in range(3):
+            force[a, i] += rn * row[GAP + i] + rt * row[SLIP + i]
+            force[b, i] += rn * row[GAP + 3 + i] + rt * row[SLIP + 3 + i]
+            for j in range(3):
+                tangent.diagonal[a, i, j] += hess[i, j]
+                tangent.diagonal[b, i, j] += hess[3 + i, 3 + j]
+                tangent.upper[p, i, j] += hess[i, 3 + j]
+                tangent.lower[p, i, j] += hess[3 + i, j]
+        if reaction[k, 0] == 0.0:
+            continue
+        hess[:, :] = 0.0
+        _second_derivatives(
+            slots.kind, slots.normal, slots.arm_a, slots.arm_b, slots.roll, slots.ratio, k,
+            reaction[k, 0], reaction[k, 1], hess,
+        )  # fmt: skip
         for i in range(3):
             for j in range(3):
+                force[a, i] -= hess[i, j] * motion[a, j] + hess[i, 3 + j] * motion[b, j]
+                force[b, i] -= hess[3 + i, j] * motion[a, j] + hess[3 + i, 3 + j] * motion[b, j]
                 tangent.diagonal[a, i, j] += hess[i, j]
                 tangent.diagonal[b, i, j] += hess[3 + i, 3 + j]
                 tangent.upper[p, i, j] += hess[i, 3 + j]

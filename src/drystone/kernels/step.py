@@ -7,52 +7,48 @@ from numba import njit
 
 
 @njit(cache=True)
-def unbalance(
-    contact, dead, pattern, multiplier, mass, inverse_mass, x, weight, extent, fixed, force
-):
-    """Fill ``force`` (n, 3) with what is left of all forces on each block, zero on fixed ones.
+def unbalance(contact, dead, pattern, multiplier, mass, x, weight, extent, fixed, force):
+    """Fill ``force`` (n, n_dof) with what is left of all forces on each block, zero on fixed ones.
 
-    Returns the norm of it weighted with the inverse masses, the merit of the iteration, and the
-    largest force, or moment over block size [N].
+    Returns the largest force, or moment over block size [N].
     """
-    merit = 0.0
+    n, n_dof = x.shape
     worst = 0.0
-    for i in range(x.shape[0]):
+    for i in range(n):
         if fixed[i]:
             force[i, :] = 0.0
             continue
-        for d in range(3):
+        for d in range(n_dof):
             f = contact[i, d] + dead[i, d] + multiplier * pattern[i, d]
-            f -= mass[i, d] * x[i, d] * weight
-            force[i, d] = f
-            merit += f * f * inverse_mass[i, d]
+            force[i, d] = f - mass[i, d] * x[i, d] * weight
         size = np.sqrt(force[i, 0] ** 2 + force[i, 1] ** 2)
         worst = max(worst, size, abs(force[i, 2]) / extent[i])
-    return np.sqrt(merit), worst
+    return worst
 
 
 @njit(cache=True)
-def stiffen(diagonal, mass, weight, pace_body, gradient):
-    """Add inertia to the diagonal blocks and a spring along the pacing displacement.
+def stiffen(diagonal, mass, weight, body, axis):
+    """Add inertia to the diagonal blocks and a spring along ``axis`` (n, n_dof) to one of them.
 
     The spring, as stiff as the block it holds, makes the matrix regular at the peak.  Returns its
-    stiffness; ``pace_body`` is -1 where nothing paces the step.
+    stiffness; ``body`` is -1 where there is none.
     """
-    for i in range(mass.shape[0]):
-        for d in range(3):
+    n, n_dof = mass.shape
+    for i in range(n):
+        for d in range(n_dof):
             diagonal[i, d, d] += mass[i, d] * weight
-    if pace_body < 0:
+    if body < 0:
         return 0.0
     largest = 0.0
     square = 0.0
-    for i in range(3):
-        square += gradient[i] * gradient[i]
-        for j in range(3):
-            largest = max(largest, abs(diagonal[pace_body, i, j]))
+    for i in range(n_dof):
+        square += axis[body, i] ** 2
+        for j in range(n_dof):
+            largest = max(largest, abs(diagonal[body, i, j]))
     spring = largest / square
-    for i in range(3):
-        for j in range(3):
-            diagonal[pace_body, i, j] += spring * gradient[i] * gradient[j]
+    for i in range(n_dof):
+        for j in range(n_dof):
+            diagonal[body, i, j] += spring * axis[body, i] * axis[body, j]
     return spring
 
 

@@ -1,33 +1,53 @@
 """The equations of one step of static equilibrium, on arrays that are made once per pair list.
 
-    R(x, lambda) = G + lambda F + sum over contacts (r_n grad g + r_t grad s) - M x / h^2 = 0
+    R(x, l) = G + l F + sum over contacts (r_n grad g + r_t grad s) - M x / h^2 = 0
 
 with gaps and gradients in the places at the end of the step; see `kernels.joint` for the reactions
-and their tangent.
+and their tangent, `kernels.path` for how the linear equations are solved.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.detection import Detector, Pairs, empty_slots
-from drystone.contact.forces import SLIDING
-from drystone.kernels import joint, narrow, step
-from drystone.kernels.joint import N_HISTORY, Tangent
+from drystone.contact.forces import OPEN, SLIDING, STICKING
+from drystone.kernels import block_lu, joint, narrow, path, step
+from drystone.kernels.joint import N_HISTORY, N_TABLE, Tangent
 from drystone.kernels.narrow import Slots
-from drystone.solvers.linear import BlockSystem, SingularMatrixError
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
+#: Changes of contacts that are followed with one factorisation.
+CHANGES_PER_MATRIX = 32
+
+#: Changes of a step at which its multiplier is kept.
+BENDS = 512
+
+#: What the branches of the joint law are called in results.
+STATUS_OF = np.array([OPEN, STICKING, SLIDING, SLIDING, STICKING])
+
+
+class Pace(Protocol):
+    """The displacement c(x) that paces a step."""
+
+    body: int  # that a spring holds where the matrix may be singular
+    increment: float  # m
+
+    def measure(self, x: Array) -> tuple[float, Array]:
+        """What is missing of the increment [m], and the gradient of c, (n, n_dof)."""
+        ...
+
 
 @dataclass(frozen=True, kw_only=True)
-class Pace:
-    """The displacement c(x) that paces a step, of a point of one body, and what is asked of it."""
+class PointPace:
+    """The displacement of a point of one body."""
 
     body: int
     arm: Array  # (dim,) m from the centroid to the point, where the step starts
@@ -35,13 +55,15 @@ class Pace:
     increment: float  # m
 
     def measure(self, x: Array) -> tuple[float, Array]:
-        """What is missing of the increment [m], and the gradient of c by the body's motion."""
+        """See `Pace.measure`."""
         ux, uy, w = x[self.body]
         (ax, ay), (dx, dy) = self.arm, self.axis
         s, versine = np.sin(w), 2.0 * np.sin(0.5 * w) ** 2
         turned_x, turned_y = ax * (1.0 - versine) - s * ay, ay * (1.0 - versine) + s * ax
         moved = dx * (ux + turned_x - ax) + dy * (uy + turned_y - ay)
-        return self.increment - moved, np.array([dx, dy, dy * turned_x - dx * turned_y])
+        gradient = np.zeros_like(x)
+        gradient[self.body] = dx, dy, dy * turned_x - dx * turned_y
+        return self.increment - moved, gradient
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +76,6 @@ class Constants:
     dead: Array  # N, N m
     pattern: Array  # N, N m, at multiplier one
     mass: Array  # kg, kg m2; zero on fixed bodies
-    inverse_mass: Array
     extent: Array  # (n,) m, by which moments are divided
     fixed: BoolArray  # (n,)
 
@@ -67,7 +88,6 @@ class StaticStep:
         n_pairs = len(pairs.a)
         n_slots = 2 * n_pairs
         self.constants, self.pairs = constants, pairs
-        self.system = BlockSystem(pairs.a, pairs.b, constants.fixed, n_dof)
         self.slots = empty_slots(n_pairs)  # contacts in the present places
         self.known = empty_slots(n_pairs)  # contacts by the features that the step follows
         self.found = empty_slots(n_pairs)  # contacts as they are found where the step ends
@@ -75,20 +95,35 @@ class StaticStep:
         self.force = np.zeros((n, n_dof))  # unbalanced
         self.contact_force = np.zeros((n, n_dof))
         self.reaction = np.zeros((n_slots, 2))
-        self.status = np.zeros(n_slots, np.int64)
-        self.excess = np.zeros(n_slots)
+        self.branch = np.zeros(n_slots, np.int64)
+        self.memory = np.zeros((n_slots, N_HISTORY))
         self.state = np.zeros((n_slots, N_HISTORY))
-        self.start_slip = np.zeros((n_slots, 6))
+        self.start_slip = np.zeros((n_slots, 2 * n_dof))
         self.start_length = np.zeros(n_slots)
-        self.nobody = np.zeros(n_slots, np.bool_)
+        self.table = np.zeros((n_slots, N_TABLE))
+        self.used = np.zeros(n_slots, np.int64)
+        self.count = 0
         self.tangent = Tangent(
             diagonal=np.zeros((n, n_dof, n_dof)),
             upper=np.zeros((n_pairs, n_dof, n_dof)),
             lower=np.zeros((n_pairs, n_dof, n_dof)),
         )
-        self._diagonal = np.zeros((n, n_dof, n_dof))
-        self._right = np.zeros((self.system.size, 2), order="F")
-        self._right[:, 1] = self.system.gather(constants.pattern)
+        place = constants.detector.bodies.centroid + pairs.pose[:, :-1]
+        self.structure = block_lu.analyse(pairs.a, pairs.b, constants.fixed, place, n_dof)
+        self.factors = block_lu.allocate(self.structure)
+        self.frame = path.Frame(
+            load=constants.pattern,
+            pace=np.zeros((n, n_dof)),
+            axis=np.zeros((n, n_dof)),
+            columns=np.zeros((3, n, n_dof)),
+            changes=np.zeros((CHANGES_PER_MATRIX, n, n_dof)),
+            change_of_multiplier=np.zeros(CHANGES_PER_MATRIX),
+            row=np.zeros((CHANGES_PER_MATRIX, 2 * n_dof)),
+            bodies=np.zeros((CHANGES_PER_MATRIX, 2), np.int64),
+            pivot=np.zeros(CHANGES_PER_MATRIX),
+            rate=np.zeros((n_slots, 2)),
+            bends=np.zeros((BENDS, 2)),
+        )
 
     def begin(self, pose: Array, slots: Slots, history: Array, h: float, guess: Array) -> None:
         """Start a step of size ``h`` [s] from rest in ``pose``, with its contacts and history.
@@ -97,86 +132,103 @@ class StaticStep:
         of second order in the step, without straining the stiff shear springs of blocks that
         are held at several points and turn together.
         """
-        self.pose, self.before, self.history = pose, slots, history
+        self.pose = pose
         self.weight = 1.0 / h**2
-        self.start_length[:] = np.where(slots.kind != narrow.NONE, slots.length, 0.0)
-        self.follow(slots)
-        half = self.slots
-        self.constants.detector.follow(self.pairs, pose + 0.5 * guess, self.known, half)
-        joint.slip_gradients(
-            half.kind, half.normal, half.arm_a, half.arm_b, half.roll, half.ratio,
-            self.start_slip,
-        )  # fmt: skip
-
-    def follow(self, slots: Slots) -> None:
-        """Take over the features of these contacts, and whose history each goes on with."""
         for mine, theirs in zip(self.known, slots, strict=True):
             mine[:] = theirs
-        before = self.before
-        narrow.carry_history(before.kind, before.feature, before.edges, self.known, self.source)
+        self.memory[:] = history
+        self.start_length[:] = np.where(slots.kind != narrow.NONE, slots.length, 0.0)
+        half = self.slots
+        self.constants.detector.follow(self.pairs, pose + 0.5 * guess, self.known, half)
+        joint.slip_gradients(half, self.start_slip)
 
-    def evaluate(self, x: Array, multiplier: float, held: BoolArray | None = None) -> None:
-        """Forces, merit, residual and tangent at the increments ``x`` (n, n_dof).
+    def follow(self, slots: Slots) -> None:
+        """Go on with the features of these contacts; each brings along what its forerunner had."""
+        known, source = self.known, self.source
+        narrow.carry_history(known.kind, known.feature, known.edges, slots, source)
+        new = source < 0
+        for array in (self.memory, self.start_length, self.start_slip, self.branch):
+            array[:] = array[source]
+            array[new] = 0
+        self.memory[new, joint.BROKEN] = 1.0  # blocks that come to touch later are not bonded
+        for mine, theirs in zip(known, slots, strict=True):
+            mine[:] = theirs
 
-        Contacts that are ``held`` (n_slots,) stick whatever their cone says.
-        """
+    def evaluate(self, x: Array, multiplier: float) -> None:
+        """Reactions, unbalanced forces and ``residual`` [N] at the increments ``x`` (n, n_dof)."""
         c, pairs = self.constants, self.pairs
         c.detector.follow(pairs, self.pose + x, self.known, self.slots)
-        self.contact_force[:] = 0.0
-        for block in self.tangent:
-            block[:] = 0.0
-        joint.joint_forces(
+        self.count = joint.joint_forces(
             self.slots, pairs.a, pairs.b, pairs.law, c.laws, c.thickness, self.start_length,
-            self.start_slip, self.history, self.source, x,
-            self.nobody if held is None else held, self.contact_force, self.reaction,
-            self.status, self.excess, self.state, self.tangent, True,
+            self.start_slip, self.memory, x, self.contact_force, self.table, self.used,
+            self.branch, self.reaction, self.state,
         )  # fmt: skip
-        #: Norm of the unbalanced forces weighted with the inverse masses, which the iteration
-        #: lowers, and the largest of them [N].
-        self.merit, self.residual = step.unbalance(
-            self.contact_force, c.dead, c.pattern, multiplier, c.mass, c.inverse_mass, x,
-            self.weight, c.extent, c.fixed, self.force,
+        self.residual = self._unbalance(x, multiplier)
+
+    def _unbalance(self, x: Array, multiplier: float) -> float:
+        c = self.constants
+        return step.unbalance(
+            self.contact_force, c.dead, c.pattern, multiplier, c.mass, x, self.weight, c.extent,
+            c.fixed, self.force,
         )  # fmt: skip
 
-    def sense(self) -> Array:
-        """+1 and -1 for contacts that slide one way and the other, else 0, (n_slots,)."""
-        return np.where(self.status == SLIDING, np.sign(self.reaction[:, 1]), 0.0)
+    def move_trial(self, motion: Array) -> None:
+        """Trial reactions where the blocks have moved on by ``motion`` (n, n_dof)."""
+        joint.move_trial(self.table, self.count, self.used, self.pairs.a, self.pairs.b, motion)
 
-    def direction(
-        self, pace: Pace | None, x: Array, lag: float, gradient: Array, damping: float
-    ) -> tuple[Array, float]:
-        """Newton direction of increments and multiplier from where `evaluate` last was.
+    def linearise(
+        self, x: Array, multiplier: float, away: Array, pace: Pace | None, gradient: Array
+    ) -> bool:
+        """Factorise the tangent at the places and branches last evaluated; False if singular.
 
-        With a spring along the pacing displacement added to the matrix,
-
-            (K + k c c^T) y_1 = R + k c lag,    (K + k c c^T) y_2 = F,
-
-        the bordered equations have the same solution, and the matrix is regular at the peak,
-        where K is not.  ``damping`` [1/s2] adds to the inertia of the iteration only.
-
-        Raises `SingularMatrixError`.
+        The unbalanced forces are made those at ``x``, which is ``away`` (n, n_dof) from there.
         """
-        c, system = self.constants, self.system
-        self._diagonal[:] = self.tangent.diagonal
-        body = pace.body if pace else -1
-        spring = step.stiffen(self._diagonal, c.mass, self.weight + damping, body, gradient)
-        solve = system.factor(self.tangent._replace(diagonal=self._diagonal))
-        first = np.zeros_like(x)
-        if pace is None:
-            system.scatter(solve(system.gather(self.force)), first)
-            return first, 0.0
-        self.force[body] += spring * lag * gradient
-        self._right[:, 0] = system.gather(self.force)
-        self.force[body] -= spring * lag * gradient
-        y = solve(self._right)
-        system.scatter(y[:, 0], first)
-        second = np.zeros_like(x)
-        system.scatter(y[:, 1], second)
-        along = float(gradient @ second[body])
-        if along == 0.0 or not np.isfinite(along):
-            raise SingularMatrixError
-        change = (lag - float(gradient @ first[body])) / along
-        return first + change * second, change
+        c, pairs, frame = self.constants, self.pairs, self.frame
+        joint.linearise(
+            self.slots, self.table, self.count, self.used, pairs.a, pairs.b, self.branch,
+            self.reaction, away, self.contact_force, self.tangent,
+        )  # fmt: skip
+        self._unbalance(x, multiplier)
+        frame.axis[:] = 0.0
+        body = -1
+        if pace is not None:
+            body = pace.body
+            frame.pace[:] = gradient
+            frame.axis[body] = gradient[body]
+        self.spring = step.stiffen(self.tangent.diagonal, c.mass, self.weight, body, frame.axis)
+        return block_lu.factorise(self.structure, *self.tangent, self.factors) > 0.0
+
+    def advance(
+        self,
+        x: Array,
+        multiplier: float,
+        lag: float,
+        left: float,
+        changes: int,
+        *,
+        paced: bool,
+        whole: bool,
+        patience: int,
+        worth: int,
+    ) -> tuple[int, float, float, int]:
+        """Follow the path from ``x``, which moves on in place; see `kernels.path.follow_path`."""
+        return path.follow_path(
+            self.structure, self.factors, self.frame, paced, whole, self.table, self.count,
+            self.used, self.pairs.a, self.pairs.b, self.branch, self.force, lag,
+            self.spring, x, multiplier, left, changes, patience, worth,
+        )  # fmt: skip
+
+    def bends(self, changes: int) -> Array:
+        """Share of the step and multiplier at the changes of the path followed last, (n, 2)."""
+        return self.frame.bends[: min(changes, BENDS)]
+
+    def remember(self) -> None:
+        """Make sliding that has ended on the path part of the step's history."""
+        joint.remember(self.table, self.count, self.used, self.branch, self.memory)
+
+    def status(self) -> IntArray:
+        """Status of every slot, (n_slots,)."""
+        return STATUS_OF[self.branch]
 
     def find(self, x: Array) -> None:
         """Find the contacts anew where the blocks are now, into ``found``."""

@@ -1,0 +1,397 @@
+"""One linear step, followed from one contact's change to the next.
+
+With all gradients held fast the unbalanced forces R are piecewise linear in the increments x and
+the multiplier l, one piece for every choice of branches of the joint law.  From where they start
+the unknowns are moved so that all that is missing shrinks together,
+
+    R(x, l) = (1 - t) R_0,    g . (x - x_0) = t lag_0,    t from 0 to 1
+
+along straight lines that bend where a contact leaves its branch.  There the matrix changes by
+u v^T only, so that the new direction takes one more solution with the factors of the first matrix
+(Sherman-Morrison).  Where 1 + v . K^-1 u is negative the line has turned back: t falls until the
+path turns again; a path that falls below its start has no solution ahead of it (Katzenelson 1965).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from drystone.kernels.block_lu import solve
+
+OPEN, STICKING, FORWARD, BACKWARD, BONDED = 0, 1, 2, 3, 4
+
+#: Columns of the table of contacts, see `kernels.joint`.
+GAP, SLIP, MEASURED = 0, 6, 12
+STIFF_N, STIFF_T, FRICTION, LIFT, BOND, TENSILE, TRIAL_N, TRIAL_T = 18, 19, 20, 21, 22, 23, 24, 25
+ADD_N, ADD_T, PLASTIC = 26, 27, 28
+
+#: How a path ends: where it should; before it, as it turns back; at a change after which the
+#: matrix must be made anew; after too many changes; where there is no direction; with a leap over
+#: more changes than are worth following.
+DONE, TURNED, RENEW, LOST, SINGULAR, LEAPT = 0, 1, 2, 3, 4, 5
+
+Array = NDArray[np.float64]
+
+
+class Frame(NamedTuple):
+    """What borders the matrix, and memory for a path's directions; arrays are (n, n_dof)."""
+
+    load: Array  # F
+    pace: Array  # g, gradient of the pacing displacement
+    axis: Array  # direction of the spring e over all bodies
+    columns: Array  # (3, n, n_dof) direction, K'^-1 F, k K'^-1 e
+    changes: Array  # (n_changes, n, n_dof) K^-1 u of every change
+    change_of_multiplier: Array  # (n_changes,)
+    row: Array  # (n_changes, 2 n_dof) v of every change
+    bodies: NDArray[np.int64]  # (n_changes, 2)
+    pivot: Array  # (n_changes,) 1 + v . K^-1 u
+    rate: Array  # (n_slots, 2) of the trial reactions along the direction
+    bends: Array  # (n_bends, 2) share of the step and multiplier at every change
+
+
+@njit(cache=True)
+def _dot(first, second):
+    total = 0.0
+    for i in range(first.shape[0]):
+        for d in range(first.shape[1]):
+            total += first[i, d] * second[i, d]
+    return total
+
+
+@njit(cache=True)
+def _border(frame, x, lag):
+    """From K'^-1 rhs to the solution of K dx - F dl = rhs, g . dx = lag, in place; returns dl.
+
+    With K' = K + k e e^T and s = e . dx:  dx = K'^-1 rhs + dl K'^-1 F + s k K'^-1 e.
+    """
+    by_load, by_spring = frame.columns[1], frame.columns[2]
+    g1, g2, g3 = _dot(frame.pace, x), _dot(frame.pace, by_load), _dot(frame.pace, by_spring)
+    e1, e2, e3 = _dot(frame.axis, x), _dot(frame.axis, by_load), _dot(frame.axis, by_spring)
+    determinant = g2 * (e3 - 1.0) - g3 * e2
+    if determinant == 0.0:
+        return np.nan
+    missing = lag - g1
+    change = (missing * (e3 - 1.0) + g3 * e1) / determinant
+    along = (-g2 * e1 - e2 * missing) / determinant
+    for i in range(x.shape[0]):
+        for d in range(x.shape[1]):
+            x[i, d] += change * by_load[i, d] + along * by_spring[i, d]
+    return change
+
+
+@njit(cache=True)
+def _along(row, start, field, a, b):
+    """A row of the table times the motion of its two bodies."""
+    n_dof = field.shape[1]
+    total = 0.0
+    for i in range(n_dof):
+        total += row[start + i] * field[a, i] + row[start + n_dof + i] * field[b, i]
+    return total
+
+
+@njit(cache=True)
+def _distance(row, now, rate_n, rate_t, whole):
+    """How far along the direction a contact leaves its branch, and for which one."""
+    rn = row[TRIAL_N]
+    rt = row[TRIAL_T]
+    if now == OPEN:
+        if rate_n <= 0.0:
+            return np.inf, OPEN
+        far = max(-rn, 0.0) / rate_n
+        shear = rt + far * rate_t if whole else rate_t
+        return far, FORWARD if shear > 0.0 else BACKWARD
+    nearest = np.inf
+    following = now
+    bond = row[BOND] if now == BONDED else 0.0
+    tensile = row[TENSILE] if now == BONDED else 0.0
+    if now == STICKING or now == BONDED:
+        for sign, branch in ((1.0, FORWARD), (-1.0, BACKWARD)):
+            speed = sign * rate_t - row[FRICTION] * rate_n
+            if speed > 0.0:
+                far = max(row[FRICTION] * rn + bond - sign * rt, 0.0) / speed
+                if far < nearest:
+                    nearest = far
+                    following = branch
+        if now == BONDED and rate_n < 0.0:
+            far = max(rn + tensile, 0.0) / -rate_n
+            if far < nearest:
+                nearest = far
+                following = OPEN
+        return nearest, following
+    sign = 1.0 if now == FORWARD else -1.0
+    speed = row[FRICTION] * rate_n - sign * rate_t
+    if speed > 0.0 and whole:
+        nearest = max(sign * rt - row[FRICTION] * rn, 0.0) / speed
+        following = STICKING
+    if rate_n < 0.0:
+        far = max(rn, 0.0) / -rate_n
+        if far < nearest:
+            nearest = far
+            following = OPEN
+    return nearest, following
+
+
+@njit(cache=True)
+def _landing(row, now, rn, rt):
+    """Branch of the law for trial reactions.
+
+    A contact that would slide the other way has passed the band in which it sticks, narrow where
+    the shear stiffness is high; it is taken to stick.
+    """
+    if now == BONDED and rn >= -row[TENSILE] and abs(rt) <= row[FRICTION] * rn + row[BOND]:
+        return BONDED
+    if rn <= 0.0:
+        return OPEN
+    if abs(rt) <= row[FRICTION] * rn:
+        return STICKING
+    sliding = FORWARD if rt > 0.0 else BACKWARD
+    return STICKING if now == FORWARD + BACKWARD - sliding else sliding
+
+
+@njit(cache=True)
+def _leap(table, count, used, pair_a, pair_b, direction, branch, rate, worth):
+    """Move all contacts to the end of the direction if more than ``worth`` of them change on it.
+
+    Returns how many would change.
+    """
+    changed = 0
+    for c in range(count):
+        row = table[c]
+        a = pair_a[used[c] // 2]
+        b = pair_b[used[c] // 2]
+        rate[c, 0] = -row[STIFF_N] * _along(row, GAP, direction, a, b)
+        rate[c, 1] = -row[STIFF_T] * _along(row, MEASURED, direction, a, b)
+        now = branch[used[c]]
+        if _landing(row, now, row[TRIAL_N] + rate[c, 0], row[TRIAL_T] + rate[c, 1]) != now:
+            changed += 1
+    if changed > worth:
+        for c in range(count):
+            row = table[c]
+            row[TRIAL_N] += rate[c, 0]
+            row[TRIAL_T] += rate[c, 1]
+            branch[used[c]] = _landing(row, branch[used[c]], row[TRIAL_N], row[TRIAL_T])
+    return changed
+
+
+@njit(cache=True)
+def _change(row, before, after, u, v):
+    """Fill u and v (2 n_dof,), by whose product the matrix changes with a contact's branch."""
+    n_dof = (u.shape[0]) // 2
+    sliding = before if before >= FORWARD else after
+    sign = 1.0 if sliding == FORWARD else -1.0
+    along = row[STIFF_T] + row[FRICTION] * row[LIFT]
+    if before == OPEN or after == OPEN:
+        # Sliding with r_n = k_n (d - g), without lift.
+        turn = -1.0 if before == OPEN else 1.0
+        for i in range(2 * n_dof):
+            u[i] = turn * (row[GAP + i] + sign * row[FRICTION] * row[SLIP + i])
+            v[i] = -row[STIFF_N] * row[GAP + i]
+        return
+    turn = 1.0 if before == STICKING else -1.0
+    for i in range(2 * n_dof):
+        u[i] = turn * (sign * row[STIFF_T] * row[SLIP + i] - row[LIFT] * row[GAP + i])
+        v[i] = row[FRICTION] * row[STIFF_N] * row[GAP + i]
+        v[i] = (v[i] - sign * row[STIFF_T] * row[MEASURED + i]) / along
+
+
+@njit(cache=True)
+def _commit(row, before, after):
+    """Make the sliding of a contact part of its history, where it sticks or opens; and forget
+    the shear of one that was open."""
+    if before == OPEN:
+        row[ADD_T] -= row[TRIAL_T]
+        row[TRIAL_T] = 0.0
+    elif before == FORWARD or before == BACKWARD:
+        sign = 1.0 if before == FORWARD else -1.0
+        along = row[STIFF_T] + row[FRICTION] * row[LIFT]
+        gamma = (sign * row[TRIAL_T] - row[FRICTION] * row[TRIAL_N]) / along
+        row[TRIAL_N] += row[LIFT] * gamma
+        row[ADD_N] += row[LIFT] * gamma
+        row[ADD_T] -= sign * row[STIFF_T] * gamma
+        row[TRIAL_T] -= sign * row[STIFF_T] * gamma
+        row[PLASTIC] += gamma
+
+
+@njit(cache=True)
+def follow_path(
+    structure, factors, frame, paced, whole, table, count, used, pair_a, pair_b, branch, force,
+    lag, spring, x, multiplier, left, changes, patience, worth,
+):  # fmt: skip
+    """Follow the path of a step from where it is.
+
+    Parameters
+    ----------
+    structure, factors
+        Of the matrix K', see `kernels.block_lu`.
+    frame
+        See `Frame`.
+    paced
+        Whether the multiplier is an unknown and the pacing displacement given.
+    whole
+        Whether sliding counts over the whole of the step, as in the implicit law.  Otherwise it
+        ends, and is kept, as soon as a contact would slide back: the path that a slow loading
+        takes, which no structure follows beyond where it turns.
+    table, count, used
+        Contacts, see `kernels.joint`; trial reactions are moved on.
+    pair_a, pair_b
+        Bodies of each pair, (n_pairs,).
+    branch
+        (n_slots,) changed as the path goes.
+    force
+        (n, n_dof) what is unbalanced at the start, [N, N m].
+    lag
+        What is missing of the pacing displacement [m].
+    spring
+        k [N/m].
+    x
+        (n, n_dof) increments, moved on.
+    multiplier
+        At the start.
+    left, changes
+        Share 1 - t of the step that is left, and the number of changes so far.
+    patience
+        Largest number of changes.
+    worth
+        Number of changes ahead up to which they are followed; over more of them the path leaps.
+
+    Returns
+    -------
+    How the path ended, the multiplier, the share that is left and the number of changes.
+    """
+    n, n_dof = x.shape
+    columns = frame.columns[:3] if paced else frame.columns[:1]
+    direction = columns[0]
+    for i in range(n):
+        for d in range(n_dof):
+            direction[i, d] = force[i, d]
+            if paced:
+                columns[1, i, d] = frame.load[i, d]
+                columns[2, i, d] = spring * frame.axis[i, d]
+    solve(structure, factors, columns)
+    by_direction = _border(frame, direction, lag) if paced else 0.0
+    if not np.isfinite(by_direction):
+        return SINGULAR, multiplier, left, changes
+    at_once = _leap(
+        table, count, used, pair_a, pair_b, direction, branch, frame.rate, worth
+    )  # fmt: skip
+    if at_once > worth:
+        for i in range(n):
+            for d in range(n_dof):
+                x[i, d] += direction[i, d]
+        return LEAPT, multiplier + by_direction, left, at_once
+    u = np.zeros(2 * n_dof)
+    ahead = 1.0  # -1 where the path has turned back
+    new = -1  # change since the factorisation
+    last = -1
+    left_behind = OPEN
+    capacity = frame.changes.shape[0]
+    while True:
+        nearest = np.inf
+        chosen = -1
+        following = OPEN
+        slowest = 0.0
+        if not whole:
+            for i in range(n):
+                slowest = max(slowest, abs(direction[i, 0]), abs(direction[i, 1]))
+            slowest *= -1e-9
+        for c in range(count):
+            a = pair_a[used[c] // 2]
+            b = pair_b[used[c] // 2]
+            row = table[c]
+            rate_n = -ahead * row[STIFF_N] * _along(row, GAP, direction, a, b)
+            rate_t = -ahead * row[STIFF_T] * _along(row, MEASURED, direction, a, b)
+            frame.rate[c, 0] = rate_n
+            frame.rate[c, 1] = rate_t
+            now = branch[used[c]]
+            if not whole and (now == FORWARD or now == BACKWARD):
+                sign = 1.0 if now == FORWARD else -1.0
+                speed = (sign * rate_t - row[FRICTION] * rate_n) / row[STIFF_T]
+                if speed < slowest:
+                    slowest = speed
+                    chosen = c
+                    following = STICKING
+                    nearest = 0.0
+            if nearest == 0.0 and following == STICKING:
+                continue
+            far, other = _distance(row, now, rate_n, rate_t, whole)
+            if c == last and other == left_behind:
+                continue
+            if far < nearest:
+                nearest = far
+                chosen = c
+                following = other
+        arrives = ahead > 0.0 and nearest >= 1.0
+        length = 1.0 if arrives else nearest
+        if not np.isfinite(length):
+            return LOST, multiplier, left, changes
+        for i in range(n):
+            for d in range(n_dof):
+                x[i, d] += ahead * length * direction[i, d]
+        multiplier += ahead * length * by_direction
+        for c in range(count):
+            table[c, TRIAL_N] += length * frame.rate[c, 0]
+            table[c, TRIAL_T] += length * frame.rate[c, 1]
+        if arrives:
+            return DONE, multiplier, 0.0, changes
+        left *= 1.0 - ahead * length
+        if left > 1.0 + 1e-3:
+            return TURNED, multiplier, left, changes
+        row = table[chosen]
+        before = branch[used[chosen]]
+        branch[used[chosen]] = following
+        if changes < frame.bends.shape[0]:
+            frame.bends[changes, 0] = 1.0 - left
+            frame.bends[changes, 1] = multiplier
+        changes += 1
+        new += 1
+        if not whole:
+            _commit(row, before, following)
+        if changes > patience:
+            return LOST, multiplier, left, changes
+        lifts = row[LIFT] > 0.0 and (before == OPEN or following == OPEN)
+        if before == BONDED or lifts or new == capacity:
+            if before == BONDED and row[TRIAL_N] <= 0.0:
+                branch[used[chosen]] = OPEN
+            return RENEW, multiplier, left, changes
+        # The new direction.
+        a = pair_a[used[chosen] // 2]
+        b = pair_b[used[chosen] // 2]
+        _change(row, before, following, u, frame.row[new])
+        frame.bodies[new, 0] = a
+        frame.bodies[new, 1] = b
+        w = frame.changes[new]
+        w[:, :] = 0.0
+        for i in range(n_dof):
+            w[a, i] += u[i]
+            w[b, i] += u[n_dof + i]
+        solve(structure, factors, w.reshape((1, n, n_dof)))
+        by_w = _border(frame, w, 0.0) if paced else 0.0
+        for old in range(new):
+            share = _along(
+                frame.row[old], 0, w, frame.bodies[old, 0], frame.bodies[old, 1]
+            ) / frame.pivot[old]
+            for i in range(n):
+                for d in range(n_dof):
+                    w[i, d] -= share * frame.changes[old, i, d]
+            by_w -= share * frame.change_of_multiplier[old]
+        frame.change_of_multiplier[new] = by_w
+        pivot = 1.0 + _along(frame.row[new], 0, w, a, b)
+        frame.pivot[new] = pivot
+        if pivot == 0.0 or not np.isfinite(pivot):
+            return SINGULAR, multiplier, left, changes
+        scale = 1.0 - ahead * length
+        share = scale * _along(frame.row[new], 0, direction, a, b) / pivot
+        for i in range(n):
+            for d in range(n_dof):
+                direction[i, d] = scale * direction[i, d] - share * w[i, d]
+        by_direction = scale * by_direction - share * by_w
+        if pivot < 0.0:
+            if not whole:
+                return TURNED, multiplier, left, changes
+            ahead = -ahead
+        last = chosen
+        left_behind = before

@@ -1,0 +1,199 @@
+"""A static step: its linear pieces followed from the last equilibrium to the next.
+
+The joint law is piecewise linear and, with friction, has no energy to descend on: full Newton steps
+over many contacts that open, slide and stick at once lose their way.  So the pieces are followed
+one by one (`kernels.path`), with the gradients of gaps and slips held fast where the blocks are
+guessed to end.  Then the gradients are renewed there and what is left, of second order in the
+guess's error, is corrected in the same way.
+
+A path that turns back says that no equilibrium lies ahead: the structure snaps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.kernels import narrow, path
+from drystone.solvers.static_step import Pace, StaticStep
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_ENDS = {
+    path.TURNED: "the path of equilibria turns back",
+    path.LOST: "too many contacts change",
+    path.SINGULAR: "a part of the structure is free to move",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathSettings:
+    """When to stop."""
+
+    tolerance: float  # N, largest unbalanced force
+    lag: float = 1e-12  # m, what may be missing of the increment
+    depth: float  # m, penetration too small to tell two contacts apart
+    farthest: float  # m, motion of a block over which the step has failed
+    max_iterations: int = 12  # renewals of the gradients
+    leap_effort: int = 8000  # contacts about to change, times blocks, above which they leap
+    max_leaps: int = 15
+    change_effort: int = 2_000_000  # contacts that change one by one, times blocks, at most
+    max_rounds: int = 3  # times that the features of contacts are checked
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepSolution:
+    """Where the path led; with a `reason` where that is not an equilibrium."""
+
+    increment: Array  # (n, n_dof)
+    multiplier: float
+    n_iterations: int
+    reached: float = 1.0  # share of the step to which equilibrium could be followed
+    #: By how much the multiplier exceeds both its ends within the step, and how far it bends from
+    #: its chord, each with the share of the step where it does so most.
+    excess: tuple[float, float] | None = None
+    bend: tuple[float, float] | None = None
+    reason: str = ""
+
+
+def solve(
+    step: StaticStep,
+    pace: Pace | None,
+    guess: Array,
+    multiplier: float,
+    branch: IntArray,
+    reaction: Array,
+    settings: PathSettings,
+    whole: bool = True,
+) -> StepSolution:
+    """Solve a step that has begun.
+
+    Parameters
+    ----------
+    step
+        The equations; left evaluated at the solution.
+    pace
+        What paces the step, the multiplier being an unknown; None where it is given.
+    guess
+        Increments (n, n_dof) near which the step will end.
+    multiplier
+        Where the step starts; without a pace, the one that is asked for.
+    branch, reaction
+        Of all contacts where the step starts, (n_slots,) and (n_slots, 2) [N].
+    """
+    x, geometry, start = np.zeros_like(guess), guess, multiplier
+    step.branch[:] = branch
+    step.evaluate(guess, multiplier)
+    if pace is None and step.residual <= settings.tolerance:
+        step.find(x)
+        return StepSolution(increment=x, multiplier=multiplier, n_iterations=0)
+    step.branch[:], step.reaction[:] = branch, reaction
+    rounds, reached, reason, count = 0, 0.5, "", 0
+    shape = {"excess": (0.0, 0.0), "bend": (0.0, 0.0)}
+    for count in range(1, settings.max_iterations + 1):
+        walk = _Walk(step, pace, geometry, whole=whole or count > 1)
+        end, x, multiplier = walk.go(x, multiplier, settings)
+        if end != path.DONE:
+            reached = 1.0 - walk.left if count == 1 and end == path.TURNED else 0.5
+            reason = _ENDS[end]
+            break
+        step.remember()
+        geometry = x
+        if step.constants.detector.motion(x).max() > settings.farthest:
+            reason = "a block moves too far in one step"
+            break
+        step.evaluate(x, multiplier)
+        if count == 1 and pace and not walk.leapt:
+            shape = _shape(step.bends(walk.changes), start, multiplier)
+        short = abs(pace.measure(x)[0]) if pace else 0.0
+        if step.residual <= settings.tolerance and short <= settings.lag:
+            step.find(x)
+            same = not narrow.changed_contacts(step.slots, step.found, settings.depth)
+            if same or rounds == settings.max_rounds:
+                return StepSolution(
+                    increment=x, multiplier=multiplier, n_iterations=count, **shape
+                )
+            rounds += 1
+            step.follow(step.found)
+            step.evaluate(x, multiplier)
+    reason = reason or f"no equilibrium within {settings.max_iterations} iterations"
+    return StepSolution(
+        increment=x, multiplier=multiplier, n_iterations=count, reached=reached, reason=reason
+    )
+
+
+class _Walk:
+    """A way to the solution of one linear step, the contacts having been evaluated."""
+
+    def __init__(self, step: StaticStep, pace: Pace | None, geometry: Array, *, whole: bool):
+        self.step, self.pace, self.geometry, self.whole = step, pace, geometry, whole
+        self.lag, self.gradient = pace.measure(geometry) if pace else (0.0, step.force)
+        self.left, self.changes = 1.0, 0
+        self.leapt = False  # some of the way was not followed
+
+    def go(
+        self, x: Array, multiplier: float, settings: PathSettings
+    ) -> tuple[int, Array, float]:
+        """How it ends, and where: in leaps where many contacts change, else one by one."""
+        step = self.step
+        branch, reaction = step.branch.copy(), step.reaction.copy()
+        step.move_trial(x - self.geometry)
+        n, last = len(x), np.inf
+        worth = max(16, settings.leap_effort // n)
+        patience = max(200, min(2 * step.count, settings.change_effort // n))
+        trial, at = x.copy(), multiplier
+        for _ in range(settings.max_leaps):
+            end, at = self._advance(trial, at, worth, patience)
+            if end != path.LEAPT or self.changes > 1.2 * last:
+                break
+            last, self.leapt = self.changes, True
+            self.changes = 0
+        if end == path.RENEW:
+            end, at = self._follow(trial, at, patience)
+        if end == path.DONE or last == np.inf:
+            return end, trial, at
+        # The leaps led astray: every change is followed from the start.
+        step.evaluate(self.geometry, multiplier)
+        step.move_trial(x - self.geometry)
+        step.branch[:], step.reaction[:] = branch, reaction
+        trial = x.copy()
+        self.left, self.changes, self.leapt = 1.0, 0, False
+        end, at = self._follow(trial, multiplier, patience)
+        return end, trial, at
+
+    def _follow(self, x: Array, multiplier: float, patience: int) -> tuple[int, float]:
+        end = path.RENEW
+        while end == path.RENEW:
+            end, multiplier = self._advance(x, multiplier, self.step.count, patience)
+        return end, multiplier
+
+    def _advance(
+        self, x: Array, multiplier: float, worth: int, patience: int
+    ) -> tuple[int, float]:
+        """Go on from ``x``, changed in place, with a matrix of its own."""
+        away = x - self.geometry
+        if not self.step.linearise(x, multiplier, away, self.pace, self.gradient):
+            return path.SINGULAR, multiplier
+        missing = self.lag - float(np.vdot(self.gradient, away)) if self.pace else 0.0
+        end, multiplier, self.left, self.changes = self.step.advance(
+            x, multiplier, missing, self.left, self.changes, paced=self.pace is not None,
+            whole=self.whole, patience=patience, worth=worth,
+        )  # fmt: skip
+        return end, multiplier
+
+
+def _shape(bends: Array, start: float, end: float) -> dict[str, tuple[float, float]]:
+    """Excess and bend of a path from the multipliers at its changes, (n, 2)."""
+    if len(bends) == 0:
+        return {"excess": (0.0, 0.0), "bend": (0.0, 0.0)}
+    share, multiplier = bends.T
+    top = int(multiplier.argmax())
+    off = np.abs(multiplier - start - share * (end - start))
+    far = int(off.argmax())
+    return {
+        "excess": (float(multiplier[top]) - max(start, end), float(share[top])),
+        "bend": (float(off[far]), float(share[far])),
+    }

@@ -1,0 +1,52 @@
+"""The sums of a step in one pass are those of whole arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drystone.kernels.measures import cone_excess, count_contacts, sum_blocks
+
+ROUNDING = 1e-12
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(7)
+
+
+def test_sums_of_blocks(rng):
+    n, multiplier, direction = 40, 0.3, np.array([0.6, 0.8])
+    x, a, v, contact, dead, pattern = rng.normal(size=(6, n, 3))
+    mass = rng.uniform(1.0, 2.0, (n, 3))
+    fixed = rng.random(n) < 0.2
+    contact[rng.random(n) < 0.3] = 0.0  # nothing holds these
+    held = contact.any(axis=1)
+    expected = (
+        (contact[fixed, :2] @ direction).sum() - (dead[:, :2] @ direction).sum(),
+        np.linalg.norm((mass * a)[:, :2], axis=1).sum(),
+        np.linalg.norm(a[:, :2], axis=1).max(),
+        0.5 * (mass * v**2).sum(),
+        abs(((dead + multiplier * pattern) * x).sum()),
+        (pattern * x)[held].sum(),
+        np.abs(pattern * x)[held].sum(),
+        (mass * a * x)[held].sum(),
+    )
+    found = sum_blocks(x, a, v, contact, dead, pattern, mass, fixed, direction, multiplier)
+    assert found == pytest.approx(expected, rel=ROUNDING)
+
+
+def test_contacts_are_counted_where_there_are_any():
+    kind = np.array([1, 2, 0, 3, 1])
+    gap = np.array([-1e-3, 2e-3, np.inf, -2e-3, 0.0])
+    counts = np.full(3, 9)
+    assert count_contacts(kind, gap, np.array([1, 0, 1, 2, 1]), counts) == 2e-3
+    assert counts.tolist() == [1, 2, 1]  # open, sticking, sliding
+    assert count_contacts(kind[:0], gap[:0], kind[:0], counts) == 0.0
+    assert not counts.any()
+
+
+def test_excess_over_the_cone():
+    reaction = np.array([[2.0, 1.0], [2.0, -1.5], [-1.0, 0.25]])
+    assert cone_excess(reaction, np.full(3, 0.5)) == 0.5
+    assert cone_excess(reaction[:1], np.full(1, 0.5)) == 0.0
