@@ -119,11 +119,13 @@ def trace(
     )
 
 
-def exponent(traces: list[Trace]) -> float:
+def fitted_walls(traces: list[Trace]) -> list[Trace]:
+    """Those that tell how the time per point grows."""
+    return [t for t in traces if t.n_blocks >= LEAST_FITTED and t.n_points > 1]
+
+
+def exponent(fitted: list[Trace]) -> float:
     """Of the number of blocks in the time per point, by least squares; NaN with fewer than two."""
-    fitted = [
-        t for t in traces if t.n_blocks >= LEAST_FITTED and not math.isnan(t.seconds_per_point)
-    ]
     if len(fitted) < 2:
         return math.nan
     blocks, seconds = np.log([(t.n_blocks, t.seconds_per_point) for t in fitted]).T
@@ -187,10 +189,16 @@ def main() -> None:
         f"published walls, joints {arguments.stiffness:g} times as stiff. Memory: the largest the "
         "process ever had."
     )
-    grows = exponent(traces)
+    fitted = fitted_walls(traces)
+    grows = exponent(fitted)
     text = harness.table([row(t) for t in traces])
     if not math.isnan(grows):
         text += f"\n\nTime per point grows as blocks^{grows:.2f} from {LEAST_FITTED} blocks on."
+        if any(t.status != "finished" for t in fitted):
+            text += (
+                " Not all curves are whole: points\nbefore and after the peak, static and dynamic, "
+                "differ in cost, and their shares differ from wall to wall."
+            )
     harness.write(
         "scale",
         "Time and memory by number of blocks",

@@ -34,6 +34,9 @@ ADD_N, ADD_T, PLASTIC = 26, 27, 28
 #: more changes than are worth following.
 DONE, TURNED, RENEW, LOST, SINGULAR, LEAPT = 0, 1, 2, 3, 4, 5
 
+#: Sliding back by less than this share of the blocks' motion does not end sliding.
+SLOW = 1e-6
+
 Array = NDArray[np.float64]
 
 
@@ -217,6 +220,18 @@ def _commit(row, before, after):
 
 
 @njit(cache=True)
+def _keep_slow(table, count, used, branch):
+    """Make sliding back that was too slow to end a part of the history."""
+    for c in range(count):
+        now = branch[used[c]]
+        if now == FORWARD or now == BACKWARD:
+            row = table[c]
+            sign = 1.0 if now == FORWARD else -1.0
+            if sign * row[TRIAL_T] < row[FRICTION] * row[TRIAL_N]:
+                _commit(row, now, STICKING)
+
+
+@njit(cache=True)
 def follow_path(
     structure, factors, frame, paced, whole, table, count, used, pair_a, pair_b, branch, force,
     lag, spring, x, multiplier, left, changes, patience, worth,
@@ -297,7 +312,7 @@ def follow_path(
         if not whole:
             for i in range(n):
                 slowest = max(slowest, abs(direction[i, 0]), abs(direction[i, 1]))
-            slowest *= -1e-9
+            slowest *= -SLOW
         for c in range(count):
             a = pair_a[used[c] // 2]
             b = pair_b[used[c] // 2]
@@ -336,6 +351,8 @@ def follow_path(
             table[c, TRIAL_N] += length * frame.rate[c, 0]
             table[c, TRIAL_T] += length * frame.rate[c, 1]
         if arrives:
+            if not whole:
+                _keep_slow(table, count, used, branch)
             return DONE, multiplier, 0.0, changes
         left *= 1.0 - ahead * length
         if left > 1.0 + 1e-3:

@@ -40,7 +40,7 @@ class PathSettings:
     max_iterations: int = 12  # renewals of the gradients
     leap_effort: int = 8000  # contacts about to change, times blocks, above which they leap
     max_leaps: int = 15
-    change_effort: int = 2_000_000  # contacts that change one by one, times blocks, at most
+    change_effort: int = 20_000_000  # contacts that change one by one, times blocks, at most
     max_rounds: int = 3  # times that the features of contacts are checked
 
 
@@ -142,7 +142,7 @@ class _Walk:
         branch, reaction = step.branch.copy(), step.reaction.copy()
         step.move_trial(x - self.geometry)
         n, last = len(x), np.inf
-        worth = max(16, settings.leap_effort // n)
+        worth = max(16, settings.leap_effort // n) if self.pace is None else step.count
         patience = max(200, min(2 * step.count, settings.change_effort // n))
         trial, at = x.copy(), multiplier
         for _ in range(settings.max_leaps):
