@@ -47,6 +47,8 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 #: History of blocks that come to touch later: no shear yet, and no bond.
+import os
+GROWTH=float(os.environ.get('GROWTH','4'))
 NEW_CONTACT = np.zeros(N_HISTORY)
 NEW_CONTACT[joint.BROKEN] = 1.0
 
@@ -145,7 +147,7 @@ class EquilibriumEngine:
                 return replace(new, last_increment=np.zeros_like(new.pose)), outcome
             if travelled > self.detector.block_size:
                 break
-            h = min(4.0 * h, limit)
+            h = min(GROWTH * h, limit)
         motion = self.detector.motion(state.pose)
         raise UnstableError(unstable_sentence(self.problem.assembly.ids, motion))
 

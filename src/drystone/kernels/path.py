@@ -36,6 +36,7 @@ DONE, TURNED, RENEW, LOST, SINGULAR, LEAPT = 0, 1, 2, 3, 4, 5
 
 #: Sliding back by less than this share of the blocks' motion does not end sliding.
 SLOW = 1e-6
+SLOW_BACK = 1e-10
 
 Array = NDArray[np.float64]
 
@@ -53,6 +54,7 @@ class Frame(NamedTuple):
     bodies: NDArray[np.int64]  # (n_changes, 2)
     pivot: Array  # (n_changes,) 1 + v . K^-1 u
     rate: Array  # (n_slots, 2) of the trial reactions along the direction
+    far: Array  # (n_slots,) where along the direction each contact changes
     bends: Array  # (n_bends, 2) share of the step and multiplier at every change
 
 
@@ -181,6 +183,59 @@ def _leap(table, count, used, pair_a, pair_b, direction, branch, rate, worth):
 
 
 @njit(cache=True)
+def _batch(table, count, used, pair_a, pair_b, direction, branch, rate, far, worth):
+    """Let many contacts change together, where more than ``worth`` of them are about to.
+
+    Those that would slide back stick, where they are; else all go along the direction, to where
+    enough of them have changed.  Returns how many would change and the length gone.
+    """
+    back = 0
+    fastest = 0.0
+    for c in range(count):
+        row = table[c]
+        a = pair_a[used[c] // 2]
+        b = pair_b[used[c] // 2]
+        rate[c, 0] = -row[STIFF_N] * _along(row, GAP, direction, a, b)
+        rate[c, 1] = -row[STIFF_T] * _along(row, MEASURED, direction, a, b)
+        now = branch[used[c]]
+        far[c] = 0.0
+        if now == FORWARD or now == BACKWARD:
+            sign = 1.0 if now == FORWARD else -1.0
+            far[c] = (sign * rate[c, 1] - row[FRICTION] * rate[c, 0]) / row[STIFF_T]
+            if far[c] < -SLOW_BACK:
+                back += 1
+                fastest = min(fastest, far[c])
+    if back > worth:
+        for c in range(count):
+            now = branch[used[c]]
+            if far[c] < 0.1 * fastest and (now == FORWARD or now == BACKWARD):
+                _commit(table[c], now, STICKING)
+                branch[used[c]] = STICKING
+        return back, 0.0
+    changed = 0
+    for c in range(count):
+        far[c], _ = _distance(table[c], branch[used[c]], rate[c, 0], rate[c, 1], False)
+        if far[c] < 1.0:
+            changed += 1
+    if changed <= worth:
+        return changed, 0.0
+    together = max(worth, changed // 2)
+    length = np.partition(far[:count], together)[together]
+    for c in range(count):
+        row = table[c]
+        now = branch[used[c]]
+        _, other = _distance(row, now, rate[c, 0], rate[c, 1], False)
+        row[TRIAL_N] += length * rate[c, 0]
+        row[TRIAL_T] += length * rate[c, 1]
+        if far[c] <= length:
+            _commit(row, now, other)
+            if now == BONDED and row[TRIAL_N] <= 0.0:
+                other = OPEN
+            branch[used[c]] = other
+    return changed, length
+
+
+@njit(cache=True)
 def _change(row, before, after, u, v):
     """Fill u and v (2 n_dof,), by whose product the matrix changes with a contact's branch."""
     n_dof = (u.shape[0]) // 2
@@ -290,14 +345,21 @@ def follow_path(
     by_direction = _border(frame, direction, lag) if paced else 0.0
     if not np.isfinite(by_direction):
         return SINGULAR, multiplier, left, changes
-    at_once = _leap(
-        table, count, used, pair_a, pair_b, direction, branch, frame.rate, worth
-    )  # fmt: skip
+    length = 1.0
+    if whole:
+        at_once = _leap(
+            table, count, used, pair_a, pair_b, direction, branch, frame.rate, worth
+        )  # fmt: skip
+    else:
+        at_once, length = _batch(
+            table, count, used, pair_a, pair_b, direction, branch, frame.rate, frame.far, worth
+        )  # fmt: skip
     if at_once > worth:
         for i in range(n):
             for d in range(n_dof):
-                x[i, d] += direction[i, d]
-        return LEAPT, multiplier + by_direction, left, at_once
+                x[i, d] += length * direction[i, d]
+        left *= 1.0 if whole else 1.0 - length
+        return LEAPT, multiplier + length * by_direction, left, at_once
     u = np.zeros(2 * n_dof)
     ahead = 1.0  # -1 where the path has turned back
     new = -1  # change since the factorisation

@@ -38,9 +38,9 @@ class PathSettings:
     depth: float  # m, penetration too small to tell two contacts apart
     farthest: float  # m, motion of a block over which the step has failed
     max_iterations: int = 12  # renewals of the gradients
-    leap_effort: int = 8000  # contacts about to change, times blocks, above which they leap
-    max_leaps: int = 15
-    change_effort: int = 20_000_000  # contacts that change one by one, times blocks, at most
+    leap_effort: int = 50_000  # contacts about to change, times blocks, above which they leap
+    max_leaps: int = 30
+    change_effort: int = 3_000_000  # contacts that change one by one, times blocks, at most
     max_rounds: int = 3  # times that the features of contacts are checked
 
 
@@ -142,18 +142,12 @@ class _Walk:
         branch, reaction = step.branch.copy(), step.reaction.copy()
         step.move_trial(x - self.geometry)
         n, last = len(x), np.inf
-        worth = max(16, settings.leap_effort // n) if self.pace is None else step.count
-        patience = max(200, min(2 * step.count, settings.change_effort // n))
+        worth = max(16, settings.leap_effort // n)
+        patience = 200 + (step.count // 10 if self.whole else 2 * step.count)
+        patience = max(200, min(patience, settings.change_effort // n))
         trial, at = x.copy(), multiplier
-        for _ in range(settings.max_leaps):
-            end, at = self._advance(trial, at, worth, patience)
-            if end != path.LEAPT or self.changes > 1.2 * last:
-                break
-            last, self.leapt = self.changes, True
-            self.changes = 0
-        if end == path.RENEW:
-            end, at = self._follow(trial, at, patience)
-        if end == path.DONE or last == np.inf:
+        end, at = self._leap(trial, at, worth, patience, settings.max_leaps)
+        if end == path.DONE or not self.leapt or self.changes > 4 * worth:
             return end, trial, at
         # The leaps led astray: every change is followed from the start.
         step.evaluate(self.geometry, multiplier)
@@ -163,6 +157,28 @@ class _Walk:
         self.left, self.changes, self.leapt = 1.0, 0, False
         end, at = self._follow(trial, multiplier, patience)
         return end, trial, at
+
+    def _leap(
+        self, x: Array, multiplier: float, worth: int, patience: int, most: int
+    ) -> tuple[int, float]:
+        """Let contacts change together while they are many, and follow the last few."""
+        last, stuck = np.inf, 0
+        for _ in range(most):
+            end, multiplier = self._advance(x, multiplier, worth, patience)
+            if end == path.RENEW:
+                return self._follow(x, multiplier, patience)
+            if end != path.LEAPT:
+                return end, multiplier
+            self.leapt = True
+            if self.whole:
+                stuck = stuck + 1 if self.changes > 0.95 * last else 0
+                if stuck == 3:
+                    return path.LOST, multiplier
+            last, self.changes = self.changes, 0
+        if self.whole:
+            self.changes = int(last)
+            return path.LOST, multiplier
+        return self._follow(x, multiplier, patience)
 
     def _follow(self, x: Array, multiplier: float, patience: int) -> tuple[int, float]:
         end = path.RENEW

@@ -122,6 +122,7 @@ class StaticStep:
             bodies=np.zeros((CHANGES_PER_MATRIX, 2), np.int64),
             pivot=np.zeros(CHANGES_PER_MATRIX),
             rate=np.zeros((n_slots, 2)),
+            far=np.zeros(n_slots),
             bends=np.zeros((BENDS, 2)),
         )
 
