@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from drystone.contact.detection import block_size
 from drystone.contact.forces import ContactForces
 from drystone.control import (
     Control,
@@ -167,18 +166,15 @@ def make_control(
     unknown = [key for key in options if key not in known | {"mechanism_displacement"}]
     if unknown:
         raise EngineError(f'there is no setting "{unknown[0]}" of the analysis')
-    step = {"displacement_step": STEP_SHARE * block_size(model.assembly)}
-    if hasattr(engine, "time_step"):  # an engine may know which suits it best
-        step["time_step"] = engine.time_step
-    if hasattr(engine, "effort"):  # or how many of its iterations make a step easy or hard
-        step["easy_iterations"], step["hard_iterations"] = engine.effort
+    step = {"displacement_step": STEP_SHARE * model.assembly.smallest_extent}
+    preferred = getattr(engine, "preferences", lambda assembly: {})(model.assembly)
     try:
         if strategy == "published":
-            return PublishedControl(_settings(PublishedSettings, {**step, **options}))
+            return PublishedControl(_settings(PublishedSettings, {**preferred, **step, **options}))
+        chosen = {**step, **preferred, **options}
         if engine.prescribes_displacement:
-            step["displacement_step"] *= 2.0
-            return DisplacementControl(_settings(DisplacementSettings, {**step, **options}))
-        return ExcessControl(_settings(ExcessSettings, {**step, **options}))
+            return DisplacementControl(_settings(DisplacementSettings, chosen))
+        return ExcessControl(_settings(ExcessSettings, chosen))
     except ControlError as error:
         raise EngineError(f"[analysis] {error}") from None
 

@@ -273,13 +273,15 @@ def test_penetration_is_watched(monkeypatch):
 
 def test_a_shorter_time_step_is_taken_than_is_asked_for(monkeypatch):
     solver = puppet_engine(monkeypatch)
-    assert solver.time_step == Lmgc90Settings().longest_time_step
     asked = []
-    state, _ = solver.start(problem_of(stack((0.4, 1.0))))
+    problem = problem_of(stack((0.4, 1.0)))
+    longest = Lmgc90Settings().longest_time_step
+    assert solver.preferences(problem.assembly) == {"time_step": longest}
+    state, _ = solver.start(problem)
     original = solver._process.ask
     solver._process.ask = lambda message: asked.append(message) or original(message)
     solver.step(state, Demand(multiplier=0.1, time_step=1.0))
-    assert asked[0].time_step == solver.time_step
+    assert asked[0].time_step == longest
 
 
 @pytest.mark.parametrize(

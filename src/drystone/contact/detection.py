@@ -67,11 +67,6 @@ def copied(slots: Slots) -> Slots:
     return Slots._make(array.copy() for array in slots)
 
 
-def block_size(assembly: Assembly) -> float:
-    """Smallest extent of a movable block's outline [m], the measure of margins and steps."""
-    return assembly.smallest_extent
-
-
 @dataclass(frozen=True, kw_only=True)
 class Pairs:
     """Candidate pairs, with where they were made and which joint law each has."""
@@ -91,9 +86,8 @@ class Detector:
         self.world = World(
             vertex=np.zeros_like(self.bodies.local), tangent=np.zeros_like(self.bodies.local)
         )
-        self.block_size = block_size(assembly)  # m
         #: Largest gap at which a contact is watched [m].
-        self.reach = MARGIN_SHARE * self.block_size
+        self.reach = MARGIN_SHARE * assembly.smallest_extent
         shapes = assembly.shapes
         #: Farthest core vertex from the centroid, (n,) [m].
         self.extent = np.maximum.reduceat(np.hypot(*shapes.vertices.T), shapes.offset[:-1])

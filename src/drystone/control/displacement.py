@@ -13,10 +13,15 @@ it is small; the stop value by stepping again to where the chord meets it.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 from drystone.control.base import Decision
 from drystone.engines.base import Demand, StepReport
+
+#: How a step is tried: along the path of equilibria; over a place where that turns back, where the
+#: snap leaves no trace in the curve; along the path up to there; over it with a small step.
+FOLLOWING, SKIPPING, NEARING, CROSSING = 0, 1, 2, 3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,12 +51,13 @@ class DisplacementSettings:
 @dataclass(frozen=True, kw_only=True)
 class _State:
     increment: float  # m
-    ceiling: float  # m, under an increment that has failed, and rising again
     highest: float = 0.0  # multiplier so far
     last: float = 0.0  # multiplier of the last point
     n_steps: int = 0
     time_step: float = 0.0  # s, of a jump; 0 on the static path
-    over_fold: bool = False  # the path turns back here: look for an equilibrium beyond
+    stage: int = FOLLOWING
+    expected: float = 0.0  # multiplier at the end of a step whose path turned back
+    reached: float = 0.0  # share of that step up to where it did
 
 
 class DisplacementControl:
@@ -63,12 +69,13 @@ class DisplacementControl:
     def first(self, report: StepReport) -> Decision:
         """A small first increment."""
         s = self.settings
-        state = _State(increment=s.first_share * s.displacement_step, ceiling=s.displacement_step)
+        state = _State(increment=s.first_share * s.displacement_step)
         return Decision(accept=True, demand=self._demand(state), state=state)
 
     def _demand(self, state: _State) -> Demand:
         if state.time_step == 0.0:
-            return Demand(increment=state.increment, over_fold=state.over_fold)
+            over_fold = state.stage in (SKIPPING, CROSSING)
+            return Demand(increment=state.increment, over_fold=over_fold)
         # In a jump the control point creeps with an acceleration that does not depend on the step.
         s = self.settings
         share = min((state.time_step / s.time_step) ** 2, 50.0)
@@ -77,9 +84,7 @@ class DisplacementControl:
 
     def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
         """Try again with less where a step fails; else go on."""
-        s = self.settings
-        leaps = state.over_fold and report.motion > s.snap_motion * state.increment
-        if not report.converged or leaps:
+        if not report.converged or self._snaps(state, report):
             return self._retry(state, report)
         multiplier = report.static_multiplier
         finer = None if state.time_step else self._finer(state, report)
@@ -131,21 +136,37 @@ class DisplacementControl:
             return share * state.increment
         return None
 
+    def _snaps(self, state: _State, report: StepReport) -> bool:
+        """Whether a step over a place where the path turns back has passed a jump worth showing."""
+        s = self.settings
+        if state.time_step or state.stage not in (SKIPPING, CROSSING):
+            return False
+        scale = max(state.highest, 10.0 * s.stop_multiplier)
+        off = abs(report.static_multiplier - state.expected) > s.bend_share * scale
+        far = report.motion > s.snap_motion * state.increment
+        return far or (off and state.stage == SKIPPING)
+
     def _retry(self, state: _State, report: StepReport) -> Decision:
         s = self.settings
+        floor = s.floor_share * s.displacement_step
         if state.time_step:
             state = replace(state, time_step=0.5 * state.time_step)
             if state.time_step < 1e-4 * s.time_step:
                 return Decision(accept=False, demand=None, state=state, reason=report.reason)
-        elif state.over_fold:
-            state = replace(state, over_fold=False, time_step=s.time_step)
+        elif state.stage == CROSSING:
+            state = replace(state, stage=FOLLOWING, time_step=s.time_step)
+        elif state.stage == FOLLOWING:
+            reached, expected = report.reached, state.last
+            if reached > 0.05 and math.isfinite(report.static_multiplier):
+                expected += (report.static_multiplier - state.last) / reached
+            state = replace(state, stage=SKIPPING, expected=expected, reached=reached)
         else:
-            # A path that turns back is followed to where it does.
-            near = 0.98 * report.reached if report.reached < 0.9 else 0.6
-            floor = s.floor_share * s.displacement_step
-            state = replace(state, increment=near * state.increment)
-            if state.increment < floor:
-                state = replace(state, increment=4.0 * floor, over_fold=True)
+            reached = state.reached if state.stage == SKIPPING else report.reached
+            nearer = (0.98 * reached if reached < 0.9 else 0.6) * state.increment
+            if nearer >= floor:
+                state = replace(state, stage=NEARING, increment=nearer)
+            else:
+                state = replace(state, stage=CROSSING, increment=4.0 * floor)
         return Decision(accept=False, demand=self._demand(state), state=state)
 
     def _paced(self, state: _State, report: StepReport) -> _State:
@@ -154,16 +175,17 @@ class DisplacementControl:
             scale = 2.0
         else:
             scale = 1.0 if report.n_iterations <= s.hard_iterations else 0.7
-        ceiling = min(1.15 * state.ceiling, s.displacement_step)
-        increment = min(scale * state.increment, ceiling)
-        return replace(state, increment=increment, ceiling=ceiling, over_fold=False)
+        increment = min(scale * state.increment, s.displacement_step)
+        # A step that has come near to where the path turns back is followed by one that gets there.
+        stage = NEARING if state.stage == NEARING and state.reached else FOLLOWING
+        return replace(state, increment=increment, stage=stage, reached=0.0)
 
     def _jumping(self, state: _State, report: StepReport) -> _State:
         s = self.settings
         settled = report.inertia_ratio < s.static_inertia and state.time_step > 5.0 * s.time_step
         if settled:
             increment = 4.0 * s.floor_share * s.displacement_step
-            return replace(state, time_step=0.0, increment=increment, ceiling=8.0 * increment)
+            return replace(state, time_step=0.0, increment=increment)
         if report.motion < s.jump_motion * s.displacement_step:
             return replace(state, time_step=1.5 * state.time_step)
         return state

@@ -54,7 +54,11 @@ class Demand:
 
 @dataclass(frozen=True, kw_only=True)
 class StepReport:
-    """What came of one step.  Only `converged` and `reason` count when the step failed."""
+    """What came of one step.
+
+    Of one that failed, only `converged`, `reason`, `n_iterations`, `reached` and, where the engine
+    knows, the `static_multiplier` there count.
+    """
 
     converged: bool
     reason: str = ""
@@ -91,7 +95,11 @@ class State(Protocol):
 
 
 class Engine(Protocol):
-    """A formulation of rigid blocks in contact."""
+    """A formulation of rigid blocks in contact.
+
+    An engine may have a method ``preferences(assembly)``: settings of the strategies, by name, that
+    suit it better than the common ones.
+    """
 
     name: str
     prescribes_displacement: bool  # can solve for the multiplier of an increment

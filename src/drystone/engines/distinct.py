@@ -18,7 +18,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.contact.detection import Detector, Pairs, block_size, carry, copied, empty_slots
+from drystone.assembly import Assembly
+from drystone.contact.detection import Detector, Pairs, carry, copied, empty_slots
 from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
@@ -252,11 +253,16 @@ class DistinctEngine:
 
     name = "distinct"
     prescribes_displacement = True
-    #: Cycles of a step up to which increments may grow, and from which they shrink.
-    effort = (20_000, 100_000)
-
     def __init__(self, settings: DistinctSettings | None = None) -> None:
         self.settings = settings or DistinctSettings()
+
+    def preferences(self, assembly: Assembly) -> dict[str, float]:
+        """See `Engine`; a step is easy or hard by its cycles."""
+        return {
+            "displacement_step": 0.01 * assembly.smallest_extent,
+            "easy_iterations": 20_000,
+            "hard_iterations": 100_000,
+        }
 
     def start(self, problem: Problem) -> tuple[DistinctState, StepReport]:
         """Settle under the dead load; raises `UnstableError`."""
@@ -289,7 +295,7 @@ class DistinctEngine:
         )
         self.extent = np.maximum(self.detector.extent, 1e-12)
         self.scale = assembly.heaviest_weight
-        self.size = block_size(assembly)
+        self.size = assembly.smallest_extent
         self.search_reach = self.settings.search_tolerance * self.size
         pose = assembly.rest_pose() if pose is None else np.array(pose, float)
         pairs = self.detector.pairs(pose)

@@ -17,10 +17,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.assembly import Assembly
 from drystone.contact.detection import (
     Detector,
     Pairs,
-    block_size,
     carry,
     copied,
     empty_slots,
@@ -47,8 +47,6 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 #: History of blocks that come to touch later: no shear yet, and no bond.
-import os
-GROWTH=float(os.environ.get('GROWTH','4'))
 NEW_CONTACT = np.zeros(N_HISTORY)
 NEW_CONTACT[joint.BROKEN] = 1.0
 
@@ -86,6 +84,12 @@ class EquilibriumEngine:
     def __init__(self, settings: EquilibriumSettings | None = None) -> None:
         self.settings = settings or EquilibriumSettings()
 
+    def preferences(self, assembly: Assembly) -> dict[str, float]:
+        """See `Engine`: a step is to turn a mechanism by about 1 in 300, whatever its height."""
+        size = assembly.smallest_extent
+        height = float(np.ptp(assembly.centroid[~assembly.fixed, 1])) + size
+        return {"displacement_step": min(max(height / 300.0, 0.02 * size), 0.1 * size)}
+
     def start(self, problem: Problem) -> tuple[EquilibriumState, StepReport]:
         """Settle under the dead load; raises `UnstableError`."""
         self.problem = problem
@@ -112,6 +116,8 @@ class EquilibriumEngine:
             extent=np.maximum(self.detector.extent, 1e-12),
             fixed=assembly.fixed,
         )
+        #: Of gaps [m], which are differences of coordinates.
+        self.rounding = 8.0 * np.finfo(float).eps * float(np.abs(assembly.centroid).max())
         pose = assembly.rest_pose()
         pairs = self.detector.pairs(pose)
         self.equations = StaticStep(self.constants, pairs)
@@ -132,6 +138,7 @@ class EquilibriumEngine:
     def _settle(self, state: EquilibriumState) -> tuple[EquilibriumState, StepReport]:
         """Longer and longer steps under the dead load, until one is static."""
         h, limit = 0.02, self.settings.static_time_step
+        farthest = self.problem.assembly.smallest_extent + 4.0 * self._settlement()
         outcome = StepReport(converged=False)
         travelled = 0.0
         for _ in range(200):
@@ -145,11 +152,20 @@ class EquilibriumEngine:
             travelled += outcome.motion
             if h >= limit and outcome.inertia_ratio < self.settings.inertia_limit:
                 return replace(new, last_increment=np.zeros_like(new.pose)), outcome
-            if travelled > self.detector.block_size:
+            if travelled > farthest:
                 break
-            h = min(GROWTH * h, limit)
+            h = min(2.0 * h, limit)
         motion = self.detector.motion(state.pose)
         raise UnstableError(unstable_sentence(self.problem.assembly.ids, motion))
+
+    def _settlement(self) -> float:
+        """By how much the top of a column as high as the structure sinks in its soft joints [m]."""
+        assembly = self.problem.assembly
+        free = ~assembly.fixed
+        area = assembly.smallest_extent * assembly.thickness
+        heaviest = float(np.abs(self.loads.dead[free, :-1]).max())
+        n = 1.0 + float(np.ptp(assembly.centroid[free, 1])) / assembly.smallest_extent
+        return 0.5 * n**2 * heaviest / (float(self.constants.laws[:, joint.KN].min()) * area)
 
     def contacts(self, state: EquilibriumState) -> ContactForces:
         """Contact points and reactions of a state."""
@@ -181,7 +197,7 @@ class EquilibriumEngine:
             state.reaction,
             PathSettings(
                 tolerance=tolerance,
-                depth=1e-3 * tolerance / stiffest,
+                depth=max(1e-3 * tolerance / stiffest, self.rounding),
                 farthest=settings.max_motion * self.detector.reach,
             ),
             whole=pace is None or demand.time_step > 0.0 or demand.over_fold,
@@ -191,6 +207,7 @@ class EquilibriumEngine:
                 converged=False,
                 reason=solved.reason,
                 n_iterations=solved.n_iterations,
+                static_multiplier=solved.multiplier,
                 reached=solved.reached,
             )
         return self._accept(state, solved, h, paced=pace is not None)
@@ -201,14 +218,14 @@ class EquilibriumEngine:
         bonded = (laws[:, joint.COHESION] > 0.0) | (laws[:, joint.TENSION] > 0.0)
         touching = np.where(bonded, joint.BONDED, joint.STICKING).repeat(2)
         upright = np.abs(slots.normal[:, 1]) > 0.7
-        near = upright & (slots.gap <= 1e-9 * self.detector.block_size)
+        near = upright & (slots.gap <= 1e-9 * self.problem.assembly.smallest_extent)
         return np.where(near & (slots.kind != narrow.NONE), touching, joint.OPEN)
 
     def _stiffest(self) -> float:
         """Normal stiffness [N/m] of a joint as long as the smallest block, of the stiffest law."""
         assembly = self.problem.assembly
         stiffness = float(self.constants.laws[:, joint.KN].max())
-        return stiffness * self.detector.block_size * assembly.thickness
+        return stiffness * self.problem.assembly.smallest_extent * assembly.thickness
 
     def _refresh(self, state: EquilibriumState) -> EquilibriumState:
         """New pairs where the blocks have moved far, and the equations that fit the state."""

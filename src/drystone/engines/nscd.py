@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.contact.detection import Detector, Pairs, block_size, carry, empty_slots
+from drystone.contact.detection import Detector, Pairs, carry, empty_slots
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.measures import (
@@ -114,7 +114,7 @@ class NscdEngine:
         return self._settle(state)
 
     def _settle(self, state: NscdState) -> tuple[NscdState, StepReport]:
-        h, limit = self.settings.settling_time_step, block_size(self.problem.assembly)
+        h, limit = self.settings.settling_time_step, self.problem.assembly.smallest_extent
         outcome = StepReport(converged=False)
         for _ in range(500):
             new, outcome = self.step(state, Demand(multiplier=0.0, time_step=h))

@@ -190,7 +190,6 @@ def _batch(table, count, used, pair_a, pair_b, direction, branch, rate, far, wor
     enough of them have changed.  Returns how many would change and the length gone.
     """
     back = 0
-    fastest = 0.0
     for c in range(count):
         row = table[c]
         a = pair_a[used[c] // 2]
@@ -204,11 +203,10 @@ def _batch(table, count, used, pair_a, pair_b, direction, branch, rate, far, wor
             far[c] = (sign * rate[c, 1] - row[FRICTION] * rate[c, 0]) / row[STIFF_T]
             if far[c] < -SLOW_BACK:
                 back += 1
-                fastest = min(fastest, far[c])
     if back > worth:
         for c in range(count):
             now = branch[used[c]]
-            if far[c] < 0.1 * fastest and (now == FORWARD or now == BACKWARD):
+            if far[c] < -SLOW_BACK and (now == FORWARD or now == BACKWARD):
                 _commit(table[c], now, STICKING)
                 branch[used[c]] = STICKING
         return back, 0.0

@@ -141,7 +141,7 @@ class _Walk:
         step = self.step
         branch, reaction = step.branch.copy(), step.reaction.copy()
         step.move_trial(x - self.geometry)
-        n, last = len(x), np.inf
+        n = len(x)
         worth = max(16, settings.leap_effort // n)
         patience = 200 + (step.count // 10 if self.whole else 2 * step.count)
         patience = max(200, min(patience, settings.change_effort // n))

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from drystone import geometry
 from drystone.assembly import Assembly, Corner
-from drystone.contact.detection import Detector, block_size, empty_slots
+from drystone.contact.detection import Detector, empty_slots
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.lmgc90.messages import Outcome, Ready, Setup, Step
@@ -92,10 +92,13 @@ class Lmgc90Engine:
 
     def __init__(self, settings: Lmgc90Settings | None = None, driver: str | None = None) -> None:
         self.settings = settings or Lmgc90Settings()
-        self.time_step = self.settings.longest_time_step  # s, that controls should ask for
         self.driver = driver or installed_driver()
         self.program = "LMGC90"
         self._process: Process | None = None
+
+    def preferences(self, assembly: Assembly) -> dict[str, float]:
+        """See `Engine`."""
+        return {"time_step": self.settings.longest_time_step}
 
     def start(self, problem: Problem) -> tuple[Lmgc90State, StepReport]:
         """Start LMGC90 and settle under the dead load.
@@ -171,7 +174,7 @@ class Lmgc90Engine:
             thickness=assembly.thickness,
             friction=self.friction,
             joints=joints,
-            spare_stiffness=float(stiffness[0]) * block_size(assembly) * assembly.thickness,
+            spare_stiffness=float(stiffness[0]) * assembly.smallest_extent * assembly.thickness,
             reach=self.detector.reach,
             theta=s.theta,
             tolerance=s.tolerance,
@@ -183,7 +186,7 @@ class Lmgc90Engine:
     def _settle(self, state: Lmgc90State) -> tuple[Lmgc90State, StepReport]:
         """Steps from rest until nothing moves and the supports carry the weight."""
         assembly, h = self.problem.assembly, self.settings.settling_time_step
-        limit = block_size(assembly)
+        limit = assembly.smallest_extent
         weight = float(assembly.weight[~assembly.fixed].sum())
         outcome = StepReport(converged=False)
         carried = 0.0
@@ -297,7 +300,7 @@ class Lmgc90Engine:
                 n_iterations=outcome.n_sweeps,
             ),
         )
-        if found.penetration > self.settings.max_penetration * block_size(assembly):
+        if found.penetration > self.settings.max_penetration * assembly.smallest_extent:
             overlap = f"{1e3 * found.penetration:.1f} mm"
             reason = f"blocks overlap by {overlap}: LMGC90 has lost a contact"
             return state, replace(found, converged=False, reason=reason)
