@@ -204,7 +204,9 @@ class JointOfPair:
     half way through the step, as they are for contacts that were there when it began.
     """
 
-    def __init__(self, assembly, pose, *, friction=0.3, tan_psi=0.0, shear=0.0, linear=None):
+    def __init__(
+        self, assembly, pose, *, friction=0.3, tan_psi=0.0, bond=0.0, shear=0.0, linear=None
+    ):
         self.assembly, self.pose = assembly, pose
         self.detector, self.pairs, self.known = contacts_of(assembly, pose)
         n_pairs, n = len(self.pairs.a), len(self.known.kind)
@@ -215,34 +217,42 @@ class JointOfPair:
         self.laws[0, : joint.TAN_PSI + 1] = (
             friction, law.normal_stiffness, law.shear_stiffness, tan_psi,
         )  # fmt: skip
+        self.laws[0, [joint.COHESION, joint.TENSION]] = bond
         self.laws[0, joint.DILATANCY_END] = np.inf
         self.history = np.zeros((n, joint.N_HISTORY))
         self.history[:, joint.SHEAR] = shear
         self.start_length, self.start_slip = np.zeros(n), np.zeros((n, 6))
         if linear is not None:
             self.start_length[:] = 0.1
-            s = empty_slots(n_pairs)
-            self.detector.follow(self.pairs, pose + 0.5 * linear, self.known, s)
-            joint.slip_gradients(
-                s.kind, s.normal, s.arm_a, s.arm_b, s.roll, s.ratio, self.start_slip
-            )
+            half = empty_slots(n_pairs)
+            self.detector.follow(self.pairs, pose + 0.5 * linear, self.known, half)
+            joint.slip_gradients(half, self.start_slip)
 
     def at(self, increment):
-        n, n_pairs = len(self.slots.kind), len(self.pairs.a)
+        n = len(self.slots.kind)
         self.detector.follow(self.pairs, self.pose + increment, self.known, self.slots)
         self.force, self.reaction = np.zeros((2, 3)), np.zeros((n, 2))
-        self.status = np.zeros(n, np.int64)
-        tangent = Tangent(np.zeros((2, 3, 3)), np.zeros((n_pairs, 3, 3)), np.zeros((n_pairs, 3, 3)))
-        joint.joint_forces(
+        self.branch = np.full(n, -1)
+        self.table, self.used = np.zeros((n, joint.N_TABLE)), np.zeros(n, np.int64)
+        self.count = joint.joint_forces(
             self.slots, self.pairs.a, self.pairs.b, self.pairs.law, self.laws, 1.0,
-            self.start_length, self.start_slip, self.history, np.arange(n), increment,
-            np.zeros(n, np.bool_), self.force, self.reaction, self.status, np.zeros(n),
-            np.zeros_like(self.history), tangent, True,
+            self.start_length, self.start_slip, self.history, increment, self.force,
+            self.table, self.used, self.branch, self.reaction, np.zeros_like(self.history),
         )  # fmt: skip
-        top = np.hstack((tangent.diagonal[0], tangent.upper[0]))
-        bottom = np.hstack((tangent.lower[0], tangent.diagonal[1]))
-        self.stiffness = np.vstack((top, bottom))
         return self
+
+    def linearised(self, motion):
+        """Forces at ``motion`` from where the pair is, to first order, and the tangent (6, 6)."""
+        table, n_pairs, force = self.table.copy(), len(self.pairs.a), np.full((2, 3), np.nan)
+        blocks = [np.full((n, 3, 3), np.nan) for n in (2, n_pairs, n_pairs)]
+        joint.move_trial(table, self.count, self.used, self.pairs.a, self.pairs.b, motion)
+        joint.linearise(
+            self.slots, table, self.count, self.used, self.pairs.a, self.pairs.b, self.branch,
+            self.reaction, motion, force, Tangent(*blocks),
+        )  # fmt: skip
+        diagonal, upper, lower = blocks
+        top, bottom = np.hstack((diagonal[0], upper[0])), np.hstack((lower[0], diagonal[1]))
+        return force, np.vstack((top, bottom))
 
     def mapping(self):
         s, used = self.slots, np.flatnonzero(self.slots.kind)
@@ -269,11 +279,11 @@ class TestDerivatives:
     @staticmethod
     def smooth(pair, increment, step=1e-6):
         """Whether no branch of the law ends within the step of the differences."""
-        here = pair.at(increment).status.tolist()
+        here = pair.at(increment).branch.tolist()
         for j in range(12):
             e = np.zeros(6)
             e[j % 6] = step if j < 6 else -step
-            if pair.at(increment + e.reshape(2, 3)).status.tolist() != here:
+            if pair.at(increment + e.reshape(2, 3)).branch.tolist() != here:
                 return False
         return True
 
@@ -288,7 +298,7 @@ class TestDerivatives:
             if not self.smooth(pair, increment):
                 continue
             used, rows = pair.at(increment).mapping()
-            pressed = pair.status[used] != joint.OPEN
+            pressed = pair.branch[used] != joint.OPEN
             kinds = pair.slots.kind[used]
             stiffness = assembly.joint.shear_stiffness * 0.1
 
@@ -305,30 +315,71 @@ class TestDerivatives:
         kinds = {VERTEX_A, VERTEX_B, VERTICES} if radius else {VERTEX_A, VERTEX_B}
         assert set(seen) == kinds and min(seen.values()) >= 3
 
+    def pressed(self, radius, tan_psi, linear, bond=0.0):
+        """Pairs in contact and their motions, away from where a branch of the law ends."""
+        random = np.random.default_rng(2)
+        for assembly, pose in configurations(radius):
+            increment = 1e-3 * random.normal(size=(2, 3))
+            pair = JointOfPair(
+                assembly, pose, tan_psi=tan_psi, bond=bond, shear=300.0 * random.normal(),
+                linear=increment if linear else None,
+            )  # fmt: skip
+            if self.smooth(pair, increment) and pair.at(increment).branch.any():
+                yield pair, increment
+
     @pytest.mark.parametrize("tan_psi", [0.0, 0.2])
     @pytest.mark.parametrize("linear", [False, True], ids=["exact slip", "linear slip"])
     @pytest.mark.parametrize("radius", [0.0, 0.03])
     def test_of_forces_are_the_tangent(self, radius, linear, tan_psi):
-        random = np.random.default_rng(2)
         seen = Counter()
-        for assembly, pose in configurations(radius):
-            increment = 1e-3 * random.normal(size=(2, 3))
-            pair = JointOfPair(
-                assembly, pose, tan_psi=tan_psi, shear=300.0 * random.normal(),
-                linear=increment if linear else None,
-            )  # fmt: skip
-            if not self.smooth(pair, increment) or not pair.at(increment).status.any():
-                continue
-            found, status = pair.stiffness, pair.status
+        for pair, increment in self.pressed(radius, tan_psi, linear):
+            here, branch = pair.force, pair.branch
+            force, tangent = pair.linearised(np.zeros((2, 3)))
+            assert force == pytest.approx(here, abs=ROUNDING * np.abs(here).max())
 
-            def force(x, pair=pair):
+            def force_at(x, pair=pair):
                 return pair.at(x).force.ravel()
 
-            numerical = -central_differences(force, increment)
-            assert found == pytest.approx(numerical, abs=1e-6 * np.abs(numerical).max())
-            seen.update(zip(pair.slots.kind.tolist(), status.tolist(), strict=True))
+            numerical = -central_differences(force_at, increment)
+            assert tangent == pytest.approx(numerical, abs=1e-6 * np.abs(numerical).max())
+            seen.update(zip(pair.slots.kind.tolist(), branch.tolist(), strict=True))
         for kind in {VERTEX_A, VERTEX_B, VERTICES} if radius else {VERTEX_A, VERTEX_B}:
-            assert seen[kind, joint.STICKING] >= 1 and seen[kind, joint.SLIDING] >= 1
+            assert seen[kind, joint.STICKING] >= 1
+            assert seen[kind, joint.FORWARD] + seen[kind, joint.BACKWARD] >= 1
+        for branch in (joint.OPEN, joint.STICKING, joint.FORWARD, joint.BACKWARD):
+            assert sum(n for (kind, b), n in seen.items() if kind and b == branch) >= 2
+
+    @pytest.mark.parametrize("linear", [False, True], ids=["exact slip", "linear slip"])
+    @pytest.mark.parametrize("radius", [0.0, 0.03])
+    def test_of_bonded_forces_are_the_tangent(self, radius, linear):
+        """Reactions of a bond are held beyond friction's limit and in tension."""
+        beyond = pulled = 0
+        for pair, increment in self.pressed(radius, 0.2, linear, bond=2e4):
+            bonded, (rn, rt) = pair.branch == joint.BONDED, pair.reaction.T
+            beyond += np.sum(bonded & (np.abs(rt) > 0.3 * rn))
+            pulled += np.sum(bonded & (rn < 0.0))
+            _, tangent = pair.linearised(np.zeros((2, 3)))
+
+            def force_at(x, pair=pair):
+                return pair.at(x).force.ravel()
+
+            numerical = -central_differences(force_at, increment)
+            assert tangent == pytest.approx(numerical, abs=1e-6 * np.abs(numerical).max())
+        assert beyond >= 3 and pulled >= 3
+
+    @pytest.mark.parametrize("linear", [False, True], ids=["exact slip", "linear slip"])
+    @pytest.mark.parametrize("radius", [0.0, 0.03])
+    def test_forces_at_a_motion_are_those_of_the_tangent(self, radius, linear):
+        """Also where a motion changes the sign of the trial reactions: branches stay as given."""
+        random = np.random.default_rng(5)
+        for pair, _ in self.pressed(radius, 0.2, linear):
+            motion = 1e-3 * random.normal(size=(2, 3))
+            here, at_rest = pair.linearised(np.zeros((2, 3)))
+            force, tangent = pair.linearised(motion)
+            expected = here.ravel() - at_rest @ motion.ravel()
+            scale = np.abs(at_rest).max() * np.abs(motion).max() + np.abs(here).max()
+            assert force.ravel() == pytest.approx(expected, abs=1e-12 * scale)
+            assert np.array_equal(tangent, at_rest)
 
     @pytest.mark.parametrize("radius", [0.0, 0.03])
     def test_slips_half_way_are_of_second_order(self, radius):
@@ -341,7 +392,7 @@ class TestDerivatives:
                 exact = JointOfPair(assembly, pose, friction=1e9).at(size * motion)
                 linear = JointOfPair(assembly, pose, friction=1e9, linear=size * motion)
                 linear.at(size * motion)
-                pressed &= exact.status != joint.OPEN
+                pressed &= exact.branch != joint.OPEN
                 errors.append(np.abs(exact.reaction[:, 1] - linear.reaction[:, 1]) / stiffness)
             # 64 times less at a quarter; of second order it would be 16 times.  Rounding aside.
             assert np.all(errors[1][pressed] <= errors[0][pressed] / 32.0 + 1e-14)
@@ -456,7 +507,7 @@ class TestBalance:
         increment = 1e-3 * np.random.default_rng(seed).normal(size=(2, 3))
         increment[1, :2] -= 2e-3 * u
         pair.at(increment)
-        assume(pair.status.any())
+        assume(pair.branch.any())
         centre = assembly.centroid + (pose + increment)[:, :2]
         f = pair.force
         scale = np.abs(f).max()

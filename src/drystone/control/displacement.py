@@ -13,15 +13,14 @@ it is small; the stop value by stepping again to where the chord meets it.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 from drystone.control.base import Decision
 from drystone.engines.base import Demand, StepReport
 
-#: How a step is tried: along the path of equilibria; over a place where that turns back, where the
-#: snap leaves no trace in the curve; along the path up to there; over it with a small step.
-FOLLOWING, SKIPPING, NEARING, CROSSING = 0, 1, 2, 3
+#: How a step is tried: along the path of equilibria; up to where that turns back; over that place, to
+#: any equilibrium beyond.
+FOLLOWING, NEARING, CROSSING = 0, 1, 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,8 +55,6 @@ class _State:
     n_steps: int = 0
     time_step: float = 0.0  # s, of a jump; 0 on the static path
     stage: int = FOLLOWING
-    expected: float = 0.0  # multiplier at the end of a step whose path turned back
-    reached: float = 0.0  # share of that step up to where it did
 
 
 class DisplacementControl:
@@ -74,8 +71,7 @@ class DisplacementControl:
 
     def _demand(self, state: _State) -> Demand:
         if state.time_step == 0.0:
-            over_fold = state.stage in (SKIPPING, CROSSING)
-            return Demand(increment=state.increment, over_fold=over_fold)
+            return Demand(increment=state.increment, over_fold=state.stage == CROSSING)
         # In a jump the control point creeps with an acceleration that does not depend on the step.
         s = self.settings
         share = min((state.time_step / s.time_step) ** 2, 50.0)
@@ -137,14 +133,20 @@ class DisplacementControl:
         return None
 
     def _snaps(self, state: _State, report: StepReport) -> bool:
-        """Whether a step over a place where the path turns back has passed a jump worth showing."""
+        """Whether a step has passed a jump worth showing where the path of equilibria turned back."""
         s = self.settings
-        if state.time_step or state.stage not in (SKIPPING, CROSSING):
+        if state.time_step or (report.turn is None and state.stage != CROSSING):
             return False
+        if report.motion > s.snap_motion * state.increment:
+            return True
+        if report.turn is None or state.stage == CROSSING:
+            return False
+        share, multiplier = report.turn
+        expected = state.last
+        if share > 0.05:
+            expected += (multiplier - state.last) / share
         scale = max(state.highest, 10.0 * s.stop_multiplier)
-        off = abs(report.static_multiplier - state.expected) > s.bend_share * scale
-        far = report.motion > s.snap_motion * state.increment
-        return far or (off and state.stage == SKIPPING)
+        return abs(report.static_multiplier - expected) > s.bend_share * scale
 
     def _retry(self, state: _State, report: StepReport) -> Decision:
         s = self.settings
@@ -155,14 +157,9 @@ class DisplacementControl:
                 return Decision(accept=False, demand=None, state=state, reason=report.reason)
         elif state.stage == CROSSING:
             state = replace(state, stage=FOLLOWING, time_step=s.time_step)
-        elif state.stage == FOLLOWING:
-            reached, expected = report.reached, state.last
-            if reached > 0.05 and math.isfinite(report.static_multiplier):
-                expected += (report.static_multiplier - state.last) / reached
-            state = replace(state, stage=SKIPPING, expected=expected, reached=reached)
         else:
-            reached = state.reached if state.stage == SKIPPING else report.reached
-            nearer = (0.98 * reached if reached < 0.9 else 0.6) * state.increment
+            share = report.turn[0] if report.turn else 0.5
+            nearer = (0.98 * share if share < 0.9 else 0.6) * state.increment
             if nearer >= floor:
                 state = replace(state, stage=NEARING, increment=nearer)
             else:
@@ -176,9 +173,7 @@ class DisplacementControl:
         else:
             scale = 1.0 if report.n_iterations <= s.hard_iterations else 0.7
         increment = min(scale * state.increment, s.displacement_step)
-        # A step that has come near to where the path turns back is followed by one that gets there.
-        stage = NEARING if state.stage == NEARING and state.reached else FOLLOWING
-        return replace(state, increment=increment, stage=stage, reached=0.0)
+        return replace(state, increment=increment, stage=FOLLOWING)
 
     def _jumping(self, state: _State, report: StepReport) -> _State:
         s = self.settings

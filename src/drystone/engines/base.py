@@ -54,11 +54,8 @@ class Demand:
 
 @dataclass(frozen=True, kw_only=True)
 class StepReport:
-    """What came of one step.
-
-    Of one that failed, only `converged`, `reason`, `n_iterations`, `reached` and, where the engine
-    knows, the `static_multiplier` there count.
-    """
+    """What came of one step.  Of one that failed, only `converged`, `reason`, `n_iterations` and
+    `turn` count."""
 
     converged: bool
     reason: str = ""
@@ -76,10 +73,11 @@ class StepReport:
     n_sliding: int = 0
     motion: float = np.nan  # m
     n_iterations: int = 0
-    #: Of engines that prescribe displacement: the share of a failed step to which equilibrium could
-    #: be followed.  Of those that follow it within the step: by how much the multiplier exceeds both
-    #: its ends there, and how far it bends from its chord, each with the share of the step where.
-    reached: float = 0.5
+    #: Of engines that follow the equilibria within a step: where their path first turned back, if it
+    #: did, whether or not the step then converged: share of the step, and multiplier; by how much the
+    #: multiplier exceeds both its ends within the step, and how far it bends from its chord, each
+    #: with the share of the step where it does so most.
+    turn: tuple[float, float] | None = None
     excess: tuple[float, float] | None = None
     bend: tuple[float, float] | None = None
     dynamic: bool = False

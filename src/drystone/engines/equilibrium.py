@@ -207,8 +207,7 @@ class EquilibriumEngine:
                 converged=False,
                 reason=solved.reason,
                 n_iterations=solved.n_iterations,
-                static_multiplier=solved.multiplier,
-                reached=solved.reached,
+                turn=solved.turn,
             )
         return self._accept(state, solved, h, paced=pace is not None)
 
@@ -326,6 +325,7 @@ class EquilibriumEngine:
             outcome,
             static_multiplier=solved.multiplier if paced else outcome.static_multiplier,
             friction_violation=excess,
+            turn=solved.turn,
             excess=solved.excess,
             bend=solved.bend,
             dynamic=outcome.inertia_ratio > self.settings.inertia_limit,

@@ -55,6 +55,8 @@ class Frame(NamedTuple):
     pivot: Array  # (n_changes,) 1 + v . K^-1 u
     rate: Array  # (n_slots, 2) of the trial reactions along the direction
     far: Array  # (n_slots,) where along the direction each contact changes
+    turn: Array  # (2,) share of the step and multiplier where the path first turned back; or NaN
+    sense: Array  # (1,) -1 where the path goes back, else 1
     bends: Array  # (n_bends, 2) share of the step and multiplier at every change
 
 
@@ -359,7 +361,7 @@ def follow_path(
         left *= 1.0 if whole else 1.0 - length
         return LEAPT, multiplier + length * by_direction, left, at_once
     u = np.zeros(2 * n_dof)
-    ahead = 1.0  # -1 where the path has turned back
+    ahead = frame.sense[0]
     new = -1  # change since the factorisation
     last = -1
     left_behind = OPEN
@@ -468,7 +470,11 @@ def follow_path(
         by_direction = scale * by_direction - share * by_w
         if pivot < 0.0:
             if not whole:
-                return TURNED, multiplier, left, changes
+                # What the structure snaps over is looked for on the path of the implicit law.
+                whole = True
+                frame.turn[0] = 1.0 - left
+                frame.turn[1] = multiplier
             ahead = -ahead
+            frame.sense[0] = ahead
         last = chosen
         left_behind = before

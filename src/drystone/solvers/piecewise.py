@@ -40,7 +40,8 @@ class PathSettings:
     max_iterations: int = 12  # renewals of the gradients
     leap_effort: int = 50_000  # contacts about to change, times blocks, above which they leap
     max_leaps: int = 30
-    change_effort: int = 3_000_000  # contacts that change one by one, times blocks, at most
+    max_changes: int = 80  # contacts that change one by one, in the implicit law
+    change_effort: int = 1_500_000  # and on a path, times blocks
     max_rounds: int = 3  # times that the features of contacts are checked
 
 
@@ -51,7 +52,8 @@ class StepSolution:
     increment: Array  # (n, n_dof)
     multiplier: float
     n_iterations: int
-    reached: float = 1.0  # share of the step to which equilibrium could be followed
+    #: Share of the step, and multiplier there, where the path of equilibria first turned back.
+    turn: tuple[float, float] | None = None
     #: By how much the multiplier exceeds both its ends within the step, and how far it bends from
     #: its chord, each with the share of the step where it does so most.
     excess: tuple[float, float] | None = None
@@ -91,13 +93,15 @@ def solve(
         step.find(x)
         return StepSolution(increment=x, multiplier=multiplier, n_iterations=0)
     step.branch[:], step.reaction[:] = branch, reaction
-    rounds, reached, reason, count = 0, 0.5, "", 0
+    rounds, reason, count, turn = 0, "", 0, None
+    step.frame.turn[:] = np.nan
     shape = {"excess": (0.0, 0.0), "bend": (0.0, 0.0)}
     for count in range(1, settings.max_iterations + 1):
         walk = _Walk(step, pace, geometry, whole=whole or count > 1)
         end, x, multiplier = walk.go(x, multiplier, settings)
+        if count == 1 and np.isfinite(step.frame.turn[0]):
+            turn = float(step.frame.turn[0]), float(step.frame.turn[1])
         if end != path.DONE:
-            reached = 1.0 - walk.left if count == 1 and end == path.TURNED else 0.5
             reason = _ENDS[end]
             break
         step.remember()
@@ -114,14 +118,14 @@ def solve(
             same = not narrow.changed_contacts(step.slots, step.found, settings.depth)
             if same or rounds == settings.max_rounds:
                 return StepSolution(
-                    increment=x, multiplier=multiplier, n_iterations=count, **shape
+                    increment=x, multiplier=multiplier, n_iterations=count, turn=turn, **shape
                 )
             rounds += 1
             step.follow(step.found)
             step.evaluate(x, multiplier)
     reason = reason or f"no equilibrium within {settings.max_iterations} iterations"
     return StepSolution(
-        increment=x, multiplier=multiplier, n_iterations=count, reached=reached, reason=reason
+        increment=x, multiplier=multiplier, n_iterations=count, turn=turn, reason=reason
     )
 
 
@@ -143,8 +147,10 @@ class _Walk:
         step.move_trial(x - self.geometry)
         n = len(x)
         worth = max(16, settings.leap_effort // n)
-        patience = 200 + (step.count // 10 if self.whole else 2 * step.count)
-        patience = max(200, min(patience, settings.change_effort // n))
+        self.most = patience = settings.max_changes
+        step.frame.sense[0] = 1.0
+        if not self.whole:
+            patience = max(2 * patience, min(2 * step.count, settings.change_effort // n))
         trial, at = x.copy(), multiplier
         end, at = self._leap(trial, at, worth, patience, settings.max_leaps)
         if end == path.DONE or not self.leapt or self.changes > 4 * worth:
@@ -155,6 +161,7 @@ class _Walk:
         step.branch[:], step.reaction[:] = branch, reaction
         trial = x.copy()
         self.left, self.changes, self.leapt = 1.0, 0, False
+        step.frame.sense[0] = 1.0
         end, at = self._follow(trial, multiplier, patience)
         return end, trial, at
 
@@ -162,18 +169,28 @@ class _Walk:
         self, x: Array, multiplier: float, worth: int, patience: int, most: int
     ) -> tuple[int, float]:
         """Let contacts change together while they are many, and follow the last few."""
-        last, stuck = np.inf, 0
+        first, last, stuck = 0, np.inf, 0
+        step_share = self.step.count // 20
         for _ in range(most):
+            before = self.left
             end, multiplier = self._advance(x, multiplier, worth, patience)
             if end == path.RENEW:
                 return self._follow(x, multiplier, patience)
             if end != path.LEAPT:
                 return end, multiplier
             self.leapt = True
+            first = first or self.changes
             if self.whole:
                 stuck = stuck + 1 if self.changes > 0.95 * last else 0
                 if stuck == 3:
                     return path.LOST, multiplier
+            else:
+                if self.changes > max(5 * first, step_share):  # the direction has turned round
+                    self.step.frame.turn[:] = 1.0 - self.left, multiplier
+                    return path.TURNED, multiplier
+                stuck = stuck + 1 if self.left == before else 0
+                if stuck == 6:
+                    break
             last, self.changes = self.changes, 0
         if self.whole:
             self.changes = int(last)
@@ -181,8 +198,12 @@ class _Walk:
         return self._follow(x, multiplier, patience)
 
     def _follow(self, x: Array, multiplier: float, patience: int) -> tuple[int, float]:
+        """Follow every change, in the implicit law from where the path first turns back."""
         end = path.RENEW
         while end == path.RENEW:
+            if not self.whole and np.isfinite(self.step.frame.turn[0]):
+                self.whole = True
+                patience = min(patience, self.changes + self.most)
             end, multiplier = self._advance(x, multiplier, self.step.count, patience)
         return end, multiplier
 

@@ -123,6 +123,8 @@ class StaticStep:
             pivot=np.zeros(CHANGES_PER_MATRIX),
             rate=np.zeros((n_slots, 2)),
             far=np.zeros(n_slots),
+            turn=np.full(2, np.nan),
+            sense=np.ones(1),
             bends=np.zeros((BENDS, 2)),
         )
 
