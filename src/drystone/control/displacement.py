@@ -18,8 +18,8 @@ from dataclasses import dataclass, replace
 from drystone.control.base import Decision
 from drystone.engines.base import Demand, StepReport
 
-#: How a step is tried: along the path of equilibria; up to where that turns back; over that place, to
-#: any equilibrium beyond.
+#: How a step is tried: along the path of equilibria; up to where that turns back; over that place,
+#: to any equilibrium beyond.
 FOLLOWING, NEARING, CROSSING = 0, 1, 2
 
 
@@ -124,16 +124,17 @@ class DisplacementControl:
             return None
         scale = max(state.highest, multiplier, 10.0 * s.stop_multiplier)
         excess, share = report.excess
-        if excess > s.peak_share * scale and max(state.last, multiplier) + excess > state.highest:
-            if least < share * state.increment < 0.98 * state.increment:
-                return share * state.increment
+        highest = max(state.last, multiplier) + excess > state.highest
+        hidden = excess > s.peak_share * scale and highest
+        if hidden and least < share * state.increment < 0.98 * state.increment:
+            return share * state.increment
         bend, share = report.bend
         if bend > s.bend_share * scale and least < share * state.increment:
             return share * state.increment
         return None
 
     def _snaps(self, state: _State, report: StepReport) -> bool:
-        """Whether a step has passed a jump worth showing where the path of equilibria turned back."""
+        """Whether a step has passed a jump worth showing, where the path turned back."""
         s = self.settings
         if state.time_step or (report.turn is None and state.stage != CROSSING):
             return False

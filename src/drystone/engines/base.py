@@ -73,10 +73,10 @@ class StepReport:
     n_sliding: int = 0
     motion: float = np.nan  # m
     n_iterations: int = 0
-    #: Of engines that follow the equilibria within a step: where their path first turned back, if it
-    #: did, whether or not the step then converged: share of the step, and multiplier; by how much the
-    #: multiplier exceeds both its ends within the step, and how far it bends from its chord, each
-    #: with the share of the step where it does so most.
+    #: Of engines that follow the equilibria within a step: where their path first turned back, if
+    #: it did, whether or not the step then converged, as a share of the step and a multiplier; by
+    #: how much the multiplier exceeds both its ends within the step, and how far it bends from its
+    #: chord, each with the share of the step where it does so most.
     turn: tuple[float, float] | None = None
     excess: tuple[float, float] | None = None
     bend: tuple[float, float] | None = None

@@ -253,6 +253,7 @@ class DistinctEngine:
 
     name = "distinct"
     prescribes_displacement = True
+
     def __init__(self, settings: DistinctSettings | None = None) -> None:
         self.settings = settings or DistinctSettings()
 

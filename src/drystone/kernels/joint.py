@@ -182,7 +182,7 @@ def _branch(row, hint):
     if rn < 0.0 or (rn == 0.0 and hint != STICKING):
         return OPEN
     sliding = FORWARD if rt > 0.0 else BACKWARD
-    if abs(over) <= near and (hint == STICKING or hint == sliding):
+    if abs(over) <= near and (hint in (STICKING, sliding)):
         return hint
     return STICKING if over <= 0.0 else sliding
 
@@ -194,7 +194,7 @@ def _reactions(row, branch):
     rt = row[TRIAL_T]
     if branch == OPEN:
         return 0.0, 0.0, 0.0
-    if branch == STICKING or branch == BONDED:
+    if branch in (STICKING, BONDED):
         return rn, rt, 0.0
     sign = 1.0 if branch == FORWARD else -1.0
     gamma = (sign * rt - row[FRICTION] * rn) / (row[STIFF_T] + row[FRICTION] * row[LIFT])
@@ -403,7 +403,7 @@ def linearise(
         row = table[c]
         rn, rt, _ = _reactions(row, now)
         nn, nt, tn, tt = 0.0, 0.0, 0.0, 0.0  # derivatives of the reactions by gap and slip
-        if now == STICKING or now == BONDED:
+        if now in (STICKING, BONDED):
             nn, tt = -row[STIFF_N], -row[STIFF_T]
         elif now != OPEN:
             sign = 1.0 if now == FORWARD else -1.0

@@ -30,9 +30,9 @@ STIFF_N, STIFF_T, FRICTION, LIFT, BOND, TENSILE, TRIAL_N, TRIAL_T = 18, 19, 20, 
 ADD_N, ADD_T, PLASTIC = 26, 27, 28
 
 #: How a path ends: where it should; before it, as it turns back; at a change after which the
-#: matrix must be made anew; after too many changes; where there is no direction; with a leap over
-#: more changes than are worth following.
-DONE, TURNED, RENEW, LOST, SINGULAR, LEAPT = 0, 1, 2, 3, 4, 5
+#: matrix must be made anew; after too many changes; where there is no direction; after many
+#: changes together, as there are more ahead than are worth following.
+DONE, TURNED, RENEW, LOST, SINGULAR, TOGETHER = 0, 1, 2, 3, 4, 5
 
 #: Sliding back by less than this share of the blocks' motion does not end sliding.
 SLOW = 1e-6
@@ -115,7 +115,7 @@ def _distance(row, now, rate_n, rate_t, whole):
     following = now
     bond = row[BOND] if now == BONDED else 0.0
     tensile = row[TENSILE] if now == BONDED else 0.0
-    if now == STICKING or now == BONDED:
+    if now in (STICKING, BONDED):
         for sign, branch in ((1.0, FORWARD), (-1.0, BACKWARD)):
             speed = sign * rate_t - row[FRICTION] * rate_n
             if speed > 0.0:
@@ -200,7 +200,7 @@ def _batch(table, count, used, pair_a, pair_b, direction, branch, rate, far, wor
         rate[c, 1] = -row[STIFF_T] * _along(row, MEASURED, direction, a, b)
         now = branch[used[c]]
         far[c] = 0.0
-        if now == FORWARD or now == BACKWARD:
+        if now in (FORWARD, BACKWARD):
             sign = 1.0 if now == FORWARD else -1.0
             far[c] = (sign * rate[c, 1] - row[FRICTION] * rate[c, 0]) / row[STIFF_T]
             if far[c] < -SLOW_BACK:
@@ -208,7 +208,7 @@ def _batch(table, count, used, pair_a, pair_b, direction, branch, rate, far, wor
     if back > worth:
         for c in range(count):
             now = branch[used[c]]
-            if far[c] < -SLOW_BACK and (now == FORWARD or now == BACKWARD):
+            if far[c] < -SLOW_BACK and (now in (FORWARD, BACKWARD)):
                 _commit(table[c], now, STICKING)
                 branch[used[c]] = STICKING
         return back, 0.0
@@ -263,7 +263,7 @@ def _commit(row, before, after):
     if before == OPEN:
         row[ADD_T] -= row[TRIAL_T]
         row[TRIAL_T] = 0.0
-    elif before == FORWARD or before == BACKWARD:
+    elif before in (FORWARD, BACKWARD):
         sign = 1.0 if before == FORWARD else -1.0
         along = row[STIFF_T] + row[FRICTION] * row[LIFT]
         gamma = (sign * row[TRIAL_T] - row[FRICTION] * row[TRIAL_N]) / along
@@ -279,7 +279,7 @@ def _keep_slow(table, count, used, branch):
     """Make sliding back that was too slow to end a part of the history."""
     for c in range(count):
         now = branch[used[c]]
-        if now == FORWARD or now == BACKWARD:
+        if now in (FORWARD, BACKWARD):
             row = table[c]
             sign = 1.0 if now == FORWARD else -1.0
             if sign * row[TRIAL_T] < row[FRICTION] * row[TRIAL_N]:
@@ -359,7 +359,7 @@ def follow_path(
             for d in range(n_dof):
                 x[i, d] += length * direction[i, d]
         left *= 1.0 if whole else 1.0 - length
-        return LEAPT, multiplier + length * by_direction, left, at_once
+        return TOGETHER, multiplier + length * by_direction, left, at_once
     u = np.zeros(2 * n_dof)
     ahead = frame.sense[0]
     new = -1  # change since the factorisation
@@ -384,7 +384,7 @@ def follow_path(
             frame.rate[c, 0] = rate_n
             frame.rate[c, 1] = rate_t
             now = branch[used[c]]
-            if not whole and (now == FORWARD or now == BACKWARD):
+            if not whole and (now in (FORWARD, BACKWARD)):
                 sign = 1.0 if now == FORWARD else -1.0
                 speed = (sign * rate_t - row[FRICTION] * rate_n) / row[STIFF_T]
                 if speed < slowest:
@@ -450,9 +450,10 @@ def follow_path(
         solve(structure, factors, w.reshape((1, n, n_dof)))
         by_w = _border(frame, w, 0.0) if paced else 0.0
         for old in range(new):
-            share = _along(
-                frame.row[old], 0, w, frame.bodies[old, 0], frame.bodies[old, 1]
-            ) / frame.pivot[old]
+            share = (
+                _along(frame.row[old], 0, w, frame.bodies[old, 0], frame.bodies[old, 1])
+                / frame.pivot[old]
+            )
             for i in range(n):
                 for d in range(n_dof):
                     w[i, d] -= share * frame.changes[old, i, d]

@@ -38,10 +38,13 @@ class PathSettings:
     depth: float  # m, penetration too small to tell two contacts apart
     farthest: float  # m, motion of a block over which the step has failed
     max_iterations: int = 12  # renewals of the gradients
-    leap_effort: int = 50_000  # contacts about to change, times blocks, above which they leap
-    max_leaps: int = 30
+    #: Contacts about to change, times blocks, above which they change together: a matrix costs as
+    #: much as following that many of them.
+    together_effort: int = 50_000
+    max_batches: int = 30  # matrices in which contacts change together
+    stalled_batches: int = 6  # of them without progress, after which changes are followed
     max_changes: int = 80  # contacts that change one by one, in the implicit law
-    change_effort: int = 1_500_000  # and on a path, times blocks
+    change_effort: int = 1_500_000  # and on a path of equilibria, times blocks
     max_rounds: int = 3  # times that the features of contacts are checked
 
 
@@ -69,7 +72,8 @@ def solve(
     branch: IntArray,
     reaction: Array,
     settings: PathSettings,
-    whole: bool = True,
+    *,
+    whole: bool,
 ) -> StepSolution:
     """Solve a step that has begun.
 
@@ -85,6 +89,8 @@ def solve(
         Where the step starts; without a pace, the one that is asked for.
     branch, reaction
         Of all contacts where the step starts, (n_slots,) and (n_slots, 2) [N].
+    whole
+        Take the implicit law, whose sliding counts over the whole step, from the start.
     """
     x, geometry, start = np.zeros_like(guess), guess, multiplier
     step.branch[:] = branch
@@ -97,8 +103,8 @@ def solve(
     step.frame.turn[:] = np.nan
     shape = {"excess": (0.0, 0.0), "bend": (0.0, 0.0)}
     for count in range(1, settings.max_iterations + 1):
-        walk = _Walk(step, pace, geometry, whole=whole or count > 1)
-        end, x, multiplier = walk.go(x, multiplier, settings)
+        walk = _Walk(step, pace, geometry, settings, whole=whole or count > 1)
+        end, x, multiplier = walk.go(x, multiplier)
         if count == 1 and np.isfinite(step.frame.turn[0]):
             turn = float(step.frame.turn[0]), float(step.frame.turn[1])
         if end != path.DONE:
@@ -110,7 +116,7 @@ def solve(
             reason = "a block moves too far in one step"
             break
         step.evaluate(x, multiplier)
-        if count == 1 and pace and not walk.leapt:
+        if count == 1 and pace and not walk.together:
             shape = _shape(step.bends(walk.changes), start, multiplier)
         short = abs(pace.measure(x)[0]) if pace else 0.0
         if step.residual <= settings.tolerance and short <= settings.lag:
@@ -132,84 +138,90 @@ def solve(
 class _Walk:
     """A way to the solution of one linear step, the contacts having been evaluated."""
 
-    def __init__(self, step: StaticStep, pace: Pace | None, geometry: Array, *, whole: bool):
-        self.step, self.pace, self.geometry, self.whole = step, pace, geometry, whole
+    def __init__(
+        self,
+        step: StaticStep,
+        pace: Pace | None,
+        geometry: Array,
+        settings: PathSettings,
+        *,
+        whole: bool,
+    ) -> None:
+        self.step, self.pace, self.geometry, self.settings = step, pace, geometry, settings
+        self.whole = whole
         self.lag, self.gradient = pace.measure(geometry) if pace else (0.0, step.force)
-        self.left, self.changes = 1.0, 0
-        self.leapt = False  # some of the way was not followed
+        n = len(geometry)
+        self.worth = max(16, settings.together_effort // n)
+        self.patience = settings.max_changes
+        if not whole:
+            most = min(2 * step.count, settings.change_effort // n)
+            self.patience = max(2 * self.patience, most)
+        self._set_out()
 
-    def go(
-        self, x: Array, multiplier: float, settings: PathSettings
-    ) -> tuple[int, Array, float]:
-        """How it ends, and where: in leaps where many contacts change, else one by one."""
+    def _set_out(self) -> None:
+        self.left, self.changes, self.together = 1.0, 0, False
+        self.step.frame.sense[0] = 1.0
+
+    def go(self, x: Array, multiplier: float) -> tuple[int, Array, float]:
+        """How it ends, and where: in batches where many contacts change, else one by one."""
         step = self.step
         branch, reaction = step.branch.copy(), step.reaction.copy()
         step.move_trial(x - self.geometry)
-        n = len(x)
-        worth = max(16, settings.leap_effort // n)
-        self.most = patience = settings.max_changes
-        step.frame.sense[0] = 1.0
-        if not self.whole:
-            patience = max(2 * patience, min(2 * step.count, settings.change_effort // n))
-        trial, at = x.copy(), multiplier
-        end, at = self._leap(trial, at, worth, patience, settings.max_leaps)
-        if end == path.DONE or not self.leapt or self.changes > 4 * worth:
-            return end, trial, at
-        # The leaps led astray: every change is followed from the start.
-        step.evaluate(self.geometry, multiplier)
-        step.move_trial(x - self.geometry)
-        step.branch[:], step.reaction[:] = branch, reaction
         trial = x.copy()
-        self.left, self.changes, self.leapt = 1.0, 0, False
-        step.frame.sense[0] = 1.0
-        end, at = self._follow(trial, multiplier, patience)
+        end, at = self._in_batches(trial, multiplier)
+        few = self.changes <= 4 * self.worth
+        if end != path.DONE and self.together and few:
+            # The batches led astray: every change is followed from the start.
+            self._set_out()
+            step.evaluate(self.geometry, multiplier)
+            step.move_trial(x - self.geometry)
+            step.branch[:], step.reaction[:] = branch, reaction
+            trial = x.copy()
+            end, at = self._one_by_one(trial, multiplier)
         return end, trial, at
 
-    def _leap(
-        self, x: Array, multiplier: float, worth: int, patience: int, most: int
-    ) -> tuple[int, float]:
+    def _in_batches(self, x: Array, multiplier: float) -> tuple[int, float]:
         """Let contacts change together while they are many, and follow the last few."""
-        first, last, stuck = 0, np.inf, 0
-        step_share = self.step.count // 20
-        for _ in range(most):
-            before = self.left
-            end, multiplier = self._advance(x, multiplier, worth, patience)
+        settings = self.settings
+        first, last, stalled = 0, 0, 0
+        for _ in range(settings.max_batches):
+            before, self.changes = self.left, 0
+            end, multiplier = self._advance(x, multiplier, self.worth)
             if end == path.RENEW:
-                return self._follow(x, multiplier, patience)
-            if end != path.LEAPT:
+                return self._one_by_one(x, multiplier)
+            if end != path.TOGETHER:
                 return end, multiplier
-            self.leapt = True
-            first = first or self.changes
+            first, self.together = first or self.changes, True
             if self.whole:
-                stuck = stuck + 1 if self.changes > 0.95 * last else 0
-                if stuck == 3:
-                    return path.LOST, multiplier
+                nearer = self.changes < 0.95 * last or not last
             else:
-                if self.changes > max(5 * first, step_share):  # the direction has turned round
+                nearer = self.left < before
+                if self.changes > max(5 * first, self.step.count // 20):
+                    # So many contacts change only where the direction has turned round.
                     self.step.frame.turn[:] = 1.0 - self.left, multiplier
                     return path.TURNED, multiplier
-                stuck = stuck + 1 if self.left == before else 0
-                if stuck == 6:
-                    break
-            last, self.changes = self.changes, 0
+            stalled = 0 if nearer else stalled + 1
+            if stalled == (
+                settings.stalled_batches // 2 if self.whole else settings.stalled_batches
+            ):
+                break
+            last = self.changes
         if self.whole:
-            self.changes = int(last)
             return path.LOST, multiplier
-        return self._follow(x, multiplier, patience)
+        self.changes = 0
+        return self._one_by_one(x, multiplier)
 
-    def _follow(self, x: Array, multiplier: float, patience: int) -> tuple[int, float]:
+    def _one_by_one(self, x: Array, multiplier: float) -> tuple[int, float]:
         """Follow every change, in the implicit law from where the path first turns back."""
         end = path.RENEW
         while end == path.RENEW:
             if not self.whole and np.isfinite(self.step.frame.turn[0]):
                 self.whole = True
-                patience = min(patience, self.changes + self.most)
-            end, multiplier = self._advance(x, multiplier, self.step.count, patience)
+                self.patience = min(self.patience, self.changes + self.settings.max_changes)
+            end, multiplier = self._advance(x, multiplier, self.step.count)
         return end, multiplier
 
-    def _advance(
-        self, x: Array, multiplier: float, worth: int, patience: int
-    ) -> tuple[int, float]:
+    def _advance(self, x: Array, multiplier: float, worth: int) -> tuple[int, float]:
         """Go on from ``x``, changed in place, with a matrix of its own."""
         away = x - self.geometry
         if not self.step.linearise(x, multiplier, away, self.pace, self.gradient):
@@ -217,7 +229,7 @@ class _Walk:
         missing = self.lag - float(np.vdot(self.gradient, away)) if self.pace else 0.0
         end, multiplier, self.left, self.changes = self.step.advance(
             x, multiplier, missing, self.left, self.changes, paced=self.pace is not None,
-            whole=self.whole, patience=patience, worth=worth,
+            whole=self.whole, patience=self.patience, worth=worth,
         )  # fmt: skip
         return end, multiplier
 

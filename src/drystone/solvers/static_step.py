@@ -27,6 +27,9 @@ BoolArray = NDArray[np.bool_]
 #: Changes of contacts that are followed with one factorisation.
 CHANGES_PER_MATRIX = 32
 
+#: Smallest pivot of a block, over its largest entry, with which a direction is worth trying.
+SINGULAR = 1e-13
+
 #: Changes of a step at which its multiplier is kept.
 BENDS = 512
 
@@ -199,7 +202,8 @@ class StaticStep:
             frame.pace[:] = gradient
             frame.axis[body] = gradient[body]
         self.spring = step.stiffen(self.tangent.diagonal, c.mass, self.weight, body, frame.axis)
-        return block_lu.factorise(self.structure, *self.tangent, self.factors) > 0.0
+        smallest = block_lu.factorise(self.structure, *self.tangent, self.factors)
+        return smallest > SINGULAR
 
     def advance(
         self,
