@@ -85,10 +85,10 @@ class EquilibriumEngine:
         self.settings = settings or EquilibriumSettings()
 
     def preferences(self, assembly: Assembly) -> dict[str, float]:
-        """See `Engine`: a step is to turn a mechanism by about 1 in 300, whatever its height."""
+        """See `Engine`: a step is to turn a mechanism by about 1 in 500, whatever its height."""
         size = assembly.smallest_extent
         height = float(np.ptp(assembly.centroid[~assembly.fixed, 1])) + size
-        return {"displacement_step": min(max(height / 300.0, 0.02 * size), 0.1 * size)}
+        return {"displacement_step": min(max(height / 500.0, 0.02 * size), 0.1 * size)}
 
     def start(self, problem: Problem) -> tuple[EquilibriumState, StepReport]:
         """Settle under the dead load; raises `UnstableError`."""
