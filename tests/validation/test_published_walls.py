@@ -25,7 +25,7 @@ needs_reference = pytest.mark.skipif(
     not REFERENCE.is_dir(), reason=f"the recorded curves are not there: {REFERENCE}"
 )
 
-ENGINES = ["nscd"]
+ENGINES = ["nscd", "equilibrium"]
 
 CORNERS = {"rounded": Corner(radius=0.02), "chamfered": Corner(chamfer=0.02)}
 

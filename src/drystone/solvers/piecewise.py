@@ -44,7 +44,7 @@ class PathSettings:
     max_batches: int = 30  # matrices in which contacts change together
     stalled_batches: int = 6  # of them without progress, after which changes are followed
     max_changes: int = 80  # contacts that change one by one, in the implicit law
-    change_effort: int = 1_500_000  # and on a path of equilibria, times blocks
+    change_effort: int = 1_500_000  # and on a path of equilibria or in settling, times blocks
     max_rounds: int = 3  # times that the features of contacts are checked
 
 
@@ -151,9 +151,10 @@ class _Walk:
         self.whole = whole
         self.lag, self.gradient = pace.measure(geometry) if pace else (0.0, step.force)
         n = len(geometry)
-        self.worth = max(16, settings.together_effort // n)
+        # Under a given load, and from the state as built above all, many contacts change at once.
+        self.worth = max(16, settings.together_effort // n) if pace else 0
         self.patience = settings.max_changes
-        if not whole:
+        if not whole or pace is None:
             most = min(2 * step.count, settings.change_effort // n)
             self.patience = max(2 * self.patience, most)
         self._set_out()
@@ -169,7 +170,7 @@ class _Walk:
         step.move_trial(x - self.geometry)
         trial = x.copy()
         end, at = self._in_batches(trial, multiplier)
-        few = self.changes <= 4 * self.worth
+        few = self.changes <= max(4 * self.worth, self.patience)
         if end != path.DONE and self.together and few:
             # The batches led astray: every change is followed from the start.
             self._set_out()
@@ -227,6 +228,14 @@ class _Walk:
         if not self.step.linearise(x, multiplier, away, self.pace, self.gradient):
             return path.SINGULAR, multiplier
         missing = self.lag - float(np.vdot(self.gradient, away)) if self.pace else 0.0
+        settings = self.settings
+        if (
+            self.together
+            and self.step.residual <= settings.tolerance
+            and abs(missing) <= settings.lag
+        ):
+            # Only contacts that carry next to nothing may still change to and fro.
+            return path.DONE, multiplier
         end, multiplier, self.left, self.changes = self.step.advance(
             x, multiplier, missing, self.left, self.changes, paced=self.pace is not None,
             whole=self.whole, patience=self.patience, worth=worth,

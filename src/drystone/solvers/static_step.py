@@ -187,14 +187,15 @@ class StaticStep:
     ) -> bool:
         """Factorise the tangent at the places and branches last evaluated; False if singular.
 
-        The unbalanced forces are made those at ``x``, which is ``away`` (n, n_dof) from there.
+        The unbalanced forces, and the ``residual``, are made those at ``x``, which is ``away`` (n,
+        n_dof) from there.
         """
         c, pairs, frame = self.constants, self.pairs, self.frame
         joint.linearise(
             self.slots, self.table, self.count, self.used, pairs.a, pairs.b, self.branch,
             self.reaction, away, self.contact_force, self.tangent,
         )  # fmt: skip
-        self._unbalance(x, multiplier)
+        self.residual = self._unbalance(x, multiplier)
         frame.axis[:] = 0.0
         body = -1
         if pace is not None:
