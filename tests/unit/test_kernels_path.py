@@ -208,7 +208,7 @@ def check(taken, *, whole):
     slides = loose & (normal > 0.0) & (np.abs(sliding) * stiffness > accuracy)
     assert np.all(on_cone[slides])
     assert np.all(sliding[slides] * tangential[slides] <= 0.0)
-    assert not (sliding[bonded] * stiffness[bonded] > accuracy).any()
+    assert np.all(np.abs(sliding * stiffness)[bonded] <= accuracy)
 
     # What contacts bring along: the implicit law changes nothing.  On a path, sliding that has
     # ended is added; it goes back by what the gradients change over the step, no more.
@@ -300,7 +300,7 @@ class TestRandomAssemblies:
     @pytest.mark.parametrize("law", LAWS)
     def test_a_step_is_in_equilibrium_by_the_law(self, law, whole):
         seen, solved, tried, bent = Counter(), 0, 0, 0
-        for seed in range(8):
+        for seed in range(12):
             model = random_model(seed, **LAWS[law])
             for engine, state, increment, guess in states_of(model, seed):
                 taken = take(engine, state, increment, guess=guess, whole=whole)
@@ -312,7 +312,7 @@ class TestRandomAssemblies:
                         seen += check(taken, whole=whole)
         # The others meet a place where the path turns back.
         assert solved >= 0.6 * tried
-        assert bent >= 2
+        assert bent >= 3
         assert seen[joint.OPEN] >= 100
         assert seen[joint.FORWARD] + seen[joint.BACKWARD] >= 3
         assert seen[joint.BONDED if "cohesion" in LAWS[law] else joint.STICKING] >= 100
@@ -331,7 +331,7 @@ class TestRandomAssemblies:
 
     def test_an_equilibrium_is_found_short_of_where_the_path_turns_back(self):
         turned = 0
-        for seed in range(8):
+        for seed in range(12):
             for engine, state, increment, _ in states_of(random_model(seed), seed):
                 solved = take(engine, state, increment, whole=False).solved
                 for _ in range(3):  # where gradients change over the step, so does the place

@@ -1,7 +1,7 @@
 """The equilibrium engine on the three published walls: certificates, refinement, limit analysis.
 
-Limit multipliers are those of first-order non-associative analysis with contact points 0.02 m inside
-the corners (`drystone.limit`, held to published values in test_limit_published.py).
+Limit multipliers are those of first-order non-associative analysis with contact points 0.02 m
+inside the corners (`drystone.limit`, held to published values in test_limit_published.py).
 """
 
 from __future__ import annotations
@@ -58,12 +58,14 @@ def test_every_static_point_is_in_equilibrium(wall):
 
 @pytest.mark.parametrize("wall", WALLS)
 def test_steps_of_half_the_size_give_the_same_curve(wall):
-    """Within 0.2 % of the peak but for a jump of wall 2, which comes 2 mm sooner or later."""
+    """Within 0.2 % of the peak; single points at a jump, which comes a little sooner or later, are
+    off by more.
+    """
     coarse, fine = traced(wall, displacement_step=3.5e-3), traced(wall, displacement_step=1.75e-3)
     apart = distance(static_points(coarse), fine)
-    assert np.median(apart) <= 1e-3
-    assert np.quantile(apart, 0.95) <= 2.5e-3
-    assert apart.max() <= 1e-2
+    assert np.median(apart) <= 5e-4
+    assert np.quantile(apart, 0.98) <= 2e-3
+    assert apart.max() <= 5e-3
     assert fine.peak.load_multiplier == pytest.approx(coarse.peak.load_multiplier, rel=1e-3)
 
 

@@ -27,6 +27,10 @@ needs_reference = pytest.mark.skipif(
 
 ENGINES = ["nscd", "equilibrium"]
 
+#: Control displacement at the multiplier 0.01 [m] of LMGC90 2025.rc1 on these walls, chamfers of
+#: 0.02 m, velocities stopped at every step, overshoot 1.01.
+END_LMGC90 = {1: 0.449, 2: 0.529, 3: 0.599}
+
 CORNERS = {"rounded": Corner(radius=0.02), "chamfered": Corner(chamfer=0.02)}
 
 
@@ -72,14 +76,14 @@ class TestTable1:
                              (3, "chamfered")],
     )  # fmt: skip
     def test_displacement_at_a_hundredth(self, engine, wall, corner):
-        """0.449, 0.556 and 0.591 m by LMGC90, whose blocks were chamfered; +-7 %.
+        """As far as two runs of LMGC90, which differ by up to 5 %, +-7 %; its blocks were chamfered.
 
-        Near the end single blocks let go, each of which shortens the rest of the curve: LMGC90
-        2025.rc1 on the same walls ends at 0.449, 0.529 and 0.599 m, up to 5 % from the paper.
+        Near the end single blocks let go, each of which shortens the rest of the curve: 0.449,
+        0.556 and 0.591 m in the paper, 0.449, 0.529 and 0.599 m by LMGC90 2025.rc1.
         """
-        published = PUBLISHED_WALLS[wall].ultimate_displacement_lmgc90
+        runs = PUBLISHED_WALLS[wall].ultimate_displacement_lmgc90, END_LMGC90[wall]
         curve = traced(engine, wall, corner)
-        assert curve.ultimate_displacement == pytest.approx(published, rel=0.07)
+        assert 0.93 * min(runs) <= curve.ultimate_displacement <= 1.07 * max(runs)
 
     def test_displacement_at_a_hundredth_of_wall_1_with_rounded_corners(self, engine):
         """Not the published 0.449 m but 10 % less, for which the corners are the reason.

@@ -1,14 +1,16 @@
 """Displacement pacing of engines that can solve for the multiplier of an increment.
 
-Static steps of the control displacement, the multiplier being an unknown of each, adapt to how hard
-the last one was.  A step that fails is tried again with less.  Where not even the smallest
-increment has an equilibrium nearby, a block has come loose or the structure jumps to another shape.
-The jump is then passed with the control displacement creeping on and with time steps short enough
-for inertia to say where the blocks go, which lengthen as they come to rest; points that inertia
-helps to carry are marked dynamic.
+Static steps of the control displacement, the multiplier being an unknown of each, adapt to how
+hard the last one was.  Where the path of equilibria turns back and one beyond lies where the curve
+would have gone on to, the step passes over it.  Else the path is followed to where it turns, and
+the place is crossed by a small step.  Where that finds no equilibrium either, a block has come
+loose or the structure jumps to another shape.  The jump is passed with the control displacement
+creeping on and with time steps short enough for inertia to say where the blocks go, which lengthen
+as they come to rest; points that inertia helps to carry are marked dynamic.
 
-The peak is found by stepping again with less from the highest point, until the step that goes over
-it is small; the stop value by stepping again to where the chord meets it.
+Steps that hide a peak or a bend of the curve are taken again to there, from what the engine says of
+the multiplier within the step; the stop value is found by stepping again to where the chord meets
+it.
 """
 
 from __future__ import annotations
@@ -32,10 +34,13 @@ class DisplacementSettings:
     first_share: float = 0.02  # first increment over the largest
     floor_share: float = 0.01  # smallest increment over the largest
     creep_share: float = 0.001  # increment of the first step of a jump over the largest
-    refined_share: float = 0.005  # increment that finds the peak, over the largest; and how near
-    # to the stop value the last point must be, relatively
+    refined_share: float = (
+        0.005  # smallest increment to a peak or a bend, over the largest; and how
+    )
+    # near to the stop value the last point must be, relatively
     peak_share: float = 2e-4  # of the peak, that a step may hide of it
     bend_share: float = 2e-3  # of the peak, that the curve may bend within a step
+    snap_share: float = 2e-4  # of the peak, by which a snap that is passed over may move the curve
     time_step: float = 0.1  # s, first one of a jump
     snap_motion: float = 10.0  # of a block, over the increment, above which a step is a jump
     jump_motion: float = 1.0  # of a block, over the largest increment, up to which the time step of
@@ -147,7 +152,7 @@ class DisplacementControl:
         if share > 0.05:
             expected += (multiplier - state.last) / share
         scale = max(state.highest, 10.0 * s.stop_multiplier)
-        return abs(report.static_multiplier - expected) > s.bend_share * scale
+        return abs(report.static_multiplier - expected) > s.snap_share * scale
 
     def _retry(self, state: _State, report: StepReport) -> Decision:
         s = self.settings
