@@ -167,7 +167,8 @@ def make_control(
     if unknown:
         raise EngineError(f'there is no setting "{unknown[0]}" of the analysis')
     step = {"displacement_step": STEP_SHARE * model.assembly.smallest_extent}
-    preferred = getattr(engine, "preferences", lambda assembly: {})(model.assembly)
+    ask = getattr(engine, "preferences", None)
+    preferred: Mapping[str, float] = ask(model.assembly) if ask else {}
     try:
         if strategy == "published":
             return PublishedControl(_settings(PublishedSettings, {**preferred, **step, **options}))

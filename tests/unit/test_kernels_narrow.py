@@ -236,7 +236,8 @@ class JointOfPair:
         self.table, self.used = np.zeros((n, joint.N_TABLE)), np.zeros(n, np.int64)
         self.count = joint.joint_forces(
             self.slots, self.pairs.a, self.pairs.b, self.pairs.law, self.laws, 1.0,
-            self.start_length, self.start_slip, self.history, increment, self.force,
+            self.start_length, self.start_slip, np.ones(len(self.slots.kind), np.bool_),
+            self.history, increment, self.force,
             self.table, self.used, self.branch, self.reaction, np.zeros_like(self.history),
         )  # fmt: skip
         return self

@@ -76,7 +76,7 @@ class TestTable1:
                              (3, "chamfered")],
     )  # fmt: skip
     def test_displacement_at_a_hundredth(self, engine, wall, corner):
-        """As far as two runs of LMGC90, which differ by up to 5 %, +-7 %; its blocks were chamfered.
+        """As far as two runs of LMGC90, which differ by up to 5 %, +-7 %; blocks were chamfered.
 
         Near the end single blocks let go, each of which shortens the rest of the curve: 0.449,
         0.556 and 0.591 m in the paper, 0.449, 0.529 and 0.599 m by LMGC90 2025.rc1.

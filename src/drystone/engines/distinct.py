@@ -400,14 +400,15 @@ class DistinctEngine:
         motion = work.motion
         gone = self.detector.motion(motion.pose - state.pose)
         for _ in range(s.max_cycles // ROUND):
-            if work.run(ROUND, guided=True, tolerance=s.tolerance * self.scale):
-                return self._rest(state, work)
+            balanced = work.run(ROUND, guided=True, tolerance=s.tolerance * self.scale)
             gone = self.detector.motion(motion.pose - state.pose)
-            if gone.max() > s.max_motion * self.size:
+            if not gone.max() <= s.max_motion * self.size:  # nor where it is not a number
                 break
+            if balanced:
+                return self._rest(state, work)
         left = work.meter[explicit.RESIDUAL] / self.scale
         reason = f"an unbalanced force of {left:.1e} weights is left after {work.n_cycles} cycles"
-        if gone.max() > s.max_motion * self.size:
+        if not gone.max() <= s.max_motion * self.size:
             name = self.problem.assembly.ids[int(gone.argmax())]
             reason = f'the block "{name}" runs away, and no rest is found for it'
         return state, StepReport(converged=False, reason=reason, n_iterations=work.n_cycles)

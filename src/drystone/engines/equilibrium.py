@@ -1,13 +1,13 @@
-"""Static equilibrium by Newton's method, with the multiplier as an unknown of the step.
+"""Static equilibrium, followed change by change of the contacts, the multiplier an unknown.
 
 The unknowns of a step are the increments x of the poses and the multiplier.  They solve
 
     R(x, lambda) = 0,    c(x) = Delta
 
 with the unbalanced forces R of `solvers.static_step`, evaluated where the step ends, and c the
-displacement that paces the step.  The time step in R is so long that inertia only keeps loose
-blocks from making the matrix singular; with a short one, a step says where inertia takes blocks
-that have no equilibrium nearby.
+displacement that paces the step; `solvers.piecewise` says how.  The time step in R is so long that
+inertia only keeps loose blocks from making the matrix singular; with a short one, a step says
+where inertia takes blocks that have no equilibrium nearby.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from drystone.kernels.narrow import Slots
 from drystone.loading import dead_load
 from drystone.solvers import piecewise
 from drystone.solvers.piecewise import PathSettings, StepSolution
-from drystone.solvers.static_step import STATUS_OF, Constants, Pace, PointPace, StaticStep
+from drystone.solvers.static_step import STATUS_OF, Constants, PointPace, StaticStep
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -183,7 +183,7 @@ class EquilibriumEngine:
         h = demand.time_step or settings.static_time_step
         x, multiplier = self._predict(state, demand, pace)
         equations = self.equations
-        equations.begin(state.pose, state.slots, state.history, h, x)
+        equations.begin(state.pose, state.slots, state.history, state.branch, h, x)
         stiffest = self._stiffest()
         # Joints so stiff that the rounding of a gap is felt cannot be balanced any better.
         rounding = 4.0 * np.finfo(float).eps * float(self.detector.extent.max())
@@ -244,7 +244,7 @@ class EquilibriumEngine:
             self.equations = StaticStep(self.constants, state.pairs)
         return state
 
-    def _pace(self, state: EquilibriumState, demand: Demand) -> Pace | None:
+    def _pace(self, state: EquilibriumState, demand: Demand) -> PointPace | None:
         if demand.increment is None:
             return None
         control = self.problem.control_point
@@ -259,7 +259,7 @@ class EquilibriumEngine:
         )
 
     def _predict(
-        self, state: EquilibriumState, demand: Demand, pace: Pace | None
+        self, state: EquilibriumState, demand: Demand, pace: PointPace | None
     ) -> tuple[Array, float]:
         """Where the step will end, and the multiplier it starts from.
 

@@ -5,7 +5,8 @@ dilation d, slip increment s and shear t_0 at the start of the step, the trial r
 
     r_n = k_n (d - g)          r_t = t_0 - k_s s
 
-Without tension r_n <= 0 means open.  |r_t| <= mu r_n sticks.  Otherwise the joint slides by
+Without tension k_s r_n + k_n tan(psi) |r_t| <= 0 means open, which without dilatancy is r_n <= 0.
+|r_t| <= mu r_n sticks.  Otherwise the joint slides by
 
     gamma = (|r_t| - mu r_n) / (k_s + mu k_n tan psi)
 
@@ -179,7 +180,9 @@ def _branch(row, hint):
         return BONDED
     over = abs(rt) - row[FRICTION] * rn
     near = TIE * (abs(rt) + row[FRICTION] * abs(rn))
-    if rn < 0.0 or (rn == 0.0 and hint != STICKING):
+    # A joint that dilates is held closed by what it slides.
+    held = row[STIFF_T] * rn + row[LIFT] * abs(rt)
+    if held < 0.0 or (held == 0.0 and hint != STICKING):
         return OPEN
     sliding = FORWARD if rt > 0.0 else BACKWARD
     if abs(over) <= near and (hint in (STICKING, sliding)):
@@ -204,8 +207,8 @@ def _reactions(row, branch):
 
 @njit(cache=True)
 def joint_forces(
-    slots, pair_a, pair_b, pair_law, laws, thickness, start_length, start_slip, memory, increment,
-    force, table, used, branch, reaction, state,
+    slots, pair_a, pair_b, pair_law, laws, thickness, start_length, start_slip, closed, memory,
+    increment, force, table, used, branch, reaction, state,
 ):  # fmt: skip
     """Reactions of all contacts in the present poses; returns the number of contacts.
 
@@ -224,6 +227,8 @@ def joint_forces(
     start_slip
         Gradients of the slip that hold for the step, (n_slots, 6), of contacts that were there
         when it began; others slip by the exact distance.
+    closed
+        (n_slots,) whether a contact was closed when the step began; others do not dilate in it.
     memory
         (n_slots, N_HISTORY), what contacts bring along; see `remember`.
     increment
@@ -274,7 +279,7 @@ def joint_forces(
         row[STIFF_N] = laws[law, KN] * area
         row[STIFF_T] = laws[law, KS] * area
         row[FRICTION] = laws[law, MU]
-        dilates = state[k, SLID] < laws[law, DILATANCY_END]
+        dilates = closed[k] and state[k, SLID] < laws[law, DILATANCY_END]
         row[LIFT] = row[STIFF_N] * laws[law, TAN_PSI] if dilates else 0.0
         row[BOND] = laws[law, COHESION] * area
         row[TENSILE] = laws[law, TENSION] * area

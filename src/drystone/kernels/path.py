@@ -106,11 +106,17 @@ def _distance(row, now, rate_n, rate_t, whole):
     rn = row[TRIAL_N]
     rt = row[TRIAL_T]
     if now == OPEN:
-        if rate_n <= 0.0:
-            return np.inf, OPEN
-        far = max(-rn, 0.0) / rate_n
-        shear = rt + far * rate_t if whole else rate_t
-        return far, FORWARD if shear > 0.0 else BACKWARD
+        nearest = np.inf
+        following = OPEN
+        for sign, branch in ((1.0, FORWARD), (-1.0, BACKWARD)):
+            speed = row[STIFF_T] * rate_n + row[LIFT] * sign * rate_t
+            if speed > 0.0:
+                far = max(-row[STIFF_T] * rn - row[LIFT] * sign * rt, 0.0) / speed
+                shear = rt + far * rate_t if whole else rate_t
+                if far < nearest and sign * shear >= 0.0:
+                    nearest = far
+                    following = branch
+        return nearest, following
     nearest = np.inf
     following = now
     bond = row[BOND] if now == BONDED else 0.0
@@ -134,8 +140,9 @@ def _distance(row, now, rate_n, rate_t, whole):
     if speed > 0.0 and whole:
         nearest = max(sign * rt - row[FRICTION] * rn, 0.0) / speed
         following = STICKING
-    if rate_n < 0.0:
-        far = max(rn, 0.0) / -rate_n
+    speed = -(row[STIFF_T] * rate_n + row[LIFT] * sign * rate_t)
+    if speed > 0.0:
+        far = max(row[STIFF_T] * rn + row[LIFT] * sign * rt, 0.0) / speed
         if far < nearest:
             nearest = far
             following = OPEN
@@ -151,7 +158,7 @@ def _landing(row, now, rn, rt):
     """
     if now == BONDED and rn >= -row[TENSILE] and abs(rt) <= row[FRICTION] * rn + row[BOND]:
         return BONDED
-    if rn <= 0.0:
+    if row[STIFF_T] * rn + row[LIFT] * abs(rt) <= 0.0:
         return OPEN
     if abs(rt) <= row[FRICTION] * rn:
         return STICKING
@@ -243,11 +250,12 @@ def _change(row, before, after, u, v):
     sign = 1.0 if sliding == FORWARD else -1.0
     along = row[STIFF_T] + row[FRICTION] * row[LIFT]
     if before == OPEN or after == OPEN:
-        # Sliding with r_n = k_n (d - g), without lift.
         turn = -1.0 if before == OPEN else 1.0
         for i in range(2 * n_dof):
             u[i] = turn * (row[GAP + i] + sign * row[FRICTION] * row[SLIP + i])
-            v[i] = -row[STIFF_N] * row[GAP + i]
+            slid = row[FRICTION] * row[STIFF_N] * row[GAP + i]
+            slid -= sign * row[STIFF_T] * row[MEASURED + i]
+            v[i] = row[LIFT] * slid / along - row[STIFF_N] * row[GAP + i]
         return
     turn = 1.0 if before == STICKING else -1.0
     for i in range(2 * n_dof):
@@ -431,8 +439,7 @@ def follow_path(
             _commit(row, before, following)
         if changes > patience:
             return LOST, multiplier, left, changes
-        lifts = row[LIFT] > 0.0 and (before == OPEN or following == OPEN)
-        if before == BONDED or lifts or new == capacity:
+        if before == BONDED or new == capacity:
             if before == BONDED and row[TRIAL_N] <= 0.0:
                 branch[used[chosen]] = OPEN
             return RENEW, multiplier, left, changes

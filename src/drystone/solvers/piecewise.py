@@ -64,6 +64,14 @@ class StepSolution:
     reason: str = ""
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Shape:
+    """See `StepSolution`."""
+
+    excess: tuple[float, float] = (0.0, 0.0)
+    bend: tuple[float, float] = (0.0, 0.0)
+
+
 def solve(
     step: StaticStep,
     pace: Pace | None,
@@ -101,7 +109,7 @@ def solve(
     step.branch[:], step.reaction[:] = branch, reaction
     rounds, reason, count, turn = 0, "", 0, None
     step.frame.turn[:] = np.nan
-    shape = {"excess": (0.0, 0.0), "bend": (0.0, 0.0)}
+    shape = _Shape()
     for count in range(1, settings.max_iterations + 1):
         walk = _Walk(step, pace, geometry, settings, whole=whole or count > 1)
         end, x, multiplier = walk.go(x, multiplier)
@@ -124,7 +132,12 @@ def solve(
             same = not narrow.changed_contacts(step.slots, step.found, settings.depth)
             if same or rounds == settings.max_rounds:
                 return StepSolution(
-                    increment=x, multiplier=multiplier, n_iterations=count, turn=turn, **shape
+                    increment=x,
+                    multiplier=multiplier,
+                    n_iterations=count,
+                    turn=turn,
+                    excess=shape.excess,
+                    bend=shape.bend,
                 )
             rounds += 1
             step.follow(step.found)
@@ -243,15 +256,15 @@ class _Walk:
         return end, multiplier
 
 
-def _shape(bends: Array, start: float, end: float) -> dict[str, tuple[float, float]]:
+def _shape(bends: Array, start: float, end: float) -> _Shape:
     """Excess and bend of a path from the multipliers at its changes, (n, 2)."""
     if len(bends) == 0:
-        return {"excess": (0.0, 0.0), "bend": (0.0, 0.0)}
+        return _Shape()
     share, multiplier = bends.T
     top = int(multiplier.argmax())
     off = np.abs(multiplier - start - share * (end - start))
     far = int(off.argmax())
-    return {
-        "excess": (float(multiplier[top]) - max(start, end), float(share[top])),
-        "bend": (float(off[far]), float(share[far])),
-    }
+    return _Shape(
+        excess=(float(multiplier[top]) - max(start, end), float(share[top])),
+        bend=(float(off[far]), float(share[far])),
+    )

@@ -40,8 +40,10 @@ STATUS_OF = np.array([OPEN, STICKING, SLIDING, SLIDING, STICKING])
 class Pace(Protocol):
     """The displacement c(x) that paces a step."""
 
-    body: int  # that a spring holds where the matrix may be singular
-    increment: float  # m
+    @property
+    def body(self) -> int:
+        """The one that a spring holds where the matrix may be singular."""
+        ...
 
     def measure(self, x: Array) -> tuple[float, Array]:
         """What is missing of the increment [m], and the gradient of c, (n, n_dof)."""
@@ -103,6 +105,7 @@ class StaticStep:
         self.state = np.zeros((n_slots, N_HISTORY))
         self.start_slip = np.zeros((n_slots, 2 * n_dof))
         self.start_length = np.zeros(n_slots)
+        self.closed = np.zeros(n_slots, np.bool_)
         self.table = np.zeros((n_slots, N_TABLE))
         self.used = np.zeros(n_slots, np.int64)
         self.count = 0
@@ -131,8 +134,16 @@ class StaticStep:
             bends=np.zeros((BENDS, 2)),
         )
 
-    def begin(self, pose: Array, slots: Slots, history: Array, h: float, guess: Array) -> None:
-        """Start a step of size ``h`` [s] from rest in ``pose``, with its contacts and history.
+    def begin(
+        self,
+        pose: Array,
+        slots: Slots,
+        history: Array,
+        branch: IntArray,
+        h: float,
+        guess: Array,
+    ) -> None:
+        """Start a step of size ``h`` [s] from rest in ``pose``, with its contacts and their past.
 
         Slips are linear in the increments, by their gradients half way to the ``guess`` of these:
         of second order in the step, without straining the stiff shear springs of blocks that
@@ -143,6 +154,7 @@ class StaticStep:
         for mine, theirs in zip(self.known, slots, strict=True):
             mine[:] = theirs
         self.memory[:] = history
+        self.closed[:] = branch != OPEN
         self.start_length[:] = np.where(slots.kind != narrow.NONE, slots.length, 0.0)
         half = self.slots
         self.constants.detector.follow(self.pairs, pose + 0.5 * guess, self.known, half)
@@ -153,7 +165,7 @@ class StaticStep:
         known, source = self.known, self.source
         narrow.carry_history(known.kind, known.feature, known.edges, slots, source)
         new = source < 0
-        for array in (self.memory, self.start_length, self.start_slip, self.branch):
+        for array in (self.memory, self.closed, self.start_length, self.start_slip, self.branch):
             array[:] = array[source]
             array[new] = 0
         self.memory[new, joint.BROKEN] = 1.0  # blocks that come to touch later are not bonded
@@ -166,7 +178,7 @@ class StaticStep:
         c.detector.follow(pairs, self.pose + x, self.known, self.slots)
         self.count = joint.joint_forces(
             self.slots, pairs.a, pairs.b, pairs.law, c.laws, c.thickness, self.start_length,
-            self.start_slip, self.memory, x, self.contact_force, self.table, self.used,
+            self.start_slip, self.closed, self.memory, x, self.contact_force, self.table, self.used,
             self.branch, self.reaction, self.state,
         )  # fmt: skip
         self.residual = self._unbalance(x, multiplier)
