@@ -238,7 +238,8 @@ class Workspace:
             return
         self.weighed = self.motion.pose.copy()
         self.mass, self.dt = engine.masses(self.slots, self.pairs, real=self.real_masses)
-        inverse = np.where(assembly.fixed[:, None], 0.0, 1.0 / self.mass)
+        moves = np.broadcast_to(~assembly.fixed[:, None], self.mass.shape)
+        inverse = np.divide(1.0, self.mass, out=np.zeros_like(self.mass), where=moves)
         self.loads = Loads(
             centroid=assembly.centroid,
             dead=engine.loads.dead,
