@@ -328,6 +328,62 @@ class TestPrescribedDisplacement:
         assert curve.control_displacement[-1] > 0.1
 
 
+class FollowingStructure(SlidingStructure):
+    """Its multiplier is piecewise linear, and it says what the corners within a step hide."""
+
+    def __init__(self, at, multiplier, **options):
+        def static(delta):
+            return float(np.interp(delta, at, multiplier))
+
+        super().__init__(static=static, prescribes=True, **options)
+        self.at, self.multiplier = np.array(at), np.array(multiplier)
+
+    def step(self, state, demand):
+        new, report = super().step(state, demand)
+        start, end = self.static(state.delta), self.static(new.delta)
+        share = (self.at - state.delta) / demand.increment
+        inside = (share > 0.0) & (share < 1.0)
+        if not inside.any():
+            return new, replace(report, excess=(0.0, 0.0), bend=(0.0, 0.0))
+        share, corners = share[inside], self.multiplier[inside]
+        off = np.abs(corners - start - share * (end - start))
+        return new, replace(
+            report,
+            excess=(corners.max() - max(start, end), share[corners.argmax()]),
+            bend=(off.max(), share[off.argmax()]),
+        )
+
+
+class TestWhatAStepHides:
+    @given(st.floats(0.02, 0.1), st.floats(0.005, 0.1))
+    def test_corners_of_the_curve_become_points(self, peak_at, corner_after):
+        at = [0.0, 0.4 * peak_at, peak_at, peak_at + corner_after, 0.4]
+        multiplier = [0.0, 0.7 * PEAK, PEAK, 0.5 * PEAK, 0.0]
+        structure = FollowingStructure(at, multiplier)
+        curve = trace(structure, "displacement", displacement_step=4.0 * STEP)
+        assert curve.status == "finished"
+        d = curve.control_displacement
+        hidden = np.abs(np.interp(at, d, curve.load_multiplier) - multiplier)
+        # Bends of 2 per mille of the peak, the peak itself to 0.2 per mille; or whatever there is
+        # between points as near as the finest step, 0.5 % of the largest.
+        steepest = np.abs(np.diff(multiplier) / np.diff(at)).max()
+        least = 0.005 * 4.0 * STEP * steepest
+        assert hidden[1:4].max() <= max(2e-3 * PEAK, least)
+        assert PEAK - curve.peak.load_multiplier <= max(2e-4 * PEAK, least)
+        assert len(structure.demands) <= 2 * len(curve.points)
+
+    def test_a_bend_at_the_end_of_a_step_does_not_make_it_creep(self):
+        class Bending(SlidingStructure):
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                hidden = 0.1 * PEAK * (demand.increment > 0.9 * STEP)
+                return new, replace(report, excess=(0.0, 0.0), bend=(hidden, 0.99999))
+
+        structure = Bending(prescribes=True)
+        trace(structure, "displacement", max_steps=12)
+        assert len(structure.demands) <= 50
+
+
 class TestEveryStrategy:
     STRATEGIES = pytest.mark.parametrize(
         ("strategy", "prescribes"),

@@ -25,6 +25,10 @@ from drystone.engines.base import Demand, StepReport
 FOLLOWING, NEARING, CROSSING = 0, 1, 2
 
 
+#: Share of a step from which on it is not worth taking again to there.
+ALL_BUT = 0.98
+
+
 @dataclass(frozen=True, kw_only=True)
 class DisplacementSettings:
     """Settings of the pacing."""
@@ -131,10 +135,11 @@ class DisplacementControl:
         excess, share = report.excess
         highest = max(state.last, multiplier) + excess > state.highest
         hidden = excess > s.peak_share * scale and highest
-        if hidden and least < share * state.increment < 0.98 * state.increment:
+        if hidden and least < share * state.increment < ALL_BUT * state.increment:
             return share * state.increment
         bend, share = report.bend
-        if bend > s.bend_share * scale and least < share * state.increment:
+        hidden = bend > s.bend_share * scale
+        if hidden and least < share * state.increment < ALL_BUT * state.increment:
             return share * state.increment
         return None
 
