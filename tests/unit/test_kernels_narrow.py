@@ -247,8 +247,10 @@ class JointOfPair:
         table, n_pairs, force = self.table.copy(), len(self.pairs.a), np.full((2, 3), np.nan)
         blocks = [np.full((n, 3, 3), np.nan) for n in (2, n_pairs, n_pairs)]
         joint.move_trial(table, self.count, self.used, self.pairs.a, self.pairs.b, motion)
-        joint.linearise(
-            self.slots, table, self.count, self.used, self.pairs.a, self.pairs.b, self.branch,
+        response = np.zeros((len(table), joint.N_RESPONSE))
+        joint.respond(table, self.count, self.used, self.branch, response)
+        joint.assemble(
+            self.slots, table, self.count, self.used, self.pairs.a, self.pairs.b, response,
             self.reaction, motion, force, Tangent(*blocks),
         )  # fmt: skip
         diagonal, upper, lower = blocks

@@ -40,6 +40,7 @@ from drystone.kernels.joint import N_HISTORY
 from drystone.kernels.narrow import Slots
 from drystone.loading import dead_load
 from drystone.solvers import piecewise
+from drystone.solvers.interior import InteriorPoint
 from drystone.solvers.piecewise import PathSettings, StepSolution
 from drystone.solvers.static_step import STATUS_OF, Constants, PointPace, StaticStep
 
@@ -57,7 +58,7 @@ class EquilibriumSettings:
 
     tolerance: float = 1e-9  # largest unbalanced force over the heaviest weight, -
     static_time_step: float = 30.0  # s; the inertia of a step of 1 mm is then 1e-7 of a weight
-    max_motion: float = 0.3  # share of the detection reach a block may move in one step
+    max_motion: float = 0.2  # of a block in one step, over the smallest block
     inertia_limit: float = 1e-3  # inertia over applied force above which a point is dynamic
 
 
@@ -120,7 +121,7 @@ class EquilibriumEngine:
         self.rounding = 8.0 * np.finfo(float).eps * float(np.abs(assembly.centroid).max())
         pose = assembly.rest_pose()
         pairs = self.detector.pairs(pose)
-        self.equations = StaticStep(self.constants, pairs)
+        self._write_equations(pairs)
         slots = empty_slots(len(pairs.a))
         self.detector.fill(pairs, pose, slots)
         state = EquilibriumState(
@@ -136,15 +137,15 @@ class EquilibriumEngine:
         return self._settle(state)
 
     def _settle(self, state: EquilibriumState) -> tuple[EquilibriumState, StepReport]:
-        """Longer and longer steps under the dead load, until one is static."""
-        h, limit = 0.02, self.settings.static_time_step
+        """Short steps under the dead load only where a long one fails, until one is static."""
+        h, limit = 0.1, self.settings.static_time_step
         farthest = self.problem.assembly.smallest_extent + 4.0 * self._settlement()
         outcome = StepReport(converged=False)
         travelled = 0.0
-        for _ in range(200):
-            new, outcome = self.step(state, Demand(multiplier=0.0, time_step=h))
+        for _ in range(100):
+            new, outcome = self._step(state, Demand(multiplier=0.0, time_step=h), farthest)
             if not outcome.converged:
-                h *= 0.5
+                h *= 0.25
                 if h < 1e-5:
                     break
                 continue
@@ -154,9 +155,19 @@ class EquilibriumEngine:
                 return replace(new, last_increment=np.zeros_like(new.pose)), outcome
             if travelled > farthest:
                 break
-            h = min(2.0 * h, limit)
+            h = min(100.0 * h, limit)
         motion = self.detector.motion(state.pose)
         raise UnstableError(unstable_sentence(self.problem.assembly.ids, motion))
+
+    def _missed(self, state: EquilibriumState) -> bool:
+        """Whether blocks overlap that were no pair."""
+        if not self.detector.outdated(state.pairs, state.pose):
+            return False
+        pairs = self.detector.pairs(state.pose)
+        new = carry(state.pairs, pairs) < 0
+        slots = empty_slots(len(pairs.a))
+        self.detector.fill(pairs, state.pose, slots)
+        return bool((slots.gap.reshape(-1, 2).min(axis=1)[new] < 0.0).any())
 
     def _settlement(self) -> float:
         """By how much the top of a column as high as the structure sinks in its soft joints [m]."""
@@ -177,6 +188,13 @@ class EquilibriumEngine:
 
     def step(self, state: EquilibriumState, demand: Demand) -> tuple[EquilibriumState, StepReport]:
         """One implicit step from rest; see `Engine.step`."""
+        farthest = self.settings.max_motion * self.problem.assembly.smallest_extent
+        return self._step(state, demand, farthest)
+
+    def _step(
+        self, state: EquilibriumState, demand: Demand, farthest: float
+    ) -> tuple[EquilibriumState, StepReport]:
+        """A step that fails where a block moves by more than ``farthest`` [m]."""
         settings, scale = self.settings, self.problem.assembly.heaviest_weight
         state = self._refresh(state)
         pace = self._pace(state, demand)
@@ -190,6 +208,7 @@ class EquilibriumEngine:
         tolerance = max(settings.tolerance * scale, rounding * stiffest)
         solved = piecewise.solve(
             equations,
+            self.interior,
             pace,
             x,
             multiplier,
@@ -198,7 +217,7 @@ class EquilibriumEngine:
             PathSettings(
                 tolerance=tolerance,
                 depth=max(1e-3 * tolerance / stiffest, self.rounding),
-                farthest=settings.max_motion * self.detector.reach,
+                farthest=farthest,
             ),
             whole=pace is None or demand.time_step > 0.0 or demand.over_fold,
         )
@@ -209,7 +228,15 @@ class EquilibriumEngine:
                 n_iterations=solved.n_iterations,
                 turn=solved.turn,
             )
-        return self._accept(state, solved, h, paced=pace is not None)
+        new, outcome = self._accept(state, solved, h, paced=pace is not None)
+        if self._missed(new):
+            return state, StepReport(
+                converged=False,
+                reason="blocks meet that were far apart",
+                n_iterations=solved.n_iterations,
+                turn=solved.turn,
+            )
+        return new, outcome
 
     def _first_branches(self, pairs: Pairs, slots: Slots) -> IntArray:
         """Contacts that touch stick, by a bond where there is one."""
@@ -241,8 +268,12 @@ class EquilibriumEngine:
                 state, pairs=pairs, slots=slots, history=history, reaction=reaction, branch=branch
             )
         if self.equations.pairs is not state.pairs:
-            self.equations = StaticStep(self.constants, state.pairs)
+            self._write_equations(state.pairs)
         return state
+
+    def _write_equations(self, pairs: Pairs) -> None:
+        self.equations = StaticStep(self.constants, pairs)
+        self.interior = InteriorPoint(self.equations)
 
     def _pace(self, state: EquilibriumState, demand: Demand) -> PointPace | None:
         if demand.increment is None:

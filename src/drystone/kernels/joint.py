@@ -56,6 +56,11 @@ STIFF_N, STIFF_T, FRICTION, LIFT, BOND, TENSILE, TRIAL_N, TRIAL_T = 18, 19, 20, 
 ADD_N, ADD_T, PLASTIC = 26, 27, 28
 N_TABLE = 29
 
+#: Columns of the response of a contact: reactions, and their derivatives by the trial reactions,
+#: the first by the normal one.
+RN, RT, NN, NT, TN, TT = 0, 1, 2, 3, 4, 5
+N_RESPONSE = 6
+
 Array = NDArray[np.float64]
 
 
@@ -371,10 +376,28 @@ def remember(table, count, used, branch, memory):
 
 
 @njit(cache=True)
-def linearise(
-    slots, table, count, used, pair_a, pair_b, branch, reaction, motion, force, tangent
+def respond(table, count, used, branch, response):
+    """Fill reactions and their derivatives by the trial reactions, (n_slots, N_RESPONSE)."""
+    for c in range(count):
+        now = branch[used[c]]
+        row = table[c]
+        a = response[c]
+        a[RN], a[RT], _ = _reactions(row, now)
+        a[NN], a[NT], a[TN], a[TT] = 0.0, 0.0, 0.0, 0.0
+        if now in (STICKING, BONDED):
+            a[NN], a[TT] = 1.0, 1.0
+        elif now != OPEN:
+            sign = 1.0 if now == FORWARD else -1.0
+            raised = row[LIFT] / (row[STIFF_T] + row[FRICTION] * row[LIFT])
+            a[NN], a[NT] = 1.0 - raised * row[FRICTION], raised * sign
+            a[TN], a[TT] = sign * row[FRICTION] * a[NN], sign * row[FRICTION] * a[NT]
+
+
+@njit(cache=True)
+def assemble(
+    slots, table, count, used, pair_a, pair_b, response, reaction, motion, force, tangent
 ):  # fmt: skip
-    """Forces of all contacts in given branches of the law, and the tangent of minus them.
+    """Forces of all contacts that respond as given, and the tangent of minus them.
 
     Parameters
     ----------
@@ -384,12 +407,12 @@ def linearise(
         See `joint_forces`.
     pair_a, pair_b
         Bodies of each pair, (n_pairs,).
-    branch
-        (n_slots,) branches the tangent is for.
+    response
+        (n_slots, N_RESPONSE), see `respond`.
     reaction
         (n_slots, 2) [N] that the second derivatives are multiplied with.
     motion
-        (n, 3) from where the table was made to where the trial reactions belong.
+        (n, 3) from where the table was made to where the response belongs.
     force
         (n, 3) filled with the forces there, to first order.
     tangent
@@ -401,27 +424,19 @@ def linearise(
         block[:, :, :] = 0.0
     for c in range(count):
         k = used[c]
-        now = branch[k]
         p = k // 2
         a = pair_a[p]
         b = pair_b[p]
         row = table[c]
-        rn, rt, _ = _reactions(row, now)
-        nn, nt, tn, tt = 0.0, 0.0, 0.0, 0.0  # derivatives of the reactions by gap and slip
-        if now in (STICKING, BONDED):
-            nn, tt = -row[STIFF_N], -row[STIFF_T]
-        elif now != OPEN:
-            sign = 1.0 if now == FORWARD else -1.0
-            along = row[STIFF_T] + row[FRICTION] * row[LIFT]
-            nn = -row[STIFF_N] + row[LIFT] * row[FRICTION] * row[STIFF_N] / along
-            nt = -row[LIFT] * sign * row[STIFF_T] / along
-            tn = sign * row[FRICTION] * nn
-            tt = sign * row[FRICTION] * nt
+        rn, rt = response[c, RN], response[c, RT]
+        kn, kt = row[STIFF_N], row[STIFF_T]
+        nn, nt = kn * response[c, NN], kt * response[c, NT]
+        tn, tt = kn * response[c, TN], kt * response[c, TT]
         for i in range(6):
             by_gap = row[GAP + i] * nn + row[SLIP + i] * tn
             by_slip = row[GAP + i] * nt + row[SLIP + i] * tt
             for j in range(6):
-                hess[i, j] = -(by_gap * row[GAP + j] + by_slip * row[MEASURED + j])
+                hess[i, j] = by_gap * row[GAP + j] + by_slip * row[MEASURED + j]
         for i in range(3):
             force[a, i] += rn * row[GAP + i] + rt * row[SLIP + i]
             force[b, i] += rn * row[GAP + 3 + i] + rt * row[SLIP + 3 + i]

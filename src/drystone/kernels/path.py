@@ -30,9 +30,9 @@ STIFF_N, STIFF_T, FRICTION, LIFT, BOND, TENSILE, TRIAL_N, TRIAL_T = 18, 19, 20, 
 ADD_N, ADD_T, PLASTIC = 26, 27, 28
 
 #: How a path ends: where it should; before it, as it turns back; at a change after which the
-#: matrix must be made anew; after too many changes; where there is no direction; after many
-#: changes together, as there are more ahead than are worth following.
-DONE, TURNED, RENEW, LOST, SINGULAR, TOGETHER = 0, 1, 2, 3, 4, 5
+#: matrix must be made anew; after too many changes; where there is no direction; with more
+#: changes ahead than are worth following, where it starts or after a leap.
+DONE, TURNED, RENEW, LOST, SINGULAR, MANY = 0, 1, 2, 3, 4, 5
 
 #: Sliding back by less than this share of the blocks' motion does not end sliding.
 SLOW = 1e-6
@@ -54,7 +54,6 @@ class Frame(NamedTuple):
     bodies: NDArray[np.int64]  # (n_changes, 2)
     pivot: Array  # (n_changes,) 1 + v . K^-1 u
     rate: Array  # (n_slots, 2) of the trial reactions along the direction
-    far: Array  # (n_slots,) where along the direction each contact changes
     turn: Array  # (2,) share of the step and multiplier where the path first turned back; or NaN
     sense: Array  # (1,) -1 where the path goes back, else 1
     bends: Array  # (n_bends, 2) share of the step and multiplier at every change
@@ -70,7 +69,7 @@ def _dot(first, second):
 
 
 @njit(cache=True)
-def _border(frame, x, lag):
+def border(frame, x, lag):
     """From K'^-1 rhs to the solution of K dx - F dl = rhs, g . dx = lag, in place; returns dl.
 
     With K' = K + k e e^T and s = e . dx:  dx = K'^-1 rhs + dl K'^-1 F + s k K'^-1 e.
@@ -150,6 +149,27 @@ def _distance(row, now, rate_n, rate_t, whole):
 
 
 @njit(cache=True)
+def _ahead(table, count, used, pair_a, pair_b, direction, branch, whole):
+    """How many contacts would change on the way along the direction."""
+    changed = 0
+    for c in range(count):
+        row = table[c]
+        a = pair_a[used[c] // 2]
+        b = pair_b[used[c] // 2]
+        rate_n = -row[STIFF_N] * _along(row, GAP, direction, a, b)
+        rate_t = -row[STIFF_T] * _along(row, MEASURED, direction, a, b)
+        now = branch[used[c]]
+        far, _ = _distance(row, now, rate_n, rate_t, whole)
+        back = 0.0
+        if not whole and (now in (FORWARD, BACKWARD)):
+            sign = 1.0 if now == FORWARD else -1.0
+            back = (sign * rate_t - row[FRICTION] * rate_n) / row[STIFF_T]
+        if far < 1.0 or back < -SLOW_BACK:
+            changed += 1
+    return changed
+
+
+@njit(cache=True)
 def _landing(row, now, rn, rt):
     """Branch of the law for trial reactions.
 
@@ -167,79 +187,15 @@ def _landing(row, now, rn, rt):
 
 
 @njit(cache=True)
-def _leap(table, count, used, pair_a, pair_b, direction, branch, rate, worth):
-    """Move all contacts to the end of the direction if more than ``worth`` of them change on it.
-
-    Returns how many would change.
-    """
-    changed = 0
+def _leap(table, count, used, pair_a, pair_b, direction, branch):
+    """Take all contacts to the end of the direction and to the branches they have there."""
     for c in range(count):
         row = table[c]
         a = pair_a[used[c] // 2]
         b = pair_b[used[c] // 2]
-        rate[c, 0] = -row[STIFF_N] * _along(row, GAP, direction, a, b)
-        rate[c, 1] = -row[STIFF_T] * _along(row, MEASURED, direction, a, b)
-        now = branch[used[c]]
-        if _landing(row, now, row[TRIAL_N] + rate[c, 0], row[TRIAL_T] + rate[c, 1]) != now:
-            changed += 1
-    if changed > worth:
-        for c in range(count):
-            row = table[c]
-            row[TRIAL_N] += rate[c, 0]
-            row[TRIAL_T] += rate[c, 1]
-            branch[used[c]] = _landing(row, branch[used[c]], row[TRIAL_N], row[TRIAL_T])
-    return changed
-
-
-@njit(cache=True)
-def _batch(table, count, used, pair_a, pair_b, direction, branch, rate, far, worth):
-    """Let many contacts change together, where more than ``worth`` of them are about to.
-
-    Those that would slide back stick, where they are; else all go along the direction, to where
-    enough of them have changed.  Returns how many would change and the length gone.
-    """
-    back = 0
-    for c in range(count):
-        row = table[c]
-        a = pair_a[used[c] // 2]
-        b = pair_b[used[c] // 2]
-        rate[c, 0] = -row[STIFF_N] * _along(row, GAP, direction, a, b)
-        rate[c, 1] = -row[STIFF_T] * _along(row, MEASURED, direction, a, b)
-        now = branch[used[c]]
-        far[c] = 0.0
-        if now in (FORWARD, BACKWARD):
-            sign = 1.0 if now == FORWARD else -1.0
-            far[c] = (sign * rate[c, 1] - row[FRICTION] * rate[c, 0]) / row[STIFF_T]
-            if far[c] < -SLOW_BACK:
-                back += 1
-    if back > worth:
-        for c in range(count):
-            now = branch[used[c]]
-            if far[c] < -SLOW_BACK and (now in (FORWARD, BACKWARD)):
-                _commit(table[c], now, STICKING)
-                branch[used[c]] = STICKING
-        return back, 0.0
-    changed = 0
-    for c in range(count):
-        far[c], _ = _distance(table[c], branch[used[c]], rate[c, 0], rate[c, 1], False)
-        if far[c] < 1.0:
-            changed += 1
-    if changed <= worth:
-        return changed, 0.0
-    together = max(worth, changed // 2)
-    length = np.partition(far[:count], together)[together]
-    for c in range(count):
-        row = table[c]
-        now = branch[used[c]]
-        _, other = _distance(row, now, rate[c, 0], rate[c, 1], False)
-        row[TRIAL_N] += length * rate[c, 0]
-        row[TRIAL_T] += length * rate[c, 1]
-        if far[c] <= length:
-            _commit(row, now, other)
-            if now == BONDED and row[TRIAL_N] <= 0.0:
-                other = OPEN
-            branch[used[c]] = other
-    return changed, length
+        row[TRIAL_N] -= row[STIFF_N] * _along(row, GAP, direction, a, b)
+        row[TRIAL_T] -= row[STIFF_T] * _along(row, MEASURED, direction, a, b)
+        branch[used[c]] = _landing(row, branch[used[c]], row[TRIAL_N], row[TRIAL_T])
 
 
 @njit(cache=True)
@@ -297,7 +253,7 @@ def _keep_slow(table, count, used, branch):
 @njit(cache=True)
 def follow_path(
     structure, factors, frame, paced, whole, table, count, used, pair_a, pair_b, branch, force,
-    lag, spring, x, multiplier, left, changes, patience, worth,
+    lag, spring, x, multiplier, left, changes, patience, worth, leap,
 ):  # fmt: skip
     """Follow the path of a step from where it is.
 
@@ -334,7 +290,9 @@ def follow_path(
     patience
         Largest number of changes.
     worth
-        Number of changes ahead up to which they are followed; over more of them the path leaps.
+        Number of changes ahead up to which they are followed.
+    leap
+        Whether to go all the way in one where more are ahead: one step of Newton's method.
 
     Returns
     -------
@@ -350,24 +308,19 @@ def follow_path(
                 columns[1, i, d] = frame.load[i, d]
                 columns[2, i, d] = spring * frame.axis[i, d]
     solve(structure, factors, columns)
-    by_direction = _border(frame, direction, lag) if paced else 0.0
+    by_direction = border(frame, direction, lag) if paced else 0.0
     if not np.isfinite(by_direction):
         return SINGULAR, multiplier, left, changes
-    length = 1.0
-    if whole:
-        at_once = _leap(
-            table, count, used, pair_a, pair_b, direction, branch, frame.rate, worth
-        )  # fmt: skip
-    else:
-        at_once, length = _batch(
-            table, count, used, pair_a, pair_b, direction, branch, frame.rate, frame.far, worth
-        )  # fmt: skip
-    if at_once > worth:
-        for i in range(n):
-            for d in range(n_dof):
-                x[i, d] += length * direction[i, d]
-        left *= 1.0 if whole else 1.0 - length
-        return TOGETHER, multiplier + length * by_direction, left, at_once
+    if worth < count:
+        many = _ahead(table, count, used, pair_a, pair_b, direction, branch, whole)
+        if many > worth and not leap:
+            return MANY, multiplier, left, changes
+        if many > worth:
+            _leap(table, count, used, pair_a, pair_b, direction, branch)
+            for i in range(n):
+                for d in range(n_dof):
+                    x[i, d] += direction[i, d]
+            return MANY, multiplier + by_direction, left, changes
     u = np.zeros(2 * n_dof)
     ahead = frame.sense[0]
     new = -1  # change since the factorisation
@@ -455,7 +408,7 @@ def follow_path(
             w[a, i] += u[i]
             w[b, i] += u[n_dof + i]
         solve(structure, factors, w.reshape((1, n, n_dof)))
-        by_w = _border(frame, w, 0.0) if paced else 0.0
+        by_w = border(frame, w, 0.0) if paced else 0.0
         for old in range(new):
             share = (
                 _along(frame.row[old], 0, w, frame.bodies[old, 0], frame.bodies[old, 1])

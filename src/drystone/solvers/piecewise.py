@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.kernels import narrow, path
+from drystone.solvers.interior import InteriorPoint
 from drystone.solvers.static_step import Pace, StaticStep
 
 Array = NDArray[np.float64]
@@ -38,11 +39,11 @@ class PathSettings:
     depth: float  # m, penetration too small to tell two contacts apart
     farthest: float  # m, motion of a block over which the step has failed
     max_iterations: int = 12  # renewals of the gradients
-    #: Contacts about to change, times blocks, above which they change together: a matrix costs as
-    #: much as following that many of them.
-    together_effort: int = 50_000
-    max_batches: int = 30  # matrices in which contacts change together
-    stalled_batches: int = 6  # of them without progress, after which changes are followed
+    #: Contacts about to change, times blocks, above which they change together: an interior point
+    #: costs as much as following that many of them.
+    effort: int = 50_000
+    max_leaps: int = 12  # steps of Newton's method from where an interior point led
+    least_followed: int = 16  # of them that are followed however many blocks there are
     max_changes: int = 80  # contacts that change one by one, in the implicit law
     change_effort: int = 1_500_000  # and on a path of equilibria or in settling, times blocks
     max_rounds: int = 3  # times that the features of contacts are checked
@@ -74,6 +75,7 @@ class _Shape:
 
 def solve(
     step: StaticStep,
+    interior: InteriorPoint,
     pace: Pace | None,
     guess: Array,
     multiplier: float,
@@ -89,6 +91,8 @@ def solve(
     ----------
     step
         The equations; left evaluated at the solution.
+    interior
+        For the same equations, where many contacts change.
     pace
         What paces the step, the multiplier being an unknown; None where it is given.
     guess
@@ -111,7 +115,7 @@ def solve(
     step.frame.turn[:] = np.nan
     shape = _Shape()
     for count in range(1, settings.max_iterations + 1):
-        walk = _Walk(step, pace, geometry, settings, whole=whole or count > 1)
+        walk = _Walk(step, interior, pace, geometry, settings, whole=whole or count > 1)
         end, x, multiplier = walk.go(x, multiplier)
         if count == 1 and np.isfinite(step.frame.turn[0]):
             turn = float(step.frame.turn[0]), float(step.frame.turn[1])
@@ -124,7 +128,7 @@ def solve(
             reason = "a block moves too far in one step"
             break
         step.evaluate(x, multiplier)
-        if count == 1 and pace and not walk.together:
+        if count == 1 and pace and not walk.leapt:
             shape = _shape(step.bends(walk.changes), start, multiplier)
         short = abs(pace.measure(x)[0]) if pace else 0.0
         if step.residual <= settings.tolerance and short <= settings.lag:
@@ -154,85 +158,70 @@ class _Walk:
     def __init__(
         self,
         step: StaticStep,
+        interior: InteriorPoint,
         pace: Pace | None,
         geometry: Array,
         settings: PathSettings,
         *,
         whole: bool,
     ) -> None:
-        self.step, self.pace, self.geometry, self.settings = step, pace, geometry, settings
+        self.step, self.interior, self.pace = step, interior, pace
+        self.geometry, self.settings = geometry, settings
         self.whole = whole
         self.lag, self.gradient = pace.measure(geometry) if pace else (0.0, step.force)
         n = len(geometry)
-        # Under a given load, and from the state as built above all, many contacts change at once.
-        self.worth = max(16, settings.together_effort // n) if pace else 0
+        self.worth = max(settings.least_followed, settings.effort // n if pace else 0)
         self.patience = settings.max_changes
         if not whole or pace is None:
             most = min(2 * step.count, settings.change_effort // n)
             self.patience = max(2 * self.patience, most)
-        self._set_out()
-
-    def _set_out(self) -> None:
-        self.left, self.changes, self.together = 1.0, 0, False
-        self.step.frame.sense[0] = 1.0
+        self.left, self.changes = 1.0, 0
+        self.leapt = False
+        step.frame.sense[0] = 1.0
 
     def go(self, x: Array, multiplier: float) -> tuple[int, Array, float]:
-        """How it ends, and where: in batches where many contacts change, else one by one."""
+        """How it ends, and where: followed, but from the interior where many contacts change."""
         step = self.step
         branch, reaction = step.branch.copy(), step.reaction.copy()
         step.move_trial(x - self.geometry)
         trial = x.copy()
-        end, at = self._in_batches(trial, multiplier)
-        few = self.changes <= max(4 * self.worth, self.patience)
-        if end != path.DONE and self.together and few:
-            # The batches led astray: every change is followed from the start.
-            self._set_out()
+        end, at = self._follow(trial, multiplier, self.worth)
+        if end == path.DONE or (self.pace and end not in (path.MANY, path.LOST)):
+            return end, trial, at
+        if end != path.MANY:
             step.evaluate(self.geometry, multiplier)
             step.move_trial(x - self.geometry)
             step.branch[:], step.reaction[:] = branch, reaction
             trial = x.copy()
-            end, at = self._one_by_one(trial, multiplier)
+        end, at = self._leap(trial, multiplier)
         return end, trial, at
 
-    def _in_batches(self, x: Array, multiplier: float) -> tuple[int, float]:
-        """Let contacts change together while they are many, and follow the last few."""
-        settings = self.settings
-        first, last, stalled = 0, 0, 0
-        for _ in range(settings.max_batches):
-            before, self.changes = self.left, 0
-            end, multiplier = self._advance(x, multiplier, self.worth)
-            if end == path.RENEW:
-                return self._one_by_one(x, multiplier)
-            if end != path.TOGETHER:
-                return end, multiplier
-            first, self.together = first or self.changes, True
-            if self.whole:
-                nearer = self.changes < 0.95 * last or not last
-            else:
-                nearer = self.left < before
-                if self.changes > max(5 * first, self.step.count // 20):
-                    # So many contacts change only where the direction has turned round.
-                    self.step.frame.turn[:] = 1.0 - self.left, multiplier
-                    return path.TURNED, multiplier
-            stalled = 0 if nearer else stalled + 1
-            if stalled == (
-                settings.stalled_batches // 2 if self.whole else settings.stalled_batches
-            ):
-                break
-            last = self.changes
-        if self.whole:
+    def _leap(self, x: Array, multiplier: float) -> tuple[int, float]:
+        """All changes at once: their branches from the interior, then Newton's method."""
+        step = self.step
+        self.leapt = self.whole = True
+        self.left, self.changes, self.patience = 1.0, 0, self.settings.max_changes
+        step.frame.sense[0] = 1.0
+        told, multiplier = self.interior.solve(
+            x, multiplier, self.geometry, self.pace, self.gradient
+        )
+        if not told:
             return path.LOST, multiplier
-        self.changes = 0
-        return self._one_by_one(x, multiplier)
+        for _ in range(self.settings.max_leaps):
+            end, multiplier = self._follow(x, multiplier, self.settings.least_followed)
+            if end != path.MANY:
+                return end, multiplier
+        return path.LOST, multiplier
 
-    def _one_by_one(self, x: Array, multiplier: float) -> tuple[int, float]:
+    def _follow(self, x: Array, multiplier: float, worth: int) -> tuple[int, float]:
         """Follow every change, in the implicit law from where the path first turns back."""
         end = path.RENEW
         while end == path.RENEW:
             if not self.whole and np.isfinite(self.step.frame.turn[0]):
                 self.whole = True
                 self.patience = min(self.patience, self.changes + self.settings.max_changes)
-            end, multiplier = self._advance(x, multiplier, self.step.count)
+            end, multiplier = self._advance(x, multiplier, worth)
+            worth = self.step.count
         return end, multiplier
 
     def _advance(self, x: Array, multiplier: float, worth: int) -> tuple[int, float]:
@@ -243,7 +232,7 @@ class _Walk:
         missing = self.lag - float(np.vdot(self.gradient, away)) if self.pace else 0.0
         settings = self.settings
         if (
-            self.together
+            self.leapt
             and self.step.residual <= settings.tolerance
             and abs(missing) <= settings.lag
         ):
@@ -252,6 +241,7 @@ class _Walk:
         end, multiplier, self.left, self.changes = self.step.advance(
             x, multiplier, missing, self.left, self.changes, paced=self.pace is not None,
             whole=self.whole, patience=self.patience, worth=worth,
+            leap=self.leapt,
         )  # fmt: skip
         return end, multiplier
 

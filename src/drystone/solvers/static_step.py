@@ -107,6 +107,7 @@ class StaticStep:
         self.start_length = np.zeros(n_slots)
         self.closed = np.zeros(n_slots, np.bool_)
         self.table = np.zeros((n_slots, N_TABLE))
+        self.response = np.zeros((n_slots, joint.N_RESPONSE))
         self.used = np.zeros(n_slots, np.int64)
         self.count = 0
         self.tangent = Tangent(
@@ -128,7 +129,6 @@ class StaticStep:
             bodies=np.zeros((CHANGES_PER_MATRIX, 2), np.int64),
             pivot=np.zeros(CHANGES_PER_MATRIX),
             rate=np.zeros((n_slots, 2)),
-            far=np.zeros(n_slots),
             turn=np.full(2, np.nan),
             sense=np.ones(1),
             bends=np.zeros((BENDS, 2)),
@@ -202,12 +202,21 @@ class StaticStep:
         The unbalanced forces, and the ``residual``, are made those at ``x``, which is ``away`` (n,
         n_dof) from there.
         """
-        c, pairs, frame = self.constants, self.pairs, self.frame
-        joint.linearise(
-            self.slots, self.table, self.count, self.used, pairs.a, pairs.b, self.branch,
-            self.reaction, away, self.contact_force, self.tangent,
+        joint.respond(self.table, self.count, self.used, self.branch, self.response)
+        self.assemble(x, multiplier, away)
+        return self.factorise(pace, gradient)
+
+    def assemble(self, x: Array, multiplier: float, away: Array) -> None:
+        """Unbalanced forces, ``residual`` and tangent of the contacts' ``response``."""
+        joint.assemble(
+            self.slots, self.table, self.count, self.used, self.pairs.a, self.pairs.b,
+            self.response, self.reaction, away, self.contact_force, self.tangent,
         )  # fmt: skip
         self.residual = self._unbalance(x, multiplier)
+
+    def factorise(self, pace: Pace | None, gradient: Array) -> bool:
+        """Factorise the tangent, with inertia and what paces the step; False if singular."""
+        c, frame = self.constants, self.frame
         frame.axis[:] = 0.0
         body = -1
         if pace is not None:
@@ -230,12 +239,13 @@ class StaticStep:
         whole: bool,
         patience: int,
         worth: int,
+        leap: bool,
     ) -> tuple[int, float, float, int]:
         """Follow the path from ``x``, which moves on in place; see `kernels.path.follow_path`."""
         return path.follow_path(
             self.structure, self.factors, self.frame, paced, whole, self.table, self.count,
             self.used, self.pairs.a, self.pairs.b, self.branch, self.force, lag,
-            self.spring, x, multiplier, left, changes, patience, worth,
+            self.spring, x, multiplier, left, changes, patience, worth, leap,
         )  # fmt: skip
 
     def bends(self, changes: int) -> Array:

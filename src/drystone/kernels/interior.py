@@ -1,0 +1,242 @@
+"""The joint law of all contacts at once, by an interior point method.
+
+With the trial reactions T_n, T_t linear in the increments (gradients held fast), the implicit law
+of `kernels.joint` is a set of products that vanish, of factors that are not negative:
+
+    r_n = T_n + w + (k_n tan psi / k_s) (p + q)          r_n w = 0
+    r_t = T_t - p + q         (mu r_n - r_t) p = 0,  (mu r_n + r_t) q = 0
+
+w is k_n times the gap, p and q are k_s times what is slid under positive and negative shear, all
+in newtons.  The products are made equal to a barrier instead, k_n or k_s times an energy, and
+Newton's method takes that to zero with all factors kept positive: no contact ever has to choose a
+branch on the way, so that it does not matter how many of them change.
+
+In the equations linearised, w, p and q go contact by contact, which leaves
+
+    d r = A (d T + b)
+
+with A of 2 x 2 instead of the derivatives of a branch: the matrix is as sparse as ever.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+OPEN, STICKING, FORWARD, BACKWARD, BONDED = 0, 1, 2, 3, 4
+
+#: Columns of the table of contacts and of their response, see `kernels.joint`.
+GAP, SLIP, MEASURED = 0, 6, 12
+STIFF_N, STIFF_T, FRICTION, LIFT, BOND, TENSILE, TRIAL_N, TRIAL_T = 18, 19, 20, 21, 22, 23, 24, 25
+NN, NT, TN, TT = 2, 3, 4, 5
+
+#: Columns of a contact's variables, and of their changes, which have those of T_n and T_t as well.
+#: The room that the shear has to either side is kept apart: its end is lost in rounding.
+RN, RT, W, P, Q, NEAR, FAR, D_TRIAL_N, D_TRIAL_T = 0, 1, 2, 3, 4, 5, 6, 7, 8
+N_INNER, N_CHANGE = 7, 9
+#: Columns of b.
+B_N, B_T = 0, 1
+
+
+@njit(cache=True, error_model="numpy")
+def centre(table, count, used, branch, barrier, inner):
+    """Variables of every contact for its present trial reactions and a ``barrier`` [J].
+
+    Dilatancy is left out; the iterations make up for it.  Contacts whose bond holds are linear.
+    """
+    for c in range(count):
+        row = table[c]
+        v = inner[c]
+        tn, tt = row[TRIAL_N], row[TRIAL_T]
+        if branch[used[c]] == BONDED:
+            v[RN], v[RT] = tn, tt
+            continue
+        product = row[STIFF_N] * barrier
+        larger = 0.5 * (abs(tn) + np.sqrt(tn * tn + 4.0 * product))
+        v[RN] = larger if tn > 0.0 else product / larger
+        v[W] = product / v[RN]
+        most = row[FRICTION] * v[RN]
+        v[RT], v[NEAR], v[FAR], v[P], v[Q] = 0.0, 0.0, 0.0, 0.0, 0.0
+        if most == 0.0:
+            continue
+        # T_t - r - product (1 / (most - r) - 1 / (most + r)) falls with r.
+        product = row[STIFF_T] * barrier
+        low, high = -most, most
+        r = min(max(tt, -0.5 * most), 0.5 * most)
+        for _ in range(60):
+            room = most * most - r * r
+            missing = tt - r - 2.0 * product * r / room
+            if missing > 0.0:
+                low = r
+            else:
+                high = r
+            slope = 1.0 + 2.0 * product * (most * most + r * r) / (room * room)
+            nearer = r + missing / slope
+            if not low < nearer < high:
+                nearer = 0.5 * (low + high)
+            done = abs(nearer - r) <= 1e-12 * most
+            r = nearer
+            if done:
+                break
+        v[RT] = r
+        v[NEAR], v[FAR] = most - r, most + r
+        v[P], v[Q] = product / v[NEAR], product / v[FAR]
+
+
+@njit(cache=True, error_model="numpy")
+def respond(table, count, used, branch, inner, response):
+    """Fill reactions and A of every contact, (n_slots, N_RESPONSE); see `kernels.joint.respond`."""
+    for c in range(count):
+        row = table[c]
+        v = inner[c]
+        a = response[c]
+        a[RN], a[RT] = v[RN], v[RT]
+        if branch[used[c]] == BONDED:
+            a[NN], a[NT], a[TN], a[TT] = 1.0, 0.0, 0.0, 1.0
+            continue
+        mu = row[FRICTION]
+        if mu == 0.0:
+            a[NN], a[NT], a[TN], a[TT] = v[RN] / (v[RN] + v[W]), 0.0, 0.0, 0.0
+            continue
+        lift = row[LIFT] / row[STIFF_T]
+        p, q = v[P] / v[NEAR], v[Q] / v[FAR]
+        nn, nt = 1.0 + v[W] / v[RN] + lift * mu * (p + q), lift * (q - p)
+        tn, tt = mu * (q - p), 1.0 + p + q
+        determinant = nn * tt - nt * tn
+        a[NN], a[NT] = tt / determinant, -nt / determinant
+        a[TN], a[TT] = -tn / determinant, nn / determinant
+
+
+@njit(cache=True, error_model="numpy")
+def _lacking(row, v, change, barrier, second):
+    """What the three products lack of the barrier, with the changes' own products if ``second``."""
+    kn, kt = row[STIFF_N] * barrier, row[STIFF_T] * barrier
+    n = kn - v[RN] * v[W]
+    p = kt - v[NEAR] * v[P]
+    q = kt - v[FAR] * v[Q]
+    if second:
+        n -= change[RN] * change[W]
+        p -= change[NEAR] * change[P]
+        q -= change[FAR] * change[Q]
+    return n, p, q
+
+
+@njit(cache=True, error_model="numpy")
+def offset(
+    table, count, used, pair_a, pair_b, branch, inner, barrier, second, change, response, b, force
+):  # fmt: skip
+    """Fill b of every contact and add the forces A b to ``force`` (n, 3)."""
+    for c in range(count):
+        row = table[c]
+        v = inner[c]
+        a = response[c]
+        bn, bt = row[TRIAL_N] - v[RN], row[TRIAL_T] - v[RT]
+        if branch[used[c]] != BONDED:
+            n, p, q = _lacking(row, v, change[c], barrier, second)
+            bn += v[W] + n / v[RN]
+            if row[FRICTION] > 0.0:
+                p = v[P] + p / v[NEAR]
+                q = v[Q] + q / v[FAR]
+                bn += row[LIFT] / row[STIFF_T] * (p + q)
+                bt += q - p
+        b[c, B_N], b[c, B_T] = bn, bt
+        rn, rt = a[NN] * bn + a[NT] * bt, a[TN] * bn + a[TT] * bt
+        body_a = pair_a[used[c] // 2]
+        body_b = pair_b[used[c] // 2]
+        for i in range(3):
+            force[body_a, i] += rn * row[GAP + i] + rt * row[SLIP + i]
+            force[body_b, i] += rn * row[GAP + 3 + i] + rt * row[SLIP + 3 + i]
+
+
+@njit(cache=True, error_model="numpy")
+def _room(value, change, longest):
+    return min(longest, -value / change) if change < 0.0 else longest
+
+
+@njit(cache=True, error_model="numpy")
+def changes(
+    table, count, used, pair_a, pair_b, branch, inner, barrier, second, response, b, direction,
+    change,
+):  # fmt: skip
+    """Changes of all variables along the bodies' ``direction`` (n, 3), for b as it was filled.
+
+    Returns how far along it all factors stay positive.
+    """
+    longest = np.inf
+    for c in range(count):
+        row = table[c]
+        v = inner[c]
+        a = response[c]
+        d = change[c]
+        body_a = pair_a[used[c] // 2]
+        body_b = pair_b[used[c] // 2]
+        tn, tt = 0.0, 0.0
+        for i in range(3):
+            tn += row[GAP + i] * direction[body_a, i] + row[GAP + 3 + i] * direction[body_b, i]
+            tt += row[MEASURED + i] * direction[body_a, i]
+            tt += row[MEASURED + 3 + i] * direction[body_b, i]
+        n, p, q = _lacking(row, v, d, barrier, second)
+        d[D_TRIAL_N], d[D_TRIAL_T] = -row[STIFF_N] * tn, -row[STIFF_T] * tt
+        bn, bt = d[D_TRIAL_N] + b[c, B_N], d[D_TRIAL_T] + b[c, B_T]
+        rn, rt = a[NN] * bn + a[NT] * bt, a[TN] * bn + a[TT] * bt
+        d[RN], d[RT] = rn, rt
+        if branch[used[c]] == BONDED:
+            continue
+        d[W] = (n - v[W] * rn) / v[RN]
+        longest = _room(v[W], d[W], _room(v[RN], rn, longest))
+        if row[FRICTION] == 0.0:
+            continue
+        d[NEAR], d[FAR] = row[FRICTION] * rn - rt, row[FRICTION] * rn + rt
+        d[P] = (p - v[P] * d[NEAR]) / v[NEAR]
+        d[Q] = (q - v[Q] * d[FAR]) / v[FAR]
+        longest = _room(v[NEAR], d[NEAR], _room(v[FAR], d[FAR], longest))
+        longest = _room(v[P], d[P], _room(v[Q], d[Q], longest))
+    return longest
+
+
+@njit(cache=True, error_model="numpy")
+def energy(table, count, used, branch, inner, change, length):
+    """Mean of the products, as energies [J], where a step along the changes leads."""
+    total = 0.0
+    n = 0
+    for c in range(count):
+        if branch[used[c]] == BONDED:
+            continue
+        row = table[c]
+        v = inner[c]
+        d = change[c]
+        total += (v[RN] + length * d[RN]) * (v[W] + length * d[W]) / row[STIFF_N]
+        n += 1
+        if row[FRICTION] > 0.0:
+            total += (v[NEAR] + length * d[NEAR]) * (v[P] + length * d[P]) / row[STIFF_T]
+            total += (v[FAR] + length * d[FAR]) * (v[Q] + length * d[Q]) / row[STIFF_T]
+            n += 2
+    return total / max(n, 1)
+
+
+@njit(cache=True, error_model="numpy")
+def move(table, count, inner, change, length):
+    """Go along the changes, trial reactions included."""
+    for c in range(count):
+        for i in range(N_INNER):
+            inner[c, i] += length * change[c, i]
+        table[c, TRIAL_N] += length * change[c, D_TRIAL_N]
+        table[c, TRIAL_T] += length * change[c, D_TRIAL_T]
+
+
+@njit(cache=True, error_model="numpy")
+def choose(table, count, used, inner, branch):
+    """Branch of every contact by the smaller factor of each product."""
+    for c in range(count):
+        k = used[c]
+        if branch[k] == BONDED:
+            continue
+        v = inner[c]
+        if v[W] > v[RN]:
+            branch[k] = OPEN
+        elif v[NEAR] < v[P]:
+            branch[k] = FORWARD
+        elif v[FAR] < v[Q]:
+            branch[k] = BACKWARD
+        else:
+            branch[k] = STICKING
