@@ -85,7 +85,12 @@ def centre(table, count, used, branch, barrier, inner):
 
 @njit(cache=True, error_model="numpy")
 def respond(table, count, used, branch, inner, response):
-    """Fill reactions and A of every contact, (n_slots, N_RESPONSE); see `kernels.joint.respond`."""
+    """Fill reactions and A of every contact, (n_slots, N_RESPONSE); see `kernels.joint.respond`.
+
+    Returns the mean of the products, as energies [J].
+    """
+    energy = 0.0
+    n = 0
     for c in range(count):
         row = table[c]
         v = inner[c]
@@ -95,16 +100,21 @@ def respond(table, count, used, branch, inner, response):
             a[NN], a[NT], a[TN], a[TT] = 1.0, 0.0, 0.0, 1.0
             continue
         mu = row[FRICTION]
+        energy += v[RN] * v[W] / row[STIFF_N]
+        n += 1
         if mu == 0.0:
             a[NN], a[NT], a[TN], a[TT] = v[RN] / (v[RN] + v[W]), 0.0, 0.0, 0.0
             continue
+        energy += (v[NEAR] * v[P] + v[FAR] * v[Q]) / row[STIFF_T]
+        n += 2
         lift = row[LIFT] / row[STIFF_T]
         p, q = v[P] / v[NEAR], v[Q] / v[FAR]
         nn, nt = 1.0 + v[W] / v[RN] + lift * mu * (p + q), lift * (q - p)
         tn, tt = mu * (q - p), 1.0 + p + q
-        determinant = nn * tt - nt * tn
-        a[NN], a[NT] = tt / determinant, -nt / determinant
-        a[TN], a[TT] = -tn / determinant, nn / determinant
+        over = 1.0 / (nn * tt - nt * tn)
+        a[NN], a[NT] = tt * over, -nt * over
+        a[TN], a[TT] = -tn * over, nn * over
+    return energy / max(n, 1)
 
 
 @njit(cache=True, error_model="numpy")
@@ -160,9 +170,12 @@ def changes(
 ):  # fmt: skip
     """Changes of all variables along the bodies' ``direction`` (n, 3), for b as it was filled.
 
-    Returns how far along it all factors stay positive.
+    Returns how far along it all factors stay positive, and how the mean energy changes with the
+    way gone, to first and second order [J].
     """
     longest = np.inf
+    first, second_order = 0.0, 0.0
+    n_products = 0
     for c in range(count):
         row = table[c]
         v = inner[c]
@@ -184,6 +197,9 @@ def changes(
             continue
         d[W] = (n - v[W] * rn) / v[RN]
         longest = _room(v[W], d[W], _room(v[RN], rn, longest))
+        first += (v[W] * rn + v[RN] * d[W]) / row[STIFF_N]
+        second_order += rn * d[W] / row[STIFF_N]
+        n_products += 1
         if row[FRICTION] == 0.0:
             continue
         d[NEAR], d[FAR] = row[FRICTION] * rn - rt, row[FRICTION] * rn + rt
@@ -191,27 +207,11 @@ def changes(
         d[Q] = (q - v[Q] * d[FAR]) / v[FAR]
         longest = _room(v[NEAR], d[NEAR], _room(v[FAR], d[FAR], longest))
         longest = _room(v[P], d[P], _room(v[Q], d[Q], longest))
-    return longest
-
-
-@njit(cache=True, error_model="numpy")
-def energy(table, count, used, branch, inner, change, length):
-    """Mean of the products, as energies [J], where a step along the changes leads."""
-    total = 0.0
-    n = 0
-    for c in range(count):
-        if branch[used[c]] == BONDED:
-            continue
-        row = table[c]
-        v = inner[c]
-        d = change[c]
-        total += (v[RN] + length * d[RN]) * (v[W] + length * d[W]) / row[STIFF_N]
-        n += 1
-        if row[FRICTION] > 0.0:
-            total += (v[NEAR] + length * d[NEAR]) * (v[P] + length * d[P]) / row[STIFF_T]
-            total += (v[FAR] + length * d[FAR]) * (v[Q] + length * d[Q]) / row[STIFF_T]
-            n += 2
-    return total / max(n, 1)
+        first += (v[NEAR] * d[P] + v[P] * d[NEAR] + v[FAR] * d[Q] + v[Q] * d[FAR]) / row[STIFF_T]
+        second_order += (d[NEAR] * d[P] + d[FAR] * d[Q]) / row[STIFF_T]
+        n_products += 2
+    n_products = max(n_products, 1)
+    return longest, first / n_products, second_order / n_products
 
 
 @njit(cache=True, error_model="numpy")

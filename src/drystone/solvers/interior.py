@@ -18,6 +18,11 @@ from drystone.kernels import block_lu, interior, joint, path
 from drystone.solvers.static_step import Pace, StaticStep
 
 Array = NDArray[np.float64]
+TRACE=False
+RAISE=100.
+import os
+START=float(os.environ.get('START','1'))
+DAMP=int(os.environ.get('DAMP','1'))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,8 +37,8 @@ class InteriorSettings:
     shortest: float = 0.03  # share of a direction under which there is no way on, at once
     short: float = 0.1  # or so many times in a row
     patience: int = 3
-    raise_by: float = 100.0  # of the barrier where there is no way on
-    max_raises: int = 2
+    damping: float = 1e3  # 1/s2, times the mass, where there is no way on
+    max_stalls: int = 6
 
 
 class InteriorPoint:
@@ -50,7 +55,8 @@ class InteriorPoint:
         self.weight = float(dead.mean())
 
     def solve(
-        self, x: Array, multiplier: float, geometry: Array, pace: Pace | None, gradient: Array
+        self, x: Array, multiplier: float, geometry: Array, pace: Pace | None, gradient: Array,
+        tolerance: float,
     ) -> tuple[bool, float]:
         """Go from ``x``, moved on in place, to where the branches tell, and choose them.
 
@@ -77,53 +83,85 @@ class InteriorPoint:
         stiffness = float(step.table[: step.count, joint.STIFF_N].mean())
         unit = self.weight**2 / stiffness
         missing = lag - float(np.vdot(gradient, x - geometry)) if pace else 0.0
-        barrier = unit + 0.5 * self.weight * abs(missing)
+        barrier = START * (unit + 0.5 * self.weight * abs(missing))
         interior.centre(*every, step.branch, barrier, self.inner)
         columns = step.frame.columns if pace else step.frame.columns[:1]
-        raised, short = 0, 0
+        stalls, short, damping, before = 0, 0, 0.0, math.inf
         for _ in range(settings.max_iterations):
             away = x - geometry
-            interior.respond(*every, step.branch, self.inner, step.response)
+            energy = interior.respond(*every, step.branch, self.inner, step.response)
             step.assemble(x, multiplier, away)
             missing = lag - float(np.vdot(gradient, away)) if pace else 0.0
-            energy = interior.energy(*every, step.branch, self.inner, self.change, 0.0)
             balanced = step.residual <= settings.residual * self.weight
-            if balanced and energy <= settings.target * unit:
-                interior.choose(*every, self.inner, step.branch)
+            near = balanced and energy <= settings.enough * unit
+            if near and self._told(x, multiplier, away, tolerance):
                 return True, multiplier
-            if not step.factorise(pace, gradient):
+            if damping and (balanced or step.residual < 0.03 * first):
+                damping = 0.0
+            if not step.factorise(pace, gradient, damping):
                 return False, multiplier
             if pace:
                 columns[1], columns[2] = step.frame.load, step.spring * step.frame.axis
-            _, room = self._direction(columns, missing, 0.0, paced=paced, second=False)
-            least = interior.energy(
-                *every, step.branch, self.inner, self.change, min(1.0, room)
-            )
-            barrier = min(max((least / energy) ** 3, 1e-3), 0.8) * energy
-            by_direction, room = self._direction(
-                columns[:1], missing, barrier, paced=paced, second=True
-            )
-            length = min(1.0, (1.0 - settings.margin) * room)
+            if damping:
+                barrier = energy
+                by_direction, room, _, _ = self._direction(
+                    columns, missing, barrier, paced=paced, second=False
+                )
+            else:
+                _, room, by_way, by_square = self._direction(
+                    columns, missing, 0.0, paced=paced, second=False
+                )
+                way = min(1.0, room)
+                least = max(energy + way * (by_way + way * by_square), 0.0)
+                barrier = min(max((least / energy) ** 3, 1e-3), 0.8) * energy
+                by_direction, room, _, _ = self._direction(
+                    columns[:1], missing, barrier, paced=paced, second=True
+                )
+            if damping:
+                along = float(np.vdot(columns[0], step.force))
+                if TRACE: print('along', along)
+                if along < 0.0:
+                    damping *= 5.0
+                    continue
+            length = min(1.0, (1.0 - min(settings.margin, math.sqrt(energy / unit))) * room)
             short = short + 1 if length < settings.short else 0
+            if TRACE: print(f"      res {step.residual:.1e} en {energy:.1e} damp {damping:.0e} len {length:.3f} dx {np.abs(columns[0]).max():.1e}")
             if not length > settings.shortest or short == settings.patience:
-                told = balanced and energy <= settings.enough * unit
-                if raised == settings.max_raises:
-                    interior.choose(*every, self.inner, step.branch)
-                    return told, multiplier
-                # Too near to where a branch ends: again from farther inside.
-                raised, short = raised + 1, 0
-                barrier = settings.raise_by * max(barrier, energy)
-                interior.centre(*every, step.branch, barrier, self.inner)
+                if stalls == settings.max_stalls or (not DAMP and not balanced):
+                    return near, multiplier
+                stalls, short, before = stalls + 1, 0, step.residual
+                first = before
+                if balanced:
+                    barrier = RAISE * max(energy, barrier)
+                    interior.centre(*every, step.branch, barrier, self.inner)
+                else:
+                    damping = max(settings.damping, 10.0 * damping)
                 continue
+            if damping and length == 1.0:
+                damping *= 0.5
             x += length * columns[0]
             multiplier += length * by_direction
             interior.move(step.table, step.count, self.inner, self.change, length)
         return False, multiplier
 
+    def _told(self, x: Array, multiplier: float, away: Array, tolerance: float) -> bool:
+        """Choose the branches; whether they leave nothing unbalanced."""
+        step = self.step
+        every = step.table, step.count, step.used
+        interior.choose(*every, self.inner, step.branch)
+        joint.respond(*every, step.branch, step.response)
+        step.assemble(x, multiplier, away)
+        if step.residual <= tolerance:
+            return True
+        interior.respond(*every, step.branch, self.inner, step.response)
+        step.assemble(x, multiplier, away)
+        return False
+
     def _direction(
         self, columns: Array, missing: float, barrier: float, *, paced: bool, second: bool
-    ) -> tuple[float, float]:
-        """Fill the first column and the changes; by how much the multiplier changes, and the room.
+    ) -> tuple[float, float, float, float]:
+        """Fill the first column and the changes; by how much the multiplier changes, the
+        room, and how the energy changes on the way, see `kernels.interior.changes`.
 
         Further columns, where there are any, are solved for as well.
         """
@@ -136,7 +174,7 @@ class InteriorPoint:
         )  # fmt: skip
         block_lu.solve(step.structure, step.factors, columns)
         by_direction = path.border(step.frame, columns[0], missing) if paced else 0.0
-        room = interior.changes(
+        room, by_way, by_square = interior.changes(
             *every, barrier, second, step.response, self.offset, columns[0], self.change
         )  # fmt: skip
-        return by_direction, room if math.isfinite(by_direction) else 0.0
+        return by_direction, room if math.isfinite(by_direction) else 0.0, by_way, by_square

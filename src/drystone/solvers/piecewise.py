@@ -203,7 +203,7 @@ class _Walk:
         self.left, self.changes, self.patience = 1.0, 0, self.settings.max_changes
         step.frame.sense[0] = 1.0
         told, multiplier = self.interior.solve(
-            x, multiplier, self.geometry, self.pace, self.gradient
+            x, multiplier, self.geometry, self.pace, self.gradient, self.settings.tolerance
         )
         if not told:
             return path.LOST, multiplier

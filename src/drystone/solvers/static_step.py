@@ -214,7 +214,7 @@ class StaticStep:
         )  # fmt: skip
         self.residual = self._unbalance(x, multiplier)
 
-    def factorise(self, pace: Pace | None, gradient: Array) -> bool:
+    def factorise(self, pace: Pace | None, gradient: Array, damping: float = 0.0) -> bool:
         """Factorise the tangent, with inertia and what paces the step; False if singular."""
         c, frame = self.constants, self.frame
         frame.axis[:] = 0.0
@@ -223,7 +223,7 @@ class StaticStep:
             body = pace.body
             frame.pace[:] = gradient
             frame.axis[body] = gradient[body]
-        self.spring = step.stiffen(self.tangent.diagonal, c.mass, self.weight, body, frame.axis)
+        self.spring = step.stiffen(self.tangent.diagonal, c.mass, self.weight + damping, body, frame.axis)
         smallest = block_lu.factorise(self.structure, *self.tangent, self.factors)
         return smallest > SINGULAR
 
