@@ -49,7 +49,7 @@ class DisplacementSettings:
     snap_motion: float = 10.0  # of a block, over the increment, above which a step is a jump
     jump_motion: float = 1.0  # of a block, over the largest increment, up to which the time step of
     # a jump grows
-    easy_iterations: int = 6  # of a step up to which increments grow
+    easy_iterations: int = 12  # of a step up to which increments grow
     hard_iterations: int = 12  # of a step beyond which they shrink
     static_inertia: float = 1e-3  # inertia over applied force of a step that is static again
     max_steps: int = 100_000
@@ -61,6 +61,7 @@ class _State:
     increment: float  # m
     highest: float = 0.0  # multiplier so far
     last: float = 0.0  # multiplier of the last point
+    slope: float = 0.0  # 1/m, of the curve there
     n_steps: int = 0
     time_step: float = 0.0  # s, of a jump; 0 on the static path
     stage: int = FOLLOWING
@@ -101,6 +102,7 @@ class DisplacementControl:
             n_steps=state.n_steps + 1,
             highest=max(state.highest, multiplier),
             last=multiplier,
+            slope=0.0 if state.time_step else (multiplier - state.last) / state.increment,
         )
         over = self._over(state, report)
         if over is None:
@@ -153,9 +155,9 @@ class DisplacementControl:
         if report.turn is None or state.stage == CROSSING:
             return False
         share, multiplier = report.turn
-        expected = state.last
+        expected = state.last + state.slope * state.increment
         if share > 0.05:
-            expected += (multiplier - state.last) / share
+            expected = state.last + (multiplier - state.last) / share
         scale = max(state.highest, 10.0 * s.stop_multiplier)
         return abs(report.static_multiplier - expected) > s.snap_share * scale
 

@@ -461,10 +461,10 @@ def invert(dof, matrix, scale):
     """Invert a small matrix in place, with exchange of rows.
 
     Returns the smallest ratio of a pivot to the largest entry of its column of ``scale``, at most
-    1, or 0 for a singular matrix.
+    1, with the sign of the determinant; 0 for a singular matrix.
     """
     nd = len(dof)
-    smallest = 1.0
+    smallest, sign = 1.0, 1.0
     exchanged = 0
     for k in range(nd):
         best, size = k, 0.0
@@ -477,7 +477,9 @@ def invert(dof, matrix, scale):
             return 0.0
         smallest = min(smallest, ratio)
         exchanged |= best << (4 * k)
+        sign = sign if matrix[best, k] > 0.0 else -sign
         if best != k:
+            sign = -sign
             for j in range(nd):
                 matrix[k, j], matrix[best, j] = matrix[best, j], matrix[k, j]
         factor = 1.0 / matrix[k, k]
@@ -495,7 +497,7 @@ def invert(dof, matrix, scale):
         if best != k:
             for i in range(nd):
                 matrix[i, k], matrix[i, best] = matrix[i, best], matrix[i, k]
-    return smallest
+    return sign * smallest
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
@@ -562,13 +564,14 @@ def factorise(structure, diagonal, upper, lower, factors):
     n_dof) in the rows of a and columns of b, and ``lower`` in the rows of b and columns of a.
 
     Returns the smallest pivot over the largest entry of its column in the body's own block, at most
-    1; 0, with the factors unusable, for singular matrices and such as hold NaN.
+    1, with the sign of the determinant; 0, with the factors unusable, for singular matrices and
+    such as hold NaN.
     """
     nd = len(structure.dof)
     order, fronts = structure.order, structure.fronts
     panels, inverse, work = factors
     scratch = work[fronts[-1, UPDATE] :]
-    smallest = 1.0
+    smallest, sign = 1.0, 1.0
     for s in range(fronts.shape[0] - 1):
         assemble(structure, s, diagonal, upper, lower, factors)
         w = fronts[s + 1, FIRST] - fronts[s, FIRST]
@@ -586,7 +589,8 @@ def factorise(structure, diagonal, upper, lower, factors):
             ratio = invert(structure.dof, block, diagonal[order[place]])
             if ratio == 0.0:
                 return 0.0
-            smallest = min(smallest, ratio)
+            smallest = min(smallest, abs(ratio))
+            sign = sign if ratio > 0.0 else -sign
             ahead = m - nd * (k + 1)
             multiply_rows(structure.dof, block, panels, at + nd, m, ahead, scratch)
             below = at + nd * m
@@ -602,7 +606,7 @@ def factorise(structure, diagonal, upper, lower, factors):
             work, fronts[s, UPDATE], q, panels, columns, 1, q, panels, rows + nd * w, m,
             q, nd * w, q,
         )  # fmt: skip
-    return smallest
+    return sign * smallest
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")

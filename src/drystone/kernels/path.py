@@ -56,6 +56,7 @@ class Frame(NamedTuple):
     rate: Array  # (n_slots, 2) of the trial reactions along the direction
     turn: Array  # (2,) share of the step and multiplier where the path first turned back; or NaN
     sense: Array  # (1,) -1 where the path goes back, else 1
+    border: Array  # (1,) by which the bordered matrix's determinant exceeds that of K'
     bends: Array  # (n_bends, 2) share of the step and multiplier at every change
 
 
@@ -78,6 +79,7 @@ def border(frame, x, lag):
     g1, g2, g3 = _dot(frame.pace, x), _dot(frame.pace, by_load), _dot(frame.pace, by_spring)
     e1, e2, e3 = _dot(frame.axis, x), _dot(frame.axis, by_load), _dot(frame.axis, by_spring)
     determinant = g2 * (e3 - 1.0) - g3 * e2
+    frame.border[0] = determinant
     if determinant == 0.0:
         return np.nan
     missing = lag - g1

@@ -9,6 +9,7 @@ their changes.  The unknowns approach the solution as near as tells the branches
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +20,9 @@ from drystone.solvers.static_step import Pace, StaticStep
 
 Array = NDArray[np.float64]
 TRACE=False
+TRACE2=False
 RAISE=100.
+LOW=float(os.environ.get('LOW','0.3'))
 import os
 START=float(os.environ.get('START','1'))
 DAMP=int(os.environ.get('DAMP','1'))
@@ -32,13 +35,13 @@ class InteriorSettings:
     target: float = 1e-22  # energy of a contact at which branches are told
     enough: float = 1e-11  # at which they are told where no lower one can be reached
     residual: float = 1e-6  # largest unbalanced force then, over a mean block's weight
-    max_iterations: int = 60
+    max_iterations: int = int(os.environ.get('MAXIT','60'))
     margin: float = 0.01  # share of the way to the first factor's end that is left
     shortest: float = 0.03  # share of a direction under which there is no way on, at once
     short: float = 0.1  # or so many times in a row
     patience: int = 3
     damping: float = 1e3  # 1/s2, times the mass, where there is no way on
-    max_stalls: int = 6
+    max_stalls: int = int(os.environ.get('MAXST','6'))
 
 
 class InteriorPoint:
@@ -86,7 +89,7 @@ class InteriorPoint:
         barrier = START * (unit + 0.5 * self.weight * abs(missing))
         interior.centre(*every, step.branch, barrier, self.inner)
         columns = step.frame.columns if pace else step.frame.columns[:1]
-        stalls, short, damping, before = 0, 0, 0.0, math.inf
+        stalls, short, damping, needed = 0, 0, 0.0, settings.damping
         for _ in range(settings.max_iterations):
             away = x - geometry
             energy = interior.respond(*every, step.branch, self.inner, step.response)
@@ -95,9 +98,8 @@ class InteriorPoint:
             balanced = step.residual <= settings.residual * self.weight
             near = balanced and energy <= settings.enough * unit
             if near and self._told(x, multiplier, away, tolerance):
+                if TRACE2 and _>45: print('   its',_)
                 return True, multiplier
-            if damping and (balanced or step.residual < 0.03 * first):
-                damping = 0.0
             if not step.factorise(pace, gradient, damping):
                 return False, multiplier
             if pace:
@@ -114,35 +116,44 @@ class InteriorPoint:
                 way = min(1.0, room)
                 least = max(energy + way * (by_way + way * by_square), 0.0)
                 barrier = min(max((least / energy) ** 3, 1e-3), 0.8) * energy
-                by_direction, room, _, _ = self._direction(
-                    columns[:1], missing, barrier, paced=paced, second=True
-                )
-            if damping:
-                along = float(np.vdot(columns[0], step.force))
-                if TRACE: print('along', along)
-                if along < 0.0:
-                    damping *= 5.0
-                    continue
+                if paced and not step.stable and DAMP:
+                    room = 0.0
+                else:
+                    by_direction, room, _, _ = self._direction(
+                        columns[:1], missing, barrier, paced=paced, second=True
+                    )
+            unstable = paced and DAMP and not step.stable
             length = min(1.0, (1.0 - min(settings.margin, math.sqrt(energy / unit))) * room)
             short = short + 1 if length < settings.short else 0
-            if TRACE: print(f"      res {step.residual:.1e} en {energy:.1e} damp {damping:.0e} len {length:.3f} dx {np.abs(columns[0]).max():.1e}")
+            if TRACE: print(f"      {_} res {step.residual:.1e} en {energy:.1e} damp {damping:.0e} len {length:.3f} dx {np.abs(columns[0]).max():.1e} {'-' if unstable else '+'}")
+            if unstable:
+                damping = 4.0 * damping if damping else needed
+                short = 0
+                continue
+            if damping:
+                needed = damping
             if not length > settings.shortest or short == settings.patience:
+                if near and energy < 1e-13 * unit:
+                    return True, multiplier
                 if stalls == settings.max_stalls or (not DAMP and not balanced):
+                    if TRACE2: print('   stalls',_,near,balanced,damping)
                     return near, multiplier
-                stalls, short, before = stalls + 1, 0, step.residual
-                first = before
+                stalls, short = stalls + 1, 0
                 if balanced:
                     barrier = RAISE * max(energy, barrier)
                     interior.centre(*every, step.branch, barrier, self.inner)
                 else:
-                    damping = max(settings.damping, 10.0 * damping)
+                    damping = max(settings.damping, 4.0 * damping)
                 continue
-            if damping and length == 1.0:
-                damping *= 0.5
+            if damping and length > 0.5:
+                damping *= 0.25
+                if damping < LOW:
+                    damping = 0.0
             x += length * columns[0]
             multiplier += length * by_direction
             interior.move(step.table, step.count, self.inner, self.change, length)
-        return False, multiplier
+        if TRACE2: print('   max its')
+        return near, multiplier
 
     def _told(self, x: Array, multiplier: float, away: Array, tolerance: float) -> bool:
         """Choose the branches; whether they leave nothing unbalanced."""

@@ -39,9 +39,9 @@ class PathSettings:
     depth: float  # m, penetration too small to tell two contacts apart
     farthest: float  # m, motion of a block over which the step has failed
     max_iterations: int = 12  # renewals of the gradients
-    #: Contacts about to change, times blocks, above which they change together: an interior point
-    #: costs as much as following that many of them.
-    effort: int = 50_000
+    #: Contacts about to change above which they do so together: an interior point costs as much as
+    #: following that many of them.
+    worth: int = int(__import__('os').environ.get('WORTH','200'))
     max_leaps: int = 12  # steps of Newton's method from where an interior point led
     least_followed: int = 16  # of them that are followed however many blocks there are
     max_changes: int = 80  # contacts that change one by one, in the implicit law
@@ -119,6 +119,8 @@ def solve(
         end, x, multiplier = walk.go(x, multiplier)
         if count == 1 and np.isfinite(step.frame.turn[0]):
             turn = float(step.frame.turn[0]), float(step.frame.turn[1])
+        if end == path.DONE and pace and not step.stable:
+            end = path.TURNED
         if end != path.DONE:
             reason = _ENDS[end]
             break
@@ -170,7 +172,7 @@ class _Walk:
         self.whole = whole
         self.lag, self.gradient = pace.measure(geometry) if pace else (0.0, step.force)
         n = len(geometry)
-        self.worth = max(settings.least_followed, settings.effort // n if pace else 0)
+        self.worth = settings.worth
         self.patience = settings.max_changes
         if not whole or pace is None:
             most = min(2 * step.count, settings.change_effort // n)
@@ -185,8 +187,9 @@ class _Walk:
         branch, reaction = step.branch.copy(), step.reaction.copy()
         step.move_trial(x - self.geometry)
         trial = x.copy()
+        turned_counts = not self.whole
         end, at = self._follow(trial, multiplier, self.worth)
-        if end == path.DONE or (self.pace and end not in (path.MANY, path.LOST)):
+        if end == path.DONE or (turned_counts and end == path.TURNED):
             return end, trial, at
         if end != path.MANY:
             step.evaluate(self.geometry, multiplier)

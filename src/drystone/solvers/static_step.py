@@ -131,6 +131,7 @@ class StaticStep:
             rate=np.zeros((n_slots, 2)),
             turn=np.full(2, np.nan),
             sense=np.ones(1),
+            border=np.ones(1),
             bends=np.zeros((BENDS, 2)),
         )
 
@@ -224,8 +225,9 @@ class StaticStep:
             frame.pace[:] = gradient
             frame.axis[body] = gradient[body]
         self.spring = step.stiffen(self.tangent.diagonal, c.mass, self.weight + damping, body, frame.axis)
-        smallest = block_lu.factorise(self.structure, *self.tangent, self.factors)
-        return smallest > SINGULAR
+        pivot = block_lu.factorise(self.structure, *self.tangent, self.factors)
+        self.sign = np.sign(pivot)
+        return abs(pivot) > SINGULAR
 
     def advance(
         self,
@@ -247,6 +249,14 @@ class StaticStep:
             self.used, self.pairs.a, self.pairs.b, self.branch, self.force, lag,
             self.spring, x, multiplier, left, changes, patience, worth, leap,
         )  # fmt: skip
+
+    @property
+    def stable(self) -> bool:
+        """Whether the way on from where the tangent was made is that of a stable equilibrium.
+
+        Sums up all modes: with an even number of unstable ones it says yes as well.
+        """
+        return bool(self.sign * self.frame.border[0] < 0.0)
 
     def bends(self, changes: int) -> Array:
         """Share of the step and multiplier at the changes of the path followed last, (n, 2)."""
