@@ -21,7 +21,8 @@ from drystone.solvers.static_step import Pace, StaticStep
 Array = NDArray[np.float64]
 TRACE=False
 TRACE2=False
-RAISE=100.
+HOLD=float(os.environ.get('HOLD','1e-1'))
+LESS=float(os.environ.get('LESS','0.25'))
 LOW=float(os.environ.get('LOW','0.3'))
 import os
 START=float(os.environ.get('START','1'))
@@ -35,13 +36,13 @@ class InteriorSettings:
     target: float = 1e-22  # energy of a contact at which branches are told
     enough: float = 1e-11  # at which they are told where no lower one can be reached
     residual: float = 1e-6  # largest unbalanced force then, over a mean block's weight
-    max_iterations: int = int(os.environ.get('MAXIT','60'))
+    max_iterations: int = int(os.environ.get('MAXIT','100'))
     margin: float = 0.01  # share of the way to the first factor's end that is left
     shortest: float = 0.03  # share of a direction under which there is no way on, at once
     short: float = 0.1  # or so many times in a row
     patience: int = 3
     damping: float = 1e3  # 1/s2, times the mass, where there is no way on
-    max_stalls: int = int(os.environ.get('MAXST','6'))
+    max_stalls: int = int(os.environ.get('MAXST','10'))
 
 
 class InteriorPoint:
@@ -89,8 +90,8 @@ class InteriorPoint:
         barrier = START * (unit + 0.5 * self.weight * abs(missing))
         interior.centre(*every, step.branch, barrier, self.inner)
         columns = step.frame.columns if pace else step.frame.columns[:1]
-        stalls, short, damping, needed = 0, 0, 0.0, settings.damping
-        for _ in range(settings.max_iterations):
+        stalls, short, damping, needed, near = 0, 0, 0.0, settings.damping, False
+        for count in range(settings.max_iterations):
             away = x - geometry
             energy = interior.respond(*every, step.branch, self.inner, step.response)
             step.assemble(x, multiplier, away)
@@ -98,61 +99,53 @@ class InteriorPoint:
             balanced = step.residual <= settings.residual * self.weight
             near = balanced and energy <= settings.enough * unit
             if near and self._told(x, multiplier, away, tolerance):
-                if TRACE2 and _>45: print('   its',_)
                 return True, multiplier
             if not step.factorise(pace, gradient, damping):
                 return False, multiplier
             if pace:
                 columns[1], columns[2] = step.frame.load, step.spring * step.frame.axis
-            if damping:
-                barrier = energy
-                by_direction, room, _, _ = self._direction(
-                    columns, missing, barrier, paced=paced, second=False
-                )
-            else:
-                _, room, by_way, by_square = self._direction(
-                    columns, missing, 0.0, paced=paced, second=False
-                )
+            hold = damping and step.residual > HOLD * math.sqrt(stiffness * energy)
+            by_direction, room, by_way, by_square = self._direction(
+                columns, missing, energy if hold else 0.0, paced=paced, second=False
+            )
+            unstable = paced and not step.stable
+            if not hold and not unstable:
                 way = min(1.0, room)
                 least = max(energy + way * (by_way + way * by_square), 0.0)
                 barrier = min(max((least / energy) ** 3, 1e-3), 0.8) * energy
-                if paced and not step.stable and DAMP:
-                    room = 0.0
-                else:
-                    by_direction, room, _, _ = self._direction(
-                        columns[:1], missing, barrier, paced=paced, second=True
-                    )
-            unstable = paced and DAMP and not step.stable
+                by_direction, room, _, _ = self._direction(
+                    columns[:1], missing, barrier, paced=paced, second=True
+                )
             length = min(1.0, (1.0 - min(settings.margin, math.sqrt(energy / unit))) * room)
-            short = short + 1 if length < settings.short else 0
-            if TRACE: print(f"      {_} res {step.residual:.1e} en {energy:.1e} damp {damping:.0e} len {length:.3f} dx {np.abs(columns[0]).max():.1e} {'-' if unstable else '+'}")
+            if TRACE: print(f"      {count} res {step.residual:.1e} en {energy:.1e} damp {damping:.0e} len {length:.3f} dx {np.abs(columns[0]).max():.1e} {'-' if unstable else '+'} {'h' if hold else ''}")
             if unstable:
-                damping = 4.0 * damping if damping else needed
+                damping = max(4.0 * damping, needed)
                 short = 0
                 continue
-            if damping:
-                needed = damping
+            short = short + 1 if length < settings.short else 0
             if not length > settings.shortest or short == settings.patience:
                 if near and energy < 1e-13 * unit:
                     return True, multiplier
-                if stalls == settings.max_stalls or (not DAMP and not balanced):
-                    if TRACE2: print('   stalls',_,near,balanced,damping)
+                if stalls == settings.max_stalls:
+                    if TRACE2: print('   stalls', count, near, damping, energy)
                     return near, multiplier
                 stalls, short = stalls + 1, 0
-                if balanced:
-                    barrier = RAISE * max(energy, barrier)
+                if near:
+                    barrier = 100.0 * max(energy, barrier)
                     interior.centre(*every, step.branch, barrier, self.inner)
                 else:
-                    damping = max(settings.damping, 4.0 * damping)
+                    damping = max(4.0 * damping, needed)
                 continue
-            if damping and length > 0.5:
-                damping *= 0.25
-                if damping < LOW:
-                    damping = 0.0
+            if damping:
+                needed = max(damping, settings.damping)
+                if length > 0.9:
+                    damping *= LESS
+                    if damping < 1.0:
+                        damping = 0.0
             x += length * columns[0]
             multiplier += length * by_direction
             interior.move(step.table, step.count, self.inner, self.change, length)
-        if TRACE2: print('   max its')
+        if TRACE2: print('   max its', count, near, damping, energy)
         return near, multiplier
 
     def _told(self, x: Array, multiplier: float, away: Array, tolerance: float) -> bool:

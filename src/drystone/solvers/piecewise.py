@@ -187,9 +187,8 @@ class _Walk:
         branch, reaction = step.branch.copy(), step.reaction.copy()
         step.move_trial(x - self.geometry)
         trial = x.copy()
-        turned_counts = not self.whole
         end, at = self._follow(trial, multiplier, self.worth)
-        if end == path.DONE or (turned_counts and end == path.TURNED):
+        if end == path.DONE:
             return end, trial, at
         if end != path.MANY:
             step.evaluate(self.geometry, multiplier)
