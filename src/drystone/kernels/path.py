@@ -56,7 +56,8 @@ class Frame(NamedTuple):
     rate: Array  # (n_slots, 2) of the trial reactions along the direction
     turn: Array  # (2,) share of the step and multiplier where the path first turned back; or NaN
     sense: Array  # (1,) -1 where the path goes back, else 1
-    border: Array  # (1,) by which the bordered matrix's determinant exceeds that of K'
+    border: Array  # (1,) by which the determinant of the bordered matrix exceeds that of K'
+    sign: Array  # (1,) of the latter; where the product is positive, a motion is unstable
     bends: Array  # (n_bends, 2) share of the step and multiplier at every change
 
 
@@ -315,7 +316,8 @@ def follow_path(
         return SINGULAR, multiplier, left, changes
     if worth < count:
         many = _ahead(table, count, used, pair_a, pair_b, direction, branch, whole)
-        if many > worth and not leap:
+        astray = paced and frame.sign[0] * frame.border[0] > 0.0
+        if (many > worth or astray) and not leap:
             return MANY, multiplier, left, changes
         if many > worth:
             _leap(table, count, used, pair_a, pair_b, direction, branch)

@@ -21,6 +21,8 @@ from drystone.solvers.static_step import Pace, StaticStep
 Array = NDArray[np.float64]
 TRACE=False
 TRACE2=False
+MOST=float(os.environ.get('MOST','3e3'))
+RAISE=float(os.environ.get('RAISE','30'))
 HOLD=float(os.environ.get('HOLD','1e-1'))
 LESS=float(os.environ.get('LESS','0.25'))
 LOW=float(os.environ.get('LOW','0.3'))
@@ -130,9 +132,10 @@ class InteriorPoint:
                     if TRACE2: print('   stalls', count, near, damping, energy)
                     return near, multiplier
                 stalls, short = stalls + 1, 0
-                if near:
-                    barrier = 100.0 * max(energy, barrier)
+                if near or damping >= MOST:
+                    barrier = RAISE * max(energy, barrier)
                     interior.centre(*every, step.branch, barrier, self.inner)
+                    damping = min(damping, settings.damping)
                 else:
                     damping = max(4.0 * damping, needed)
                 continue

@@ -132,6 +132,7 @@ class StaticStep:
             turn=np.full(2, np.nan),
             sense=np.ones(1),
             border=np.ones(1),
+            sign=np.ones(1),
             bends=np.zeros((BENDS, 2)),
         )
 
@@ -226,7 +227,7 @@ class StaticStep:
             frame.axis[body] = gradient[body]
         self.spring = step.stiffen(self.tangent.diagonal, c.mass, self.weight + damping, body, frame.axis)
         pivot = block_lu.factorise(self.structure, *self.tangent, self.factors)
-        self.sign = np.sign(pivot)
+        frame.sign[0] = np.sign(pivot)
         return abs(pivot) > SINGULAR
 
     def advance(
@@ -256,7 +257,7 @@ class StaticStep:
 
         Sums up all modes: with an even number of unstable ones it says yes as well.
         """
-        return bool(self.sign * self.frame.border[0] < 0.0)
+        return bool(self.frame.sign[0] * self.frame.border[0] < 0.0)
 
     def bends(self, changes: int) -> Array:
         """Share of the step and multiplier at the changes of the path followed last, (n, 2)."""
