@@ -79,8 +79,17 @@ def centre(table, count, used, branch, barrier, inner):
             if done:
                 break
         v[RT] = r
-        v[NEAR], v[FAR] = most - r, most + r
-        v[P], v[Q] = product / v[NEAR], product / v[FAR]
+        # Of the larger slide and the room it leaves, by which r is too coarse to tell.
+        if tt > 0.0:
+            v[FAR] = most + r
+            v[Q] = product / v[FAR]
+            v[P] = tt - r + v[Q]
+            v[NEAR] = product / v[P]
+        else:
+            v[NEAR] = most - r
+            v[P] = product / v[NEAR]
+            v[Q] = r - tt + v[P]
+            v[FAR] = product / v[Q]
 
 
 @njit(cache=True, error_model="numpy")

@@ -3,10 +3,13 @@
 The joint law is piecewise linear and, with friction, has no energy to descend on: full Newton steps
 over many contacts that open, slide and stick at once lose their way.  So the pieces are followed
 one by one (`kernels.path`), with the gradients of gaps and slips held fast where the blocks are
-guessed to end.  Then the gradients are renewed there and what is left, of second order in the
-guess's error, is corrected in the same way.
+guessed to end.  Where many contacts are about to change, their branches are found all at once
+(`solvers.interior`), and the path is followed from there.  Then the gradients are renewed and what
+is left, of second order in the guess's error, is corrected in the same way.
 
-A path that turns back says that no equilibrium lies ahead: the structure snaps.
+A path that turns back says that no equilibrium lies ahead: the structure snaps.  The step then ends
+in an equilibrium beyond, where the interior point finds one; whether to take it is for the control
+to say.  Equilibria that the structure would not keep are never taken.
 """
 
 from __future__ import annotations
@@ -39,11 +42,9 @@ class PathSettings:
     depth: float  # m, penetration too small to tell two contacts apart
     farthest: float  # m, motion of a block over which the step has failed
     max_iterations: int = 12  # renewals of the gradients
-    #: Contacts about to change above which they do so together: an interior point costs as much as
-    #: following that many of them.
-    worth: int = int(__import__('os').environ.get('WORTH','200'))
+    worth: int = 60  # contacts about to change, above which an interior point is as cheap
     max_leaps: int = 12  # steps of Newton's method from where an interior point led
-    least_followed: int = 16  # of them that are followed however many blocks there are
+    last_changes: int = 16  # contacts about to change that are followed instead
     max_changes: int = 80  # contacts that change one by one, in the implicit law
     change_effort: int = 1_500_000  # and on a path of equilibria or in settling, times blocks
     max_rounds: int = 3  # times that the features of contacts are checked
@@ -113,7 +114,7 @@ def solve(
     step.branch[:], step.reaction[:] = branch, reaction
     rounds, reason, count, turn = 0, "", 0, None
     step.frame.turn[:] = np.nan
-    shape = _Shape()
+    shape: _Shape | None = _Shape()
     for count in range(1, settings.max_iterations + 1):
         walk = _Walk(step, interior, pace, geometry, settings, whole=whole or count > 1)
         end, x, multiplier = walk.go(x, multiplier)
@@ -130,8 +131,9 @@ def solve(
             reason = "a block moves too far in one step"
             break
         step.evaluate(x, multiplier)
-        if count == 1 and pace and not walk.leapt:
-            shape = _shape(step.bends(walk.changes), start, multiplier)
+        if count == 1 and pace:
+            # Within a leap there are no places on a path.
+            shape = None if walk.leapt else _shape(step.bends(walk.changes), start, multiplier)
         short = abs(pace.measure(x)[0]) if pace else 0.0
         if step.residual <= settings.tolerance and short <= settings.lag:
             step.find(x)
@@ -142,8 +144,8 @@ def solve(
                     multiplier=multiplier,
                     n_iterations=count,
                     turn=turn,
-                    excess=shape.excess,
-                    bend=shape.bend,
+                    excess=shape.excess if shape else None,
+                    bend=shape.bend if shape else None,
                 )
             rounds += 1
             step.follow(step.found)
@@ -210,7 +212,7 @@ class _Walk:
         if not told:
             return path.LOST, multiplier
         for _ in range(self.settings.max_leaps):
-            end, multiplier = self._follow(x, multiplier, self.settings.least_followed)
+            end, multiplier = self._follow(x, multiplier, self.settings.last_changes)
             if end != path.MANY:
                 return end, multiplier
         return path.LOST, multiplier

@@ -217,15 +217,21 @@ class StaticStep:
         self.residual = self._unbalance(x, multiplier)
 
     def factorise(self, pace: Pace | None, gradient: Array, damping: float = 0.0) -> bool:
-        """Factorise the tangent, with inertia and what paces the step; False if singular."""
+        """Factorise the tangent, with inertia and what paces the step; False if singular.
+
+        ``damping`` [1/s2] times the mass is added to the inertia, of the matrix alone.
+        """
         c, frame = self.constants, self.frame
         frame.axis[:] = 0.0
         body = -1
+        frame.border[0] = -1.0
         if pace is not None:
             body = pace.body
             frame.pace[:] = gradient
             frame.axis[body] = gradient[body]
-        self.spring = step.stiffen(self.tangent.diagonal, c.mass, self.weight + damping, body, frame.axis)
+        self.spring = step.stiffen(
+            self.tangent.diagonal, c.mass, self.weight + damping, body, frame.axis
+        )
         pivot = block_lu.factorise(self.structure, *self.tangent, self.factors)
         frame.sign[0] = np.sign(pivot)
         return abs(pivot) > SINGULAR
@@ -253,9 +259,10 @@ class StaticStep:
 
     @property
     def stable(self) -> bool:
-        """Whether the way on from where the tangent was made is that of a stable equilibrium.
+        """Whether the structure would keep the equilibrium that the tangent was made for.
 
-        Sums up all modes: with an even number of unstable ones it says yes as well.
+        Known once a direction has been solved for.  A determinant tells: with an even number of
+        unstable modes it says yes as well.
         """
         return bool(self.frame.sign[0] * self.frame.border[0] < 0.0)
 

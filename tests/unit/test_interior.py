@@ -1,0 +1,174 @@
+"""The interior point: its contacts, its directions, and steps that it solves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from builders import problem_of, stack
+from drystone.assembly import Corner
+from drystone.builders import published_wall
+from drystone.engines.base import Demand
+from drystone.engines.equilibrium import EquilibriumEngine
+from drystone.kernels import interior, joint
+from drystone.solvers import piecewise
+
+KN, KT = 2e7, 2e10  # N/m
+
+
+def contacts(n, *, mu=0.65, dilation=0.0, seed=0):
+    """A table of contacts with random trial reactions of all kinds, and memory for the rest."""
+    random = np.random.default_rng(seed)
+    table = np.zeros((n, joint.N_TABLE))
+    table[:, : joint.STIFF_N] = random.normal(size=(n, joint.STIFF_N))
+    table[:, joint.STIFF_N], table[:, joint.STIFF_T] = KN, KT
+    table[:, joint.FRICTION], table[:, joint.LIFT] = mu, KN * dilation
+    table[:, joint.TRIAL_N] = random.normal(size=n) * 1e3
+    table[:, joint.TRIAL_T] = random.normal(size=n) * 1e4
+    used = np.arange(n)
+    branch = np.full(n, joint.STICKING)
+    return table, n, used, branch
+
+
+def centred(every, barrier):
+    inner = np.zeros((every[1], interior.N_INNER))
+    interior.centre(*every, barrier, inner)
+    return inner
+
+
+@pytest.mark.parametrize("barrier", [1e-20, 1e-12, 1e-6, 1.0])
+def test_central_contacts_obey_the_law_with_its_products_at_the_barrier(barrier):
+    table, n, used, branch = contacts(200)
+    v = centred((table, n, used, branch), barrier)
+    rn, rt, w, p, q, near, far = v.T
+    assert (v[:, [interior.RN, interior.W, interior.P, interior.Q]] > 0.0).all()
+    # To the rounding of the larger of the terms.
+    tn, tt = table[:, joint.TRIAL_N], table[:, joint.TRIAL_T]
+    np.testing.assert_allclose(rn - w, tn, atol=1e-12 * np.abs(tn).max())
+    np.testing.assert_allclose(rt + p - q, tt, atol=1e-7 * np.abs(tt).max())
+    np.testing.assert_allclose(rn * w, KN * barrier, rtol=1e-12)
+    np.testing.assert_allclose(near * p, KT * barrier, rtol=1e-12)
+    np.testing.assert_allclose(far * q, KT * barrier, rtol=1e-12)
+
+
+def test_without_a_barrier_the_branches_are_those_of_the_law():
+    table, n, used, branch = contacts(500)
+    v = centred((table, n, used, branch), 1e-24)
+    interior.choose(table, n, used, v, branch)
+    tn, tt = table[:, joint.TRIAL_N], table[:, joint.TRIAL_T]
+    sliding = np.where(tt > 0.0, joint.FORWARD, joint.BACKWARD)
+    sticks = np.abs(tt) <= table[:, joint.FRICTION] * tn
+    expected = np.where(tn <= 0.0, joint.OPEN, np.where(sticks, joint.STICKING, sliding))
+    assert branch.tolist() == expected.tolist()
+    assert len(set(expected)) == 4
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.65])
+def test_response_is_the_derivative_of_central_reactions(mu):
+    every = contacts(100, mu=mu)
+    table, barrier = every[0], 1e-3
+    v = centred(every, barrier)
+    response = np.zeros((100, joint.N_RESPONSE))
+    energy = interior.respond(*every, v, response)
+    assert energy == pytest.approx(barrier, rel=1e-9)
+    for trial, columns, step in (
+        (joint.TRIAL_N, [joint.NN, joint.TN], 1e-3),
+        (joint.TRIAL_T, [joint.NT, joint.TT], 1e-1),
+    ):
+        there = table[:, trial].copy()
+        table[:, trial] = there + step
+        ahead = centred(every, barrier)[:, :2]
+        table[:, trial] = there - step
+        behind = centred(every, barrier)[:, :2]
+        table[:, trial] = there
+        np.testing.assert_allclose(
+            response[:, columns], (ahead - behind) / (2.0 * step), rtol=1e-4, atol=1e-6
+        )
+
+
+@pytest.mark.parametrize("dilation", [0.0, 0.1])
+@pytest.mark.parametrize("second", [False, True])
+def test_changes_solve_the_equations_linearised(dilation, second):
+    """A full step along them leaves of the products what is of second order, and nothing else."""
+    every = contacts(100, dilation=dilation)
+    table, n, used, branch = every
+    pair = np.zeros(n, np.int64), np.ones(n, np.int64)
+    v = centred(every, 1e-2)
+    response, b = np.zeros((n, joint.N_RESPONSE)), np.zeros((n, 2))
+    change, force = np.zeros((n, interior.N_CHANGE)), np.zeros((2, 3))
+    interior.respond(*every, v, response)
+    direction = np.random.default_rng(1).normal(size=(2, 3)) * 1e-6
+    used *= 2  # one contact to a pair
+    branch = np.full(2 * n, joint.STICKING)
+    barrier = 1e-3
+    for again in (False, True)[: 1 + second]:
+        interior.offset(
+            table, n, used, *pair, branch, v, barrier, again, change, response, b, force
+        )
+        first = change.copy()
+        _, by_way, by_square = interior.changes(
+            table, n, used, *pair, branch, v, barrier, again, response, b, direction, change
+        )
+    moved, d = v + change[:, : interior.N_INNER], change
+    tn = table[:, joint.TRIAL_N] + d[:, interior.D_TRIAL_N]
+    tt = table[:, joint.TRIAL_T] + d[:, interior.D_TRIAL_T]
+    rn, rt, w, p, q, near, far = moved.T
+    np.testing.assert_allclose(rn, tn + w + KN * dilation / KT * (p + q), rtol=1e-9, atol=1e-6)
+    np.testing.assert_allclose(rt, tt - p + q, rtol=1e-9, atol=1e-6)
+    names = ((interior.RN, interior.W, KN), (interior.NEAR, interior.P, KT))
+    for one, other, stiffness in (*names, (interior.FAR, interior.Q, KT)):
+        left = v[:, one] * v[:, other] + d[:, one] * v[:, other] + v[:, one] * d[:, other]
+        if second:
+            left += first[:, one] * first[:, other]
+        np.testing.assert_allclose(left, stiffness * barrier, rtol=1e-6)
+    after = interior.respond(table, n, used, branch, moved, response)
+    before = interior.respond(table, n, used, branch, v, response)
+    assert after == pytest.approx(before + by_way + by_square, rel=1e-9)
+
+
+@pytest.mark.parametrize("number", [1, 2, 3])
+def test_a_step_from_the_interior_ends_where_the_path_leads(number, monkeypatch):
+    """Increments on the rising branch, each solved both ways from the state that is followed."""
+    problem = problem_of(published_wall(number))
+    engine = EquilibriumEngine()
+    state, _ = engine.start(problem)
+    compared = 0
+    for _ in range(12):
+        demand = Demand(increment=2e-4)
+        followed, by_path = engine.step(state, demand)
+        solve, told = engine.interior.solve, []
+        with monkeypatch.context() as patch:
+            patch.setattr(
+                engine.interior, "solve", lambda *args: told.append(solve(*args)) or told[-1]
+            )
+            patch.setattr(
+                "drystone.engines.equilibrium.PathSettings",
+                lambda **options: piecewise.PathSettings(**{"worth": -1, **options}),
+            )
+            leapt, from_within = engine.step(state, demand)
+        assert by_path.converged and from_within.converged
+        assert told and told[0][0]
+        if by_path.turn is None:
+            compared += 1
+            assert from_within.static_multiplier == pytest.approx(
+                by_path.static_multiplier, rel=1e-6
+            )
+            np.testing.assert_allclose(leapt.pose, followed.pose, atol=1e-8)
+        state = followed
+    assert compared >= 8
+
+
+def test_a_stack_settles_in_one_long_step():
+    """From blocks that only touch, with gravity at once: every joint carries what is above it."""
+    problem = problem_of(stack(*12 * [(1.0, 0.5)], corner=Corner(radius=0.02)))
+    engine = EquilibriumEngine()
+    engine._settle = lambda state: (state, None)
+    state, _ = engine.start(problem)
+    state, report = engine.step(state, Demand(multiplier=0.0, time_step=30.0))
+    assert report.converged
+    weight = problem.assembly.weight[~problem.assembly.fixed]
+    carried = engine.contacts(state)
+    joints = np.zeros(problem.assembly.n_bodies)
+    np.add.at(joints, carried.block_b, carried.normal_reaction)
+    expected = np.cumsum(weight)
+    assert sorted(joints[joints > 0.0]) == pytest.approx(expected.tolist(), rel=1e-6)
