@@ -63,7 +63,9 @@ def check(a, b, fixed, place, n_dof=3, n_sides=2, seed=0):
     factors.panels[:] = factors.work[:] = np.nan  # whatever was there before
     for _ in range(2):  # the second time with other numbers in the same memory
         matrix = blocks(rng, a, b, len(fixed), n_dof)
-        assert 1e-3 < block_lu.factorise(structure, *matrix, factors) <= 1.0
+        pivot = block_lu.factorise(structure, *matrix, factors)
+        assert 1e-3 < abs(pivot) <= 1.0
+        assert np.sign(pivot) == np.linalg.slogdet(dense(a, b, fixed, *matrix)).sign
         rhs = rng.normal(size=(n_sides, len(fixed), n_dof))
         x = rhs.copy()
         block_lu.solve(structure, factors, x)

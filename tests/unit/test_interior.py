@@ -134,7 +134,7 @@ def test_a_step_from_the_interior_ends_where_the_path_leads(number, monkeypatch)
     state, _ = engine.start(problem)
     compared = 0
     for _ in range(12):
-        demand = Demand(increment=2e-4)
+        demand = Demand(increment=2e-4, over_fold=True)  # by the implicit law
         followed, by_path = engine.step(state, demand)
         solve, told = engine.interior.solve, []
         with monkeypatch.context() as patch:

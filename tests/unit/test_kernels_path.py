@@ -309,7 +309,7 @@ class TestRandomAssemblies:
                 tried += 1
                 if taken.solved.reason == "":
                     solved += 1
-                    bent += taken.solved.bend[0] > 0.0
+                    bent += taken.solved.bend is not None and taken.solved.bend[0] > 0.0
                     if same_contacts(taken):
                         seen += check(taken, whole=whole)
         # The others meet a place where the path turns back.

@@ -197,8 +197,9 @@ class _Walk:
             step.move_trial(x - self.geometry)
             step.branch[:], step.reaction[:] = branch, reaction
             trial = x.copy()
-        end, at = self._leap(trial, multiplier)
-        return end, trial, at
+        beyond, at = self._leap(trial, multiplier)
+        lost = beyond != path.DONE and end == path.TURNED
+        return (end if lost else beyond), trial, at
 
     def _leap(self, x: Array, multiplier: float) -> tuple[int, float]:
         """All changes at once: their branches from the interior, then Newton's method."""
