@@ -143,7 +143,7 @@ def test_a_step_from_the_interior_ends_where_the_path_leads(number, monkeypatch)
             )
             patch.setattr(
                 "drystone.engines.equilibrium.PathSettings",
-                lambda **options: piecewise.PathSettings(**{"worth": -1, **options}),
+                lambda **options: piecewise.PathSettings(**{"worth": -1, "many_blocks": 0, **options}),
             )
             leapt, from_within = engine.step(state, demand)
         assert by_path.converged and from_within.converged

@@ -325,7 +325,7 @@ class TestRandomAssemblies:
         for seed in range(6):
             model = random_model(seed, n=36)
             for engine, state, increment, guess in states_of(model, seed, n=3):
-                taken = take(engine, state, increment, guess=guess, whole=whole, worth=0)
+                taken = take(engine, state, increment, guess=guess, whole=whole, worth=0, many_blocks=0)
                 if taken.solved.reason == "" and same_contacts(taken):
                     check(taken, whole=whole)
                     together += path.MANY in taken.step.ends

@@ -129,11 +129,13 @@ class DisplacementControl:
             aim = (1.0 - 0.5 * s.refined_share) * s.stop_multiplier
             finer = state.increment * (state.last - aim) / (state.last - multiplier)
             return finer if finer > 1e-3 * least else None
+        scale = max(state.highest, multiplier, 10.0 * s.stop_multiplier)
         if report.excess is None or report.bend is None:  # the engine does not tell
-            if multiplier < state.last and state.last == state.highest and state.increment > least:
+            past = multiplier < state.last and state.last == state.highest
+            ahead = state.slope * state.increment > 0.1 * s.peak_share * scale
+            if past and ahead and state.increment > least:
                 return max(0.4 * state.increment, least)
             return None
-        scale = max(state.highest, multiplier, 10.0 * s.stop_multiplier)
         excess, share = report.excess
         highest = max(state.last, multiplier) + excess > state.highest
         hidden = excess > s.peak_share * scale and highest

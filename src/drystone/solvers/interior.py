@@ -37,7 +37,7 @@ class InteriorSettings:
     enough: float = 1e-11  # energy from which on the branches may be told
     surely: float = 1e-13  # and at which they are where there is no lower one to be had
     residual: float = 1e-6  # largest unbalanced force then, over a mean block's weight
-    max_iterations: int = 150
+    max_iterations: int = 120
     margin: float = 0.01  # share of the way to the first factor's end that is left, at most
     shortest: float = 0.03  # share of a direction under which there is no way on, at once
     short: float = 0.1  # or for the third time in a row
@@ -97,6 +97,8 @@ class InteriorPoint:
         """
         step, settings = self.step, self.settings
         every = step.table, step.count, step.used
+        if step.count == 0:
+            return True, multiplier
         stiffness = float(step.table[: step.count, joint.STIFF_N].mean())
         unit = self.weight**2 / stiffness
         lag = pace.measure(geometry)[0] if pace else 0.0
@@ -131,7 +133,8 @@ class InteriorPoint:
             if not wait:
                 way = min(1.0, room)
                 least = max(energy + way * (by_way + way * by_square), 0.0)
-                barrier = min(max((least / energy) ** 3, 1e-3), 0.8) * energy
+                share = (least / energy) ** 3 if energy > 0.0 else 0.0  # bonds have none
+                barrier = min(max(share, 1e-3), 0.8) * energy
                 by_direction, room, _, _ = self._direction(
                     columns[:1], missing, pace, barrier, second=True
                 )

@@ -43,6 +43,7 @@ class PathSettings:
     farthest: float  # m, motion of a block over which the step has failed
     max_iterations: int = 12  # renewals of the gradients
     worth: int = 60  # contacts about to change, above which an interior point is as cheap
+    many_blocks: int = 300  # from which on steps leap
     max_leaps: int = 12  # steps of Newton's method from where an interior point led
     last_changes: int = 16  # contacts about to change that are followed instead
     max_changes: int = 80  # contacts that change one by one, in the implicit law
@@ -174,7 +175,10 @@ class _Walk:
         self.whole = whole
         self.lag, self.gradient = pace.measure(geometry) if pace else (0.0, step.force)
         n = len(geometry)
-        self.worth = settings.worth
+        #: Of few blocks, every change is followed: that tells best where a structure snaps, and
+        #: failing there is cheap.
+        self.few = pace is not None and n < settings.many_blocks
+        self.worth = 2 * step.count if self.few else settings.worth
         self.patience = settings.max_changes
         if not whole or pace is None:
             most = min(2 * step.count, settings.change_effort // n)
@@ -190,7 +194,7 @@ class _Walk:
         step.move_trial(x - self.geometry)
         trial = x.copy()
         end, at = self._follow(trial, multiplier, self.worth)
-        if end == path.DONE:
+        if end == path.DONE or (self.few and end != path.MANY):
             return end, trial, at
         if end != path.MANY:
             step.evaluate(self.geometry, multiplier)
