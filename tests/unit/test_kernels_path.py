@@ -82,7 +82,15 @@ def take(engine, state, increment, *, guess=None, whole=True, **options):
         tolerance=tolerance, depth=1e-12, farthest=0.3 * engine.detector.reach, **options
     )
     solved = piecewise.solve(
-        step, InteriorPoint(step), pace, guess, state.multiplier, state.branch, state.reaction, settings, whole=whole
+        step,
+        InteriorPoint(step),
+        pace,
+        guess,
+        state.multiplier,
+        state.branch,
+        state.reaction,
+        settings,
+        whole=whole,
     )
     return Taken(model, state, increment, guess, step, solved, tolerance)
 
@@ -325,7 +333,9 @@ class TestRandomAssemblies:
         for seed in range(6):
             model = random_model(seed, n=36)
             for engine, state, increment, guess in states_of(model, seed, n=3):
-                taken = take(engine, state, increment, guess=guess, whole=whole, worth=0, many_blocks=0)
+                taken = take(
+                    engine, state, increment, guess=guess, whole=whole, worth=0, many_blocks=0
+                )
                 if taken.solved.reason == "" and same_contacts(taken):
                     check(taken, whole=whole)
                     together += path.MANY in taken.step.ends

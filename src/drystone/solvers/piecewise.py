@@ -240,11 +240,7 @@ class _Walk:
             return path.SINGULAR, multiplier
         missing = self.lag - float(np.vdot(self.gradient, away)) if self.pace else 0.0
         settings = self.settings
-        if (
-            self.leapt
-            and self.step.residual <= settings.tolerance
-            and abs(missing) <= settings.lag
-        ):
+        if self.leapt and self.step.residual <= settings.tolerance and abs(missing) <= settings.lag:
             # Only contacts that carry next to nothing may still change to and fro.
             return path.DONE, multiplier
         end, multiplier, self.left, self.changes = self.step.advance(
