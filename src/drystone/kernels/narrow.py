@@ -198,7 +198,7 @@ def _vertex_on_vertex(bodies, pose, world, slots, k, a, b, va, vb):
     _arms(bodies, pose, world, slots, k, a, b, va, vb)
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def _end(bodies, pose, world, slots, k, a, b, ea, eb, va, vb, reference_is_a):
     """One end of the interface of edges ``ea`` and ``eb``, whose vertices there are va and vb.
 
@@ -236,7 +236,7 @@ def _end(bodies, pose, world, slots, k, a, b, ea, eb, va, vb, reference_is_a):
         _vertex_on_edge(bodies, pose, world, slots, k, a, b, VERTEX_A, va, eb)
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def _interface(bodies, pose, world, slots, p, a, b, reach):
     """Both slots of pair p."""
     k = 2 * p
