@@ -137,7 +137,7 @@ class EquilibriumEngine:
         return self._settle(state)
 
     def _settle(self, state: EquilibriumState) -> tuple[EquilibriumState, StepReport]:
-        """Short steps under the dead load only where a long one fails, until one is static."""
+        """A short step under the dead load and long ones, or shorter where they fail, to rest."""
         h, limit = 0.1, self.settings.static_time_step
         farthest = self.problem.assembly.smallest_extent + 4.0 * self._settlement()
         outcome = StepReport(converged=False)
