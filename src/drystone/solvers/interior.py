@@ -138,7 +138,7 @@ class InteriorPoint:
                 by_direction, room, _, _ = self._direction(
                     columns[:1], missing, pace, barrier, second=True
                 )
-            margin = min(settings.margin, math.sqrt(energy / unit))
+            margin = min(settings.margin, math.sqrt(max(energy / unit, 1e-16)))
             length = min(1.0, (1.0 - margin) * room)
             short = short + 1 if length < settings.short else 0
             if not length > settings.shortest or short == settings.patience:

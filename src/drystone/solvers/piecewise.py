@@ -211,11 +211,16 @@ class _Walk:
         self.leapt = self.whole = True
         self.left, self.changes, self.patience = 1.0, 0, self.settings.max_changes
         step.frame.sense[0] = 1.0
+        start, branch = x.copy(), step.branch.copy()
         told, multiplier = self.interior.solve(
             x, multiplier, self.geometry, self.pace, self.gradient, self.settings.tolerance
         )
-        if not told:
+        if not told and self.pace:
             return path.LOST, multiplier
+        if not told:
+            # Blocks that hardly touch, and fall: Newton's method does without the interior.
+            step.move_trial(start - x)
+            x[:], step.branch[:] = start, branch
         for _ in range(self.settings.max_leaps):
             end, multiplier = self._follow(x, multiplier, self.settings.last_changes)
             if end != path.MANY:
