@@ -128,7 +128,8 @@ def solve(
             break
         step.remember()
         geometry = x
-        if step.constants.detector.motion(x).max() > settings.farthest:
+        # Also where it is not a number.
+        if not step.constants.detector.motion(x).max() <= settings.farthest:
             reason = "a block moves too far in one step"
             break
         step.evaluate(x, multiplier)
