@@ -184,23 +184,26 @@ class _Walk:
         if not whole or pace is None:
             most = min(2 * step.count, settings.change_effort // n)
             self.patience = max(2 * self.patience, most)
-        self.left, self.changes = 1.0, 0
         self.leapt = False
-        step.frame.sense[0] = 1.0
+        self._set_out()
+
+    def _set_out(self) -> None:
+        self.left, self.changes = 1.0, 0
+        self.step.frame.sense[0] = 1.0
 
     def go(self, x: Array, multiplier: float) -> tuple[int, Array, float]:
         """How it ends, and where: followed, but from the interior where many contacts change."""
         step = self.step
-        branch, reaction = step.branch.copy(), step.reaction.copy()
+        begun = None if self.few else (step.branch.copy(), step.reaction.copy())
         step.move_trial(x - self.geometry)
         trial = x.copy()
         end, at = self._follow(trial, multiplier, self.worth)
-        if end == path.DONE or (self.few and end != path.MANY):
+        if end == path.DONE or begun is None:
             return end, trial, at
         if end != path.MANY:
             step.evaluate(self.geometry, multiplier)
             step.move_trial(x - self.geometry)
-            step.branch[:], step.reaction[:] = branch, reaction
+            step.branch[:], step.reaction[:] = begun
             trial = x.copy()
         beyond, at = self._leap(trial, multiplier)
         lost = beyond != path.DONE and end == path.TURNED
@@ -209,9 +212,9 @@ class _Walk:
     def _leap(self, x: Array, multiplier: float) -> tuple[int, float]:
         """All changes at once: their branches from the interior, then Newton's method."""
         step = self.step
+        self._set_out()
         self.leapt = self.whole = True
-        self.left, self.changes, self.patience = 1.0, 0, self.settings.max_changes
-        step.frame.sense[0] = 1.0
+        self.patience = self.settings.max_changes
         start, branch = x.copy(), step.branch.copy()
         told, multiplier = self.interior.solve(
             x, multiplier, self.geometry, self.pace, self.gradient, self.settings.tolerance
@@ -251,8 +254,7 @@ class _Walk:
             return path.DONE, multiplier
         end, multiplier, self.left, self.changes = self.step.advance(
             x, multiplier, missing, self.left, self.changes, paced=self.pace is not None,
-            whole=self.whole, patience=self.patience, worth=worth,
-            leap=self.leapt,
+            whole=self.whole, patience=self.patience, worth=worth, leap=self.leapt,
         )  # fmt: skip
         return end, multiplier
 
