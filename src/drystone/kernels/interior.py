@@ -127,16 +127,16 @@ def respond(table, count, used, branch, inner, response):
 
 
 @njit(cache=True, error_model="numpy")
-def _lacking(row, v, change, barrier, second):
+def _lacking(table, inner, change, c, barrier, second):
     """What the three products lack of the barrier, with the changes' own products if ``second``."""
-    kn, kt = row[STIFF_N] * barrier, row[STIFF_T] * barrier
-    n = kn - v[RN] * v[W]
-    p = kt - v[NEAR] * v[P]
-    q = kt - v[FAR] * v[Q]
+    kn, kt = table[c, STIFF_N] * barrier, table[c, STIFF_T] * barrier
+    n = kn - inner[c, RN] * inner[c, W]
+    p = kt - inner[c, NEAR] * inner[c, P]
+    q = kt - inner[c, FAR] * inner[c, Q]
     if second:
-        n -= change[RN] * change[W]
-        p -= change[NEAR] * change[P]
-        q -= change[FAR] * change[Q]
+        n -= change[c, RN] * change[c, W]
+        p -= change[c, NEAR] * change[c, P]
+        q -= change[c, FAR] * change[c, Q]
     return n, p, q
 
 
@@ -146,25 +146,23 @@ def offset(
 ):  # fmt: skip
     """Fill b of every contact and add the forces A b to ``force`` (n, 3)."""
     for c in range(count):
-        row = table[c]
-        v = inner[c]
-        a = response[c]
-        bn, bt = row[TRIAL_N] - v[RN], row[TRIAL_T] - v[RT]
+        bn, bt = table[c, TRIAL_N] - inner[c, RN], table[c, TRIAL_T] - inner[c, RT]
         if branch[used[c]] != BONDED:
-            n, p, q = _lacking(row, v, change[c], barrier, second)
-            bn += v[W] + n / v[RN]
-            if row[FRICTION] > 0.0:
-                p = v[P] + p / v[NEAR]
-                q = v[Q] + q / v[FAR]
-                bn += row[LIFT] / row[STIFF_T] * (p + q)
+            n, p, q = _lacking(table, inner, change, c, barrier, second)
+            bn += inner[c, W] + n / inner[c, RN]
+            if table[c, FRICTION] > 0.0:
+                p = inner[c, P] + p / inner[c, NEAR]
+                q = inner[c, Q] + q / inner[c, FAR]
+                bn += table[c, LIFT] / table[c, STIFF_T] * (p + q)
                 bt += q - p
         b[c, B_N], b[c, B_T] = bn, bt
-        rn, rt = a[NN] * bn + a[NT] * bt, a[TN] * bn + a[TT] * bt
+        rn = response[c, NN] * bn + response[c, NT] * bt
+        rt = response[c, TN] * bn + response[c, TT] * bt
         body_a = pair_a[used[c] // 2]
         body_b = pair_b[used[c] // 2]
         for i in range(3):
-            force[body_a, i] += rn * row[GAP + i] + rt * row[SLIP + i]
-            force[body_b, i] += rn * row[GAP + 3 + i] + rt * row[SLIP + 3 + i]
+            force[body_a, i] += rn * table[c, GAP + i] + rt * table[c, SLIP + i]
+            force[body_b, i] += rn * table[c, GAP + 3 + i] + rt * table[c, SLIP + 3 + i]
 
 
 @njit(cache=True, error_model="numpy")
@@ -186,38 +184,48 @@ def changes(
     first, second_order = 0.0, 0.0
     n_products = 0
     for c in range(count):
-        row = table[c]
-        v = inner[c]
-        a = response[c]
-        d = change[c]
         body_a = pair_a[used[c] // 2]
         body_b = pair_b[used[c] // 2]
         tn, tt = 0.0, 0.0
         for i in range(3):
-            tn += row[GAP + i] * direction[body_a, i] + row[GAP + 3 + i] * direction[body_b, i]
-            tt += row[MEASURED + i] * direction[body_a, i]
-            tt += row[MEASURED + 3 + i] * direction[body_b, i]
-        n, p, q = _lacking(row, v, d, barrier, second)
-        d[D_TRIAL_N], d[D_TRIAL_T] = -row[STIFF_N] * tn, -row[STIFF_T] * tt
-        bn, bt = d[D_TRIAL_N] + b[c, B_N], d[D_TRIAL_T] + b[c, B_T]
-        rn, rt = a[NN] * bn + a[NT] * bt, a[TN] * bn + a[TT] * bt
-        d[RN], d[RT] = rn, rt
+            tn += table[c, GAP + i] * direction[body_a, i]
+            tn += table[c, GAP + 3 + i] * direction[body_b, i]
+            tt += table[c, MEASURED + i] * direction[body_a, i]
+            tt += table[c, MEASURED + 3 + i] * direction[body_b, i]
+        n, p, q = _lacking(table, inner, change, c, barrier, second)
+        tn *= -table[c, STIFF_N]
+        tt *= -table[c, STIFF_T]
+        change[c, D_TRIAL_N], change[c, D_TRIAL_T] = tn, tt
+        bn, bt = tn + b[c, B_N], tt + b[c, B_T]
+        rn = response[c, NN] * bn + response[c, NT] * bt
+        rt = response[c, TN] * bn + response[c, TT] * bt
+        change[c, RN], change[c, RT] = rn, rt
         if branch[used[c]] == BONDED:
             continue
-        d[W] = (n - v[W] * rn) / v[RN]
-        longest = _room(v[W], d[W], _room(v[RN], rn, longest))
-        first += (v[W] * rn + v[RN] * d[W]) / row[STIFF_N]
-        second_order += rn * d[W] / row[STIFF_N]
+        w = inner[c, W]
+        dw = (n - w * rn) / inner[c, RN]
+        change[c, W] = dw
+        longest = _room(w, dw, _room(inner[c, RN], rn, longest))
+        first += (w * rn + inner[c, RN] * dw) / table[c, STIFF_N]
+        second_order += rn * dw / table[c, STIFF_N]
         n_products += 1
-        if row[FRICTION] == 0.0:
+        if table[c, FRICTION] == 0.0:
             continue
-        d[NEAR], d[FAR] = row[FRICTION] * rn - rt, row[FRICTION] * rn + rt
-        d[P] = (p - v[P] * d[NEAR]) / v[NEAR]
-        d[Q] = (q - v[Q] * d[FAR]) / v[FAR]
-        longest = _room(v[NEAR], d[NEAR], _room(v[FAR], d[FAR], longest))
-        longest = _room(v[P], d[P], _room(v[Q], d[Q], longest))
-        first += (v[NEAR] * d[P] + v[P] * d[NEAR] + v[FAR] * d[Q] + v[Q] * d[FAR]) / row[STIFF_T]
-        second_order += (d[NEAR] * d[P] + d[FAR] * d[Q]) / row[STIFF_T]
+        # Of the room to either side, and of what is slid there.
+        near, slid = inner[c, NEAR], inner[c, P]
+        d_near = table[c, FRICTION] * rn - rt
+        d_slid = (p - slid * d_near) / near
+        change[c, NEAR], change[c, P] = d_near, d_slid
+        longest = _room(near, d_near, _room(slid, d_slid, longest))
+        first += (near * d_slid + slid * d_near) / table[c, STIFF_T]
+        second_order += d_near * d_slid / table[c, STIFF_T]
+        far, slid = inner[c, FAR], inner[c, Q]
+        d_far = table[c, FRICTION] * rn + rt
+        d_slid = (q - slid * d_far) / far
+        change[c, FAR], change[c, Q] = d_far, d_slid
+        longest = _room(far, d_far, _room(slid, d_slid, longest))
+        first += (far * d_slid + slid * d_far) / table[c, STIFF_T]
+        second_order += d_far * d_slid / table[c, STIFF_T]
         n_products += 2
     n_products = max(n_products, 1)
     return longest, first / n_products, second_order / n_products

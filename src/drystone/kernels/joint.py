@@ -177,37 +177,39 @@ def _second_derivatives(kind, normal, arm_a, arm_b, roll, ratio, k, rn, rt, hess
 
 
 @njit(cache=True)
-def _branch(row, hint):
+def _branch(table, c, hint):
     """Branch of the law for the trial reactions of a row of the table."""
-    rn = row[TRIAL_N]
-    rt = row[TRIAL_T]
-    if hint == BONDED and rn >= -row[TENSILE] and abs(rt) <= row[FRICTION] * rn + row[BOND]:
+    rn = table[c, TRIAL_N]
+    rt = table[c, TRIAL_T]
+    mu = table[c, FRICTION]
+    if hint == BONDED and rn >= -table[c, TENSILE] and abs(rt) <= mu * rn + table[c, BOND]:
         return BONDED
-    over = abs(rt) - row[FRICTION] * rn
-    near = TIE * (abs(rt) + row[FRICTION] * abs(rn))
+    over = abs(rt) - mu * rn
+    near = TIE * (abs(rt) + mu * abs(rn))
     # A joint that dilates is held closed by what it slides.
-    held = row[STIFF_T] * rn + row[LIFT] * abs(rt)
+    held = table[c, STIFF_T] * rn + table[c, LIFT] * abs(rt)
     if held < 0.0 or (held == 0.0 and hint != STICKING):
         return OPEN
     sliding = FORWARD if rt > 0.0 else BACKWARD
-    if abs(over) <= near and (hint in (STICKING, sliding)):
+    if abs(over) <= near and (hint == STICKING or hint == sliding):
         return hint
     return STICKING if over <= 0.0 else sliding
 
 
 @njit(cache=True)
-def _reactions(row, branch):
+def _reactions(table, c, branch):
     """Normal and tangential reaction [N] in a branch of the law, and the sliding in it [m]."""
-    rn = row[TRIAL_N]
-    rt = row[TRIAL_T]
+    rn = table[c, TRIAL_N]
+    rt = table[c, TRIAL_T]
     if branch == OPEN:
         return 0.0, 0.0, 0.0
-    if branch in (STICKING, BONDED):
+    if branch == STICKING or branch == BONDED:
         return rn, rt, 0.0
     sign = 1.0 if branch == FORWARD else -1.0
-    gamma = (sign * rt - row[FRICTION] * rn) / (row[STIFF_T] + row[FRICTION] * row[LIFT])
-    rn += row[LIFT] * gamma
-    return rn, sign * row[FRICTION] * rn, gamma
+    mu, lift = table[c, FRICTION], table[c, LIFT]
+    gamma = (sign * rt - mu * rn) / (table[c, STIFF_T] + mu * lift)
+    rn += lift * gamma
+    return rn, sign * mu * rn, gamma
 
 
 @njit(cache=True)
@@ -248,13 +250,14 @@ def joint_forces(
         Filled: (n_slots, 2) [N], and the history at the end, (n_slots, N_HISTORY).
     """
     kind, normal, arm_a, arm_b = slots.kind, slots.normal, slots.arm_a, slots.arm_b
-    roll, ratio = slots.roll, slots.ratio
+    roll, ratio, gap, length = slots.roll, slots.ratio, slots.gap, slots.length
     force[:, :] = 0.0
     count = 0
     for k in range(kind.shape[0]):
         reaction[k, 0] = 0.0
         reaction[k, 1] = 0.0
-        state[k] = memory[k]
+        for i in range(N_HISTORY):
+            state[k, i] = memory[k, i]
         hint = branch[k]
         branch[k] = OPEN
         if kind[k] == NONE:
@@ -266,81 +269,80 @@ def joint_forces(
         b = pair_b[p]
         law = pair_law[p]
         known = start_length[k] > 0.0
-        area = thickness * (start_length[k] if known else slots.length[k])
-        used[count] = k
-        row = table[count]
+        area = thickness * (start_length[k] if known else length[k])
+        c = count
         count += 1
-        _gradients(kind, normal, arm_a, arm_b, roll, ratio, k, row)
+        used[c] = k
+        _gradients(kind, normal, arm_a, arm_b, roll, ratio, k, table, c)
         if known:
             slip = 0.0
             for i in range(3):
-                row[MEASURED + i] = start_slip[k, i]
-                row[MEASURED + 3 + i] = start_slip[k, 3 + i]
-                slip += row[MEASURED + i] * increment[a, i]
-                slip += row[MEASURED + 3 + i] * increment[b, i]
+                table[c, MEASURED + i] = start_slip[k, i]
+                table[c, MEASURED + 3 + i] = start_slip[k, 3 + i]
+                slip += start_slip[k, i] * increment[a, i]
+                slip += start_slip[k, 3 + i] * increment[b, i]
         else:
-            row[MEASURED : MEASURED + 6] = row[SLIP : SLIP + 6]
+            for i in range(6):
+                table[c, MEASURED + i] = table[c, SLIP + i]
             slip = _slip(kind, normal, arm_a, arm_b, roll, ratio, k, a, b, increment)
-        row[STIFF_N] = laws[law, KN] * area
-        row[STIFF_T] = laws[law, KS] * area
-        row[FRICTION] = laws[law, MU]
+        kn, kt = laws[law, KN] * area, laws[law, KS] * area
+        bond, tensile = laws[law, COHESION] * area, laws[law, TENSION] * area
         dilates = closed[k] and state[k, SLID] < laws[law, DILATANCY_END]
-        row[LIFT] = row[STIFF_N] * laws[law, TAN_PSI] if dilates else 0.0
-        row[BOND] = laws[law, COHESION] * area
-        row[TENSILE] = laws[law, TENSION] * area
-        row[TRIAL_N] = row[STIFF_N] * (state[k, DILATION] - slots.gap[k])
-        row[TRIAL_T] = shear - row[STIFF_T] * slip
-        row[ADD_N] = 0.0
-        row[ADD_T] = 0.0
-        row[PLASTIC] = 0.0
-        if state[k, BROKEN] == 0.0 and (row[BOND] > 0.0 or row[TENSILE] > 0.0):
+        lift = kn * laws[law, TAN_PSI] if dilates else 0.0
+        table[c, STIFF_N], table[c, STIFF_T], table[c, FRICTION] = kn, kt, laws[law, MU]
+        table[c, LIFT], table[c, BOND], table[c, TENSILE] = lift, bond, tensile
+        table[c, TRIAL_N] = kn * (state[k, DILATION] - gap[k])
+        table[c, TRIAL_T] = shear - kt * slip
+        table[c, ADD_N], table[c, ADD_T], table[c, PLASTIC] = 0.0, 0.0, 0.0
+        if state[k, BROKEN] == 0.0 and (bond > 0.0 or tensile > 0.0):
             hint = BONDED
-        now = _branch(row, hint)
+        now = _branch(table, c, hint)
         branch[k] = now
         if hint == BONDED and now != BONDED:
             state[k, BROKEN] = 1.0
-        rn, rt, gamma = _reactions(row, now)
-        state[k, DILATION] += laws[law, TAN_PSI] * gamma if row[LIFT] > 0.0 else 0.0
+        rn, rt, gamma = _reactions(table, c, now)
+        state[k, DILATION] += laws[law, TAN_PSI] * gamma if lift > 0.0 else 0.0
         state[k, SLID] += gamma
         reaction[k, 0] = rn
         reaction[k, 1] = rt
         state[k, SHEAR] = rt
         for i in range(3):
-            force[a, i] += rn * row[GAP + i] + rt * row[SLIP + i]
-            force[b, i] += rn * row[GAP + 3 + i] + rt * row[SLIP + 3 + i]
+            force[a, i] += rn * table[c, GAP + i] + rt * table[c, SLIP + i]
+            force[b, i] += rn * table[c, GAP + 3 + i] + rt * table[c, SLIP + 3 + i]
     return count
 
 
 @njit(cache=True)
-def _gradients(kind, normal, arm_a, arm_b, roll, ratio, k, row):
+def _gradients(kind, normal, arm_a, arm_b, roll, ratio, k, table, c):
     """Gradients of gap and slip of contact k into a row of the table; see `kernels.narrow`."""
     nx = normal[k, 0]
     ny = normal[k, 1]
-    row[GAP + 0] = -nx
-    row[GAP + 1] = -ny
-    row[GAP + 2] = nx * arm_a[k, 1] - ny * arm_a[k, 0]
-    row[GAP + 3] = nx
-    row[GAP + 4] = ny
-    row[GAP + 5] = -nx * arm_b[k, 1] + ny * arm_b[k, 0]
+    table[c, GAP + 0] = -nx
+    table[c, GAP + 1] = -ny
+    table[c, GAP + 2] = nx * arm_a[k, 1] - ny * arm_a[k, 0]
+    table[c, GAP + 3] = nx
+    table[c, GAP + 4] = ny
+    table[c, GAP + 5] = -nx * arm_b[k, 1] + ny * arm_b[k, 0]
     q = ratio[k]
-    row[SLIP + 0] = -q * ny
-    row[SLIP + 1] = q * nx
-    row[SLIP + 2] = q * (ny * arm_a[k, 1] + nx * arm_a[k, 0]) + roll[k, 0]
-    row[SLIP + 3] = q * ny
-    row[SLIP + 4] = -q * nx
-    row[SLIP + 5] = -q * (ny * arm_b[k, 1] + nx * arm_b[k, 0]) + roll[k, 1]
+    table[c, SLIP + 0] = -q * ny
+    table[c, SLIP + 1] = q * nx
+    table[c, SLIP + 2] = q * (ny * arm_a[k, 1] + nx * arm_a[k, 0]) + roll[k, 0]
+    table[c, SLIP + 3] = q * ny
+    table[c, SLIP + 4] = -q * nx
+    table[c, SLIP + 5] = -q * (ny * arm_b[k, 1] + nx * arm_b[k, 0]) + roll[k, 1]
 
 
 @njit(cache=True)
 def slip_gradients(slots, rows):
     """Gradients of the slip of all contacts in use, (n_slots, 6); see `kernels.narrow`."""
-    row = np.zeros(12)
-    for k in range(slots.kind.shape[0]):
-        if slots.kind[k] != NONE:
-            _gradients(
-                slots.kind, slots.normal, slots.arm_a, slots.arm_b, slots.roll, slots.ratio, k, row
-            )
-            rows[k] = row[SLIP:]
+    kind, normal, arm_a, arm_b = slots.kind, slots.normal, slots.arm_a, slots.arm_b
+    roll, ratio = slots.roll, slots.ratio
+    row = np.zeros((1, 12))
+    for k in range(kind.shape[0]):
+        if kind[k] != NONE:
+            _gradients(kind, normal, arm_a, arm_b, roll, ratio, k, row, 0)
+            for i in range(6):
+                rows[k, i] = row[0, SLIP + i]
 
 
 @njit(cache=True)
@@ -363,16 +365,15 @@ def move_trial(table, count, used, pair_a, pair_b, motion):
 def remember(table, count, used, branch, memory):
     """Sliding that has ended becomes part of what contacts bring along (n_slots, N_HISTORY)."""
     for c in range(count):
-        row = table[c]
         k = used[c]
-        memory[k, SHEAR] += row[ADD_T]
-        memory[k, DILATION] += row[ADD_N] / row[STIFF_N]
-        memory[k, SLID] += row[PLASTIC]
+        memory[k, SHEAR] += table[c, ADD_T]
+        memory[k, DILATION] += table[c, ADD_N] / table[c, STIFF_N]
+        memory[k, SLID] += table[c, PLASTIC]
         if branch[k] != BONDED:
             memory[k, BROKEN] = 1.0
-        row[ADD_N] = 0.0
-        row[ADD_T] = 0.0
-        row[PLASTIC] = 0.0
+        table[c, ADD_N] = 0.0
+        table[c, ADD_T] = 0.0
+        table[c, PLASTIC] = 0.0
 
 
 @njit(cache=True)
@@ -380,17 +381,18 @@ def respond(table, count, used, branch, response):
     """Fill reactions and their derivatives by the trial reactions, (n_slots, N_RESPONSE)."""
     for c in range(count):
         now = branch[used[c]]
-        row = table[c]
-        a = response[c]
-        a[RN], a[RT], _ = _reactions(row, now)
-        a[NN], a[NT], a[TN], a[TT] = 0.0, 0.0, 0.0, 0.0
-        if now in (STICKING, BONDED):
-            a[NN], a[TT] = 1.0, 1.0
+        response[c, RN], response[c, RT], _ = _reactions(table, c, now)
+        nn, nt, tn, tt = 0.0, 0.0, 0.0, 0.0
+        if now == STICKING or now == BONDED:
+            nn, tt = 1.0, 1.0
         elif now != OPEN:
             sign = 1.0 if now == FORWARD else -1.0
-            raised = row[LIFT] / (row[STIFF_T] + row[FRICTION] * row[LIFT])
-            a[NN], a[NT] = 1.0 - raised * row[FRICTION], raised * sign
-            a[TN], a[TT] = sign * row[FRICTION] * a[NN], sign * row[FRICTION] * a[NT]
+            mu, lift = table[c, FRICTION], table[c, LIFT]
+            raised = lift / (table[c, STIFF_T] + mu * lift)
+            nn, nt = 1.0 - raised * mu, raised * sign
+            tn, tt = sign * mu * nn, sign * mu * nt
+        response[c, NN], response[c, NT] = nn, nt
+        response[c, TN], response[c, TT] = tn, tt
 
 
 @njit(cache=True)
@@ -418,45 +420,43 @@ def assemble(
     tangent
         `Tangent`, filled.
     """
+    # Fields read once, and no views of rows: in the loop each would count references.
+    kind, normal, arm_a, arm_b = slots.kind, slots.normal, slots.arm_a, slots.arm_b
+    roll, ratio = slots.roll, slots.ratio
+    diagonal, upper, lower = tangent.diagonal, tangent.upper, tangent.lower
+    diagonal[:, :, :] = 0.0
+    upper[:, :, :] = 0.0
+    lower[:, :, :] = 0.0
     hess = np.zeros((6, 6))
     force[:, :] = 0.0
-    for block in tangent:
-        block[:, :, :] = 0.0
     for c in range(count):
         k = used[c]
         p = k // 2
         a = pair_a[p]
         b = pair_b[p]
-        row = table[c]
+        hess[:, :] = 0.0
+        if reaction[k, 0] != 0.0:
+            _second_derivatives(
+                kind, normal, arm_a, arm_b, roll, ratio, k, reaction[k, 0], reaction[k, 1], hess
+            )
+            for i in range(3):
+                for j in range(3):
+                    force[a, i] -= hess[i, j] * motion[a, j] + hess[i, 3 + j] * motion[b, j]
+                    force[b, i] -= hess[3 + i, j] * motion[a, j] + hess[3 + i, 3 + j] * motion[b, j]
         rn, rt = response[c, RN], response[c, RT]
-        kn, kt = row[STIFF_N], row[STIFF_T]
+        kn, kt = table[c, STIFF_N], table[c, STIFF_T]
         nn, nt = kn * response[c, NN], kt * response[c, NT]
         tn, tt = kn * response[c, TN], kt * response[c, TT]
         for i in range(6):
-            by_gap = row[GAP + i] * nn + row[SLIP + i] * tn
-            by_slip = row[GAP + i] * nt + row[SLIP + i] * tt
+            by_gap = table[c, GAP + i] * nn + table[c, SLIP + i] * tn
+            by_slip = table[c, GAP + i] * nt + table[c, SLIP + i] * tt
             for j in range(6):
-                hess[i, j] = by_gap * row[GAP + j] + by_slip * row[MEASURED + j]
+                hess[i, j] += by_gap * table[c, GAP + j] + by_slip * table[c, MEASURED + j]
         for i in range(3):
-            force[a, i] += rn * row[GAP + i] + rt * row[SLIP + i]
-            force[b, i] += rn * row[GAP + 3 + i] + rt * row[SLIP + 3 + i]
+            force[a, i] += rn * table[c, GAP + i] + rt * table[c, SLIP + i]
+            force[b, i] += rn * table[c, GAP + 3 + i] + rt * table[c, SLIP + 3 + i]
             for j in range(3):
-                tangent.diagonal[a, i, j] += hess[i, j]
-                tangent.diagonal[b, i, j] += hess[3 + i, 3 + j]
-                tangent.upper[p, i, j] += hess[i, 3 + j]
-                tangent.lower[p, i, j] += hess[3 + i, j]
-        if reaction[k, 0] == 0.0:
-            continue
-        hess[:, :] = 0.0
-        _second_derivatives(
-            slots.kind, slots.normal, slots.arm_a, slots.arm_b, slots.roll, slots.ratio, k,
-            reaction[k, 0], reaction[k, 1], hess,
-        )  # fmt: skip
-        for i in range(3):
-            for j in range(3):
-                force[a, i] -= hess[i, j] * motion[a, j] + hess[i, 3 + j] * motion[b, j]
-                force[b, i] -= hess[3 + i, j] * motion[a, j] + hess[3 + i, 3 + j] * motion[b, j]
-                tangent.diagonal[a, i, j] += hess[i, j]
-                tangent.diagonal[b, i, j] += hess[3 + i, 3 + j]
-                tangent.upper[p, i, j] += hess[i, 3 + j]
-                tangent.lower[p, i, j] += hess[3 + i, j]
+                diagonal[a, i, j] += hess[i, j]
+                diagonal[b, i, j] += hess[3 + i, 3 + j]
+                upper[p, i, j] += hess[i, 3 + j]
+                lower[p, i, j] += hess[3 + i, j]

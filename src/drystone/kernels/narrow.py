@@ -93,18 +93,18 @@ def place(bodies, pose, world):
             world.tangent[v, 1] = s * tx + c * ty
 
 
-@njit(cache=True, inline="always")
-def _best_edge(bodies, world, a, b):
+@njit(cache=True)
+def _best_edge(offset, vertex, tangent, a, b):
     """Edge of a whose outward normal separates a and b most, and that separation [m]."""
     best = -np.inf
-    edge = bodies.offset[a]
-    for i in range(bodies.offset[a], bodies.offset[a + 1]):
-        nx = world.tangent[i, 1]
-        ny = -world.tangent[i, 0]
-        base = nx * world.vertex[i, 0] + ny * world.vertex[i, 1]
+    edge = offset[a]
+    for i in range(offset[a], offset[a + 1]):
+        nx = tangent[i, 1]
+        ny = -tangent[i, 0]
+        base = nx * vertex[i, 0] + ny * vertex[i, 1]
         least = np.inf
-        for j in range(bodies.offset[b], bodies.offset[b + 1]):
-            d = nx * world.vertex[j, 0] + ny * world.vertex[j, 1] - base
+        for j in range(offset[b], offset[b + 1]):
+            d = nx * vertex[j, 0] + ny * vertex[j, 1] - base
             if d < least:
                 least = d
         if least > best:
@@ -113,16 +113,13 @@ def _best_edge(bodies, world, a, b):
     return edge, best
 
 
-@njit(cache=True, inline="always")
-def _most_opposed(bodies, world, edge, b):
+@njit(cache=True)
+def _most_opposed(offset, tangent, edge, b):
     """Edge of b whose tangent is most opposed to that of ``edge``."""
     best = np.inf
-    found = bodies.offset[b]
-    for j in range(bodies.offset[b], bodies.offset[b + 1]):
-        d = (
-            world.tangent[edge, 0] * world.tangent[j, 0]
-            + world.tangent[edge, 1] * world.tangent[j, 1]
-        )
+    found = offset[b]
+    for j in range(offset[b], offset[b + 1]):
+        d = tangent[edge, 0] * tangent[j, 0] + tangent[edge, 1] * tangent[j, 1]
         if d < best:
             best = d
             found = j
@@ -134,12 +131,11 @@ def _centre(bodies, pose, body):
     return bodies.centroid[body, 0] + pose[body, 0], bodies.centroid[body, 1] + pose[body, 1]
 
 
-@njit(cache=True, inline="always")
-def _along(world, edge, vertex):
+@njit(cache=True)
+def _along(vertex, tangent, edge, v):
     """Coordinate of a vertex along an edge, from the edge's start [m]."""
-    return (world.vertex[vertex, 0] - world.vertex[edge, 0]) * world.tangent[edge, 0] + (
-        world.vertex[vertex, 1] - world.vertex[edge, 1]
-    ) * world.tangent[edge, 1]
+    x = (vertex[v, 0] - vertex[edge, 0]) * tangent[edge, 0]
+    return x + (vertex[v, 1] - vertex[edge, 1]) * tangent[edge, 1]
 
 
 @njit(cache=True, inline="always")
@@ -165,9 +161,6 @@ def _vertex_on_edge(bodies, pose, world, slots, k, a, b, kind, fa, fb):
         slots.roll[k, 1] = -rolling
     nx = world.tangent[edge, 1]
     ny = -world.tangent[edge, 0]
-    slots.kind[k] = kind
-    slots.feature[k, 0] = fa
-    slots.feature[k, 1] = fb
     slots.gap[k] = (
         nx * (world.vertex[vertex, 0] - world.vertex[edge, 0])
         + ny * (world.vertex[vertex, 1] - world.vertex[edge, 1])
@@ -186,9 +179,6 @@ def _vertex_on_vertex(bodies, pose, world, slots, k, a, b, va, vb):
     dx = world.vertex[vb, 0] - world.vertex[va, 0]
     dy = world.vertex[vb, 1] - world.vertex[va, 1]
     distance = np.sqrt(dx * dx + dy * dy)
-    slots.kind[k] = VERTICES
-    slots.feature[k, 0] = va
-    slots.feature[k, 1] = vb
     slots.gap[k] = distance - bodies.radius[a] - bodies.radius[b]
     slots.normal[k, 0] = dx / distance
     slots.normal[k, 1] = dy / distance
@@ -199,105 +189,130 @@ def _vertex_on_vertex(bodies, pose, world, slots, k, a, b, va, vb):
 
 
 @njit(cache=True)
-def _end(bodies, pose, world, slots, k, a, b, ea, eb, va, vb, reference_is_a):
-    """One end of the interface of edges ``ea`` and ``eb``, whose vertices there are va and vb.
+def _end(length, vertex, tangent, radii, ea, eb, va, vb, reference_is_a):
+    """Kind and features of the contact at one end of the interface of edges ``ea`` and ``eb``.
 
-    The vertex that lies within the other edge makes the contact; where neither does, the two
-    vertices face each other across a corner.  Sharp corners that do so have no common normal but
-    where they all but coincide, and there it is the reference edge's.
+    The vertices there are va and vb.  The one that lies within the other edge makes the contact;
+    where neither does, the two face each other across a corner.  Sharp corners that do so have no
+    common normal but where they all but coincide, and there it is the reference edge's.
     """
-    dx = world.vertex[vb, 0] - world.vertex[va, 0]
-    dy = world.vertex[vb, 1] - world.vertex[va, 1]
-    sb = _along(world, ea, vb)
-    sa = _along(world, eb, va)
+    dx = vertex[vb, 0] - vertex[va, 0]
+    dy = vertex[vb, 1] - vertex[va, 1]
+    sb = _along(vertex, tangent, ea, vb)
+    sa = _along(vertex, tangent, eb, va)
     # Sharp corners right above each other must not miss each other by a rounding error.
-    rounded = bodies.radius[a] + bodies.radius[b] > 0.0
-    slack = 0.0 if rounded else 1e-9 * (bodies.length[ea] + bodies.length[eb])
-    b_inside = -slack <= sb <= bodies.length[ea] + slack
-    a_inside = -slack <= sa <= bodies.length[eb] + slack
+    slack = 0.0 if radii > 0.0 else 1e-9 * (length[ea] + length[eb])
+    b_inside = -slack <= sb <= length[ea] + slack
+    a_inside = -slack <= sa <= length[eb] + slack
     if b_inside and a_inside:
         # Edges that open towards this end: the nearer of the two candidates.
-        gap_b = dx * world.tangent[ea, 1] - dy * world.tangent[ea, 0]
-        gap_a = -dx * world.tangent[eb, 1] + dy * world.tangent[eb, 0]
+        gap_b = dx * tangent[ea, 1] - dy * tangent[ea, 0]
+        gap_a = -dx * tangent[eb, 1] + dy * tangent[eb, 0]
         b_inside = gap_b < gap_a or (gap_b == gap_a and reference_is_a)
     elif not b_inside and not a_inside:
-        radii = bodies.radius[a] + bodies.radius[b]
         apart = dx * dx + dy * dy
         if radii > 0.0 and apart > 0.01 * radii * radii:
-            _vertex_on_vertex(bodies, pose, world, slots, k, a, b, va, vb)
-            return
-        near = SAME_CORNER * (bodies.length[ea] + bodies.length[eb])
+            return VERTICES, va, vb
+        near = SAME_CORNER * (length[ea] + length[eb])
         if apart > near * near:
-            return
+            return NONE, va, vb
         b_inside = reference_is_a
     if b_inside:
-        _vertex_on_edge(bodies, pose, world, slots, k, a, b, VERTEX_B, ea, vb)
-    else:
-        _vertex_on_edge(bodies, pose, world, slots, k, a, b, VERTEX_A, va, eb)
+        return VERTEX_B, ea, vb
+    return VERTEX_A, va, eb
 
 
 @njit(cache=True)
-def _interface(bodies, pose, world, slots, p, a, b, reach):
-    """Both slots of pair p."""
-    k = 2 * p
-    slots.kind[k] = NONE
-    slots.kind[k + 1] = NONE
-    slots.gap[k] = np.inf
-    slots.gap[k + 1] = np.inf
-    radii = bodies.radius[a] + bodies.radius[b]
-    ea, apart_a = _best_edge(bodies, world, a, b)
+def _interface(
+    offset, following, length, setback, radii, vertex, tangent, k, a, b, reach,
+    kinds, features, edges, lengths,
+):  # fmt: skip
+    """Kinds, features, edges and tributary lengths of slots k and k + 1, of bodies a and b."""
+    kinds[k] = NONE
+    kinds[k + 1] = NONE
+    ea, apart_a = _best_edge(offset, vertex, tangent, a, b)
     if apart_a > radii + reach:
         return
-    eb, apart_b = _best_edge(bodies, world, b, a)
+    eb, apart_b = _best_edge(offset, vertex, tangent, b, a)
     if apart_b > radii + reach:
         return
-    tie = 1e-9 * (bodies.length[ea] + bodies.length[eb])
+    tie = 1e-9 * (length[ea] + length[eb])
     reference_is_a = apart_a >= apart_b - tie
     if reference_is_a:
-        eb = _most_opposed(bodies, world, ea, b)
+        eb = _most_opposed(offset, tangent, ea, b)
     else:
-        ea = _most_opposed(bodies, world, eb, a)
-    a0, a1 = ea, bodies.following[ea]
-    b0, b1 = eb, bodies.following[eb]
+        ea = _most_opposed(offset, tangent, eb, a)
+    a0, a1 = ea, following[ea]
+    b0, b1 = eb, following[eb]
     # Coordinates of b's vertices along a's edge; b1 faces a0 and b0 faces a1.
-    s1 = _along(world, ea, b1)
-    s0 = _along(world, ea, b0)
-    length_a = bodies.length[ea]
-    start = s1 - bodies.setback[eb, 1] if s1 > 0.0 else -bodies.setback[ea, 0]
-    end = s0 + bodies.setback[eb, 0] if s0 < length_a else length_a + bodies.setback[ea, 1]
-    least = LEAST_SHARE * min(length_a, bodies.length[eb])
-    half = max(0.5 * (end - start), least)
+    s1 = _along(vertex, tangent, ea, b1)
+    s0 = _along(vertex, tangent, ea, b0)
+    length_a = length[ea]
+    start = s1 - setback[eb, 1] if s1 > 0.0 else -setback[ea, 0]
+    end = s0 + setback[eb, 0] if s0 < length_a else length_a + setback[ea, 1]
+    least = LEAST_SHARE * min(length_a, length[eb])
+    for slot in range(k, k + 2):
+        lengths[slot] = max(0.5 * (end - start), least)
+        edges[slot, 0] = ea
+        edges[slot, 1] = eb
     if s1 > length_a or s0 < 0.0:  # b lies past an end of a's edge
         va = a1 if s1 > length_a else a0
-        sa = _along(world, eb, va)
-        if 0.0 <= sa <= bodies.length[eb]:
-            _vertex_on_edge(bodies, pose, world, slots, k, a, b, VERTEX_A, va, eb)
+        sa = _along(vertex, tangent, eb, va)
+        features[k, 0] = va
+        if 0.0 <= sa <= length[eb]:
+            kinds[k] = VERTEX_A
+            features[k, 1] = eb
         elif radii > 0.0:
-            _vertex_on_vertex(bodies, pose, world, slots, k, a, b, va, b0 if sa < 0.0 else b1)
-        else:
-            return
-        slots.length[k] = half
-        slots.edges[k, 0] = ea
-        slots.edges[k, 1] = eb
-        if slots.gap[k] > reach:
-            slots.kind[k] = NONE
+            kinds[k] = VERTICES
+            features[k, 1] = b0 if sa < 0.0 else b1
         return
-    _end(bodies, pose, world, slots, k, a, b, ea, eb, a0, b1, reference_is_a)
-    _end(bodies, pose, world, slots, k + 1, a, b, ea, eb, a1, b0, reference_is_a)
-    for end_slot in range(k, k + 2):
-        slots.length[end_slot] = half
-        slots.edges[end_slot, 0] = ea
-        slots.edges[end_slot, 1] = eb
-        if slots.gap[end_slot] > reach:
-            slots.kind[end_slot] = NONE
+    va, vb = a0, b1
+    for slot in range(k, k + 2):
+        kind, fa, fb = _end(length, vertex, tangent, radii, ea, eb, va, vb, reference_is_a)
+        kinds[slot] = kind
+        features[slot, 0] = fa
+        features[slot, 1] = fb
+        va, vb = a1, b0
+
+
+@njit(cache=True)
+def _measure(bodies, pose, world, pair_a, pair_b, slots):
+    """Everything else about the contacts of all slots, whose features are given."""
+    for k in range(slots.kind.shape[0]):
+        kind = slots.kind[k]
+        if kind == NONE:
+            slots.gap[k] = np.inf
+            continue
+        a = pair_a[k // 2]
+        b = pair_b[k // 2]
+        fa = slots.feature[k, 0]
+        fb = slots.feature[k, 1]
+        if kind == VERTICES:
+            _vertex_on_vertex(bodies, pose, world, slots, k, a, b, fa, fb)
+        else:
+            _vertex_on_edge(bodies, pose, world, slots, k, a, b, kind, fa, fb)
 
 
 @njit(cache=True)
 def find_contacts(bodies, pose, world, pair_a, pair_b, reach, slots):
     """Fill the slots of all pairs in the given poses; ``reach`` [m] is the largest gap watched."""
     place(bodies, pose, world)
+    # Fields read once: in the loop each reading would count references.
+    offset, following, length = bodies.offset, bodies.following, bodies.length
+    setback, radius = bodies.setback, bodies.radius
+    vertex, tangent = world.vertex, world.tangent
+    kinds, features, edges, lengths = slots.kind, slots.feature, slots.edges, slots.length
     for p in range(pair_a.shape[0]):
-        _interface(bodies, pose, world, slots, p, pair_a[p], pair_b[p], reach)
+        a = pair_a[p]
+        b = pair_b[p]
+        _interface(
+            offset, following, length, setback, radius[a] + radius[b], vertex, tangent, 2 * p, a,
+            b, reach, kinds, features, edges, lengths,
+        )  # fmt: skip
+    _measure(bodies, pose, world, pair_a, pair_b, slots)
+    for k in range(slots.kind.shape[0]):
+        if slots.gap[k] > reach:
+            slots.kind[k] = NONE
 
 
 @njit(cache=True)
@@ -309,22 +324,12 @@ def follow_contacts(bodies, pose, world, pair_a, pair_b, known, slots):
     """
     place(bodies, pose, world)
     for k in range(known.kind.shape[0]):
-        kind = known.kind[k]
-        slots.kind[k] = kind
+        slots.kind[k] = known.kind[k]
         slots.length[k] = known.length[k]
-        slots.edges[k, 0] = known.edges[k, 0]
-        slots.edges[k, 1] = known.edges[k, 1]
-        if kind == NONE:
-            slots.gap[k] = np.inf
-            continue
-        a = pair_a[k // 2]
-        b = pair_b[k // 2]
-        fa = known.feature[k, 0]
-        fb = known.feature[k, 1]
-        if kind == VERTICES:
-            _vertex_on_vertex(bodies, pose, world, slots, k, a, b, fa, fb)
-        else:
-            _vertex_on_edge(bodies, pose, world, slots, k, a, b, kind, fa, fb)
+        for i in range(2):
+            slots.feature[k, i] = known.feature[k, i]
+            slots.edges[k, i] = known.edges[k, i]
+    _measure(bodies, pose, world, pair_a, pair_b, slots)
 
 
 @njit(cache=True)

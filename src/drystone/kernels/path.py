@@ -93,58 +93,66 @@ def border(frame, x, lag):
 
 
 @njit(cache=True)
-def _along(row, start, field, a, b):
-    """A row of the table times the motion of its two bodies."""
+def _along(rows, k, field, a, b):
+    """Row k of ``rows`` (n_rows, 2 n_dof) times the motion of its two bodies."""
     n_dof = field.shape[1]
     total = 0.0
     for i in range(n_dof):
-        total += row[start + i] * field[a, i] + row[start + n_dof + i] * field[b, i]
+        total += rows[k, i] * field[a, i] + rows[k, n_dof + i] * field[b, i]
     return total
 
 
 @njit(cache=True)
-def _distance(row, now, rate_n, rate_t, whole):
+def _rates(table, c, field, a, b):
+    """Rates of the trial reactions of contact c along a field of the bodies' motion."""
+    n_dof = field.shape[1]
+    gap = 0.0
+    slip = 0.0
+    for i in range(n_dof):
+        gap += table[c, GAP + i] * field[a, i] + table[c, GAP + n_dof + i] * field[b, i]
+        slip += table[c, MEASURED + i] * field[a, i] + table[c, MEASURED + n_dof + i] * field[b, i]
+    return -table[c, STIFF_N] * gap, -table[c, STIFF_T] * slip
+
+
+@njit(cache=True)
+def _distance(table, c, now, rate_n, rate_t, whole):
     """How far along the direction a contact leaves its branch, and for which one."""
-    rn = row[TRIAL_N]
-    rt = row[TRIAL_T]
-    if now == OPEN:
-        nearest = np.inf
-        following = OPEN
-        for sign, branch in ((1.0, FORWARD), (-1.0, BACKWARD)):
-            speed = row[STIFF_T] * rate_n + row[LIFT] * sign * rate_t
-            if speed > 0.0:
-                far = max(-row[STIFF_T] * rn - row[LIFT] * sign * rt, 0.0) / speed
-                shear = rt + far * rate_t if whole else rate_t
-                if far < nearest and sign * shear >= 0.0:
-                    nearest = far
-                    following = branch
-        return nearest, following
+    rn, rt = table[c, TRIAL_N], table[c, TRIAL_T]
+    kt, mu, lift = table[c, STIFF_T], table[c, FRICTION], table[c, LIFT]
     nearest = np.inf
     following = now
-    bond = row[BOND] if now == BONDED else 0.0
-    tensile = row[TENSILE] if now == BONDED else 0.0
-    if now in (STICKING, BONDED):
-        for sign, branch in ((1.0, FORWARD), (-1.0, BACKWARD)):
-            speed = sign * rate_t - row[FRICTION] * rate_n
-            if speed > 0.0:
-                far = max(row[FRICTION] * rn + bond - sign * rt, 0.0) / speed
-                if far < nearest:
-                    nearest = far
-                    following = branch
-        if now == BONDED and rate_n < 0.0:
-            far = max(rn + tensile, 0.0) / -rate_n
+    if now == FORWARD or now == BACKWARD:
+        sign = 1.0 if now == FORWARD else -1.0
+        speed = mu * rate_n - sign * rate_t
+        if speed > 0.0 and whole:
+            nearest = max(sign * rt - mu * rn, 0.0) / speed
+            following = STICKING
+        speed = -(kt * rate_n + lift * sign * rate_t)
+        if speed > 0.0:
+            far = max(kt * rn + lift * sign * rt, 0.0) / speed
             if far < nearest:
                 nearest = far
                 following = OPEN
         return nearest, following
-    sign = 1.0 if now == FORWARD else -1.0
-    speed = row[FRICTION] * rate_n - sign * rate_t
-    if speed > 0.0 and whole:
-        nearest = max(sign * rt - row[FRICTION] * rn, 0.0) / speed
-        following = STICKING
-    speed = -(row[STIFF_T] * rate_n + row[LIFT] * sign * rate_t)
-    if speed > 0.0:
-        far = max(row[STIFF_T] * rn + row[LIFT] * sign * rt, 0.0) / speed
+    bond = table[c, BOND] if now == BONDED else 0.0
+    for sliding in range(FORWARD, BACKWARD + 1):
+        sign = 1.0 if sliding == FORWARD else -1.0
+        if now == OPEN:
+            speed = kt * rate_n + lift * sign * rate_t
+            far = max(-kt * rn - lift * sign * rt, 0.0)
+        else:
+            speed = sign * rate_t - mu * rate_n
+            far = max(mu * rn + bond - sign * rt, 0.0)
+        if not speed > 0.0:
+            continue
+        far /= speed
+        if now == OPEN and sign * (rt + far * rate_t if whole else rate_t) < 0.0:
+            continue
+        if far < nearest:
+            nearest = far
+            following = sliding
+    if now == BONDED and rate_n < 0.0:
+        far = max(rn + table[c, TENSILE], 0.0) / -rate_n
         if far < nearest:
             nearest = far
             following = OPEN
@@ -156,34 +164,33 @@ def _ahead(table, count, used, pair_a, pair_b, direction, branch, whole):
     """How many contacts would change on the way along the direction."""
     changed = 0
     for c in range(count):
-        row = table[c]
         a = pair_a[used[c] // 2]
         b = pair_b[used[c] // 2]
-        rate_n = -row[STIFF_N] * _along(row, GAP, direction, a, b)
-        rate_t = -row[STIFF_T] * _along(row, MEASURED, direction, a, b)
+        rate_n, rate_t = _rates(table, c, direction, a, b)
         now = branch[used[c]]
-        far, _ = _distance(row, now, rate_n, rate_t, whole)
+        far, _ = _distance(table, c, now, rate_n, rate_t, whole)
         back = 0.0
-        if not whole and (now in (FORWARD, BACKWARD)):
+        if not whole and (now == FORWARD or now == BACKWARD):
             sign = 1.0 if now == FORWARD else -1.0
-            back = (sign * rate_t - row[FRICTION] * rate_n) / row[STIFF_T]
+            back = (sign * rate_t - table[c, FRICTION] * rate_n) / table[c, STIFF_T]
         if far < 1.0 or back < -SLOW_BACK:
             changed += 1
     return changed
 
 
 @njit(cache=True)
-def _landing(row, now, rn, rt):
+def _landing(table, c, now):
     """Branch of the law for trial reactions.
 
     A contact that would slide the other way has passed the band in which it sticks, narrow where
     the shear stiffness is high; it is taken to stick.
     """
-    if now == BONDED and rn >= -row[TENSILE] and abs(rt) <= row[FRICTION] * rn + row[BOND]:
+    rn, rt, mu = table[c, TRIAL_N], table[c, TRIAL_T], table[c, FRICTION]
+    if now == BONDED and rn >= -table[c, TENSILE] and abs(rt) <= mu * rn + table[c, BOND]:
         return BONDED
-    if row[STIFF_T] * rn + row[LIFT] * abs(rt) <= 0.0:
+    if table[c, STIFF_T] * rn + table[c, LIFT] * abs(rt) <= 0.0:
         return OPEN
-    if abs(rt) <= row[FRICTION] * rn:
+    if abs(rt) <= mu * rn:
         return STICKING
     sliding = FORWARD if rt > 0.0 else BACKWARD
     return STICKING if now == FORWARD + BACKWARD - sliding else sliding
@@ -193,52 +200,53 @@ def _landing(row, now, rn, rt):
 def _leap(table, count, used, pair_a, pair_b, direction, branch):
     """Take all contacts to the end of the direction and to the branches they have there."""
     for c in range(count):
-        row = table[c]
         a = pair_a[used[c] // 2]
         b = pair_b[used[c] // 2]
-        row[TRIAL_N] -= row[STIFF_N] * _along(row, GAP, direction, a, b)
-        row[TRIAL_T] -= row[STIFF_T] * _along(row, MEASURED, direction, a, b)
-        branch[used[c]] = _landing(row, branch[used[c]], row[TRIAL_N], row[TRIAL_T])
+        rate_n, rate_t = _rates(table, c, direction, a, b)
+        table[c, TRIAL_N] += rate_n
+        table[c, TRIAL_T] += rate_t
+        branch[used[c]] = _landing(table, c, branch[used[c]])
 
 
 @njit(cache=True)
-def _change(row, before, after, u, v):
-    """Fill u and v (2 n_dof,), by whose product the matrix changes with a contact's branch."""
+def _change(table, c, before, after, u, rows, k):
+    """Fill u (2 n_dof,) and row k of ``rows`` with the u and v by whose product the matrix changes
+    with the branch of contact c."""
     n_dof = (u.shape[0]) // 2
     sliding = before if before >= FORWARD else after
     sign = 1.0 if sliding == FORWARD else -1.0
-    along = row[STIFF_T] + row[FRICTION] * row[LIFT]
+    kn, kt, mu, lift = table[c, STIFF_N], table[c, STIFF_T], table[c, FRICTION], table[c, LIFT]
+    along = kt + mu * lift
     if before == OPEN or after == OPEN:
         turn = -1.0 if before == OPEN else 1.0
         for i in range(2 * n_dof):
-            u[i] = turn * (row[GAP + i] + sign * row[FRICTION] * row[SLIP + i])
-            slid = row[FRICTION] * row[STIFF_N] * row[GAP + i]
-            slid -= sign * row[STIFF_T] * row[MEASURED + i]
-            v[i] = row[LIFT] * slid / along - row[STIFF_N] * row[GAP + i]
+            u[i] = turn * (table[c, GAP + i] + sign * mu * table[c, SLIP + i])
+            slid = mu * kn * table[c, GAP + i] - sign * kt * table[c, MEASURED + i]
+            rows[k, i] = lift * slid / along - kn * table[c, GAP + i]
         return
     turn = 1.0 if before == STICKING else -1.0
     for i in range(2 * n_dof):
-        u[i] = turn * (sign * row[STIFF_T] * row[SLIP + i] - row[LIFT] * row[GAP + i])
-        v[i] = row[FRICTION] * row[STIFF_N] * row[GAP + i]
-        v[i] = (v[i] - sign * row[STIFF_T] * row[MEASURED + i]) / along
+        u[i] = turn * (sign * kt * table[c, SLIP + i] - lift * table[c, GAP + i])
+        slid = mu * kn * table[c, GAP + i] - sign * kt * table[c, MEASURED + i]
+        rows[k, i] = slid / along
 
 
 @njit(cache=True)
-def _commit(row, before, after):
+def _commit(table, c, before):
     """Make the sliding of a contact part of its history, where it sticks or opens; and forget
     the shear of one that was open."""
     if before == OPEN:
-        row[ADD_T] -= row[TRIAL_T]
-        row[TRIAL_T] = 0.0
-    elif before in (FORWARD, BACKWARD):
+        table[c, ADD_T] -= table[c, TRIAL_T]
+        table[c, TRIAL_T] = 0.0
+    elif before == FORWARD or before == BACKWARD:
         sign = 1.0 if before == FORWARD else -1.0
-        along = row[STIFF_T] + row[FRICTION] * row[LIFT]
-        gamma = (sign * row[TRIAL_T] - row[FRICTION] * row[TRIAL_N]) / along
-        row[TRIAL_N] += row[LIFT] * gamma
-        row[ADD_N] += row[LIFT] * gamma
-        row[ADD_T] -= sign * row[STIFF_T] * gamma
-        row[TRIAL_T] -= sign * row[STIFF_T] * gamma
-        row[PLASTIC] += gamma
+        along = table[c, STIFF_T] + table[c, FRICTION] * table[c, LIFT]
+        gamma = (sign * table[c, TRIAL_T] - table[c, FRICTION] * table[c, TRIAL_N]) / along
+        table[c, TRIAL_N] += table[c, LIFT] * gamma
+        table[c, ADD_N] += table[c, LIFT] * gamma
+        table[c, ADD_T] -= sign * table[c, STIFF_T] * gamma
+        table[c, TRIAL_T] -= sign * table[c, STIFF_T] * gamma
+        table[c, PLASTIC] += gamma
 
 
 @njit(cache=True)
@@ -246,11 +254,10 @@ def _keep_slow(table, count, used, branch):
     """Make sliding back that was too slow to end a part of the history."""
     for c in range(count):
         now = branch[used[c]]
-        if now in (FORWARD, BACKWARD):
-            row = table[c]
+        if now == FORWARD or now == BACKWARD:
             sign = 1.0 if now == FORWARD else -1.0
-            if sign * row[TRIAL_T] < row[FRICTION] * row[TRIAL_N]:
-                _commit(row, now, STICKING)
+            if sign * table[c, TRIAL_T] < table[c, FRICTION] * table[c, TRIAL_N]:
+                _commit(table, c, now)
 
 
 @njit(cache=True)
@@ -302,6 +309,9 @@ def follow_path(
     How the path ended, the multiplier, the share that is left and the number of changes.
     """
     n, n_dof = x.shape
+    # Fields read once: in the loops each reading would count references.
+    past, pivots, rows, bodies = frame.changes, frame.pivot, frame.row, frame.bodies
+    rate, bends, change_of_multiplier = frame.rate, frame.bends, frame.change_of_multiplier
     columns = frame.columns[:3] if paced else frame.columns[:1]
     direction = columns[0]
     for i in range(n):
@@ -330,11 +340,10 @@ def follow_path(
     new = -1  # change since the factorisation
     last = -1
     left_behind = OPEN
-    capacity = frame.changes.shape[0]
+    capacity = past.shape[0]
     while True:
         nearest = np.inf
-        chosen = -1
-        following = OPEN
+        chosen, following = count, count  # none yet; literals would be compiled for on their own
         slowest = 0.0
         if not whole:
             for i in range(n):
@@ -343,15 +352,14 @@ def follow_path(
         for c in range(count):
             a = pair_a[used[c] // 2]
             b = pair_b[used[c] // 2]
-            row = table[c]
-            rate_n = -ahead * row[STIFF_N] * _along(row, GAP, direction, a, b)
-            rate_t = -ahead * row[STIFF_T] * _along(row, MEASURED, direction, a, b)
-            frame.rate[c, 0] = rate_n
-            frame.rate[c, 1] = rate_t
+            rate_n, rate_t = _rates(table, c, direction, a, b)
+            rate_n *= ahead
+            rate_t *= ahead
+            rate[c, 0], rate[c, 1] = rate_n, rate_t
             now = branch[used[c]]
-            if not whole and (now in (FORWARD, BACKWARD)):
+            if not whole and (now == FORWARD or now == BACKWARD):
                 sign = 1.0 if now == FORWARD else -1.0
-                speed = (sign * rate_t - row[FRICTION] * rate_n) / row[STIFF_T]
+                speed = (sign * rate_t - table[c, FRICTION] * rate_n) / table[c, STIFF_T]
                 if speed < slowest:
                     slowest = speed
                     chosen = c
@@ -359,7 +367,7 @@ def follow_path(
                     nearest = 0.0
             if nearest == 0.0 and following == STICKING:
                 continue
-            far, other = _distance(row, now, rate_n, rate_t, whole)
+            far, other = _distance(table, c, now, rate_n, rate_t, whole)
             if c == last and other == left_behind:
                 continue
             if far < nearest:
@@ -375,8 +383,8 @@ def follow_path(
                 x[i, d] += ahead * length * direction[i, d]
         multiplier += ahead * length * by_direction
         for c in range(count):
-            table[c, TRIAL_N] += length * frame.rate[c, 0]
-            table[c, TRIAL_T] += length * frame.rate[c, 1]
+            table[c, TRIAL_N] += length * rate[c, 0]
+            table[c, TRIAL_T] += length * rate[c, 1]
         if arrives:
             if not whole:
                 _keep_slow(table, count, used, branch)
@@ -384,29 +392,28 @@ def follow_path(
         left *= 1.0 - ahead * length
         if left > 1.0 + 1e-3:
             return TURNED, multiplier, left, changes
-        row = table[chosen]
         before = branch[used[chosen]]
         branch[used[chosen]] = following
-        if changes < frame.bends.shape[0]:
-            frame.bends[changes, 0] = 1.0 - left
-            frame.bends[changes, 1] = multiplier
+        if changes < bends.shape[0]:
+            bends[changes, 0] = 1.0 - left
+            bends[changes, 1] = multiplier
         changes += 1
         new += 1
         if not whole:
-            _commit(row, before, following)
+            _commit(table, chosen, before)
         if changes > patience:
             return LOST, multiplier, left, changes
         if before == BONDED or new == capacity:
-            if before == BONDED and row[TRIAL_N] <= 0.0:
+            if before == BONDED and table[chosen, TRIAL_N] <= 0.0:
                 branch[used[chosen]] = OPEN
             return RENEW, multiplier, left, changes
         # The new direction.
         a = pair_a[used[chosen] // 2]
         b = pair_b[used[chosen] // 2]
-        _change(row, before, following, u, frame.row[new])
-        frame.bodies[new, 0] = a
-        frame.bodies[new, 1] = b
-        w = frame.changes[new]
+        _change(table, chosen, before, following, u, rows, new)
+        bodies[new, 0] = a
+        bodies[new, 1] = b
+        w = past[new]
         w[:, :] = 0.0
         for i in range(n_dof):
             w[a, i] += u[i]
@@ -414,21 +421,18 @@ def follow_path(
         solve(structure, factors, w.reshape((1, n, n_dof)))
         by_w = border(frame, w, 0.0) if paced else 0.0
         for old in range(new):
-            share = (
-                _along(frame.row[old], 0, w, frame.bodies[old, 0], frame.bodies[old, 1])
-                / frame.pivot[old]
-            )
+            share = _along(rows, old, w, bodies[old, 0], bodies[old, 1]) / pivots[old]
             for i in range(n):
                 for d in range(n_dof):
-                    w[i, d] -= share * frame.changes[old, i, d]
-            by_w -= share * frame.change_of_multiplier[old]
-        frame.change_of_multiplier[new] = by_w
-        pivot = 1.0 + _along(frame.row[new], 0, w, a, b)
-        frame.pivot[new] = pivot
+                    w[i, d] -= share * past[old, i, d]
+            by_w -= share * change_of_multiplier[old]
+        change_of_multiplier[new] = by_w
+        pivot = 1.0 + _along(rows, new, w, a, b)
+        pivots[new] = pivot
         if pivot == 0.0 or not np.isfinite(pivot):
             return SINGULAR, multiplier, left, changes
         scale = 1.0 - ahead * length
-        share = scale * _along(frame.row[new], 0, direction, a, b) / pivot
+        share = scale * _along(rows, new, direction, a, b) / pivot
         for i in range(n):
             for d in range(n_dof):
                 direction[i, d] = scale * direction[i, d] - share * w[i, d]
