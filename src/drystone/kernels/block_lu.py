@@ -559,9 +559,13 @@ def assemble(structure, s, diagonal, upper, lower, factors):
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def factorise(structure, diagonal, upper, lower, factors):
+def factorise(structure, diagonal, upper, lower, factors, weight, hold, least):
     """Factorise the matrix of the blocks ``diagonal`` (n, n_dof, n_dof), ``upper`` (n_pairs, n_dof,
     n_dof) in the rows of a and columns of b, and ``lower`` in the rows of b and columns of a.
+
+    Where ``least`` is positive, bodies whose pivots have a negative determinant are held: to the
+    diagonal of the pivot their ``weight`` (n, n_dof) is added ``least`` times, or as often as makes
+    the determinant positive.  ``hold`` (n,) counts how often.
 
     Returns the smallest pivot over the largest entry of its column in the body's own block, at most
     1, with the sign of the determinant; 0, with the factors unusable, for singular matrices and
@@ -586,7 +590,17 @@ def factorise(structure, diagonal, upper, lower, factors):
             for x in range(nd):
                 for y in range(nd):
                     block[x, y] = panels[at + x * m + y]
-            ratio = invert(structure.dof, block, diagonal[order[place]])
+            body = order[place]
+            ratio = invert(structure.dof, block, diagonal[body])
+            more = least
+            while ratio < 0.0 and 0.0 < more < 1e12 * least:
+                hold[body] += more
+                for x in range(nd):
+                    panels[at + x * (m + 1)] += more * weight[body, x]
+                    for y in range(nd):
+                        block[x, y] = panels[at + x * m + y]
+                ratio = invert(structure.dof, block, diagonal[body])
+                more = 3.0 * hold[body]
             if ratio == 0.0:
                 return 0.0
             smallest = min(smallest, abs(ratio))

@@ -177,10 +177,11 @@ def changes(
 ):  # fmt: skip
     """Changes of all variables along the bodies' ``direction`` (n, 3), for b as it was filled.
 
-    Returns how far along it all factors stay positive, and how the mean energy changes with the
-    way gone, to first and second order [J].
+    Returns how far along it all factors stay positive, the contact that ends it, and how the mean
+    energy changes with the way gone, to first and second order [J].
     """
     longest = np.inf
+    limiting = -1
     first, second_order = 0.0, 0.0
     n_products = 0
     for c in range(count):
@@ -205,30 +206,34 @@ def changes(
         w = inner[c, W]
         dw = (n - w * rn) / inner[c, RN]
         change[c, W] = dw
-        longest = _room(w, dw, _room(inner[c, RN], rn, longest))
+        room = _room(w, dw, _room(inner[c, RN], rn, longest))
         first += (w * rn + inner[c, RN] * dw) / table[c, STIFF_N]
         second_order += rn * dw / table[c, STIFF_N]
         n_products += 1
         if table[c, FRICTION] == 0.0:
+            if room < longest:
+                longest, limiting = room, c
             continue
         # Of the room to either side, and of what is slid there.
         near, slid = inner[c, NEAR], inner[c, P]
         d_near = table[c, FRICTION] * rn - rt
         d_slid = (p - slid * d_near) / near
         change[c, NEAR], change[c, P] = d_near, d_slid
-        longest = _room(near, d_near, _room(slid, d_slid, longest))
+        room = _room(near, d_near, _room(slid, d_slid, room))
         first += (near * d_slid + slid * d_near) / table[c, STIFF_T]
         second_order += d_near * d_slid / table[c, STIFF_T]
         far, slid = inner[c, FAR], inner[c, Q]
         d_far = table[c, FRICTION] * rn + rt
         d_slid = (q - slid * d_far) / far
         change[c, FAR], change[c, Q] = d_far, d_slid
-        longest = _room(far, d_far, _room(slid, d_slid, longest))
+        room = _room(far, d_far, _room(slid, d_slid, room))
         first += (far * d_slid + slid * d_far) / table[c, STIFF_T]
         second_order += d_far * d_slid / table[c, STIFF_T]
         n_products += 2
+        if room < longest:
+            longest, limiting = room, c
     n_products = max(n_products, 1)
-    return longest, first / n_products, second_order / n_products
+    return longest, limiting, first / n_products, second_order / n_products
 
 
 @njit(cache=True, error_model="numpy")

@@ -27,7 +27,7 @@ def unbalance(contact, dead, pattern, multiplier, mass, x, weight, extent, fixed
 
 
 @njit(cache=True)
-def stiffen(diagonal, mass, weight, body, axis):
+def stiffen(diagonal, mass, weight, damping, body, axis):
     """Add inertia to the diagonal blocks and a spring along ``axis`` (n, n_dof) to one of them.
 
     The spring, as stiff as the block it holds, makes the matrix regular at the peak.  Returns its
@@ -36,7 +36,7 @@ def stiffen(diagonal, mass, weight, body, axis):
     n, n_dof = mass.shape
     for i in range(n):
         for d in range(n_dof):
-            diagonal[i, d, d] += mass[i, d] * weight
+            diagonal[i, d, d] += mass[i, d] * (weight + damping[i])
     if body < 0:
         return 0.0
     largest = 0.0

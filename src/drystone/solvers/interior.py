@@ -107,7 +107,8 @@ class InteriorPoint:
         interior.centre(*every, step.branch, barrier, self.inner)
         columns = step.frame.columns if pace else step.frame.columns[:1]
         near, stalls, short = False, 0, 0
-        damping, needed = 0.0, settings.damping
+        damping = step.damping
+        damping[:] = 0.0
         for _ in range(settings.max_iterations):
             away = x - geometry
             energy = interior.respond(*every, step.branch, self.inner, step.response)
@@ -119,23 +120,24 @@ class InteriorPoint:
             )
             if near and self._told(x, multiplier, away, tolerance):
                 return True, multiplier
-            if not step.factorise(pace, gradient, damping):
+            if not step.factorise(pace, gradient, settings.damping):
                 return False, multiplier
             if pace:
                 columns[1], columns[2] = step.frame.load, step.spring * step.frame.axis
-            wait = damping > 0.0 and step.residual > settings.hold * math.sqrt(stiffness * energy)
-            by_direction, room, by_way, by_square = self._direction(
+            wait = bool(damping.any()) and step.residual > settings.hold * math.sqrt(stiffness * energy)
+            by_direction, room, body, by_way, by_square = self._direction(
                 columns, missing, pace, energy if wait else 0.0, second=False
             )
             if not step.stable:
-                damping, short = max(settings.more * damping, needed), 0
+                np.maximum(settings.more * damping, settings.damping, out=damping)
+                short = 0
                 continue
             if not wait:
                 way = min(1.0, room)
                 least = max(energy + way * (by_way + way * by_square), 0.0)
                 share = (least / energy) ** 3 if energy > 0.0 else 0.0  # bonds have none
                 barrier = min(max(share, 1e-3), 0.8) * energy
-                by_direction, room, _, _ = self._direction(
+                by_direction, room, body, _, _ = self._direction(
                     columns[:1], missing, pace, barrier, second=True
                 )
             margin = min(settings.margin, math.sqrt(max(energy / unit, 1e-16)))
@@ -145,19 +147,16 @@ class InteriorPoint:
                 if stalls == settings.max_stalls or (near and energy < settings.surely * unit):
                     break
                 stalls, short = stalls + 1, 0
-                if near or damping >= settings.most_damping:
+                if near or damping[body] >= settings.most_damping:
                     barrier = settings.raised * max(energy, barrier)
                     interior.centre(*every, step.branch, barrier, self.inner)
-                    damping = min(damping, settings.damping)
+                    np.minimum(damping, settings.damping, out=damping)
                 else:
-                    damping = max(settings.more * damping, needed)
+                    damping[body] = max(settings.more * damping[body], settings.damping)
                 continue
-            if damping:
-                needed = max(damping, settings.damping)
-                if length > 0.9:
-                    damping *= settings.less
-                if damping < settings.least_damping:
-                    damping = 0.0
+            if length > 0.9:
+                damping *= settings.less
+                damping[damping < settings.least_damping] = 0.0
             x += length * columns[0]
             multiplier += length * by_direction
             interior.move(step.table, step.count, self.inner, self.change, length)
@@ -178,7 +177,7 @@ class InteriorPoint:
 
     def _direction(
         self, columns: Array, missing: float, pace: Pace | None, barrier: float, *, second: bool
-    ) -> tuple[float, float, float, float]:
+    ) -> tuple[float, float, int, float, float]:
         """Fill the first column and the changes.
 
         Further columns, where there are any, are solved for as well.  Returns by how much the
@@ -194,9 +193,12 @@ class InteriorPoint:
         )
         block_lu.solve(step.structure, step.factors, columns)
         by_direction = path.border(step.frame, columns[0], missing) if pace else 0.0
-        room, by_way, by_square = interior.changes(
+        room, limiting, by_way, by_square = interior.changes(
             *every, barrier, second, step.response, self.offset, columns[0], self.change
         )
         if not math.isfinite(by_direction):
             room = 0.0
-        return by_direction, room, by_way, by_square
+        pair = step.used[limiting] // 2
+        bodies = int(pairs.a[pair]), int(pairs.b[pair])
+        body = max(bodies, key=lambda i: np.abs(columns[0, i, :-1]).max())
+        return by_direction, room, body, by_way, by_square

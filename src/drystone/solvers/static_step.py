@@ -99,6 +99,7 @@ class StaticStep:
         self.source = np.arange(n_slots)
         self.force = np.zeros((n, n_dof))  # unbalanced
         self.contact_force = np.zeros((n, n_dof))
+        self.damping = np.zeros(n)
         self.reaction = np.zeros((n_slots, 2))
         self.branch = np.zeros(n_slots, np.int64)
         self.memory = np.zeros((n_slots, N_HISTORY))
@@ -206,7 +207,8 @@ class StaticStep:
         """
         joint.respond(self.table, self.count, self.used, self.branch, self.response)
         self.assemble(x, multiplier, away)
-        return self.factorise(pace, gradient)
+        self.damping[:] = 0.0
+        return self.factorise(pace, gradient, 0.0)
 
     def assemble(self, x: Array, multiplier: float, away: Array) -> None:
         """Unbalanced forces, ``residual`` and tangent of the contacts' ``response``."""
@@ -216,10 +218,11 @@ class StaticStep:
         )  # fmt: skip
         self.residual = self._unbalance(x, multiplier)
 
-    def factorise(self, pace: Pace | None, gradient: Array, damping: float = 0.0) -> bool:
+    def factorise(self, pace: Pace | None, gradient: Array, least_damping: float) -> bool:
         """Factorise the tangent, with inertia and what paces the step; False if singular.
 
-        ``damping`` [1/s2] times the mass is added to the inertia, of the matrix alone.
+        ``damping`` (n,) [1/s2] times the mass is added to the inertia, of the matrix alone.  Where
+        ``least_damping`` is positive, it is raised by no less for blocks that nothing would hold.
         """
         c, frame = self.constants, self.frame
         frame.axis[:] = 0.0
@@ -230,9 +233,11 @@ class StaticStep:
             frame.pace[:] = gradient
             frame.axis[body] = gradient[body]
         self.spring = step.stiffen(
-            self.tangent.diagonal, c.mass, self.weight + damping, body, frame.axis
+            self.tangent.diagonal, c.mass, self.weight, self.damping, body, frame.axis
         )
-        pivot = block_lu.factorise(self.structure, *self.tangent, self.factors)
+        pivot = block_lu.factorise(
+            self.structure, *self.tangent, self.factors, c.mass, self.damping, least_damping
+        )
         frame.sign[0] = np.sign(pivot)
         return abs(pivot) > SINGULAR
 
