@@ -79,6 +79,10 @@ def check(a, b, fixed, place, n_dof=3, n_sides=2, seed=0):
         assert np.abs(rhs).max(initial=0.0) < 1e-12
 
 
+#: No body is held.
+NO_HOLD = np.zeros((1, 1)), np.zeros(1), 0.0
+
+
 def no_pairs():
     return np.zeros(0, np.int64), np.zeros(0, np.int64)
 

@@ -107,7 +107,7 @@ def test_changes_solve_the_equations_linearised(dilation, second):
             table, n, used, *pair, branch, v, barrier, again, change, response, b, force
         )
         first = change.copy()
-        _, by_way, by_square = interior.changes(
+        room, limiting, by_way, by_square = interior.changes(
             table, n, used, *pair, branch, v, barrier, again, response, b, direction, change
         )
     moved, d = v + change[:, : interior.N_INNER], change
@@ -122,6 +122,10 @@ def test_changes_solve_the_equations_linearised(dilation, second):
         if second:
             left += first[:, one] * first[:, other]
         np.testing.assert_allclose(left, stiffness * barrier, rtol=1e-6)
+    positive = (interior.RN, interior.W, interior.P, interior.Q, interior.NEAR, interior.FAR)
+    falling = np.where(d[:, positive] < 0.0, -v[:, positive] / d[:, positive], np.inf)
+    assert room == falling.min()
+    assert limiting == falling.min(axis=1).argmin()
     after = interior.respond(table, n, used, branch, moved, response)
     before = interior.respond(table, n, used, branch, v, response)
     assert after == pytest.approx(before + by_way + by_square, rel=1e-9)
@@ -141,7 +145,7 @@ class Recorded(InteriorPoint):
 
 
 def from_within_only(**options):
-    return PathSettings(**{"worth": -1, "many_blocks": 0, **options})
+    return PathSettings(**{"worth": 0, "many_blocks": 0, **options})
 
 
 @pytest.mark.parametrize("number", [1, 2, 3])

@@ -245,14 +245,15 @@ class JointOfPair:
     def linearised(self, motion):
         """Forces at ``motion`` from where the pair is, to first order, and the tangent (6, 6)."""
         table, n_pairs, force = self.table.copy(), len(self.pairs.a), np.full((2, 3), np.nan)
-        blocks = [np.full((n, 3, 3), np.nan) for n in (2, n_pairs, n_pairs)]
-        joint.move_trial(table, self.count, self.used, self.pairs.a, self.pairs.b, motion)
+        blocks, bent = (
+            Tangent(*(np.full((n, 3, 3), np.nan) for n in (2, n_pairs, n_pairs))) for _ in range(2)
+        )
+        bodies = self.pairs.a, self.pairs.b
+        joint.move_trial(table, self.count, self.used, *bodies, motion)
         response = np.zeros((len(table), joint.N_RESPONSE))
         joint.respond(table, self.count, self.used, self.branch, response)
-        joint.assemble(
-            self.slots, table, self.count, self.used, self.pairs.a, self.pairs.b, response,
-            self.reaction, motion, force, Tangent(*blocks),
-        )  # fmt: skip
+        joint.geometric_stiffness(self.slots, self.count, self.used, *bodies, self.reaction, bent)
+        joint.assemble(table, self.count, self.used, *bodies, response, bent, motion, force, blocks)
         diagonal, upper, lower = blocks
         top, bottom = np.hstack((diagonal[0], upper[0])), np.hstack((lower[0], diagonal[1]))
         return force, np.vstack((top, bottom))

@@ -22,8 +22,9 @@ from drystone.kernels.narrow import VERTEX_B, VERTICES
 from drystone.model import Model
 from drystone.solvers import piecewise
 from drystone.solvers.interior import InteriorPoint
+from drystone.solvers.linear_step import PointPace
 from drystone.solvers.piecewise import PathSettings, StepSolution
-from drystone.solvers.static_step import PointPace, StaticStep
+from drystone.solvers.static_step import StaticStep
 
 TIME_STEP = 30.0  # s
 

@@ -41,8 +41,9 @@ from drystone.kernels.narrow import Slots
 from drystone.loading import dead_load
 from drystone.solvers import piecewise
 from drystone.solvers.interior import InteriorPoint
+from drystone.solvers.linear_step import Loads, PointPace
 from drystone.solvers.piecewise import PathSettings, StepSolution
-from drystone.solvers.static_step import STATUS_OF, Constants, PointPace, StaticStep
+from drystone.solvers.static_step import STATUS_OF, Constants, StaticStep
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -111,11 +112,13 @@ class EquilibriumEngine:
             detector=self.detector,
             laws=laws,
             thickness=assembly.thickness,
-            dead=self.loads.dead,
-            pattern=self.loads.pattern,
-            mass=self.loads.mass,
-            extent=np.maximum(self.detector.extent, 1e-12),
-            fixed=assembly.fixed,
+            loads=Loads(
+                dead=self.loads.dead,
+                pattern=self.loads.pattern,
+                mass=self.loads.mass,
+                extent=np.maximum(self.detector.extent, 1e-12),
+                fixed=assembly.fixed,
+            ),
         )
         #: Of gaps [m], which are differences of coordinates.
         self.rounding = 8.0 * np.finfo(float).eps * float(np.abs(assembly.centroid).max())

@@ -396,29 +396,21 @@ def respond(table, count, used, branch, response):
 
 
 @njit(cache=True)
-def assemble(
-    slots, table, count, used, pair_a, pair_b, response, reaction, motion, force, tangent
-):  # fmt: skip
-    """Forces of all contacts that respond as given, and the tangent of minus them.
+def geometric_stiffness(slots, count, used, pair_a, pair_b, reaction, tangent):
+    """Fill ``tangent`` with what turning contacts, at held reactions, add to that of minus forces.
 
     Parameters
     ----------
     slots
-        Contacts where the table was made.
-    table, count, used
+        Contacts in the present poses.
+    count, used
         See `joint_forces`.
     pair_a, pair_b
         Bodies of each pair, (n_pairs,).
-    response
-        (n_slots, N_RESPONSE), see `respond`.
     reaction
-        (n_slots, 2) [N] that the second derivatives are multiplied with.
-    motion
-        (n, 3) from where the table was made to where the response belongs.
-    force
-        (n, 3) filled with the forces there, to first order.
+        (n_slots, 2) [N].
     tangent
-        `Tangent`, filled.
+        `Tangent`.
     """
     # Fields read once, and no views of rows: in the loop each would count references.
     kind, normal, arm_a, arm_b = slots.kind, slots.normal, slots.arm_a, slots.arm_b
@@ -428,21 +420,72 @@ def assemble(
     upper[:, :, :] = 0.0
     lower[:, :, :] = 0.0
     hess = np.zeros((6, 6))
-    force[:, :] = 0.0
     for c in range(count):
         k = used[c]
+        if reaction[k, 0] == 0.0:
+            continue
         p = k // 2
+        hess[:, :] = 0.0
+        _second_derivatives(
+            kind, normal, arm_a, arm_b, roll, ratio, k, reaction[k, 0], reaction[k, 1], hess
+        )
+        _add(hess, pair_a[p], pair_b[p], p, diagonal, upper, lower)
+
+
+@njit(cache=True)
+def _add(hess, a, b, p, diagonal, upper, lower):
+    """Add the blocks of a contact of pair p."""
+    for i in range(3):
+        for j in range(3):
+            diagonal[a, i, j] += hess[i, j]
+            diagonal[b, i, j] += hess[3 + i, 3 + j]
+            upper[p, i, j] += hess[i, 3 + j]
+            lower[p, i, j] += hess[3 + i, j]
+
+
+@njit(cache=True)
+def assemble(table, count, used, pair_a, pair_b, response, geometric, motion, force, tangent):
+    """Forces of all contacts that respond as given, and the tangent of minus them.
+
+    Parameters
+    ----------
+    table, count, used
+        See `joint_forces`.
+    pair_a, pair_b
+        Bodies of each pair, (n_pairs,).
+    response
+        (n_slots, N_RESPONSE), see `respond`.
+    geometric
+        `Tangent`, see `geometric_stiffness`.
+    motion
+        (n, 3) from where the table was made to where the response belongs.
+    force
+        (n, 3) filled with the forces there, to first order.
+    tangent
+        `Tangent`, filled.
+    """
+    diagonal, upper, lower = tangent.diagonal, tangent.upper, tangent.lower
+    bent, above, below = geometric.diagonal, geometric.upper, geometric.lower
+    for body in range(motion.shape[0]):
+        for i in range(3):
+            force[body, i] = 0.0
+            for j in range(3):
+                force[body, i] -= bent[body, i, j] * motion[body, j]
+                diagonal[body, i, j] = bent[body, i, j]
+    for p in range(pair_a.shape[0]):
         a = pair_a[p]
         b = pair_b[p]
-        hess[:, :] = 0.0
-        if reaction[k, 0] != 0.0:
-            _second_derivatives(
-                kind, normal, arm_a, arm_b, roll, ratio, k, reaction[k, 0], reaction[k, 1], hess
-            )
-            for i in range(3):
-                for j in range(3):
-                    force[a, i] -= hess[i, j] * motion[a, j] + hess[i, 3 + j] * motion[b, j]
-                    force[b, i] -= hess[3 + i, j] * motion[a, j] + hess[3 + i, 3 + j] * motion[b, j]
+        for i in range(3):
+            for j in range(3):
+                force[a, i] -= above[p, i, j] * motion[b, j]
+                force[b, i] -= below[p, i, j] * motion[a, j]
+                upper[p, i, j] = above[p, i, j]
+                lower[p, i, j] = below[p, i, j]
+    hess = np.zeros((6, 6))
+    for c in range(count):
+        p = used[c] // 2
+        a = pair_a[p]
+        b = pair_b[p]
         rn, rt = response[c, RN], response[c, RT]
         kn, kt = table[c, STIFF_N], table[c, STIFF_T]
         nn, nt = kn * response[c, NN], kt * response[c, NT]
@@ -451,12 +494,8 @@ def assemble(
             by_gap = table[c, GAP + i] * nn + table[c, SLIP + i] * tn
             by_slip = table[c, GAP + i] * nt + table[c, SLIP + i] * tt
             for j in range(6):
-                hess[i, j] += by_gap * table[c, GAP + j] + by_slip * table[c, MEASURED + j]
+                hess[i, j] = by_gap * table[c, GAP + j] + by_slip * table[c, MEASURED + j]
         for i in range(3):
             force[a, i] += rn * table[c, GAP + i] + rt * table[c, SLIP + i]
             force[b, i] += rn * table[c, GAP + 3 + i] + rt * table[c, SLIP + 3 + i]
-            for j in range(3):
-                diagonal[a, i, j] += hess[i, j]
-                diagonal[b, i, j] += hess[3 + i, 3 + j]
-                upper[p, i, j] += hess[i, 3 + j]
-                lower[p, i, j] += hess[3 + i, j]
+        _add(hess, a, b, p, diagonal, upper, lower)

@@ -22,7 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.kernels import block_lu, interior, joint, path
-from drystone.solvers.static_step import Pace, StaticStep
+from drystone.kernels.narrow import Slots
+from drystone.solvers.linear_step import LinearStep, Pace
 
 Array = NDArray[np.float64]
 
@@ -34,8 +35,11 @@ class InteriorSettings:
     Energies [J] are those of a contact, over that which the weight of a mean block stores in one.
     """
 
+    start: float = 0.01  # energy of the first barrier
+    reach: float = 0.05  # more of it, over the work of a block's weight along the increment
     enough: float = 1e-11  # energy from which on the branches may be told
     surely: float = 1e-13  # and at which they are where there is no lower one to be had
+    least: float = 1e-18  # below which only contacts that carry next to nothing could still tell
     residual: float = 1e-6  # largest unbalanced force then, over a mean block's weight
     max_iterations: int = 120
     margin: float = 0.01  # share of the way to the first factor's end that is left, at most
@@ -43,26 +47,30 @@ class InteriorSettings:
     short: float = 0.1  # or for the third time in a row
     patience: int = 3
     max_stalls: int = 10
+    alone: int = 2  # times in a row that one body is held back before all are
     raised: float = 30.0  # times the energy: barrier at which contacts near their ends begin anew
     damping: float = 1e4  # 1/s2, times the mass, where there is first no way on
     most_damping: float = 1e5  # above which damping is not what is lacking
     more: float = 4.0  # times the damping while a direction is unstable
     less: float = 0.25  # times the damping after a direction that was good
     least_damping: float = 1.0  # 1/s2
+    few_loose: float = 0.1  # share of the bodies up to which they come to rest on their own
+    rings: int = 1  # of neighbours that move with them
+    max_rest: int = 300  # iterations in which they do
     hold: float = 0.3  # unbalanced force over that of the energy, above which the barrier waits
 
 
 class InteriorPoint:
-    """Solves linear steps of one `StaticStep`; holds their arrays."""
+    """Solves linear steps of one `LinearStep`; holds their arrays."""
 
-    def __init__(self, step: StaticStep, settings: InteriorSettings | None = None) -> None:
+    def __init__(self, step: LinearStep, settings: InteriorSettings | None = None) -> None:
         self.step = step
         self.settings = settings or InteriorSettings()
         n_slots = len(step.used)
         self.inner = np.zeros((n_slots, interior.N_INNER))
         self.change = np.zeros((n_slots, interior.N_CHANGE))
         self.offset = np.zeros((n_slots, 2))
-        dead = np.abs(step.constants.dead[~step.constants.fixed, :-1]).max(axis=1)
+        dead = np.abs(step.loads.dead[~step.loads.fixed, :-1]).max(axis=1)
         self.weight = float(dead.mean())
 
     def solve(
@@ -103,10 +111,10 @@ class InteriorPoint:
         unit = self.weight**2 / stiffness
         lag = pace.measure(geometry)[0] if pace else 0.0
         missing = lag - float(np.vdot(gradient, x - geometry)) if pace else 0.0
-        barrier = unit + 0.5 * self.weight * abs(missing)
+        barrier = settings.start * unit + settings.reach * self.weight * abs(missing)
         interior.centre(*every, step.branch, barrier, self.inner)
         columns = step.frame.columns if pace else step.frame.columns[:1]
-        near, stalls, short = False, 0, 0
+        near, stalls, stuck, short = False, 0, 0, 0
         damping = step.damping
         damping[:] = 0.0
         for _ in range(settings.max_iterations):
@@ -120,11 +128,18 @@ class InteriorPoint:
             )
             if near and self._told(x, multiplier, away, tolerance):
                 return True, multiplier
+            if near and energy <= settings.least * unit:
+                return True, multiplier
+            unrest = settings.hold * math.sqrt(stiffness * energy)
+            if self._restless(unrest) and self._rest(x, multiplier, geometry, energy, unrest):
+                away = x - geometry
+                interior.respond(*every, step.branch, self.inner, step.response)
+                step.assemble(x, multiplier, away)
             if not step.factorise(pace, gradient, settings.damping):
                 return False, multiplier
             if pace:
                 columns[1], columns[2] = step.frame.load, step.spring * step.frame.axis
-            wait = bool(damping.any()) and step.residual > settings.hold * math.sqrt(stiffness * energy)
+            wait = self._restless(unrest)
             by_direction, room, body, by_way, by_square = self._direction(
                 columns, missing, pace, energy if wait else 0.0, second=False
             )
@@ -132,6 +147,9 @@ class InteriorPoint:
                 np.maximum(settings.more * damping, settings.damping, out=damping)
                 short = 0
                 continue
+            sure = near and energy <= settings.surely * unit
+            if sure and room <= settings.shortest:
+                break
             if not wait:
                 way = min(1.0, room)
                 least = max(energy + way * (by_way + way * by_square), 0.0)
@@ -144,16 +162,18 @@ class InteriorPoint:
             length = min(1.0, (1.0 - margin) * room)
             short = short + 1 if length < settings.short else 0
             if not length > settings.shortest or short == settings.patience:
-                if stalls == settings.max_stalls or (near and energy < settings.surely * unit):
+                if stalls == settings.max_stalls or sure:
                     break
-                stalls, short = stalls + 1, 0
+                stalls, stuck, short = stalls + 1, stuck + 1, 0
                 if near or damping[body] >= settings.most_damping:
                     barrier = settings.raised * max(energy, barrier)
                     interior.centre(*every, step.branch, barrier, self.inner)
                     np.minimum(damping, settings.damping, out=damping)
                 else:
-                    damping[body] = max(settings.more * damping[body], settings.damping)
+                    held = body if stuck <= settings.alone else slice(None)
+                    damping[held] = np.maximum(settings.more * damping[held], settings.damping)
                 continue
+            stuck = 0
             if length > 0.9:
                 damping *= settings.less
                 damping[damping < settings.least_damping] = 0.0
@@ -161,6 +181,83 @@ class InteriorPoint:
             multiplier += length * by_direction
             interior.move(step.table, step.count, self.inner, self.change, length)
         return near, multiplier
+
+    def _restless(self, unrest: float) -> bool:
+        """Whether a body that is held is unbalanced by more than ``unrest`` [N]."""
+        held = self.step.damping > 0.0
+        return bool(np.abs(self.step.force[held, :-1]).max(initial=0.0) > unrest)
+
+    def _rest(
+        self, x: Array, multiplier: float, geometry: Array, energy: float, unrest: float
+    ) -> bool:
+        """Bring the bodies that are held to rest at a barrier, their neighbours' neighbours fixed.
+
+        They take many small steps, which would cost as much as those of the whole.  Returns whether
+        there are such bodies, and few.
+        """
+        step, settings = self.step, self.settings
+        loose = step.damping > 0.0
+        if not 0 < loose.sum() <= settings.few_loose * len(loose):
+            return False
+        pairs = step.used[: step.count] // 2
+        a, b = step.pair_a[pairs], step.pair_b[pairs]
+        inside = loose.copy()
+        for _ in range(settings.rings):
+            near = inside[a] | inside[b]
+            inside[a[near]] = inside[b[near]] = True
+        inside &= ~step.loads.fixed
+        rows = np.flatnonzero(inside[a] | inside[b])
+        bodies = np.unique(np.concatenate((a[rows], b[rows])))
+        number = np.zeros(len(loose), np.int64)
+        number[bodies] = np.arange(len(bodies))
+        pairs, pair = np.unique(pairs[rows], return_inverse=True)
+        slots = (2 * pairs[:, None] + (0, 1)).ravel()
+        apart = LinearStep(
+            step.loads.of(bodies, ~inside[bodies]),
+            number[step.pair_a[pairs]],
+            number[step.pair_b[pairs]],
+            step.place[bodies],
+            Slots(*(field[slots] for field in step.slots)),
+        )
+        apart.weight, apart.count = step.weight, len(rows)
+        apart.used[: len(rows)] = 2 * pair + step.used[rows] % 2
+        apart.table[: len(rows)] = step.table[rows]
+        apart.branch[:], apart.reaction[:] = step.branch[slots], step.reaction[slots]
+        apart.damping[:] = step.damping[bodies]
+        within = InteriorPoint(apart, settings)
+        within.inner[: len(rows)] = self.inner[rows]
+        moved = x[bodies]
+        within._come_to_rest(moved, multiplier, geometry[bodies], energy, unrest)
+        step.table[rows], self.inner[rows] = apart.table[: len(rows)], within.inner[: len(rows)]
+        step.damping[bodies] = apart.damping
+        x[bodies] = moved
+        return True
+
+    def _come_to_rest(
+        self, x: Array, multiplier: float, geometry: Array, energy: float, unrest: float
+    ) -> None:
+        step, settings = self.step, self.settings
+        every = step.table, step.count, step.used
+        columns = step.frame.columns[:1]
+        for _ in range(settings.max_rest):
+            interior.respond(*every, step.branch, self.inner, step.response)
+            step.assemble(x, multiplier, x - geometry)
+            if step.residual <= 0.1 * unrest:
+                return
+            if not step.factorise(None, columns[0], settings.damping):
+                return
+            _, room, body, _, _ = self._direction(columns, 0.0, None, energy, second=False)
+            length = min(1.0, (1.0 - settings.margin) * room)
+            if not length > settings.shortest:
+                if step.damping[body] >= settings.most_damping:
+                    return
+                step.damping[body] = max(settings.more * step.damping[body], settings.damping)
+                continue
+            if length > 0.9:
+                step.damping *= settings.less
+                step.damping[step.damping < settings.least_damping] = 0.0
+            x += length * columns[0]
+            interior.move(*every[:2], self.inner, self.change, length)
 
     def _told(self, x: Array, multiplier: float, away: Array, tolerance: float) -> bool:
         """Choose the branches; whether they leave nothing unbalanced."""
@@ -185,8 +282,8 @@ class InteriorPoint:
         order, see `kernels.interior.changes`.
         """
         step = self.step
-        pairs = step.pairs
-        every = step.table, step.count, step.used, pairs.a, pairs.b, step.branch, self.inner
+        pairs = step.pair_a, step.pair_b
+        every = step.table, step.count, step.used, *pairs, step.branch, self.inner
         columns[0] = step.force
         interior.offset(
             *every, barrier, second, self.change, step.response, self.offset, columns[0]
@@ -199,6 +296,6 @@ class InteriorPoint:
         if not math.isfinite(by_direction):
             room = 0.0
         pair = step.used[limiting] // 2
-        bodies = int(pairs.a[pair]), int(pairs.b[pair])
+        bodies = int(step.pair_a[pair]), int(step.pair_b[pair])
         body = max(bodies, key=lambda i: np.abs(columns[0, i, :-1]).max())
         return by_direction, room, body, by_way, by_square

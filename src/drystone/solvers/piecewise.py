@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from drystone.kernels import narrow, path
 from drystone.solvers.interior import InteriorPoint
-from drystone.solvers.static_step import Pace, StaticStep
+from drystone.solvers.linear_step import Pace
+from drystone.solvers.static_step import StaticStep
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -1,0 +1,220 @@
+"""The equations of a step with the gradients of gaps and slips held fast, and their factors.
+
+    R(x, l) = G + l F + sum over contacts (r_n grad g + r_t grad s) - M x / h^2 = 0
+
+linear but for the joint law, of which a response is given for every contact; see `kernels.joint`
+for the tangent, `kernels.path` for what borders it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.kernels import block_lu, joint, path, step
+from drystone.kernels.joint import N_TABLE, Tangent
+from drystone.kernels.narrow import Slots
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+#: Changes of contacts that are followed with one factorisation.
+CHANGES_PER_MATRIX = 32
+
+#: Smallest pivot of a block, over its largest entry, with which a direction is worth trying.
+SINGULAR = 1e-13
+
+#: Changes of a step at which its multiplier is kept.
+BENDS = 512
+
+
+class Pace(Protocol):
+    """The displacement c(x) that paces a step."""
+
+    @property
+    def body(self) -> int:
+        """The one that a spring holds where the matrix may be singular."""
+        ...
+
+    def measure(self, x: Array) -> tuple[float, Array]:
+        """What is missing of the increment [m], and the gradient of c, (n, n_dof)."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointPace:
+    """The displacement of a point of one body."""
+
+    body: int
+    arm: Array  # (dim,) m from the centroid to the point, where the step starts
+    axis: Array  # (dim,) direction the displacement is read in
+    increment: float  # m
+
+    def measure(self, x: Array) -> tuple[float, Array]:
+        """See `Pace.measure`."""
+        ux, uy, w = x[self.body]
+        (ax, ay), (dx, dy) = self.arm, self.axis
+        s, versine = np.sin(w), 2.0 * np.sin(0.5 * w) ** 2
+        turned_x, turned_y = ax * (1.0 - versine) - s * ay, ay * (1.0 - versine) + s * ax
+        moved = dx * (ux + turned_x - ax) + dy * (uy + turned_y - ay)
+        gradient = np.zeros_like(x)
+        gradient[self.body] = dx, dy, dy * turned_x - dx * turned_y
+        return self.increment - moved, gradient
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loads:
+    """What acts on the bodies of an analysis besides contacts; arrays are (n, n_dof)."""
+
+    dead: Array  # N, N m
+    pattern: Array  # N, N m, at multiplier one
+    mass: Array  # kg, kg m2; zero on fixed bodies
+    extent: Array  # (n,) m, by which moments are divided
+    fixed: BoolArray  # (n,)
+
+    def of(self, bodies: IntArray, fixed: BoolArray) -> Loads:
+        """Those of some bodies, (m,), of which more are ``fixed`` (m,)."""
+        return Loads(
+            dead=self.dead[bodies],
+            pattern=self.pattern[bodies],
+            mass=np.where(fixed[:, None], 0.0, self.mass[bodies]),
+            extent=self.extent[bodies],
+            fixed=fixed,
+        )
+
+
+class LinearStep:
+    """Assembles and factorises the equations of the contacts in its table.
+
+    Parameters
+    ----------
+    loads
+        Of all bodies.
+    pair_a, pair_b
+        Bodies of each pair, (n_pairs,).
+    place
+        (n, dim) m, where the bodies are, for the order of elimination.
+    slots
+        Contacts where the table is made.
+    """
+
+    def __init__(
+        self, loads: Loads, pair_a: IntArray, pair_b: IntArray, place: Array, slots: Slots
+    ) -> None:
+        n, n_dof = loads.mass.shape
+        n_pairs = len(pair_a)
+        n_slots = 2 * n_pairs
+        self.loads, self.pair_a, self.pair_b, self.place = loads, pair_a, pair_b, place
+        self.slots = slots
+        self.weight = 0.0  # 1/h^2 [1/s2]
+        self.force = np.zeros((n, n_dof))  # unbalanced
+        self.contact_force = np.zeros((n, n_dof))
+        self.damping = np.zeros(n)
+        self.reaction = np.zeros((n_slots, 2))
+        self.branch = np.zeros(n_slots, np.int64)
+        self.table = np.zeros((n_slots, N_TABLE))
+        self.response = np.zeros((n_slots, joint.N_RESPONSE))
+        self.used = np.zeros(n_slots, np.int64)
+        self.count = 0
+        self.tangent, self.geometric = (
+            Tangent(
+                diagonal=np.zeros((n, n_dof, n_dof)),
+                upper=np.zeros((n_pairs, n_dof, n_dof)),
+                lower=np.zeros((n_pairs, n_dof, n_dof)),
+            )
+            for _ in range(2)
+        )
+        self.bent = False  # whether the geometric stiffness is that of the slots
+        self.structure = block_lu.analyse(pair_a, pair_b, loads.fixed, place, n_dof)
+        self.factors = block_lu.allocate(self.structure)
+        self.frame = path.Frame(
+            load=loads.pattern,
+            pace=np.zeros((n, n_dof)),
+            axis=np.zeros((n, n_dof)),
+            columns=np.zeros((3, n, n_dof)),
+            changes=np.zeros((CHANGES_PER_MATRIX, n, n_dof)),
+            change_of_multiplier=np.zeros(CHANGES_PER_MATRIX),
+            row=np.zeros((CHANGES_PER_MATRIX, 2 * n_dof)),
+            bodies=np.zeros((CHANGES_PER_MATRIX, 2), np.int64),
+            pivot=np.zeros(CHANGES_PER_MATRIX),
+            rate=np.zeros((n_slots, 2)),
+            turn=np.full(2, np.nan),
+            sense=np.ones(1),
+            border=np.ones(1),
+            sign=np.ones(1),
+            bends=np.zeros((BENDS, 2)),
+        )
+
+    def move_trial(self, motion: Array) -> None:
+        """Trial reactions where the blocks have moved on by ``motion`` (n, n_dof)."""
+        joint.move_trial(self.table, self.count, self.used, self.pair_a, self.pair_b, motion)
+
+    def linearise(
+        self, x: Array, multiplier: float, away: Array, pace: Pace | None, gradient: Array
+    ) -> bool:
+        """Factorise the tangent at the places and branches last evaluated; False if singular.
+
+        The unbalanced forces, and the ``residual``, are made those at ``x``, which is ``away`` (n,
+        n_dof) from there.
+        """
+        joint.respond(self.table, self.count, self.used, self.branch, self.response)
+        self.assemble(x, multiplier, away)
+        self.damping[:] = 0.0
+        return self.factorise(pace, gradient, 0.0)
+
+    def assemble(self, x: Array, multiplier: float, away: Array) -> None:
+        """Unbalanced forces, ``residual`` and tangent of the contacts' ``response``."""
+        if not self.bent:
+            joint.geometric_stiffness(
+                self.slots, self.count, self.used, self.pair_a, self.pair_b, self.reaction,
+                self.geometric,
+            )  # fmt: skip
+            self.bent = True
+        joint.assemble(
+            self.table, self.count, self.used, self.pair_a, self.pair_b, self.response,
+            self.geometric, away, self.contact_force, self.tangent,
+        )  # fmt: skip
+        self.residual = self._unbalance(x, multiplier)
+
+    def _unbalance(self, x: Array, multiplier: float) -> float:
+        c = self.loads
+        return step.unbalance(
+            self.contact_force, c.dead, c.pattern, multiplier, c.mass, x, self.weight, c.extent,
+            c.fixed, self.force,
+        )  # fmt: skip
+
+    def factorise(self, pace: Pace | None, gradient: Array, least_damping: float) -> bool:
+        """Factorise the tangent, with inertia and what paces the step; False if singular.
+
+        ``damping`` (n,) [1/s2] times the mass is added to the inertia, of the matrix alone.  Where
+        ``least_damping`` is positive, it is raised by no less for blocks that nothing would hold.
+        """
+        c, frame = self.loads, self.frame
+        frame.axis[:] = 0.0
+        body = -1
+        frame.border[0] = -1.0
+        if pace is not None:
+            body = pace.body
+            frame.pace[:] = gradient
+            frame.axis[body] = gradient[body]
+        self.spring = step.stiffen(
+            self.tangent.diagonal, c.mass, self.weight, self.damping, body, frame.axis
+        )
+        pivot = block_lu.factorise(
+            self.structure, *self.tangent, self.factors, c.mass, self.damping, least_damping
+        )
+        frame.sign[0] = np.sign(pivot)
+        return abs(pivot) > SINGULAR
+
+    @property
+    def stable(self) -> bool:
+        """Whether the structure would keep the equilibrium that the tangent was made for.
+
+        Known once a direction has been solved for.  A determinant tells: with an even number of
+        unstable modes it says yes as well.
+        """
+        return bool(self.frame.sign[0] * self.frame.border[0] < 0.0)
