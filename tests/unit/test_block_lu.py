@@ -128,7 +128,33 @@ class TestPivots:
         matrix = blocks(np.random.default_rng(0), a, b, len(fixed))
         change(a, b, *matrix)
         structure = block_lu.analyse(a, b, fixed, place)
-        return block_lu.factorise(structure, *matrix, block_lu.allocate(structure))
+        return block_lu.factorise(structure, *matrix, block_lu.allocate(structure), *NO_HOLD)
+
+    def test_bodies_with_negative_pivots_are_held(self):
+        """Of a symmetric matrix, as many as it has negative eigenvalues; with what is added to
+        their diagonals the solution is that of the matrix they then have."""
+        a, b, fixed, place = wall(6, 7)
+        n = len(fixed)
+        upper = np.tile(-np.eye(3), (len(a), 1, 1))
+        joints = np.bincount(a, minlength=n) + np.bincount(b, minlength=n)
+        diagonal = joints[:, None, None] * np.eye(3)
+        loose = np.array([9, 20, 31])
+        diagonal[loose, 2, 2] = -7.0
+        matrix = diagonal, upper, upper
+        eigenvalues = np.linalg.eigvalsh(dense(a, b, fixed, *matrix))
+        assert (eigenvalues < 0.0).sum() == 3
+        structure = block_lu.analyse(a, b, fixed, place)
+        factors, hold = block_lu.allocate(structure), np.zeros(n)
+        weight = np.linspace(1.0, 2.0, 3 * n).reshape(n, 3)
+        pivot = block_lu.factorise(structure, *matrix, factors, weight, hold, 0.5)
+        assert pivot > 0.0
+        assert np.flatnonzero(hold).tolist() == loose.tolist()
+        rhs = np.random.default_rng(0).normal(size=(1, n, 3))
+        x = rhs.copy()
+        block_lu.solve(structure, factors, x)
+        held = diagonal + hold[:, None, None] * weight[:, :, None] * np.eye(3)
+        expected = np.linalg.solve(dense(a, b, fixed, held, upper, upper), rhs[0, ~fixed].ravel())
+        assert x[0, ~fixed].ravel() == pytest.approx(expected, rel=1e-9)
 
     def test_a_body_that_nothing_holds(self):
         def free(a, b, diagonal, upper, lower):

@@ -593,14 +593,17 @@ def factorise(structure, diagonal, upper, lower, factors, weight, hold, least):
             body = order[place]
             ratio = invert(structure.dof, block, diagonal[body])
             more = least
-            while ratio < 0.0 and 0.0 < more < 1e12 * least:
+            lacking = ratio < 0.0
+            while lacking and 0.0 < more < 1e12 * least:
+                # Once more when it is positive: what is hardly so upsets what it is joined to.
+                lacking = ratio < 0.0
                 hold[body] += more
                 for x in range(nd):
                     panels[at + x * (m + 1)] += more * weight[body, x]
                     for y in range(nd):
                         block[x, y] = panels[at + x * m + y]
                 ratio = invert(structure.dof, block, diagonal[body])
-                more = 3.0 * hold[body]
+                more = hold[body]
             if ratio == 0.0:
                 return 0.0
             smallest = min(smallest, abs(ratio))

@@ -53,7 +53,7 @@ class InteriorSettings:
     most_damping: float = 1e5  # above which damping is not what is lacking
     more: float = 4.0  # times the damping while a direction is unstable
     less: float = 0.25  # times the damping after a direction that was good
-    least_damping: float = 1.0  # 1/s2
+    least_damping: float = 3.0  # 1/s2, below which there is none
     few_loose: float = 0.1  # share of the bodies up to which they come to rest on their own
     rings: int = 1  # of neighbours that move with them
     max_rest: int = 300  # iterations in which they do
@@ -135,7 +135,7 @@ class InteriorPoint:
                 away = x - geometry
                 interior.respond(*every, step.branch, self.inner, step.response)
                 step.assemble(x, multiplier, away)
-            if not step.factorise(pace, gradient, settings.damping):
+            if not step.factorise(pace, gradient, settings.least_damping):
                 return False, multiplier
             if pace:
                 columns[1], columns[2] = step.frame.load, step.spring * step.frame.axis
@@ -244,7 +244,7 @@ class InteriorPoint:
             step.assemble(x, multiplier, x - geometry)
             if step.residual <= 0.1 * unrest:
                 return
-            if not step.factorise(None, columns[0], settings.damping):
+            if not step.factorise(None, columns[0], settings.least_damping):
                 return
             _, room, body, _, _ = self._direction(columns, 0.0, None, energy, second=False)
             length = min(1.0, (1.0 - settings.margin) * room)
