@@ -35,7 +35,7 @@ class InteriorSettings:
     Energies [J] are those of a contact, over that which the weight of a mean block stores in one.
     """
 
-    start: float = 0.01  # energy of the first barrier
+    start: float = 1.0  # energy of the first barrier
     reach: float = 0.05  # more of it, over the work of a block's weight along the increment
     enough: float = 1e-11  # energy from which on the branches may be told
     surely: float = 1e-13  # and at which they are where there is no lower one to be had
@@ -55,8 +55,8 @@ class InteriorSettings:
     less: float = 0.25  # times the damping after a direction that was good
     least_damping: float = 3.0  # 1/s2, below which there is none
     few_loose: float = 0.1  # share of the bodies up to which they come to rest on their own
-    rings: int = 1  # of neighbours that move with them
-    max_rest: int = 300  # iterations in which they do
+    rings: int = 8  # of neighbours that move with them
+    max_rest: int = 100  # iterations in which they do
     hold: float = 0.3  # unbalanced force over that of the energy, above which the barrier waits
 
 
