@@ -6,9 +6,10 @@ predictor (Mehrotra 1992).  The number of iterations hardly depends on that of t
 their changes.
 
 Friction is non-associative: as the barrier falls, the equilibrium it belongs to may come to an end
-or lose its stability, as blocks do that hang by little.  From there on inertia holds the unknowns
+or lose its stability, as blocks do that hang by little.  From there on inertia holds such bodies
 back, as much as it takes to make every direction one that the structure would take by itself, and
 the barrier waits until they have come to rest.  So blocks slide and fall to where they find hold.
+While they are few, they do so apart from the rest: it costs the whole next to nothing.
 
 The unknowns approach the solution as near as tells the branches; `solvers.piecewise` does the rest.
 """
@@ -22,7 +23,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.kernels import block_lu, interior, joint, path
-from drystone.kernels.narrow import Slots
 from drystone.solvers.linear_step import LinearStep, Pace
 
 Array = NDArray[np.float64]
@@ -54,8 +54,8 @@ class InteriorSettings:
     more: float = 4.0  # times the damping while a direction is unstable
     less: float = 0.25  # times the damping after a direction that was good
     least_damping: float = 3.0  # 1/s2, below which there is none
-    few_loose: float = 0.1  # share of the bodies up to which they come to rest on their own
-    rings: int = 8  # of neighbours that move with them
+    few_loose: float = 0.1  # share of the bodies up to which they come to rest apart
+    rings: int = 8  # of neighbours that move with them; few leave the next ones out of balance
     max_rest: int = 100  # iterations in which they do
     hold: float = 0.3  # unbalanced force over that of the energy, above which the barrier waits
 
@@ -190,7 +190,7 @@ class InteriorPoint:
     def _rest(
         self, x: Array, multiplier: float, geometry: Array, energy: float, unrest: float
     ) -> bool:
-        """Bring the bodies that are held to rest at a barrier, their neighbours' neighbours fixed.
+        """Bring the bodies that are held, and those around, to rest at a barrier.
 
         They take many small steps, which would cost as much as those of the whole.  Returns whether
         there are such bodies, and few.
@@ -199,38 +199,16 @@ class InteriorPoint:
         loose = step.damping > 0.0
         if not 0 < loose.sum() <= settings.few_loose * len(loose):
             return False
-        pairs = step.used[: step.count] // 2
-        a, b = step.pair_a[pairs], step.pair_b[pairs]
-        inside = loose.copy()
-        for _ in range(settings.rings):
-            near = inside[a] | inside[b]
-            inside[a[near]] = inside[b[near]] = True
-        inside &= ~step.loads.fixed
-        rows = np.flatnonzero(inside[a] | inside[b])
-        bodies = np.unique(np.concatenate((a[rows], b[rows])))
-        number = np.zeros(len(loose), np.int64)
-        number[bodies] = np.arange(len(bodies))
-        pairs, pair = np.unique(pairs[rows], return_inverse=True)
-        slots = (2 * pairs[:, None] + (0, 1)).ravel()
-        apart = LinearStep(
-            step.loads.of(bodies, ~inside[bodies]),
-            number[step.pair_a[pairs]],
-            number[step.pair_b[pairs]],
-            step.place[bodies],
-            Slots(*(field[slots] for field in step.slots)),
-        )
-        apart.weight, apart.count = step.weight, len(rows)
-        apart.used[: len(rows)] = 2 * pair + step.used[rows] % 2
-        apart.table[: len(rows)] = step.table[rows]
-        apart.branch[:], apart.reaction[:] = step.branch[slots], step.reaction[slots]
-        apart.damping[:] = step.damping[bodies]
-        within = InteriorPoint(apart, settings)
-        within.inner[: len(rows)] = self.inner[rows]
-        moved = x[bodies]
-        within._come_to_rest(moved, multiplier, geometry[bodies], energy, unrest)
-        step.table[rows], self.inner[rows] = apart.table[: len(rows)], within.inner[: len(rows)]
-        step.damping[bodies] = apart.damping
-        x[bodies] = moved
+        part = step.part(loose, settings.rings)
+        within = InteriorPoint(part.step, settings)
+        n = len(part.rows)
+        within.inner[:n] = self.inner[part.rows]
+        moved = x[part.bodies]
+        within._come_to_rest(moved, multiplier, geometry[part.bodies], energy, unrest)
+        self.inner[part.rows] = within.inner[:n]
+        step.table[part.rows] = part.step.table[:n]
+        step.damping[part.bodies] = part.step.damping
+        x[part.bodies] = moved
         return True
 
     def _come_to_rest(

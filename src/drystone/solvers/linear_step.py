@@ -218,3 +218,43 @@ class LinearStep:
         unstable modes it says yes as well.
         """
         return bool(self.frame.sign[0] * self.frame.border[0] < 0.0)
+
+    def part(self, bodies: BoolArray, rings: int) -> Part:
+        """The equations of some bodies (n,) and rings of their neighbours, with what is around them
+        fixed: a copy."""
+        pairs = self.used[: self.count] // 2
+        a, b = self.pair_a[pairs], self.pair_b[pairs]
+        free = bodies.copy()
+        for _ in range(rings):
+            near = free[a] | free[b]
+            free[a[near]] = free[b[near]] = True
+        free &= ~self.loads.fixed
+        rows = np.flatnonzero(free[a] | free[b])
+        among = np.unique(np.concatenate((a[rows], b[rows])))
+        number = np.zeros(len(free), np.int64)
+        number[among] = np.arange(len(among))
+        pairs, pair = np.unique(pairs[rows], return_inverse=True)
+        slots = (2 * pairs[:, None] + (0, 1)).ravel()
+        step = LinearStep(
+            self.loads.of(among, ~free[among]),
+            number[self.pair_a[pairs]],
+            number[self.pair_b[pairs]],
+            self.place[among],
+            Slots(*(field[slots] for field in self.slots)),
+        )
+        n = len(rows)
+        step.weight, step.count = self.weight, n
+        step.used[:n] = 2 * pair + self.used[rows] % 2
+        step.table[:n] = self.table[rows]
+        step.branch[:], step.reaction[:] = self.branch[slots], self.reaction[slots]
+        step.damping[:] = self.damping[among]
+        return Part(step=step, bodies=among, rows=rows)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """Equations of a part of a structure, and where they come from."""
+
+    step: LinearStep
+    bodies: IntArray  # (m,) of the whole
+    rows: IntArray  # (count,) of the whole's table
