@@ -8,6 +8,7 @@ for the tangent, `kernels.path` for what borders it.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -56,9 +57,9 @@ class PointPace:
 
     def measure(self, x: Array) -> tuple[float, Array]:
         """See `Pace.measure`."""
-        ux, uy, w = x[self.body]
-        (ax, ay), (dx, dy) = self.arm, self.axis
-        s, versine = np.sin(w), 2.0 * np.sin(0.5 * w) ** 2
+        ux, uy, w = x[self.body].tolist()  # Python's numbers: this is asked for often
+        (ax, ay), (dx, dy) = self.arm.tolist(), self.axis.tolist()
+        s, versine = math.sin(w), 2.0 * math.sin(0.5 * w) ** 2
         turned_x, turned_y = ax * (1.0 - versine) - s * ay, ay * (1.0 - versine) + s * ax
         moved = dx * (ux + turned_x - ax) + dy * (uy + turned_y - ay)
         gradient = np.zeros_like(x)
