@@ -112,19 +112,21 @@ def one_solution(model: ds.Model) -> tuple[float, float]:
     finally:
         StaticStep.linearise = linearise
     step, (diagonal, upper, lower) = caught[-1]
-    n, n_dof = step.constants.mass.shape
+    n, n_dof = step.loads.mass.shape
     full = np.zeros((n, n_dof, n, n_dof))
     full[np.arange(n), :, np.arange(n), :] = diagonal
-    for k, (a, b) in enumerate(zip(step.pairs.a, step.pairs.b, strict=True)):
+    for k, (a, b) in enumerate(zip(step.pair_a, step.pair_b, strict=True)):
         full[a, :, b, :] = upper[k]
         full[b, :, a, :] = lower[k]
-    free = np.repeat(~step.constants.fixed, n_dof)
+    free = np.repeat(~step.loads.fixed, n_dof)
     matrix = csc_matrix(full.reshape(n * n_dof, -1)[free][:, free])
     right = np.ones((matrix.shape[0], 2))
     fields = np.ones((2, n, n_dof))
 
     def own() -> None:
-        block_lu.factorise(step.structure, diagonal, upper, lower, step.factors)
+        block_lu.factorise(
+            step.structure, diagonal, upper, lower, step.factors, step.loads.mass, step.damping, 0.0
+        )
         block_lu.solve(step.structure, step.factors, fields)
 
     superlu = harness.median_seconds(lambda: splu(matrix).solve(right), 301)

@@ -564,8 +564,8 @@ def factorise(structure, diagonal, upper, lower, factors, weight, hold, least):
     n_dof) in the rows of a and columns of b, and ``lower`` in the rows of b and columns of a.
 
     Where ``least`` is positive, bodies whose pivots have a negative determinant are held: to the
-    diagonal of the pivot their ``weight`` (n, n_dof) is added ``least`` times, or as often as makes
-    the determinant positive.  ``hold`` (n,) counts how often.
+    diagonal of the pivot their ``weight`` (n, n_dof) is added ``least`` times, or twice as often as
+    makes the determinant positive.  ``hold`` (n,) counts how often.
 
     Returns the smallest pivot over the largest entry of its column in the body's own block, at most
     1, with the sign of the determinant; 0, with the factors unusable, for singular matrices and
