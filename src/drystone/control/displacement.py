@@ -64,6 +64,7 @@ class _State:
     slope: float = 0.0  # 1/m, of the curve there
     n_steps: int = 0
     time_step: float = 0.0  # s, of a jump; 0 on the static path
+    rested: float = 0.0  # s, time step with which the last jump seemed to be over; 0 once it was
     stage: int = FOLLOWING
 
 
@@ -171,7 +172,9 @@ class DisplacementControl:
             if state.time_step < 1e-4 * s.time_step:
                 return Decision(accept=False, demand=None, state=state, reason=report.reason)
         elif state.stage == CROSSING:
-            state = replace(state, stage=FOLLOWING, time_step=s.time_step)
+            # A jump that seemed to be over was not: something moves slowly yet.
+            time_step = max(s.time_step, 1.5 * state.rested)
+            state = replace(state, stage=FOLLOWING, time_step=time_step)
         else:
             share = report.turn[0] if report.turn else 0.5
             nearer = (0.98 * share if share < 0.9 else 0.6) * state.increment
@@ -188,14 +191,14 @@ class DisplacementControl:
         else:
             scale = 1.0 if report.n_iterations <= s.hard_iterations else 0.7
         increment = min(scale * state.increment, s.displacement_step)
-        return replace(state, increment=increment, stage=FOLLOWING)
+        return replace(state, increment=increment, stage=FOLLOWING, rested=0.0)
 
     def _jumping(self, state: _State, report: StepReport) -> _State:
         s = self.settings
         settled = report.inertia_ratio < s.static_inertia and state.time_step > 5.0 * s.time_step
         if settled:
             increment = 4.0 * s.floor_share * s.displacement_step
-            return replace(state, time_step=0.0, increment=increment)
+            return replace(state, time_step=0.0, rested=state.time_step, increment=increment)
         if report.motion < s.jump_motion * s.displacement_step:
             return replace(state, time_step=1.5 * state.time_step)
         return state
