@@ -118,33 +118,29 @@ class InteriorPoint:
         damping = step.damping
         damping[:] = 0.0
         for _ in range(settings.max_iterations):
-            away = x - geometry
-            energy = interior.respond(*every, step.branch, self.inner, step.response)
-            step.assemble(x, multiplier, away)
-            missing = lag - float(np.vdot(gradient, away)) if pace else 0.0
+            energy = self._assemble(x, multiplier, geometry)
+            missing = lag - float(np.vdot(gradient, x - geometry)) if pace else 0.0
             near = (
                 step.residual <= settings.residual * self.weight
                 and energy <= settings.enough * unit
             )
-            if near and self._told(x, multiplier, away, tolerance):
+            if near and self._told(x, multiplier, geometry, tolerance):
                 return True, multiplier
             if near and energy <= settings.least * unit:
                 return True, multiplier
             unrest = settings.hold * math.sqrt(stiffness * energy)
             if self._restless(unrest) and self._rest(x, multiplier, geometry, energy, unrest):
-                away = x - geometry
-                interior.respond(*every, step.branch, self.inner, step.response)
-                step.assemble(x, multiplier, away)
+                self._assemble(x, multiplier, geometry)
             if not step.factorise(pace, gradient, settings.least_damping):
                 return False, multiplier
             if pace:
                 columns[1], columns[2] = step.frame.load, step.spring * step.frame.axis
             wait = self._restless(unrest)
-            by_direction, room, body, by_way, by_square = self._direction(
+            by_direction, room, limiting, by_way, by_square = self._direction(
                 columns, missing, pace, energy if wait else 0.0, second=False
             )
             if not step.stable:
-                np.maximum(settings.more * damping, settings.damping, out=damping)
+                self._hold(slice(None))
                 short = 0
                 continue
             sure = near and energy <= settings.surely * unit
@@ -155,7 +151,7 @@ class InteriorPoint:
                 least = max(energy + way * (by_way + way * by_square), 0.0)
                 share = (least / energy) ** 3 if energy > 0.0 else 0.0  # bonds have none
                 barrier = min(max(share, 1e-3), 0.8) * energy
-                by_direction, room, body, _, _ = self._direction(
+                by_direction, room, limiting, _, _ = self._direction(
                     columns[:1], missing, pace, barrier, second=True
                 )
             margin = min(settings.margin, math.sqrt(max(energy / unit, 1e-16)))
@@ -165,22 +161,48 @@ class InteriorPoint:
                 if stalls == settings.max_stalls or sure:
                     break
                 stalls, stuck, short = stalls + 1, stuck + 1, 0
+                body = self._faster(limiting)
                 if near or damping[body] >= settings.most_damping:
                     barrier = settings.raised * max(energy, barrier)
                     interior.centre(*every, step.branch, barrier, self.inner)
                     np.minimum(damping, settings.damping, out=damping)
                 else:
-                    held = body if stuck <= settings.alone else slice(None)
-                    damping[held] = np.maximum(settings.more * damping[held], settings.damping)
+                    self._hold(body if stuck <= settings.alone else slice(None))
                 continue
             stuck = 0
-            if length > 0.9:
-                damping *= settings.less
-                damping[damping < settings.least_damping] = 0.0
-            x += length * columns[0]
+            self._move(x, length)
             multiplier += length * by_direction
-            interior.move(step.table, step.count, self.inner, self.change, length)
         return near, multiplier
+
+    def _assemble(self, x: Array, multiplier: float, geometry: Array) -> float:
+        """Unbalanced forces and tangent at ``x``; returns the mean energy [J]."""
+        step = self.step
+        energy = interior.respond(
+            step.table, step.count, step.used, step.branch, self.inner, step.response
+        )
+        step.assemble(x, multiplier, x - geometry)
+        return energy
+
+    def _move(self, x: Array, length: float) -> None:
+        """Go along the direction, ``x`` in place; bodies are let go where it was good."""
+        step, settings = self.step, self.settings
+        if length > 0.9:
+            step.damping *= settings.less
+            step.damping[step.damping < settings.least_damping] = 0.0
+        x += length * step.frame.columns[0]
+        interior.move(step.table, step.count, self.inner, self.change, length)
+
+    def _hold(self, bodies: int | slice) -> None:
+        """Hold bodies more."""
+        damping, settings = self.step.damping, self.settings
+        damping[bodies] = np.maximum(settings.more * damping[bodies], settings.damping)
+
+    def _faster(self, contact: int) -> int:
+        """Of a contact's bodies, the one that moves more along the direction."""
+        step = self.step
+        pair = step.used[contact] // 2
+        bodies = int(step.pair_a[pair]), int(step.pair_b[pair])
+        return max(bodies, key=lambda i: np.abs(step.frame.columns[0, i, :-1]).max())
 
     def _restless(self, unrest: float) -> bool:
         """Whether a body that is held is unbalanced by more than ``unrest`` [N]."""
@@ -215,39 +237,33 @@ class InteriorPoint:
         self, x: Array, multiplier: float, geometry: Array, energy: float, unrest: float
     ) -> None:
         step, settings = self.step, self.settings
-        every = step.table, step.count, step.used
         columns = step.frame.columns[:1]
         for _ in range(settings.max_rest):
-            interior.respond(*every, step.branch, self.inner, step.response)
-            step.assemble(x, multiplier, x - geometry)
+            self._assemble(x, multiplier, geometry)
             if step.residual <= 0.1 * unrest:
                 return
             if not step.factorise(None, columns[0], settings.least_damping):
                 return
-            _, room, body, _, _ = self._direction(columns, 0.0, None, energy, second=False)
+            _, room, limiting, _, _ = self._direction(columns, 0.0, None, energy, second=False)
             length = min(1.0, (1.0 - settings.margin) * room)
-            if not length > settings.shortest:
-                if step.damping[body] >= settings.most_damping:
-                    return
-                step.damping[body] = max(settings.more * step.damping[body], settings.damping)
+            if length > settings.shortest:
+                self._move(x, length)
                 continue
-            if length > 0.9:
-                step.damping *= settings.less
-                step.damping[step.damping < settings.least_damping] = 0.0
-            x += length * columns[0]
-            interior.move(*every[:2], self.inner, self.change, length)
+            body = self._faster(limiting)
+            if step.damping[body] >= settings.most_damping:
+                return
+            self._hold(body)
 
-    def _told(self, x: Array, multiplier: float, away: Array, tolerance: float) -> bool:
+    def _told(self, x: Array, multiplier: float, geometry: Array, tolerance: float) -> bool:
         """Choose the branches; whether they leave nothing unbalanced."""
         step = self.step
         every = step.table, step.count, step.used
         interior.choose(*every, self.inner, step.branch)
         joint.respond(*every, step.branch, step.response)
-        step.assemble(x, multiplier, away)
+        step.assemble(x, multiplier, x - geometry)
         if step.residual <= tolerance:
             return True
-        interior.respond(*every, step.branch, self.inner, step.response)
-        step.assemble(x, multiplier, away)
+        self._assemble(x, multiplier, geometry)
         return False
 
     def _direction(
@@ -256,8 +272,8 @@ class InteriorPoint:
         """Fill the first column and the changes.
 
         Further columns, where there are any, are solved for as well.  Returns by how much the
-        multiplier changes, the room, and how the energy changes on the way, to first and second
-        order, see `kernels.interior.changes`.
+        multiplier changes, the room, the contact that ends it, and how the energy changes on the
+        way, to first and second order, see `kernels.interior.changes`.
         """
         step = self.step
         pairs = step.pair_a, step.pair_b
@@ -273,7 +289,4 @@ class InteriorPoint:
         )
         if not math.isfinite(by_direction):
             room = 0.0
-        pair = step.used[limiting] // 2
-        bodies = int(step.pair_a[pair]), int(step.pair_b[pair])
-        body = max(bodies, key=lambda i: np.abs(columns[0, i, :-1]).max())
-        return by_direction, room, body, by_way, by_square
+        return by_direction, room, limiting, by_way, by_square
