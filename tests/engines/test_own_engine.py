@@ -66,4 +66,14 @@ def test_the_command_line_and_model_files_take_it(installed, tmp_path):
     assert summary["engine"] == "rocking"
     assert "the toe is a hinge" in summary["reason"]
     assert summary["peak_multiplier"] == pytest.approx(0.4 / 1.2, rel=0.01)
-    assert CliRunner().invoke(app, ["check", str(tmp_path / "block.toml")]).exit_code == 0
+    for command in ("check", "limit"):
+        done = CliRunner().invoke(app, [command, str(tmp_path / "block.toml")])
+        assert done.exit_code == 0, done.output
+
+
+def test_limit_analysis_asks_for_no_engine(tmp_path):
+    # A model from a machine where the engine's package is installed.
+    model = stack((0.4, 1.2), analysis=Analysis(engine="elsewhere"))
+    write_model(model, tmp_path / "block.toml")
+    done = CliRunner().invoke(app, ["limit", str(tmp_path / "block.toml")])
+    assert done.exit_code == 0, done.output

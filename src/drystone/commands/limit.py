@@ -69,7 +69,7 @@ def limit(
         from drystone.modelfile import ModelError, read_model
 
         try:
-            model = read_model(model_file, need_stiffness=False)
+            model = read_model(model_file, need_stiffness=False, engines=None)
         except ModelError as error:
             fail(WRONG, error.problems, as_json=as_json, extra=_empty(flow))
         if out is not None:

@@ -32,7 +32,7 @@ def read_model(
     path: str | PathLike[str],
     *,
     need_stiffness: bool = True,
-    engines: Sequence[str] = ENGINES,
+    engines: Sequence[str] | None = ENGINES,
 ) -> Model:
     """Read a model file, TOML or JSON.
 
@@ -43,7 +43,7 @@ def read_model(
     need_stiffness
         Whether joints must have stiffnesses.  Limit analysis does without.
     engines
-        Names that [analysis] may give as its engine.
+        Names that [analysis] may give as its engine; None where no engine will be asked.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def _model(
     data: dict[str, Any],
     *,
     need_stiffness: bool,
-    engines: Sequence[str],
+    engines: Sequence[str] | None,
     title: str,
     source: str,
     sha256: str,
@@ -80,7 +80,7 @@ def _model(
     blocks, places = _blocks(section, data, problems)
     joint, between = _laws(section, blocks, need_stiffness, problems)
     engine = section.analysis.engine
-    if engine not in engines:
+    if engines is not None and engine not in engines:
         problems.append(
             f"analysis.engine: there is no engine {quoted(engine)}: {suggestion(engine, engines)}"
         )
