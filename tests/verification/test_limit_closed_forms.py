@@ -8,12 +8,21 @@ import pytest
 
 from builders import UNIT_WEIGHT, rectangle
 from drystone.assembly import Block, Corner, JointLaw
-from drystone.builders import circular_arch, column, coursed_wall, make_model, stack
+from drystone.builders import (
+    PUBLISHED_WALLS,
+    circular_arch,
+    column,
+    coursed_wall,
+    make_model,
+    published_wall,
+    stack,
+)
 from drystone.limit import (
     FLOWS,
     NonAssociativeSettings,
     collapse_load,
     collapse_loads,
+    is_locked,
     least_standing,
     stands,
 )
@@ -302,3 +311,44 @@ def test_power_of_the_mechanism_gives_the_multiplier(corner):
     # Dry joints with associated flow dissipate nothing: lambda F.u + G.u = 0.
     assert -dead / live == pytest.approx(found.load_multiplier, abs=EXACT)
     assert found.duality_gap < EXACT and found.residual < EXACT
+
+
+def against_a_support(gap=0.0):
+    """A block on a plane with a fixed one beside it, on the side that the load pushes to."""
+    blocks = stack(widths=[0.4], heights=[0.4], unit_weight=UNIT_WEIGHT)
+    wall = rectangle(0.2 + gap, 0.0, 0.4, 0.4)
+    blocks.append(Block(id="wall", vertices=wall, unit_weight=UNIT_WEIGHT, support=True))
+    return blocks
+
+
+def test_a_block_pushed_against_a_support_is_locked():
+    assert is_locked(model(against_a_support(), joint(0.5)))
+    # Pulled away it slides at the friction coefficient, and with a gap it moves into that.
+    assert not is_locked(model(against_a_support(), joint(0.5), direction=(-1.0, 0.0)))
+    assert not is_locked(model(against_a_support(gap=0.05), joint(0.5)))
+
+
+@pytest.mark.parametrize(("slope", "locked"), [(0.45, True), (0.55, False)])
+def test_a_load_within_the_friction_cone_locks(slope, locked):
+    # Whatever its multiple, a force within the cone of tan 0.5 does not move a squat block.
+    direction = (slope, -1.0)
+    squat = stack(widths=[1.0], heights=[0.2], unit_weight=UNIT_WEIGHT)
+    assert is_locked(model(squat, joint(0.5), direction=direction)) is locked
+
+
+def test_what_only_dilatancy_locks_is_not_locked():
+    assert not is_locked(under_a_ceiling())
+
+
+def test_an_arch_is_not_locked_between_its_abutments():
+    # No motion of the arch as one body leaves both: a linear program has to say it.
+    arch = circular_arch(
+        radius=10.0, thickness=1.5, embrace=157.5, n_voussoirs=7, unit_weight=UNIT_WEIGHT
+    )
+    assert not is_locked(model(arch, joint(0.75)))
+
+
+@pytest.mark.parametrize("wall", PUBLISHED_WALLS)
+def test_walls_are_cleared_without_a_linear_program(wall, monkeypatch):
+    monkeypatch.setattr("drystone.limit.associative._strongest", None)  # calling it would fail
+    assert not is_locked(published_wall(wall))

@@ -9,6 +9,7 @@ from drystone.limit.collapse import (
     collapse_load,
     collapse_loads,
     default_paths,
+    is_locked,
     stands,
 )
 from drystone.limit.non_associative import NonAssociativeSettings
@@ -24,6 +25,7 @@ __all__ = [
     "collapse_load",
     "collapse_loads",
     "default_paths",
+    "is_locked",
     "least_standing",
     "limits_beside",
     "stands",

@@ -18,6 +18,8 @@ load pattern by itself (then friction locks the structure and no multiple of it 
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, eye_array, hstack, vstack
@@ -35,6 +37,8 @@ LARGE = 120
 WHOLE = 1e-6
 #: Error of the interior-point method that is still an answer.
 ACCEPTABLE = 1e-6
+#: A motion that goes less than this share along the load does not go along it.
+SLIGHT = 1e-6
 
 
 def collapse(equilibrium: Equilibrium) -> Answer:
@@ -85,10 +89,38 @@ def stands(equilibrium: Equilibrium) -> bool:
     return _is_whole(dead_load_factor(equilibrium))
 
 
-def is_locked(equilibrium: Equilibrium) -> bool:
-    """Whether contact forces without any strength but friction carry the pattern by itself."""
+def is_locked(equilibrium: Equilibrium, *, friction: bool = True) -> bool:
+    """Whether contact forces without any strength but friction carry the pattern by itself.
+
+    Without ``friction`` pushing has to do: then nothing can move along the load, whatever joints
+    slide.
+    """
+    if not friction:
+        smooth = replace(equilibrium.points, friction=np.zeros(equilibrium.n_contacts))
+        equilibrium = replace(equilibrium, points=smooth)
     zero = np.zeros_like(equilibrium.dead)
     return _is_whole(_strongest(equilibrium, equilibrium.live, zero, recession=True))
+
+
+def slides_away(equilibrium: Equilibrium, direction: Array) -> bool:
+    """Whether the blocks can leave their supports as one body, along a load of that direction.
+
+    A mechanism that opens every joint by more than its friction wants, found without a linear
+    program: the structure is not locked.  False says nothing.
+    """
+    assembly, points = equilibrium.assembly, equilibrium.points
+    side = np.where(assembly.fixed[points.block_a], 1.0, 0.0)
+    side -= np.where(assembly.fixed[points.block_b], 1.0, 0.0)
+    borne = np.flatnonzero(side)
+    away = side[borne, None, None] * points.frame[borne]
+    upward = away[:, 0].mean(axis=0) if len(borne) else np.zeros_like(direction)
+    for share in (0.0, 0.5, 1.0, 2.0, 4.0):
+        motion = direction + share * upward
+        opening, slip = away[:, 0] @ motion, np.linalg.norm(away[:, 1:] @ motion, axis=1)
+        free = np.all(opening >= points.friction[borne] * slip)
+        if free and direction @ motion > SLIGHT:
+            return True
+    return False
 
 
 def upper_bound(equilibrium: Equilibrium, velocity: Array) -> float:

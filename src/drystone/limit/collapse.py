@@ -136,7 +136,8 @@ def collapse_loads(
                 resting=dead.forces[:, 0],
                 settings=settings,
             )
-            results.append(_non_associative(equilibrium, paths, settings))
+            locked = answer.status == UNBOUNDED
+            results.append(_non_associative(equilibrium, paths, settings, locked=locked))
     return tuple(results)
 
 
@@ -156,6 +157,25 @@ def stands(assembly: Assembly) -> bool:
     """Whether the blocks stand under their own weight (associative joints)."""
     sideways = LoadPattern(direction=np.eye(assembly.dimension)[0])
     return bounds.stands(Equilibrium.of(assembly, sideways))
+
+
+def is_locked(model: Model) -> bool:
+    """Whether no multiple of the load brings the structure down.
+
+    Said before an analysis, which would only press blocks into each other.  Most structures are
+    cleared at once, by a motion as one body that friction cannot stop.  Otherwise friction alone
+    has to carry the pattern, and either the normal forces do so without it or no path of the
+    non-associative scheme comes to a collapse state.
+    """
+    equilibrium = Equilibrium.of(model.assembly, model.load)
+    if bounds.slides_away(equilibrium, model.load.direction):
+        return False
+    if not bounds.is_locked(equilibrium):
+        return False
+    if bounds.is_locked(equilibrium, friction=False):
+        return True
+    few = NonAssociativeSettings(n_paths=FEW)
+    return collapse_load(model, settings=few).status == "locked"
 
 
 def _associative(equilibrium: Equilibrium, answer: Answer) -> Collapse:
@@ -185,10 +205,11 @@ def _associative(equilibrium: Equilibrium, answer: Answer) -> Collapse:
 
 
 def _non_associative(
-    equilibrium: Equilibrium, paths: Paths, settings: NonAssociativeSettings
+    equilibrium: Equilibrium, paths: Paths, settings: NonAssociativeSettings, *, locked: bool
 ) -> Collapse:
     if not paths.states:
-        if paths.n_unbounded:
+        # Where friction can carry any multiple, paths may climb for ever instead.
+        if locked or paths.n_unbounded:
             return _without(equilibrium, NON_ASSOCIATIVE, "locked", LOCKED)
         reason = "the scheme did not come to rest on any path: try a smaller beta, or more paths"
         return _without(equilibrium, NON_ASSOCIATIVE, "failed", reason)
