@@ -108,3 +108,15 @@ def test_own_engine():
     moved = curve.control_displacement > 1e-3
     turn = block.rotation(curve.control_displacement[moved])
     assert curve.load_multiplier[moved] == pytest.approx(block.multiplier(turn), abs=1e-6)
+
+
+def test_friction_sweep():
+    peaks = [curve.peak.load_multiplier for curve in example("friction_sweep").sweep().values()]
+    friction = example("friction_sweep").FRICTION
+    # Without cohesion the lowest course's joint carries no more than its friction; residuals 1e-8.
+    assert all(peak <= mu * (1.0 + 1e-6) for peak, mu in zip(peaks, friction, strict=True))
+    assert peaks == sorted(peaks)
+    # It slides.  Under a shear V of 0.8 kN its lowest blocks, h = 0.175 m high and L = 0.4 m long,
+    # tilt on their elastic joints by V h / (k_n L^3 / 12) = 3e-4, and their friction with them.
+    assert peaks[0] == pytest.approx(friction[0], abs=1e-3)
+    assert peaks[friction.index(0.65)] == pytest.approx(0.578, abs=5e-4)  # README's figure

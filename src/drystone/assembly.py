@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +44,13 @@ class Corner:
 
     radius: float | None = None  # m, rounded
     chamfer: float | None = None  # m, cut off at 45 degrees in a right corner
+
+    @property
+    def words(self) -> str:
+        """How they are, in a word or two."""
+        if self.radius:
+            return f"rounded ({self.radius:g} m)"
+        return f"chamfered ({self.chamfer:g} m)" if self.chamfer else "sharp"
 
     def core(self, vertices: Array) -> Core:
         """The contact shape of an outline; raises `GeometryError` where nothing is left."""
@@ -78,7 +86,7 @@ class Shapes:
         return self.vertices[self.offset[i] : self.offset[i + 1]]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Assembly:
     """Blocks, supports and joint laws.  Constant during an analysis.
 
@@ -93,14 +101,14 @@ class Assembly:
     corner: Corner
     joint_between: Mapping[frozenset[str], JointLaw] = field(default_factory=dict)
 
-    # Derived, filled in by `Assembly.build`.
-    shapes: Shapes
-    centroid: Array  # (n, dim) m
-    volume: Array  # (n,) m3
-    weight: Array  # (n,) N
-    mass: Array  # (n, n_dof) kg and kg m2, per degree of freedom
-    fixed: NDArray[np.bool_]  # (n,)
-    laws: tuple[JointLaw, ...]  # laws[0] is `joint`
+    # Derived from the above, also in a copy by `dataclasses.replace`.
+    shapes: Shapes = field(init=False)
+    centroid: Array = field(init=False)  # (n, dim) m
+    volume: Array = field(init=False)  # (n,) m3
+    weight: Array = field(init=False)  # (n,) N
+    mass: Array = field(init=False)  # (n, n_dof) kg and kg m2, per degree of freedom
+    fixed: NDArray[np.bool_] = field(init=False)  # (n,)
+    laws: tuple[JointLaw, ...] = field(init=False)  # laws[0] is `joint`
 
     @classmethod
     def build(
@@ -112,56 +120,70 @@ class Assembly:
         thickness: float = 1.0,
         joint_between: Mapping[frozenset[str], JointLaw] | None = None,
     ) -> Assembly:
-        """Compute mass properties and contact shapes.
+        """A plane assembly; sharp corners and no exceptions where nothing is said.
 
         Raises
         ------
         GeometryError
             A block's outline or corner is impossible; the message names the block.
         """
-        corner = corner or Corner()
-        between = dict(joint_between or {})
-        n = len(blocks)
-        centroid = np.zeros((n, 2))
-        volume = np.zeros(n)
-        inertia = np.zeros(n)
-        cores = []
-        for i, block in enumerate(blocks):
-            try:
-                geometry.check_convex(block.vertices)
-                core = corner.core(block.vertices)
-            except GeometryError as error:
-                raise GeometryError(f'block "{block.id}": {error}') from None
-            properties = geometry.mass_properties(block.vertices)
-            centroid[i] = properties.centroid
-            volume[i] = properties.area * thickness
-            inertia[i] = properties.polar_moment * thickness
-            cores.append(core)
-        unit_weight = np.array([block.unit_weight for block in blocks])
-        weight = unit_weight * volume
-        mass = np.column_stack((weight, weight, unit_weight * inertia)) / GRAVITY
-        shapes = Shapes(
-            offset=np.cumsum([0] + [len(core.vertices) for core in cores]).astype(np.int64),
-            vertices=np.vstack(
-                [core.vertices - c for core, c in zip(cores, centroid, strict=True)]
-            ),
-            setback=np.vstack([core.setback for core in cores]),
-            radius=np.array([core.radius for core in cores]),
-        )
         return cls(
             dimension=2,
             thickness=thickness,
             blocks=tuple(blocks),
             joint=joint,
-            corner=corner,
-            joint_between=between,
-            shapes=shapes,
+            corner=corner or Corner(),
+            joint_between=dict(joint_between or {}),
+        )
+
+    def __post_init__(self) -> None:
+        """Compute mass properties and contact shapes; raises `GeometryError`."""
+        n = len(self.blocks)
+        centroid = np.zeros((n, 2))
+        volume = np.zeros(n)
+        inertia = np.zeros(n)
+        cores = []
+        for i, block in enumerate(self.blocks):
+            try:
+                geometry.check_convex(block.vertices)
+                core = self.corner.core(block.vertices)
+            except GeometryError as error:
+                raise GeometryError(f'block "{block.id}": {error}') from None
+            properties = geometry.mass_properties(block.vertices)
+            centroid[i] = properties.centroid
+            volume[i] = properties.area * self.thickness
+            inertia[i] = properties.polar_moment * self.thickness
+            cores.append(core)
+        unit_weight = np.array([block.unit_weight for block in self.blocks])
+        weight = unit_weight * volume
+        self._derive(
+            shapes=Shapes(
+                offset=np.cumsum([0] + [len(core.vertices) for core in cores]).astype(np.int64),
+                vertices=np.vstack(
+                    [core.vertices - c for core, c in zip(cores, centroid, strict=True)]
+                ),
+                setback=np.vstack([core.setback for core in cores]),
+                radius=np.array([core.radius for core in cores]),
+            ),
             centroid=centroid,
             volume=volume,
             weight=weight,
-            mass=mass,
-            fixed=np.array([block.support for block in blocks], dtype=bool),
-            laws=(joint, *dict.fromkeys(between.values())),
+            mass=np.column_stack((weight, weight, unit_weight * inertia)) / GRAVITY,
+            fixed=np.array([block.support for block in self.blocks], dtype=bool),
+            laws=(self.joint, *dict.fromkeys(self.joint_between.values())),
+        )
+
+    def _derive(self, **values: Any) -> None:
+        """Set derived fields, which are frozen for everyone else."""
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        law = f"friction {self.joint.friction_coefficient:g}"
+        others = f" and {len(self.joint_between)} exceptions" * bool(self.joint_between)
+        return (
+            f"<Assembly: {self.n_blocks} blocks, {self.n_supports} supports, "
+            f"{law}{others}, {self.corner.words} corners>"
         )
 
     # Asked for at every step: the assembly does not change, and is gone through once.

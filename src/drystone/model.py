@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
 
-from drystone.assembly import Assembly
+import numpy as np
+
+from drystone.assembly import Assembly, Corner
 from drystone.loading import LoadPattern
 from drystone.monitor import ControlPoint
 
@@ -24,13 +28,133 @@ class Analysis:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Origin:
+    """The file that a model was read from, and what it held."""
+
+    path: str
+    sha256: str  # of the file's bytes
+    contents: tuple[Any, ...]  # `Model.contents` as read
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Model:
-    """Assembly, load, control point and analysis, with where they came from."""
+    """Assembly, load, control point and analysis, with where they came from.
+
+    A model never changes.  The methods ``with_...`` give a new one, checked like the first, in
+    which everything derived follows; so does `dataclasses.replace`, without the checks.
+    """
 
     title: str
     assembly: Assembly
     load: LoadPattern
     control_point: ControlPoint
     analysis: Analysis = field(default_factory=Analysis)
-    source: str | None = None  # path of the model file
-    sha256: str = ""  # of the file's bytes, or of the model's own description
+    origin: Origin | None = None
+
+    @property
+    def contents(self) -> tuple[Any, ...]:
+        """What makes one model differ from another."""
+        return self.title, self.assembly, self.load, self.control_point, self.analysis
+
+    @property
+    def source(self) -> str | None:
+        """Path of the model file; None where the model was varied since, or made in Python."""
+        return self.origin.path if self.origin and self._as_read(self.origin) else None
+
+    @cached_property
+    def sha256(self) -> str:
+        """Digest of the file's bytes; without `source`, of the model's own description."""
+        if self.origin and self._as_read(self.origin):
+            return self.origin.sha256
+        from drystone.builders.describe import digest
+
+        return digest(self)
+
+    def _as_read(self, origin: Origin) -> bool:
+        return all(a is b for a, b in zip(self.contents, origin.contents, strict=True))
+
+    def with_joint(
+        self, *, between: tuple[str, str] | None = None, **values: float | None
+    ) -> Model:
+        """The model with other values of the joint law.
+
+        An exception by pair keeps the values in which it differs from the law of all other
+        joints, and takes on the new ones where it had the same.
+
+        Parameters
+        ----------
+        between
+            Two block ids or two materials: only their law is changed, or made an exception.
+        values
+            Of `JointLaw`, by name: ``friction_coefficient=0.5``.
+
+        Raises
+        ------
+        ModelError
+            A value that no joint can have, or a name that nothing goes by.
+        """
+        from drystone.builders.vary import joints_with, remade
+
+        return remade(self, **joints_with(self.assembly, between, values))
+
+    def with_corner(self, *, radius: float | None = None, chamfer: float | None = None) -> Model:
+        """The model with other corners [m]: rounded, chamfered, or sharp where nothing is said."""
+        from drystone.builders.vary import remade
+
+        return remade(self, corner=Corner(radius=radius, chamfer=chamfer))
+
+    def with_load(self, *, direction: Sequence[float]) -> Model:
+        """The model pushed in another direction.
+
+        Control block, point and direction follow as far as they are those that are taken where
+        nothing is said about them; what was chosen otherwise stays.
+        """
+        from drystone.builders.vary import control_beside_default, remade
+
+        return remade(self, load_direction=direction, **control_beside_default(self))
+
+    def with_control(
+        self,
+        *,
+        block: str | None = None,
+        point: str | Sequence[float] | None = None,
+        direction: Sequence[float] | None = None,
+    ) -> Model:
+        """The model with another control point; what is left out is chosen as in a model file."""
+        from drystone.builders.vary import remade
+
+        return remade(self, control_block=block, control_point=point, control_direction=direction)
+
+    def with_analysis(
+        self,
+        *,
+        engine: str | None = None,
+        strategy: str | None = None,
+        stop_multiplier: float | None = None,
+        **options: float | None,
+    ) -> Model:
+        """The model to be analysed otherwise.
+
+        Parameters
+        ----------
+        engine, strategy, stop_multiplier
+            As in `Analysis`; what is left out stays.
+        options
+            Settings by name, beside those there are; None takes one out.
+        """
+        now = self.analysis
+        merged = {**now.options, **options}
+        analysis = Analysis(
+            engine=now.engine if engine is None else engine,
+            strategy=now.strategy if strategy is None else strategy,
+            stop_multiplier=now.stop_multiplier if stop_multiplier is None else stop_multiplier,
+            options={name: value for name, value in merged.items() if value is not None},
+        )
+        return replace(self, analysis=analysis)
+
+    def __repr__(self) -> str:
+        along = ", ".join(f"{x:g}" for x in np.asarray(self.load.direction))
+        return (
+            f"<Model {self.title!r}: {self.assembly!r}, pushed along ({along}), "
+            f"{self.analysis.engine}>"
+        )

@@ -10,6 +10,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from drystone.assembly import Assembly, Block, JointLaw
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.curve import DYNAMIC, STATIC, CapacityCurve, CurvePoint
 from drystone.loading import LoadPattern
-from drystone.model import Analysis, Model
+from drystone.model import Analysis, Model, Origin
 from drystone.monitor import ControlPoint
 
 UNIT, COURSE = 0.4, 0.175  # m
@@ -57,7 +58,7 @@ def wall_model(
             )
             x += width
     joint = JointLaw(friction_coefficient=0.65, normal_stiffness=1e8, shear_stiffness=1e11)
-    return Model(
+    model = Model(
         title="A made-up wall",
         assembly=Assembly.build(blocks, joint=joint),
         load=LoadPattern(direction=np.array([1.0, 0.0])),
@@ -67,9 +68,10 @@ def wall_model(
             direction=np.array([1.0, 0.0]),
         ),
         analysis=Analysis(engine="nscd", options=options),
-        source=source,
-        sha256="0" * 64,
     )
+    if source is None:
+        return model
+    return replace(model, origin=Origin(path=source, sha256="0" * 64, contents=model.contents))
 
 
 def pose_at(model: Model, control_displacement: float) -> np.ndarray:

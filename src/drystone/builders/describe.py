@@ -19,14 +19,9 @@ def model_to_dict(model: Model) -> dict[str, Any]:
 
     Walls come out block by block.  Blocks without a material name get ``material1`` and so on,
     one for each unit weight.
-
-    Raises
-    ------
-    ModelError
-        Two unit weights go by the same material name.
     """
     assembly = model.assembly
-    names = _material_names(assembly.blocks)
+    names = material_names(assembly.blocks)
     data: dict[str, Any] = {
         "title": model.title,
         "dimension": assembly.dimension,
@@ -68,8 +63,14 @@ def digest(model: Model) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _material_names(blocks: Sequence[Block]) -> dict[tuple[str, float], str]:
-    """Name in the file of each material, by its name and unit weight in the model."""
+def material_names(blocks: Sequence[Block]) -> dict[tuple[str, float], str]:
+    """Name in the file of each material, by its name and unit weight in the model.
+
+    Raises
+    ------
+    ModelError
+        Two unit weights go by the same name.
+    """
     names: dict[tuple[str, float], str] = {}
     unnamed = 0
     for material, weight in dict.fromkeys((b.material, float(b.unit_weight)) for b in blocks):

@@ -14,11 +14,11 @@ from drystone.builders.checks import (
     pair_problems,
 )
 from drystone.builders.control import choose_control_point, unit_vector
-from drystone.builders.describe import digest
+from drystone.builders.describe import material_names
 from drystone.builders.errors import ModelError
 from drystone.geometry import GeometryError
 from drystone.loading import LoadPattern
-from drystone.model import Analysis, Model
+from drystone.model import Analysis, Model, Origin
 
 
 def make_model(
@@ -55,8 +55,7 @@ def make_model(
     control_block, control_point, control_direction
         See `choose_control_point`.
     source, sha256
-        Path and digest of the file it came from.  By default the digest is that of the
-        model's own description.
+        Path of the file it came from and digest of the file's bytes, if it did.
     place
         Names a block by its row in messages.
 
@@ -80,6 +79,7 @@ def make_model(
     if not blocks:
         problems.append("block: there is none: add [[block]] or [wall]")
     _raise(problems)
+    material_names(blocks)  # raises where a name has two unit weights
 
     try:
         assembly = Assembly.build(
@@ -111,10 +111,10 @@ def make_model(
         load=LoadPattern(direction=direction),
         control_point=control,
         analysis=analysis or Analysis(),
-        source=source,
-        sha256=sha256 or "",
     )
-    return model if sha256 else replace(model, sha256=digest(model))
+    if source is None or sha256 is None:
+        return model
+    return replace(model, origin=Origin(path=source, sha256=sha256, contents=model.contents))
 
 
 def _raise(problems: list[str]) -> None:
