@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -34,6 +34,9 @@ Array = NDArray[np.float64]
 STEP_SHARE = 0.005
 
 STRATEGIES = ("displacement", "published")
+
+#: Options that are fields of `Analysis` themselves.
+OWN = ("stop_multiplier",)
 
 
 class Recorder(Protocol):
@@ -75,7 +78,7 @@ def pushover(
     keep_poses, keep_contacts
         Keep poses and contact forces of every point in the result.
     options
-        Settings of the strategy by name, over those of the model: see `control`.
+        Keys of [analysis] by name, over those of the model: see `control`.
 
     Raises
     ------
@@ -87,8 +90,8 @@ def pushover(
     named = engine is None or isinstance(engine, str)
     solver: Any = make_engine(str(engine or model.analysis.engine)) if named else engine
     name = strategy or model.analysis.strategy
-    settings = {"stop_multiplier": model.analysis.stop_multiplier}
-    control = make_control(name, solver, model, {**settings, **model.analysis.options, **options})
+    model = _asked(model, options)
+    control = make_control(name, solver, model)
     problem = Problem(assembly=model.assembly, load=model.load, control_point=model.control_point)
     points: list[CurvePoint] = []
     poses: list[Array] = []
@@ -152,10 +155,20 @@ def pushover(
     return curve
 
 
-def make_control(
-    strategy: str, engine: Engine, model: Model, options: Mapping[str, float]
-) -> Control:
+def _asked(model: Model, options: Mapping[str, float]) -> Model:
+    """The model with ``options`` in place of what its analysis says."""
+    own: dict[str, Any] = {name: value for name, value in options.items() if name in OWN}
+    settings = {name: value for name, value in options.items() if name not in OWN}
+    analysis = model.analysis
+    return replace(
+        model, analysis=replace(analysis, options={**analysis.options, **settings}, **own)
+    )
+
+
+def make_control(strategy: str, engine: Engine, model: Model) -> Control:
     """The control of a strategy for an engine; raises `EngineError` for settings that fail."""
+    analysis = model.analysis
+    options = {"stop_multiplier": analysis.stop_multiplier, **analysis.options}
     if strategy not in STRATEGIES:
         raise EngineError(f'there is no strategy "{strategy}": take {" or ".join(STRATEGIES)}')
     known = {

@@ -32,6 +32,7 @@ from drystone.control import (
     PublishedControl,
     PublishedSettings,
 )
+from drystone.control.ends import Progress, end_of_curve
 from drystone.curve import DYNAMIC, STATIC
 from drystone.engines.base import Demand, EngineError, StepReport, UnstableError
 
@@ -405,6 +406,31 @@ class TestEveryStrategy:
         assert stop.load_multiplier[-1] <= 0.2 <= stop.load_multiplier[-2]
 
     @STRATEGIES
+    def test_the_curve_knows_the_stop_value_that_was_asked_for(self, strategy, prescribes):
+        curve = trace(SlidingStructure(prescribes=prescribes), strategy, stop_multiplier=0.2)
+        assert curve.stop_multiplier == 0.2
+        # Between two points on either side of 0.2; that strategy's branch is biased.
+        last = curve.control_displacement[-2:]
+        assert last[0] <= curve.ultimate_displacement <= last[1]
+
+    @STRATEGIES
+    def test_a_stop_value_above_the_peak_ends_with_the_curve(self, strategy, prescribes):
+        structure = SlidingStructure(prescribes=prescribes)
+        curve = trace(structure, strategy, stop_multiplier=1.5 * PEAK, max_steps=5000)
+        assert curve.status == "stopped"
+        assert "lies below the stop multiplier 0.6" in curve.reason
+        # The branch is there down to a hundredth of the peak.
+        assert 0.0 <= curve.load_multiplier[-1] < 0.01 * curve.peak.load_multiplier
+        assert curve.ultimate_displacement is None
+
+    @STRATEGIES
+    def test_a_structure_that_carries_nothing_ends(self, strategy, prescribes):
+        structure = SlidingStructure(prescribes=prescribes, static=lambda delta: 0.0)
+        curve = trace(structure, strategy, max_steps=5000)
+        assert curve.status == "stopped" and "carries nothing" in curve.reason
+        assert curve.n_steps == 100
+
+    @STRATEGIES
     def test_the_same_run_twice(self, strategy, prescribes):
         one, two = (
             trace(SlidingStructure(prescribes=prescribes), strategy).points for _ in range(2)
@@ -439,6 +465,34 @@ class TestEveryStrategy:
             trace(SlidingStructure(), "fastest")
         with pytest.raises(EngineError, match="overshot"):
             trace(SlidingStructure(), "published", overshot=1.05)
+
+
+class TestEnds:
+    """`end_of_curve` itself: what is complete, what stopped, what goes on."""
+
+    SETTINGS = ExcessSettings(displacement_step=STEP, max_displacement=0.1, max_steps=200)
+
+    def end(self, **progress):
+        at = {"multiplier": 0.2, "highest": 0.4, "displacement": 0.05, "n_steps": 50}
+        return end_of_curve(self.SETTINGS, Progress(**{**at, "static": True, **progress}))
+
+    def test_most_points_end_nothing(self):
+        assert self.end() is None
+        assert self.end(n_steps=1, multiplier=0.0, highest=0.0) is None
+        assert self.end(n_steps=1, multiplier=1e-5, highest=1e-5) is None
+
+    def test_only_a_point_at_rest_completes_a_curve(self):
+        assert self.end(multiplier=0.005).finished
+        assert self.end(multiplier=0.005, static=False) is None
+        assert self.end(displacement=0.1).finished
+        in_motion = self.end(displacement=0.1, static=False)
+        assert not in_motion.finished and "in motion" in in_motion.reason
+
+    def test_a_peak_below_the_stop_value(self):
+        low = {"highest": 0.008}
+        assert self.end(multiplier=0.001, **low) is None
+        end = self.end(multiplier=7e-5, **low)
+        assert not end.finished and "peak multiplier 0.008 lies below" in end.reason
 
 
 class TestControlsHoldNoState:

@@ -18,6 +18,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from drystone.control.base import Decision
+from drystone.control.ends import End, Progress, end_of_curve
 from drystone.engines.base import Demand, StepReport
 
 #: How a step is tried: along the path of equilibria; up to where that turns back; over that place,
@@ -114,8 +115,8 @@ class DisplacementControl:
             state=state,
             load_multiplier=multiplier,
             dynamic=report.dynamic,
-            reason=over[1] if over else "",
-            finished=over[0] if over else False,
+            reason=over.reason if over else "",
+            finished=over is not None and over.finished,
         )
 
     def _finer(self, state: _State, report: StepReport) -> float | None:
@@ -203,13 +204,15 @@ class DisplacementControl:
             return replace(state, time_step=1.5 * state.time_step)
         return state
 
-    def _over(self, state: _State, report: StepReport) -> tuple[bool, str] | None:
-        """Whether and why the analysis is over, and whether the curve is then complete."""
-        s = self.settings
-        if report.static_multiplier < s.stop_multiplier < state.highest:
-            return True, f"the load multiplier fell below {s.stop_multiplier:g}"
-        if report.control_displacement >= s.max_displacement:
-            return True, f"the control displacement reached {s.max_displacement:g} m"
-        if state.n_steps >= s.max_steps:
-            return False, f"the limit of {s.max_steps} steps was reached"
-        return None
+    def _over(self, state: _State, report: StepReport) -> End | None:
+        """Whether and why the analysis is over."""
+        return end_of_curve(
+            self.settings,
+            Progress(
+                multiplier=report.static_multiplier,
+                highest=state.highest,
+                displacement=report.control_displacement,
+                n_steps=state.n_steps,
+                static=True,
+            ),
+        )

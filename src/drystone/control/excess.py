@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from drystone.control.base import Decision
+from drystone.control.ends import Progress, end_of_curve
 from drystone.engines.base import Demand, StepReport
 
 #: Difference of applied and static multiplier that needs no explanation by excess and branch.
@@ -81,20 +82,25 @@ class ExcessControl:
             drop=state.drop if dynamic else abs(static - state.static),
             highest=max(state.highest, static),
         )
-        decision = self._go_on(state, report)
+        decision = self._go_on(state, report, dynamic)
         return replace(decision, load_multiplier=static, dynamic=dynamic)
 
-    def _go_on(self, state: _State, report: StepReport) -> Decision:
-        s, static = self.settings, state.static
-        if state.n_steps >= s.max_steps:
-            reason = f"the limit of {s.max_steps} steps was reached"
-            return Decision(accept=True, demand=None, state=state, reason=reason)
-        if report.control_displacement >= s.max_displacement:
-            reason = f"the control displacement reached {s.max_displacement:g} m"
-            return Decision(accept=True, demand=None, state=state, reason=reason, finished=True)
-        if static < s.stop_multiplier < state.highest:
-            reason = f"the load multiplier fell below {s.stop_multiplier:g}"
-            return Decision(accept=True, demand=None, state=state, reason=reason, finished=True)
+    def _go_on(self, state: _State, report: StepReport, dynamic: bool) -> Decision:
+        s = self.settings
+        end = end_of_curve(
+            s,
+            Progress(
+                multiplier=state.static,
+                highest=state.highest,
+                displacement=report.control_displacement,
+                n_steps=state.n_steps,
+                static=not dynamic,
+            ),
+        )
+        if end:
+            return Decision(
+                accept=True, demand=None, state=state, reason=end.reason, finished=end.finished
+            )
         share = s.displacement_step / max(report.motion, 1e-3 * s.displacement_step)
         if report.control_displacement < state.displacement:
             share = 2.0  # pushed too little to go on

@@ -22,6 +22,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from drystone.control.base import ControlError, Decision
+from drystone.control.ends import End, Progress, end_of_curve
 from drystone.engines.base import Demand, StepReport
 
 
@@ -48,6 +49,7 @@ class PublishedSettings:
 class _State:
     multiplier: float
     descending: bool = False
+    highest: float = 0.0  # multiplier applied and carried so far
     waited: int = 0
     time_step: float = 0.0
     n_steps: int = 0
@@ -84,27 +86,41 @@ class PublishedControl:
                 return Decision(accept=False, demand=None, state=state, reason=report.reason)
             return Decision(accept=False, demand=self._demand(state), state=state)
         state = replace(state, n_steps=state.n_steps + 1)
-        if state.n_steps >= s.max_steps:
-            reason = f"the limit of {s.max_steps} steps was reached"
-            return Decision(accept=True, demand=None, state=state, reason=reason)
-        if report.control_displacement >= s.max_displacement:
-            reason = f"the control displacement reached {s.max_displacement:g} m"
-            return Decision(accept=True, demand=None, state=state, reason=reason, finished=True)
         if not state.descending:
-            if abs(report.applied_multiplier - report.carried_multiplier) <= s.balance_tolerance:
-                state = replace(state, multiplier=state.multiplier + s.increment, waited=0)
-            else:
-                state = replace(state, waited=state.waited + 1)
-                if state.waited > s.patience:
-                    state = replace(state, descending=True)
-            if not state.descending:
-                state = replace(state, time_step=s.time_step)
-                return Decision(accept=True, demand=self._demand(state), state=state)
-        if report.applied_multiplier < s.stop_multiplier:
-            reason = f"the load multiplier fell below {s.stop_multiplier:g}"
-            return Decision(accept=True, demand=None, state=state, reason=reason, finished=True)
+            state = self._ascend(state, report)
+        end = self._end(state, report)
+        if end:
+            return Decision(
+                accept=True, demand=None, state=state, reason=end.reason, finished=end.finished
+            )
+        if not state.descending:
+            state = replace(state, time_step=s.time_step)
+            return Decision(accept=True, demand=self._demand(state), state=state)
         multiplier = s.overshoot * report.carried_multiplier
         share = s.displacement_step / max(report.motion, 1e-3 * s.displacement_step)
         scale = min(max(share**0.5, 0.7), 1.2)
         state = replace(state, multiplier=multiplier, time_step=state.time_step * scale)
         return Decision(accept=True, demand=self._demand(state), state=state)
+
+    def _ascend(self, state: _State, report: StepReport) -> _State:
+        """On by an increment where what is applied is carried; past the peak after much waiting."""
+        s, applied = self.settings, report.applied_multiplier
+        if abs(applied - report.carried_multiplier) <= s.balance_tolerance:
+            multiplier = state.multiplier + s.increment
+            return replace(
+                state, multiplier=multiplier, waited=0, highest=max(state.highest, applied)
+            )
+        waited = state.waited + 1
+        return replace(state, waited=waited, descending=waited > s.patience)
+
+    def _end(self, state: _State, report: StepReport) -> End | None:
+        return end_of_curve(
+            self.settings,
+            Progress(
+                multiplier=report.applied_multiplier if state.descending else state.highest,
+                highest=state.highest,
+                displacement=report.control_displacement,
+                n_steps=state.n_steps,
+                static=not report.dynamic,
+            ),
+        )

@@ -1,0 +1,78 @@
+"""When a curve is over, and why, whatever the strategy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+#: Share of a peak below the stop value to which the curve is followed: blocks that come loose let
+#: a multiplier drop and rise again, though not from next to nothing.
+FALLEN = 0.01
+#: Steps in which whatever carries anything carries more than `FALLEN` of the stop value.
+EARLY = 100
+
+
+class EndSettings(Protocol):
+    """What every strategy's settings say about the end."""
+
+    @property
+    def stop_multiplier(self) -> float:
+        """Under which the curve ends, after the peak."""
+        ...
+
+    @property
+    def max_displacement(self) -> float:
+        """Of the control point [m], at which the curve ends."""
+        ...
+
+    @property
+    def max_steps(self) -> int:
+        """After which the analysis stops."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class Progress:
+    """How far a curve has come."""
+
+    multiplier: float  # static, of the last point
+    highest: float  # so far, the last point included; 0 at the start
+    displacement: float  # m, of the control point
+    n_steps: int
+    static: bool  # whether the last point is at rest
+
+
+@dataclass(frozen=True, kw_only=True)
+class End:
+    """Why the analysis is over; `finished` where the curve is complete."""
+
+    reason: str
+    finished: bool = False
+
+
+def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
+    """The end of a curve that has come so far, or None.
+
+    A multiplier passed in motion ends nothing: what moves may come to rest and carry again.
+    """
+    s, p = settings, progress
+    if p.displacement >= s.max_displacement:
+        reached = f"the control displacement reached {s.max_displacement:g} m"
+        return End(reason=reached if p.static else f"{reached} in motion", finished=p.static)
+    if p.static and p.multiplier < s.stop_multiplier < p.highest:
+        reason = f"the load multiplier fell below {s.stop_multiplier:g}"
+        return End(reason=reason, finished=True)
+    if p.static and p.multiplier < FALLEN * p.highest <= FALLEN * s.stop_multiplier:
+        return End(
+            reason=f"the peak multiplier {p.highest:.4g} lies below the stop multiplier "
+            f"{s.stop_multiplier:g}: the curve ends where hardly anything is carried; lower "
+            "stop_multiplier to end it earlier"
+        )
+    if p.n_steps >= EARLY and p.highest < FALLEN * s.stop_multiplier:
+        return End(
+            reason=f"the structure carries nothing along the load: in {p.n_steps} steps the "
+            f"multiplier did not rise above {FALLEN * s.stop_multiplier:g}"
+        )
+    if p.n_steps >= s.max_steps:
+        return End(reason=f"the limit of {s.max_steps} steps was reached")
+    return None
