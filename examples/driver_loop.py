@@ -5,6 +5,7 @@ step and says what to demand next.  There is nothing else to it: the curve is `d
 the last bit, which a test holds it to.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import drystone as ds
@@ -27,15 +28,18 @@ def trace(model: ds.Model, displacement_step: float) -> list[tuple[float, float]
     problem = Problem(assembly=model.assembly, load=model.load, control_point=model.control_point)
 
     state, report = engine.start(problem)  # settles under the dead load
+    settlement = report.control_displacement  # the curve begins where the load does
     decision = control.first(report)
-    points = [(report.control_displacement, decision.load_multiplier)]
+    points = [(0.0, decision.load_multiplier)]
 
     while decision.demand is not None:
         trial, report = engine.step(state, decision.demand)
+        moved = report.control_displacement - settlement
+        report = replace(report, control_displacement=moved)
         decision = control.decide(decision.state, decision.demand, report)
         if decision.accept:  # else the next step starts from the same state again, demanding less
             state = trial
-            points.append((report.control_displacement, decision.load_multiplier))
+            points.append((moved, decision.load_multiplier))
 
     engine.close()
     return points

@@ -110,11 +110,13 @@ def pushover(
         if progress is not None:
             progress(point)
 
-    status, reason = "stopped", ""
+    status, reason, settlement = "stopped", "", 0.0
     # Threads of LAPACK only get in each other's way on systems of this size.
     limits = threadpool_limits(limits=1, user_api="blas")
     try:
         state, report = solver.start(problem)
+        settlement = report.control_displacement
+        report = replace(report, control_displacement=0.0)
         if recorder is not None:
             recorder.begin(model, solver.name, name)
         decision = control.first(report)
@@ -122,6 +124,8 @@ def pushover(
         while decision.demand is not None:
             demand = decision.demand
             new, report = solver.step(state, demand)
+            moved = report.control_displacement - settlement
+            report = replace(report, control_displacement=moved)
             decision = control.decide(decision.state, demand, report)
             if decision.accept:
                 state = new
@@ -146,6 +150,7 @@ def pushover(
         # What the engine left out of the model belongs to how far the curve can be trusted.
         reason="; ".join(filter(None, (reason, *getattr(solver, "notes", ())))),
         stop_multiplier=model.analysis.stop_multiplier,
+        settlement=settlement,
         wall_time=time.perf_counter() - begun,
         poses=np.array(poses) if keep_poses else None,
         contacts=tuple(contacts) if keep_contacts else None,

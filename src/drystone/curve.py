@@ -51,7 +51,9 @@ COLUMNS: tuple[str, ...] = tuple(f.name for f in fields(CurvePoint))
 class CapacityCurve:
     """Load multiplier against control displacement, over the peak and down.
 
-    Every array has one entry per point.  `reason` says in a sentence why the curve ends.
+    The control displacement is zero where the load begins.  Poses are those from the designed
+    places, `settlement` included.  Every array has one entry per point.  `reason` says in a
+    sentence why the curve ends.
     """
 
     engine: str
@@ -61,6 +63,7 @@ class CapacityCurve:
     reason: str
     stop_multiplier: float
     wall_time: float  # s
+    settlement: float = 0.0  # m, of the control point under the structure's own weight alone
     poses: Array | None = None  # (n_points, n, n_dof), on request
     contacts: tuple[ContactForces, ...] | None = None  # on request
 

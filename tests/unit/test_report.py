@@ -60,6 +60,32 @@ def test_nothing_moves_at_rest():
     assert not moving_blocks(displacement, model.assembly.fixed).any()
 
 
+def test_blocks_that_only_settled_do_not_move():
+    """The wall as a whole sank before the load began; since then only one block has moved."""
+    model = synthetic.wall_model()
+    sunk = model.assembly.rest_pose()
+    sunk[~model.assembly.fixed, 1] = -0.01
+    pose = sunk.copy()
+    row = model.assembly.n_bodies - 1
+    pose[row, 0] += 1e-3
+    outlines = MovingOutlines.of(model.assembly)
+    moving = moving_blocks(outlines.displacement(pose, sunk), model.assembly.fixed)
+    assert np.flatnonzero(moving).tolist() == [row]
+    joints = designed_joints(model.assembly)
+    opening, slip = joints.opening_and_slip(pose, sunk)
+    others = (joints.block_a != row) & (joints.block_b != row)
+    # Differences of coordinates of the order of 1 m.
+    assert opening[others] == pytest.approx(0.0, abs=1e-14)
+    assert slip[others] == pytest.approx(0.0, abs=1e-14)
+
+    axes = canvas.new_figure(4.0, 4.0).subplots()
+    plot_mechanism(axes, replace(mechanism(model, 0.0), pose=sunk, settled=sunk, contacts=None))
+    assert "moving" not in axes.get_legend_handles_labels()[1]
+    # The sinking alone would have been magnified otherwise.
+    alone = readable_magnification(model.assembly, pose - sunk)
+    assert readable_magnification(model.assembly, pose, sunk) == alone > 1.0
+
+
 def test_joints_of_a_running_bond():
     # Four courses of three blocks: 2 head joints in each; 3 bed joints on the base, and 5 between
     # two courses, whose three and three edges start and end together.

@@ -213,6 +213,5 @@ class DisplacementControl:
                 highest=state.highest,
                 displacement=report.control_displacement,
                 n_steps=state.n_steps,
-                static=True,
             ),
         )

@@ -39,7 +39,7 @@ class Progress:
     highest: float  # so far, the last point included; 0 at the start
     displacement: float  # m, of the control point
     n_steps: int
-    static: bool  # whether the last point is at rest
+    static: bool = True  # whether the last point is at rest
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -82,10 +82,10 @@ class ExcessControl:
             drop=state.drop if dynamic else abs(static - state.static),
             highest=max(state.highest, static),
         )
-        decision = self._go_on(state, report, dynamic)
+        decision = self._go_on(state, report)
         return replace(decision, load_multiplier=static, dynamic=dynamic)
 
-    def _go_on(self, state: _State, report: StepReport, dynamic: bool) -> Decision:
+    def _go_on(self, state: _State, report: StepReport) -> Decision:
         s = self.settings
         end = end_of_curve(
             s,
@@ -94,7 +94,6 @@ class ExcessControl:
                 highest=state.highest,
                 displacement=report.control_displacement,
                 n_steps=state.n_steps,
-                static=not dynamic,
             ),
         )
         if end:

@@ -121,6 +121,5 @@ class PublishedControl:
                 highest=state.highest,
                 displacement=report.control_displacement,
                 n_steps=state.n_steps,
-                static=not report.dynamic,
             ),
         )

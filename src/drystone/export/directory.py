@@ -155,16 +155,17 @@ class ResultsDirectory:
         if wanted is None:
             wanted = float(model.analysis.options.get(MECHANISM_OPTION, MECHANISM_DISPLACEMENT))
         row = mechanism_row(curve, wanted)
-        point, pose = curve.points[row], results.pose(row)
+        point, pose, settled = curve.points[row], results.pose(row), results.pose(0)
         draw_mechanism(
             model.assembly,
             pose,
             results.contacts(row),
             self.path / MECHANISM_FIGURE,
+            settled=settled,
             title=mechanism_title(model.title, point),
             load_direction=model.load.direction,
             control_point=model.control_point,
-            magnification=readable_magnification(model.assembly, pose),
+            magnification=readable_magnification(model.assembly, pose, settled),
         )
 
 

@@ -119,10 +119,8 @@ class ResultsWriter:
         if curve is not None:
             attributes = self._file.attrs
             attributes["status"], attributes["reason"] = curve.status, curve.reason
-            attributes["stop_multiplier"], attributes["wall_time"] = (
-                curve.stop_multiplier,
-                curve.wall_time,
-            )
+            for name in ("stop_multiplier", "settlement", "wall_time"):
+                attributes[name] = getattr(curve, name)
         self.flush()
         self._file.close()
 

@@ -61,9 +61,9 @@ def write_series(
     frames
         Rows of the points to write.
     pose, contacts
-        Give the state of a row; asked once for each frame, in order.
+        Give the state of a row; row 0, where the load begins, and then each frame, in order.
     """
-    blocks = BlockFrames(assembly)
+    blocks = BlockFrames(assembly, pose(0))
     block_files, contact_files = [], []
     for number, row in enumerate(frames):
         point = points[row]
@@ -91,10 +91,15 @@ def remove_series(folder: Path) -> None:
 
 
 class BlockFrames:
-    """Writes the blocks of one assembly; what never changes is encoded once."""
+    """Writes the blocks of one assembly; what never changes is encoded once.
 
-    def __init__(self, assembly: Assembly) -> None:
+    Displacements are from the designed places; blocks that move are those that have moved since
+    the poses ``settled``, (n, n_dof).
+    """
+
+    def __init__(self, assembly: Assembly, settled: Array | None = None) -> None:
         self._outlines = MovingOutlines.of(assembly)
+        self._settled = settled
         self._fixed = assembly.fixed
         n_vertices = len(self._outlines.vertices)
         self._cells = vtu.cells(np.arange(n_vertices), self._outlines.offset[1:], vtu.POLYGON)
@@ -107,7 +112,7 @@ class BlockFrames:
     def write(self, path: Path, pose: Array, field_data: Iterable[str] = ()) -> None:
         """One grid: moved outlines as polygons, with displacement [m] and rotation [rad]."""
         points = self._outlines.moved(pose)
-        moving = moving_blocks(self._outlines.displacement(pose), self._fixed)
+        moving = moving_blocks(self._outlines.displacement(pose, self._settled), self._fixed)
         vtu.write_vtu(
             path,
             points=points,

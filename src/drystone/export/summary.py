@@ -49,6 +49,7 @@ def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
         "peak_displacement": peak.control_displacement,
         "ultimate_displacement": curve.ultimate_displacement,
         "stop_multiplier": curve.stop_multiplier,
+        "settlement": curve.settlement,
         "last_displacement": last.control_displacement,
         "last_multiplier": last.load_multiplier,
         "max_residual": _largest(curve, "residual"),

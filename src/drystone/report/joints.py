@@ -42,16 +42,26 @@ class Joints:
         )
         return face_a, face_b
 
-    def opening_and_slip(self, pose: Array) -> tuple[Array, Array]:
-        """Largest opening and largest slip over the two ends, seen from block a, (k,) each [m]."""
+    def opening_and_slip(self, pose: Array, since: Array | None = None) -> tuple[Array, Array]:
+        """Largest opening and largest slip over the two ends, seen from block a, (k,) each [m].
+
+        By which a joint was open or had slid in the poses ``since`` is taken off.
+        """
+        opening, slip = self._apart(pose)
+        if since is not None:
+            before = self._apart(since)
+            opening, slip = opening - before[0], slip - before[1]
+        return opening.max(axis=1), np.abs(slip).max(axis=1)
+
+    def _apart(self, pose: Array) -> tuple[Array, Array]:
+        """Opening and slip at both ends, (k, 2) each [m]."""
         face_a, face_b = self.faces(pose)
         tangent = face_a[:, 1] - face_a[:, 0]
         tangent /= np.linalg.norm(tangent, axis=1)[:, None]
         outward = np.column_stack((tangent[:, 1], -tangent[:, 0]))
         jump = face_b - face_a
-        opening = np.einsum("kij,kj->ki", jump, outward).max(axis=1)
-        slip = np.abs(np.einsum("kij,kj->ki", jump, tangent)).max(axis=1)
-        return opening, slip
+        opening = np.einsum("kij,kj->ki", jump, outward)
+        return opening, np.einsum("kij,kj->ki", jump, tangent)
 
 
 def designed_joints(assembly: Assembly) -> Joints:

@@ -41,6 +41,7 @@ class Mechanism:
 
     assembly: Assembly
     pose: Array  # (n, n_dof) m, rad
+    settled: Array | None = None  # (n, n_dof) m, rad, where the load began; None: as designed
     contacts: ContactForces | None = None
     load_direction: Array | None = None  # (2,) unit vector
     control_point: ControlPoint | None = None
@@ -53,6 +54,7 @@ def draw_mechanism(
     contacts: ContactForces | None,
     path: Path | str,
     *,
+    settled: Array | None = None,
     title: str = "",
     load_direction: Array | None = None,
     control_point: ControlPoint | None = None,
@@ -69,6 +71,9 @@ def draw_mechanism(
         Contact points of that state: those under load are drawn.  None leaves them out.
     path
         PNG file to write.
+    settled
+        Where the blocks were when the load began, (n, n_dof): what moves has moved since.
+        None: as designed.
     title
         Above the picture; the magnification is added where it is not 1.
     load_direction
@@ -76,7 +81,7 @@ def draw_mechanism(
     control_point
         Marked where it is now.
     magnification
-        Of the displacements.  Contact points are left out where it is not 1.
+        Of the displacements since then.  Contact points are left out where it is not 1.
     scale
         What to say of the displacements' scale, where it is neither true nor a magnification.
     """
@@ -87,6 +92,7 @@ def draw_mechanism(
         Mechanism(
             assembly=assembly,
             pose=pose,
+            settled=settled,
             contacts=contacts,
             load_direction=load_direction,
             control_point=control_point,
@@ -109,10 +115,10 @@ def draw_mechanism(
     canvas.save(figure, path)
 
 
-def readable_magnification(assembly: Assembly, pose: Array) -> float:
+def readable_magnification(assembly: Assembly, pose: Array, settled: Array | None = None) -> float:
     """1, or a round factor where the displacements are too small to be seen in a picture."""
     outlines = MovingOutlines.of(assembly)
-    displacement = outlines.displacement(pose)
+    displacement = outlines.displacement(pose, settled)
     share = float(displacement.max()) / outlines.size()
     if share < NOTHING or share >= 0.02:
         return 1.0
@@ -125,14 +131,16 @@ def plot_mechanism(axes: Axes, mechanism: Mechanism) -> None:
     """Draw a mechanism on given axes, which get equal scales and metres."""
     assembly = mechanism.assembly
     outlines = MovingOutlines.of(assembly)
-    pose = mechanism.pose * mechanism.magnification
-    displacement = outlines.displacement(pose)
+    settled = assembly.rest_pose() if mechanism.settled is None else mechanism.settled
+    pose = settled + (mechanism.pose - settled) * mechanism.magnification
+    displacement = outlines.displacement(pose, settled)
     moving = moving_blocks(displacement, assembly.fixed)
     visible = VISIBLE * float(displacement.max(initial=0.0))
 
     _plot_blocks(axes, outlines, pose, moving, assembly.fixed)
     if visible > 0.0:
-        _plot_joints(axes, designed_joints(assembly), pose, visible, _line_width(assembly, 3.0))
+        joints, width = designed_joints(assembly), _line_width(assembly, 3.0)
+        _plot_joints(axes, joints, pose, settled, visible, width)
     if mechanism.contacts is not None and mechanism.magnification == 1.0:
         _plot_contacts(axes, mechanism.contacts)
     if mechanism.control_point is not None:
@@ -200,11 +208,13 @@ def _plot_blocks(
     )
 
 
-def _plot_joints(axes: Axes, joints: Joints, pose: Array, visible: float, width: float) -> None:
+def _plot_joints(
+    axes: Axes, joints: Joints, pose: Array, settled: Array, visible: float, width: float
+) -> None:
     """Open joints: both faces in red and the gap between them; slid ones: blue and dashed."""
     from matplotlib.collections import LineCollection, PolyCollection
 
-    opening, slip = joints.opening_and_slip(pose)
+    opening, slip = joints.opening_and_slip(pose, settled)
     face_a, face_b = joints.faces(pose)
     opened = opening > visible
     slid = (slip > visible) & ~opened

@@ -41,9 +41,11 @@ class MovingOutlines:
         """One array of vertices per block."""
         return np.split(vertices, self.offset[1:-1])
 
-    def displacement(self, pose: Array) -> Array:
-        """Largest displacement of a vertex of each block, (n,) [m]."""
-        distance = np.linalg.norm(self.moved(pose) - self.vertices, axis=1)
+    def displacement(self, pose: Array, since: Array | None = None) -> Array:
+        """Largest displacement of a vertex of each block, (n,) [m], from the poses ``since``, or
+        from the designed places."""
+        start = self.vertices if since is None else self.moved(since)
+        distance = np.linalg.norm(self.moved(pose) - start, axis=1)
         return np.asarray(np.maximum.reduceat(distance, self.offset[:-1]))
 
     def size(self) -> float:
