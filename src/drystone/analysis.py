@@ -23,7 +23,7 @@ from drystone.control import (
     PublishedControl,
     PublishedSettings,
 )
-from drystone.curve import DYNAMIC, STATIC, CapacityCurve, CurvePoint
+from drystone.curve import DYNAMIC, STATIC, CapacityCurve, CurvePoint, RecorderError
 from drystone.engines import make_engine
 from drystone.engines.base import Engine, EngineError, Problem, StepReport
 from drystone.model import Model
@@ -40,7 +40,10 @@ OWN = ("stop_multiplier",)
 
 
 class Recorder(Protocol):
-    """Something that keeps points as they come."""
+    """Something that keeps points as they come.
+
+    What it cannot keep it says by a `RecorderError`, which ends the analysis with what was reached.
+    """
 
     def begin(self, model: Model, engine: str, strategy: str) -> None:
         """Called before the first point."""
@@ -99,14 +102,14 @@ def pushover(
 
     def add(report: StepReport, state: Any, time_step: float, decision: Decision) -> None:
         point = _point(len(points), report, time_step, decision)
+        found = solver.contacts(state) if keep_contacts or recorder is not None else None
+        if recorder is not None and found is not None:
+            recorder.point(point, state.pose, found)  # first: the curve has no more than is kept
         points.append(point)
         if keep_poses:
             poses.append(state.pose.copy())
-        found = solver.contacts(state) if keep_contacts or recorder is not None else None
         if keep_contacts and found is not None:
             contacts.append(found)
-        if recorder is not None and found is not None:
-            recorder.point(point, state.pose, found)
         if progress is not None:
             progress(point)
 
@@ -135,7 +138,7 @@ def pushover(
         if not points:
             raise
         status, reason = "interrupted", "interrupted by the user"
-    except EngineError as error:
+    except (EngineError, RecorderError) as error:
         if not points:
             raise
         reason = str(error)

@@ -17,6 +17,10 @@ Array = NDArray[np.float64]
 STATIC, DYNAMIC = "static", "dynamic"
 
 
+class RecorderError(Exception):
+    """Points of a curve cannot be kept as they come; the message is for the user."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class CurvePoint:
     """One point of the curve with its certificate.

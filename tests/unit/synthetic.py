@@ -18,7 +18,7 @@ import numpy as np
 
 from drystone.assembly import Assembly, Block, JointLaw
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
-from drystone.curve import DYNAMIC, STATIC, CapacityCurve, CurvePoint
+from drystone.curve import DYNAMIC, STATIC, CapacityCurve, CurvePoint, RecorderError
 from drystone.loading import LoadPattern
 from drystone.model import Analysis, Model, Origin
 from drystone.monitor import ControlPoint
@@ -196,26 +196,28 @@ def pushover(
 ) -> CapacityCurve:
     """Stands in for `drystone.analysis.pushover`, the interruption included."""
     result = curve(n, status=status)
-    reached, poses = [], []
+    reached, poses, reason = [], [], "Made up."
     if recorder:
         recorder.begin(model, engine or "nscd", strategy or "displacement")
     try:
         for p in result.points:
             pose = pose_at(model, p.control_displacement)
-            reached.append(p)
-            poses.append(pose)
             if recorder:
                 recorder.point(p, pose, contacts_at(model, pose))
+            reached.append(p)
+            poses.append(pose)
             if progress:
                 progress(p)
     except KeyboardInterrupt:
         status = "interrupted"
+    except RecorderError as error:
+        status, reason = "stopped", str(error)
     result = CapacityCurve(
         engine=engine or "nscd",
         strategy=strategy or "displacement",
         points=tuple(reached),
         status=status,
-        reason="Made up.",
+        reason=reason,
         stop_multiplier=STOP,
         wall_time=0.1,
         poses=np.array(poses) if keep_poses else None,

@@ -22,6 +22,7 @@ from drystone.commands.forecast import Forecast
 from drystone.commands.progress import Bar, Lines, clock_time, progress_for
 from drystone.engines.base import EngineError, UnstableError
 from drystone.export.benchmark import recorded_curves
+from drystone.export.folder import FolderLock
 
 #: Modules that take long to load, which help and version must not wait for.
 HEAVY = ("numpy", "scipy", "numba", "h5py", "matplotlib", "rich.progress")
@@ -158,6 +159,64 @@ def test_a_folder_that_cannot_be_written_exits_with_2_before_the_analysis(here, 
     (here / "file").write_text("")
     result = drystone("run", "wall.toml", "--out", "file")
     assert result.exit_code == 2 and "file is a file" in result.stderr
+
+
+@pytest.mark.parametrize("name", ["summary.json", "curve.csv", "results.h5"])
+def test_a_model_inside_the_folder_of_results_is_not_overwritten(here, analysis, reads, name):
+    analysis(failing(AssertionError("the analysis ran")))
+    (here / "out").mkdir()
+    model = here / "out" / name
+    model.write_text("a model")
+    (here / "link.toml").symlink_to(model)
+    for given in (f"out/{name}", "link.toml"):
+        result = drystone("run", given, "--out", "out")
+        assert result.exit_code == 2 and "the model file itself" in result.stderr
+    assert model.read_text() == "a model"
+
+
+def test_converting_a_file_into_itself_is_refused(here, reads):
+    (here / "model.py").write_text("a model")
+    for target in ("model.py", "./model.py"):
+        result = drystone("convert", "model.py", target)
+        assert result.exit_code == 2 and "the model file itself" in result.stderr
+    assert (here / "model.py").read_text() == "a model"
+
+
+def test_limit_does_not_overwrite_its_model(here, reads):
+    (here / "out").mkdir()
+    (here / "out/limit.json").write_text("a model")
+    result = drystone("limit", "out/limit.json", "--out", "out")
+    assert result.exit_code == 2 and "the model file itself" in result.stderr
+    assert (here / "out/limit.json").read_text() == "a model"
+
+
+def test_a_second_run_into_one_folder_exits_with_2(here, analysis, reads):
+    (here / "out").mkdir()
+    analysis(failing(AssertionError("the analysis ran")))
+    lock = FolderLock(here / "out")
+    result = drystone("run", "wall.toml", "--out", "out")
+    assert result.exit_code == 2 and "another run is writing its results into out" in result.stderr
+    lock.release()
+
+
+def test_a_full_disk_exits_with_3_and_keeps_the_curve(here, analysis, reads, monkeypatch):
+    """The recorder fails after some points: they are in curve.csv, and the summary says why."""
+    from drystone.export.hdf5 import ResultsWriter
+
+    append = ResultsWriter.append
+
+    def full(self, point, pose, contacts):
+        if point.step == 10:
+            self.whole = False
+            raise OSError(28, "No space left on device")
+        append(self, point, pose, contacts)
+
+    monkeypatch.setattr(ResultsWriter, "append", full)
+    analysis(synthetic.pushover)
+    result = drystone("run", "wall.toml", "--json")
+    assert result.exit_code == 3 and "No space left on device" in result.stderr
+    assert json.loads(result.stdout)["status"] == "stopped"
+    assert len((here / "wall-results/curve.csv").read_text().splitlines()) == 1 + 10
 
 
 def test_an_analysis_that_stops_exits_with_3_and_keeps_what_it_has(here, analysis, reads):

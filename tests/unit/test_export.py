@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import shutil
 import signal
 import subprocess
 import sys
@@ -21,7 +22,8 @@ from drystone.contact.forces import ContactForces
 from drystone.curve import COLUMNS
 from drystone.export import hdf5
 from drystone.export.csv import LEADING, write_curve
-from drystone.export.directory import OutputError, ResultsDirectory, mechanism_row
+from drystone.export.directory import ResultsDirectory, mechanism_row
+from drystone.export.folder import OutputError
 from drystone.export.hdf5 import ResultsReader, ResultsWriter
 from drystone.export.paraview import choose_frames
 from drystone.export.summary import plain, summarise, to_json
@@ -337,11 +339,164 @@ def test_full_disk_is_a_sentence(tmp_path, model, curve, monkeypatch):
         synthetic.record(results, model, curve)
 
 
+FULL_DISK = """
+import resource, sys, synthetic
+from dataclasses import replace
+from drystone.export import hdf5
+from drystone.export.directory import ResultsDirectory
+from drystone.export.folder import OutputError
+
+hdf5.SECONDS = 0.0  # every point goes to the disk at once
+folder, limit = sys.argv[1], int(sys.argv[2])
+if limit:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, resource.RLIM_INFINITY))
+model = synthetic.wall_model()
+curve = synthetic.curve(600)
+results = ResultsDirectory(folder)
+results.begin(model, "nscd", "displacement")
+reached = []
+for p in curve.points:
+    pose = synthetic.pose_at(model, p.control_displacement)
+    try:
+        results.point(p, pose, synthetic.contacts_at(model, pose))
+    except OutputError as error:
+        print(error)
+        break
+    reached.append(p)
+try:
+    results.end(replace(curve, points=tuple(reached), status="stopped"))
+except OutputError as error:
+    print(error)
+results.close()
+print(len(reached))
+"""
+
+
+def kept_of_a_full_disk(folder: Path, limit: int) -> int:
+    """Run `FULL_DISK`; number of points in its ``results.h5``, all of which are those reached."""
+    done = synthetic.python(FULL_DISK, str(folder), str(limit))  # fails if it ends by a signal
+    *sentences, n_reached = done.stdout.splitlines()
+    assert sentences and all("cannot be written" in line for line in sentences)
+    with ResultsReader(folder / "results.h5") as results:
+        assert results.attribute("status") == "running"
+        assert results.points() == tuple(synthetic.points(600)[: results.n_points])
+        assert results.n_points == int(n_reached) > 0
+        results.contacts(results.n_points - 1)
+    return int(n_reached)
+
+
+def test_full_disk_leaves_readable_results(tmp_path):
+    """A limit on the size of files stands for the disk: HDF5 ended the process by a signal."""
+    pytest.importorskip("resource")
+    # The first chunks take 1.37 MB, room for 64 poses another 20 kB each.
+    n_reached = kept_of_a_full_disk(tmp_path / "out", 1_450_000)
+    with (tmp_path / "out/curve.csv").open(newline="") as file:
+        assert len(list(csv.DictReader(file))) == n_reached  # it is small, and finds room
+    assert json.loads((tmp_path / "out/summary.json").read_text())["status"] == "stopped"
+
+
+def test_full_disk_of_its_own(tmp_path):
+    """A disk that is full to the last byte, where that can be had."""
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=1500k", "tmpfs", str(disk)]
+    if shutil.which("mount") is None or subprocess.run(mount, capture_output=True).returncode:
+        pytest.skip("no disk can be mounted here")
+    try:
+        kept_of_a_full_disk(disk / "out", 0)
+    finally:
+        subprocess.run(["umount", str(disk)], check=True)
+
+
+def test_full_disk_at_the_end_does_not_say_finished(tmp_path, model, curve, monkeypatch):
+    """The last write fails: neither the file of results nor the summary may say finished."""
+    results = ResultsDirectory(tmp_path / "out")
+    results.begin(model, "nscd", "displacement")
+    for p in curve.points:
+        pose = synthetic.pose_at(model, p.control_displacement)
+        results.point(p, pose, synthetic.contacts_at(model, pose))
+
+    def refuse(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("drystone.export.diskfile.DiskFile.commit", refuse)
+    with pytest.raises(OutputError, match="No space left"):
+        results.end(curve)
+    with ResultsReader(tmp_path / "out/results.h5") as kept:
+        assert kept.attribute("status") == "running"
+    summary = json.loads((tmp_path / "out/summary.json").read_text())
+    assert summary["status"] == "stopped" and "No space left" in summary["reason"]
+
+
+def test_interrupted_write_is_finished_first(tmp_path, model, curve, monkeypatch):
+    """The signal comes in the middle of a write, and is heard after it."""
+    monkeypatch.setattr(hdf5, "SECONDS", 0.0)
+    commit = hdf5.DiskFile.commit
+
+    def interrupted(self):
+        signal.raise_signal(signal.SIGINT)
+        commit(self)
+
+    monkeypatch.setattr(hdf5.DiskFile, "commit", interrupted)
+    pose = model.assembly.rest_pose()
+    writer = None
+    with pytest.raises(KeyboardInterrupt):
+        writer = ResultsWriter(tmp_path / "r.h5", model, "nscd", "displacement")
+    assert writer is None and not (tmp_path / "r.h5").exists()
+    monkeypatch.setattr(hdf5.DiskFile, "commit", commit)
+    writer = ResultsWriter(tmp_path / "r.h5", model, "nscd", "displacement")
+    monkeypatch.setattr(hdf5.DiskFile, "commit", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        writer.append(curve.points[0], pose, synthetic.contacts_at(model, pose))
+    monkeypatch.setattr(hdf5.DiskFile, "commit", commit)
+    writer.close(curve)
+    with ResultsReader(tmp_path / "r.h5") as results:
+        assert results.points() == curve.points[:1]
+
+
+def test_two_runs_into_one_folder(tmp_path, model, curve):
+    """The second is told at once, and may go on once the first has ended."""
+    pose = model.assembly.rest_pose()
+    contacts = synthetic.contacts_at(model, pose)
+    first, second = ResultsDirectory(tmp_path / "out"), ResultsDirectory(tmp_path / "out")
+    for results in (first, second):
+        results.begin(model, "nscd", "displacement")
+    first.point(curve.points[0], pose, contacts)
+    with pytest.raises(OutputError, match="another run is writing"):
+        second.point(curve.points[0], pose, contacts)
+    assert not second.begun
+    with pytest.raises(OutputError, match="another run is writing"):
+        ResultsDirectory(tmp_path / "out")
+    first.end(synthetic.curve(end=0.0))
+    synthetic.record(ResultsDirectory(tmp_path / "out"), model, curve)
+
+
+def test_lock_of_a_killed_run_does_not_last(tmp_path, model, curve):
+    code = (
+        "import sys, time; from pathlib import Path\n"
+        "from drystone.export.folder import FolderLock\n"
+        "lock = FolderLock(Path(sys.argv[1])); print('ready', flush=True); time.sleep(60)\n"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", code, str(tmp_path)],
+        stdout=subprocess.PIPE,
+        env=synthetic.environment(),
+    ) as child:
+        assert child.stdout is not None and child.stdout.readline() == b"ready\n"
+        with pytest.raises(OutputError, match="another run is writing"):
+            ResultsDirectory(tmp_path)
+        child.send_signal(signal.SIGKILL)
+    synthetic.record(ResultsDirectory(tmp_path), model, curve)
+
+
 def test_mechanism_is_at_the_displacement_asked_for(tmp_path, model, curve, monkeypatch):
     titles = []
-    monkeypatch.setattr(
-        "drystone.export.directory.draw_mechanism", lambda *a, title, **k: titles.append(title)
-    )
+
+    def draw(assembly, pose, contacts, path, *, title, **_):
+        titles.append(title)
+        path.touch()
+
+    monkeypatch.setattr("drystone.export.directory.draw_mechanism", draw)
     synthetic.record(ResultsDirectory(tmp_path), model, curve)
     synthetic.record(ResultsDirectory(tmp_path, mechanism_displacement=0.1), model, curve)
     option = synthetic.wall_model(mechanism_displacement=0.3)

@@ -95,7 +95,7 @@ def benchmark(
         from drystone.builders.published import PUBLISHED_WALLS
         from drystone.commands.progress import progress_for
         from drystone.export.benchmark import recorded_curves, write_benchmark
-        from drystone.export.directory import check_writable
+        from drystone.export.folder import check_writable
 
         walls = list(dict.fromkeys(wall or PUBLISHED_WALLS))
         check_writable(out)

@@ -32,9 +32,11 @@ def convert(
         from drystone.convert import convert as write
         from drystone.convert import target_of
         from drystone.engines import engine_names
+        from drystone.export.folder import check_apart
         from drystone.modelfile import read_model
 
         target = target_of(file, to)
+        check_apart(model_file, [file])
         model = read_model(model_file, need_stiffness=False, engines=engine_names())
         notes = write(model, file, target.name)
         if as_json:

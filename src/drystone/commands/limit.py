@@ -73,9 +73,11 @@ def limit(
         except ModelError as error:
             fail(WRONG, error.problems, as_json=as_json, extra=_empty(flow))
         if out is not None:
-            from drystone.export.directory import check_writable
+            from drystone.export.folder import check_apart, check_writable
+            from drystone.export.limit import limit_files
 
             check_writable(out)
+            check_apart(model_file, limit_files(out))
         settings = NonAssociativeSettings(
             alpha=alpha, beta=beta, n_paths=paths or default_paths(model.assembly)
         )

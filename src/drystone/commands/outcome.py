@@ -45,7 +45,7 @@ def sentences(error: Exception) -> list[str] | None:
     """What to tell the user of an error; None where it is a fault of the program."""
     from drystone.builders.errors import ModelError
     from drystone.engines.base import EngineError
-    from drystone.export.directory import OutputError
+    from drystone.export.folder import OutputError
 
     if isinstance(error, ModelError):
         return error.problems

@@ -51,12 +51,14 @@ def run(
     with outcome(as_json=as_json, begun=lambda: begun):
         from drystone.commands.progress import progress_for
         from drystone.engines import engine_names
-        from drystone.export.directory import ResultsDirectory, check_writable
+        from drystone.export.directory import ResultsDirectory, files_of
+        from drystone.export.folder import check_apart, check_writable
         from drystone.limit import limits_beside
         from drystone.modelfile import read_model
 
         model = read_model(model_file, engines=engine_names())
         check_writable(folder)  # better known before the work
+        check_apart(model_file, files_of(folder))
         beside = limits_beside(model)
         with ResultsDirectory(
             folder, mechanism_displacement=mechanism_at, beside=beside

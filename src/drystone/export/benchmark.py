@@ -12,6 +12,7 @@ from drystone.benchmark import Benchmark, BenchmarkRow, BenchmarkRun
 from drystone.curve import CapacityCurve
 from drystone.export.csv import write_curve
 from drystone.export.directory import MECHANISM_DISPLACEMENT, mechanism_row, mechanism_title
+from drystone.export.folder import locked, whole_file
 from drystone.export.summary import package_version, write_summary
 from drystone.report import draw_benchmark_wall
 from drystone.report.curve_figure import Reference
@@ -25,14 +26,26 @@ def write_benchmark(result: Benchmark, folder: Path, *, reference: Path | None =
     ----------
     reference
         Folder with recorded curves ``wallN_*.csv``, drawn beside ours.
+
+    Raises
+    ------
+    OutputError
+        It cannot be written, or another run is writing there.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    with locked(folder):
+        _write(result, folder, reference)
+
+
+def _write(result: Benchmark, folder: Path, reference: Path | None) -> None:
     rows = result.rows
     write_summary(
         {"version": package_version(), "rows": [asdict(row) for row in rows]},
         folder / "benchmark.json",
     )
-    with (folder / "benchmark.csv").open("w", newline="", encoding="utf-8") as file:
+    with (
+        whole_file(folder / "benchmark.csv") as draft,
+        draft.open("w", newline="", encoding="utf-8") as file,
+    ):
         writer = csv.DictWriter(file, [f.name for f in fields(BenchmarkRow)], lineterminator="\n")
         writer.writeheader()
         writer.writerows(asdict(row) for row in rows)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from drystone.curve import COLUMNS, CapacityCurve
+from drystone.export.folder import whole_file
 
 #: The columns that readers rely on come first; the others follow in the order of `CurvePoint`.
 LEADING = (
@@ -22,7 +23,10 @@ HEADER = LEADING + tuple(name for name in COLUMNS if name not in LEADING)
 
 def write_curve(curve: CapacityCurve, path: Path | str) -> None:
     """Write every field of every point, SI units; numbers are read back to the last bit."""
-    with Path(path).open("w", newline="", encoding="utf-8") as file:
+    with (
+        whole_file(Path(path)) as draft,
+        draft.open("w", newline="", encoding="utf-8") as file,
+    ):
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(HEADER)
         for point in curve.points:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
-from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self, TypeVar
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +13,16 @@ from numpy.typing import NDArray
 from drystone.contact.forces import ContactForces
 from drystone.curve import CapacityCurve, CurvePoint
 from drystone.export.csv import write_curve
+from drystone.export.folder import (
+    FolderLock,
+    as_output_error,
+    check_apart,
+    check_writable,
+    in_a_sentence,
+    whole_file,
+)
 from drystone.export.hdf5 import ResultsReader, ResultsWriter
+from drystone.export.interrupts import uninterrupted
 from drystone.export.paraview import choose_frames, remove_series, write_series
 from drystone.export.summary import summarise, write_summary
 from drystone.limit.beside import Beside
@@ -24,7 +31,6 @@ from drystone.report import draw_curve, draw_mechanism
 from drystone.report.mechanism_figure import readable_magnification
 
 Array = NDArray[np.float64]
-T = TypeVar("T")
 
 #: Control displacement [m] of the mechanism's picture, the published one.
 MECHANISM_DISPLACEMENT = 0.2
@@ -33,10 +39,7 @@ MECHANISM_OPTION = "mechanism_displacement"
 
 SUMMARY, CURVE, RESULTS = "summary.json", "curve.csv", "results.h5"
 CURVE_FIGURE, MECHANISM_FIGURE, PARAVIEW = "curve.png", "mechanism.png", "paraview"
-
-
-class OutputError(Exception):
-    """The folder of results cannot be made or written; the message is for the user."""
+FILES = (SUMMARY, CURVE, CURVE_FIGURE, MECHANISM_FIGURE, RESULTS)
 
 
 class ResultsDirectory:
@@ -44,7 +47,8 @@ class ResultsDirectory:
 
     Nothing is written before the first point, so that a model that turns out to be wrong leaves no
     trace.  From then on ``results.h5`` grows with the analysis; the other files are written at its
-    end, also when it was interrupted.  Files of an earlier analysis in the folder are replaced.
+    end, also when it was interrupted or the disk is full.  Files of an earlier analysis in the
+    folder are replaced.  From the first point to the end the folder is locked.
 
     Parameters
     ----------
@@ -59,7 +63,7 @@ class ResultsDirectory:
     Raises
     ------
     OutputError
-        At once, where nothing can be written there.
+        At once, where nothing can be written there; later, where that is so no more.
     """
 
     def __init__(
@@ -76,6 +80,7 @@ class ResultsDirectory:
         self._model: Model | None = None
         self._names = ("", "")
         self._writer: ResultsWriter | None = None
+        self._lock: FolderLock | None = None
         check_writable(self.path)
 
     @property
@@ -86,24 +91,30 @@ class ResultsDirectory:
     def begin(self, model: Model, engine: str, strategy: str) -> None:
         """Take note of what is analysed."""
         self._model, self._names = model, (engine, strategy)
+        check_apart(model.source, files_of(self.path))
 
     def point(self, point: CurvePoint, pose: Array, contacts: ContactForces) -> None:
         """Take one point of the curve."""
         if self._writer is None:
-            self._writer = _sentence(self._open)
+            self._writer = in_a_sentence(self._open)
         writer = self._writer
-        _sentence(lambda: writer.append(point, pose, contacts))
+        in_a_sentence(lambda: writer.append(point, pose, contacts))
 
     def end(self, curve: CapacityCurve) -> None:
         """Write everything that stands at the end: figures of the analysis first, pictures last."""
-        if self._writer is None or not curve.points:
-            return
-        _sentence(lambda: self._finish(curve))
+        if self._writer is not None and curve.points:
+            in_a_sentence(lambda: self._finish(curve))
+        self.close()
 
     def close(self) -> None:
-        """Let go of ``results.h5``; what was recorded stays."""
-        if self._writer is not None:
-            self._writer.close()
+        """Let go of ``results.h5`` and the folder; what was recorded stays."""
+        try:
+            if self._writer is not None:
+                writer = self._writer
+                in_a_sentence(writer.close)
+        finally:
+            if self._lock is not None:
+                self._lock.release()
 
     def __enter__(self) -> Self:
         return self
@@ -119,24 +130,43 @@ class ResultsDirectory:
     def _open(self) -> ResultsWriter:
         if self._model is None:
             raise RuntimeError("`begin` comes before the first point")
-        (self.path / PARAVIEW).mkdir(parents=True, exist_ok=True)
-        for name in (SUMMARY, CURVE, CURVE_FIGURE, MECHANISM_FIGURE, RESULTS):
+        self.path.mkdir(parents=True, exist_ok=True)
+        self._lock = FolderLock(self.path)
+        (self.path / PARAVIEW).mkdir(exist_ok=True)
+        for name in FILES:
             (self.path / name).unlink(missing_ok=True)
         remove_series(self.path / PARAVIEW)
         return ResultsWriter(self.path / RESULTS, self._model, *self._names)
 
     def _finish(self, curve: CapacityCurve) -> None:
+        """What fails of ``results.h5`` keeps nothing from the short files, which may find room."""
         model, writer = self._model, self._writer
         assert model is not None and writer is not None
-        writer.close(curve)
-        write_curve(curve, self.path / CURVE)
+        failure: OSError | None = None
+        try:
+            writer.close(curve)
+        except OSError as error:
+            failure = error
+            if curve.status == "finished":
+                curve = replace(curve, status="stopped", reason=str(as_output_error(error)))
         self.summary = summarise(curve, model) | {
             "associative_multiplier": self._beside.associative,
             "non_associative_multiplier": self._beside.non_associative,
         }
-        write_summary(self.summary, self.path / SUMMARY)
-        draw_curve(curve, self.path / CURVE_FIGURE, title=model.title, limits=self._beside.limits)
+        with uninterrupted():
+            write_curve(curve, self.path / CURVE)
+            write_summary(self.summary, self.path / SUMMARY)
+        if failure is not None:
+            raise failure
+        if writer.whole:
+            self._draw(model, curve)
+
+    def _draw(self, model: Model, curve: CapacityCurve) -> None:
+        """Pictures and series, of the points that ``results.h5`` has."""
+        with whole_file(self.path / CURVE_FIGURE) as draft:
+            draw_curve(curve, draft, title=model.title, limits=self._beside.limits)
         with ResultsReader(self.path / RESULTS) as results:
+            curve = replace(curve, points=curve.points[: results.n_points])
             self._draw_mechanism(model, curve, results)
             frames = choose_frames(
                 curve.control_displacement, keep=[curve.points.index(curve.peak)]
@@ -156,17 +186,23 @@ class ResultsDirectory:
             wanted = float(model.analysis.options.get(MECHANISM_OPTION, MECHANISM_DISPLACEMENT))
         row = mechanism_row(curve, wanted)
         point, pose, settled = curve.points[row], results.pose(row), results.pose(0)
-        draw_mechanism(
-            model.assembly,
-            pose,
-            results.contacts(row),
-            self.path / MECHANISM_FIGURE,
-            settled=settled,
-            title=mechanism_title(model.title, point),
-            load_direction=model.load.direction,
-            control_point=model.control_point,
-            magnification=readable_magnification(model.assembly, pose, settled),
-        )
+        with whole_file(self.path / MECHANISM_FIGURE) as draft:
+            draw_mechanism(
+                model.assembly,
+                pose,
+                results.contacts(row),
+                draft,
+                settled=settled,
+                title=mechanism_title(model.title, point),
+                load_direction=model.load.direction,
+                control_point=model.control_point,
+                magnification=readable_magnification(model.assembly, pose, settled),
+            )
+
+
+def files_of(folder: Path) -> list[Path]:
+    """Files that an analysis writes into its folder, those of ParaView apart."""
+    return [folder / name for name in FILES]
 
 
 def mechanism_row(curve: CapacityCurve, control_displacement: float) -> int:
@@ -180,37 +216,3 @@ def mechanism_title(title: str, point: CurvePoint) -> str:
     """What a picture shows: the point's own displacement, not the one that was asked for."""
     values = f"$δ_c$ = {point.control_displacement:.4g} m, $λ$ = {point.load_multiplier:.3f}"
     return f"{title}: {values}" if title else values
-
-
-def check_writable(path: Path) -> None:
-    """Raise `OutputError` unless files can be made in folder ``path``; leaves nothing behind."""
-    if path.exists() and not path.is_dir():
-        raise OutputError(f"{path} is a file, not a folder: choose another folder for the results")
-    made: list[Path] = []
-    try:
-        for folder in reversed([path, *path.parents]):
-            if not folder.exists():
-                folder.mkdir()
-                made.append(folder)
-        handle, name = tempfile.mkstemp(dir=path)
-        os.close(handle)
-        os.unlink(name)
-    except OSError as error:
-        raise OutputError(
-            f"the folder of results {path} cannot be written ({error.strerror}): choose another one"
-        ) from None
-    finally:
-        for folder in reversed(made):
-            folder.rmdir()
-
-
-def _sentence(action: Callable[[], T]) -> T:
-    """Do it; what the operating system refuses becomes an `OutputError`."""
-    try:
-        return action()
-    except OSError as error:
-        where = f" {error.filename}" if error.filename else ""
-        raise OutputError(
-            f"the results{where} cannot be written ({error.strerror or error}): "
-            "free some space or choose another folder"
-        ) from error

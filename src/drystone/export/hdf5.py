@@ -9,9 +9,9 @@
     /contacts/<field>       every field of `ContactForces`, all points one after the other
     /blocks/id, offset, vertices, centroid, weight, support
 
-Points are gathered in memory and written about once a second, then flushed: what is on the disk is
-a readable file at every moment but those of a write, so a process that is killed leaves the points
-of up to a second ago.  The file is not locked, so that it can be read while it grows.
+Points are gathered in memory and written about once a second: what is on the disk is a readable
+file at every moment but those of a write, so that a process that is killed or a disk that is full
+leaves the points of up to a second ago.  The file is not locked: it can be read while it grows.
 """
 
 from __future__ import annotations
@@ -28,6 +28,8 @@ from numpy.typing import NDArray
 
 from drystone.contact.forces import ContactForces
 from drystone.curve import CapacityCurve, CurvePoint
+from drystone.export.diskfile import DiskFile
+from drystone.export.interrupts import uninterrupted
 from drystone.export.summary import package_version
 from drystone.model import Model
 from drystone.report.outlines import MovingOutlines
@@ -67,20 +69,27 @@ class ResultsWriter:
     """Writes one ``results.h5``.  Replaces a file of that name."""
 
     def __init__(self, path: Path | str, model: Model, engine: str, strategy: str) -> None:
-        self._file = h5py.File(path, "w", locking=False)
+        self._disk = DiskFile(path)
+        self._file = h5py.File(self._disk, "w")
+        self.whole = True  # the disk took everything so far
         self._points: list[CurvePoint] = []
         self._poses: list[Array] = []
         self._contacts: list[ContactForces] = []
         self._waiting = 0  # bytes
-        self._n_contacts = 0
+        self._n_points = self._n_contacts = 0  # in the file
         self._written = time.monotonic()
         large = model.assembly.n_bodies > LARGE
         self._packing: dict[str, Any] = (
             {"compression": "gzip", "compression_opts": 1, "shuffle": True} if large else {}
         )
-        self._describe(model, engine, strategy)
-        self._lay_out(model)
-        self._file.flush()
+        try:
+            self._describe(model, engine, strategy)
+            self._lay_out(model)
+            self.flush()
+        except BaseException:
+            self._let_go()
+            Path(path).unlink(missing_ok=True)
+            raise
 
     def append(self, point: CurvePoint, pose: Array, contacts: ContactForces) -> None:
         """Take one point; it is on the disk a second later, or after `flush`."""
@@ -94,35 +103,59 @@ class ResultsWriter:
             self.flush()
 
     def flush(self) -> None:
-        """Write what waits and bring it to the disk."""
-        if self._points:
-            for name, kind in COLUMN_TYPES.items():
-                values = np.array([getattr(point, name) for point in self._points], dtype=kind)
-                _extend(self._file["curve"][name], values)
-            _extend(self._file["poses"], np.array(self._poses))
-            group = self._file["contacts"]
-            counts = [contacts.n_contacts for contacts in self._contacts]
-            for name in CONTACT_FIELDS:
-                _extend(group[name], np.concatenate([getattr(c, name) for c in self._contacts]))
-            _extend(
-                group["offset"], self._n_contacts + np.cumsum(counts)
-            )  # last: what it counts is there
-            self._n_contacts += sum(counts)
-            self._points, self._poses, self._contacts, self._waiting = [], [], [], 0
-        self._file.flush()
+        """Write what waits and bring it to the disk; raises `OSError` where that takes no more."""
+        with uninterrupted():
+            self._lay_down()
+            self._file.flush()
+            try:
+                self._disk.commit()
+            except OSError:
+                self.whole = False
+                raise
         self._written = time.monotonic()
 
     def close(self, curve: CapacityCurve | None = None) -> None:
-        """Write what waits, and how the analysis ended where it did.  May be called twice."""
+        """Write what waits, and how the analysis ended where it did.  May be called twice.
+
+        After a write that failed the file stays as it was before.
+        """
         if not self._file:
             return
-        if curve is not None:
-            attributes = self._file.attrs
-            attributes["status"], attributes["reason"] = curve.status, curve.reason
-            for name in ("stop_multiplier", "settlement", "wall_time"):
-                attributes[name] = getattr(curve, name)
-        self.flush()
-        self._file.close()
+        try:
+            if self.whole and curve is not None:
+                attributes = self._file.attrs
+                attributes["status"], attributes["reason"] = curve.status, text_of(curve.reason)
+                for name in ("stop_multiplier", "settlement", "wall_time"):
+                    attributes[name] = getattr(curve, name)
+            if self.whole:
+                self.flush()
+        finally:
+            self._let_go()
+
+    def _let_go(self) -> None:
+        with uninterrupted():
+            self._file.close()
+            self._disk.close()
+
+    def _lay_down(self) -> None:
+        """Give HDF5 the points that wait."""
+        if not self._points:
+            return
+        n = self._n_points
+        for name, kind in COLUMN_TYPES.items():
+            values = np.array([getattr(point, name) for point in self._points], dtype=kind)
+            _put(self._file["curve"][name], n, values)
+        _put(self._file["poses"], n, np.array(self._poses))
+        group = self._file["contacts"]
+        counts = [contacts.n_contacts for contacts in self._contacts]
+        for name in CONTACT_FIELDS:
+            values = np.concatenate([getattr(c, name) for c in self._contacts])
+            _put(group[name], self._n_contacts, values)
+        # Last: what it counts is there.
+        _put(group["offset"], n + 1, self._n_contacts + np.cumsum(counts))
+        self._n_points += len(counts)
+        self._n_contacts += sum(counts)
+        self._points, self._poses, self._contacts, self._waiting = [], [], [], 0
 
     def _describe(self, model: Model, engine: str, strategy: str) -> None:
         text = ""
@@ -130,15 +163,15 @@ class ResultsWriter:
             text = Path(model.source).read_text(encoding="utf-8", errors="replace")
         self._file.attrs.update(
             {
-                "title": model.title,
+                "title": text_of(model.title),
                 "engine": engine,
                 "strategy": strategy,
                 "status": "running",
                 "reason": "",
                 "dimension": model.assembly.dimension,
                 "thickness": model.assembly.thickness,
-                "model": text,
-                "model_source": model.source or "",
+                "model": text_of(text),
+                "model_source": text_of(model.source or ""),
                 "model_sha256": model.sha256,
                 "version": package_version(),
                 "units": "SI: m, N, s, rad",
@@ -149,7 +182,7 @@ class ResultsWriter:
         assembly = model.assembly
         blocks = self._file.create_group("blocks")
         outlines = MovingOutlines.of(assembly)
-        blocks["id"] = np.array(assembly.ids, dtype=h5py.string_dtype())
+        blocks["id"] = np.array([text_of(name) for name in assembly.ids], dtype=h5py.string_dtype())
         for name, values in (
             ("offset", outlines.offset),
             ("vertices", outlines.vertices),
@@ -176,7 +209,7 @@ class ResultsWriter:
             width = (widths[name],) if name in widths else ()
             self._growing(contacts, name, width, np.dtype(STORED_AS.get(name, "f8")), rows=16384)
         self._growing(contacts, "offset", (), np.dtype("i8"), rows=512)
-        _extend(contacts["offset"], np.zeros(1, dtype=np.int64))
+        _put(contacts["offset"], 0, np.zeros(1, dtype=np.int64))
 
     def _growing(
         self,
@@ -248,9 +281,13 @@ class ResultsReader:
         )
 
 
-def _extend(dataset: h5py.Dataset, values: NDArray[Any]) -> None:
-    """Append rows."""
+def text_of(text: str) -> str:
+    """A text that HDF5 takes: without the NUL, at which its own would end."""
+    return text.replace("\0", "")
+
+
+def _put(dataset: h5py.Dataset, start: int, values: NDArray[Any]) -> None:
+    """Rows from ``start`` on, which become the last."""
     if len(values):
-        n = len(dataset)
-        dataset.resize(n + len(values), axis=0)
-        dataset[n:] = values
+        dataset.resize(start + len(values), axis=0)
+        dataset[start:] = values

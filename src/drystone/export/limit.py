@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from drystone.export.folder import check_apart, locked
 from drystone.export.summary import package_version, plain, write_summary
-from drystone.limit import Collapse
+from drystone.limit import FLOWS, Collapse
 from drystone.model import Model
 from drystone.report import draw_mechanism
 from drystone.report.outlines import MovingOutlines
@@ -42,8 +43,24 @@ def write_collapse(results: Sequence[Collapse], model: Model, folder: Path) -> N
     """Write ``limit.json`` and ``mechanism-FLOW.png`` for every flow that has a mechanism.
 
     ``mechanism.png`` is that of the last one.
+
+    Raises
+    ------
+    OutputError
+        The folder cannot be written, another run is writing there, or the model file would go.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    check_apart(model.source, limit_files(folder))
+    with locked(folder):
+        _write(results, model, folder)
+
+
+def limit_files(folder: Path) -> list[Path]:
+    """Files that `write_collapse` may write."""
+    pictures = [MECHANISM, *(f"{MECHANISM}-{flow}" for flow in FLOWS)]
+    return [folder / LIMIT, *(folder / f"{name}.png" for name in pictures)]
+
+
+def _write(results: Sequence[Collapse], model: Model, folder: Path) -> None:
     summary = {
         "title": model.title,
         "n_blocks": model.assembly.n_blocks,

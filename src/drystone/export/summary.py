@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -66,10 +65,10 @@ def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
 
 def write_summary(summary: dict[str, Any], path: Path | str) -> None:
     """Write it whole or not at all: readers never see half a file."""
-    path = Path(path)
-    draft = path.with_name(path.name + ".part")
-    draft.write_text(to_json(summary) + "\n", encoding="utf-8")
-    os.replace(draft, path)
+    from drystone.export.folder import whole_file
+
+    with whole_file(Path(path)) as draft:
+        draft.write_text(to_json(summary) + "\n", encoding="utf-8")
 
 
 def to_json(value: Any) -> str:

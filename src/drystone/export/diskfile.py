@@ -1,0 +1,102 @@
+"""The file that HDF5 writes to: what is on the disk is whole, whatever becomes of a write.
+
+HDF5 does not survive a write that fails: it fails again as the file is closed, and ends the process
+as Python leaves.  Here its writes wait in memory, where none can fail, until `commit` brings them
+to the disk.  What makes the file longer goes first; where there is no room for it the file is cut
+back to what it was, which is a readable file with everything up to the commit before.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from pathlib import Path
+from typing import Any
+
+
+class DiskFile(io.RawIOBase):
+    """A file object for h5py.  Replaces a file of that name."""
+
+    def __init__(self, path: Path | str) -> None:
+        super().__init__()
+        self._disk = io.FileIO(path, "w+")
+        self._length = 0  # bytes, on the disk
+        self._end = 0  # bytes, with what waits
+        self._place = 0
+        self._waiting: list[tuple[int, bytes]] = []  # in the order in which they came
+
+    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
+        """Go to a place."""
+        start = {io.SEEK_SET: 0, io.SEEK_CUR: self._place, io.SEEK_END: self._end}[whence]
+        self._place = start + offset
+        return self._place
+
+    def tell(self) -> int:
+        """The place."""
+        return self._place
+
+    def write(self, data: Any) -> int:
+        """Take note of bytes for the place."""
+        taken = bytes(data)
+        self._waiting.append((self._place, taken))
+        self._place += len(taken)
+        self._end = max(self._end, self._place)
+        return len(taken)
+
+    def readinto(self, buffer: Any) -> int:
+        """Read from the place on, what waits included."""
+        start, length = self._place, max(min(len(buffer), self._end - self._place), 0)
+        content = bytearray(length)
+        self._disk.seek(start)
+        on_disk = self._disk.read(max(min(length, self._length - start), 0)) or b""
+        content[: len(on_disk)] = on_disk
+        for offset, data in self._waiting:
+            _lay(content, start, offset, data)
+        buffer[:length] = content
+        self._place += length
+        return length
+
+    def truncate(self, size: int | None = None) -> int:
+        """Let the file end at ``size``."""
+        self._end = self._place if size is None else size
+        return self._end
+
+    def flush(self) -> None:
+        """Nothing: see `commit`."""
+
+    def commit(self) -> None:
+        """Bring everything to the disk; raises `OSError` where it does not take it all."""
+        old = self._length
+        tail = bytearray(max(self._end - old, 0))
+        for offset, data in self._waiting:
+            _lay(tail, old, offset, data)
+        try:
+            self._put(old, tail)
+        except OSError:
+            os.ftruncate(self._disk.fileno(), old)
+            raise
+        for offset, data in self._waiting:
+            if offset < old:
+                self._put(offset, data[: old - offset])
+        os.ftruncate(self._disk.fileno(), self._end)
+        self._length = self._end
+        self._waiting.clear()
+
+    def close(self) -> None:
+        """Let go of the file; what was not committed is dropped."""
+        self._waiting.clear()
+        self._disk.close()
+        super().close()
+
+    def _put(self, offset: int, data: bytes | bytearray) -> None:
+        view = memoryview(data)
+        self._disk.seek(offset)
+        while view:
+            view = view[self._disk.write(view) or 0 :]
+
+
+def _lay(content: bytearray, start: int, offset: int, data: bytes) -> None:
+    """Put ``data``, which is for ``offset``, into ``content``, which begins at ``start``."""
+    first, last = max(offset, start), min(offset + len(data), start + len(content))
+    if first < last:
+        content[first - start : last - start] = data[first - offset : last - offset]
