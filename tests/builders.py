@@ -80,6 +80,13 @@ def with_corner(model: Model, corner: Corner) -> Model:
     return replace(model, assembly=assembly)
 
 
+def with_joint(model: Model, joint: JointLaw) -> Model:
+    """The same model with another law of every joint."""
+    a = model.assembly
+    assembly = Assembly.build(a.blocks, joint=joint, corner=a.corner, thickness=a.thickness)
+    return replace(model, assembly=assembly)
+
+
 def problem_of(model: Model) -> Problem:
     """What an engine is given of a model."""
     return Problem(assembly=model.assembly, load=model.load, control_point=model.control_point)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+import importlib.util
 import os
 import subprocess
 import sys
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,13 +21,15 @@ from builders import (
     stack,
     turned,
     with_corner,
+    with_joint,
 )
 from drystone.analysis import pushover
 from drystone.assembly import Block, Corner, JointLaw
 from drystone.builders import make_model, published_wall
+from drystone.contact import certificate
 from drystone.curve import COLUMNS, CapacityCurve
 from drystone.engines import make_engine
-from drystone.engines.base import Demand, UnstableError
+from drystone.engines.base import Demand, EngineError, UnstableError
 
 TESTS = Path(__file__).resolve().parents[1]
 
@@ -354,6 +357,64 @@ class TestStates:
         pushover(stack((0.4, 0.9)), engine=solver, strategy="displacement", max_steps=5)
         again = pushover(small_wall(), engine=solver, strategy="displacement", max_steps=20)
         assert digest(first) == digest(again)
+
+
+#: The joints of the published walls with a bond, and as soft along the joint as across it.
+BONDED_JOINT = replace(PUBLISHED_JOINT, shear_stiffness=1e8, cohesion=1e4)
+EVERY_ENGINE = [
+    *ENGINES,
+    "distinct",
+    pytest.param(
+        "lmgc90",
+        marks=pytest.mark.skipif(
+            importlib.util.find_spec("compas_lmgc90") is None, reason="LMGC90 is not installed"
+        ),
+    ),
+]
+
+
+class TestOneResidual:
+    """Balance, normal law and friction law, judged alike whoever found the step."""
+
+    @staticmethod
+    def traced(model, engine):
+        solver = make_engine(engine)
+        curve = pushover(
+            model, engine=solver, strategy="displacement", max_displacement=5e-3, max_steps=60
+        )
+        assert len(curve.points) > 3
+        return solver, curve
+
+    @staticmethod
+    def keeps(solver, curve):
+        """What the engine promises, of every point, by figures that it did not choose itself."""
+        assert curve.residual.max() <= solver.residual_limit
+        violation = curve.column("friction_violation")
+        assert np.all(violation >= 0.0)
+        assert violation.max() <= solver.residual_limit
+
+    @pytest.mark.parametrize("name", EVERY_ENGINE)
+    def test_every_point_keeps_what_the_engine_promises(self, name):
+        solver, curve = self.traced(stack((0.4, 0.3), (0.3, 0.6)), name)
+        self.keeps(solver, curve)
+
+    @pytest.mark.parametrize("name", ["equilibrium", "distinct"])
+    def test_cohesion_is_no_violation(self, name):
+        """Bonds carry more than friction does, by up to c A, which is several blocks' weights."""
+        solver, curve = self.traced(with_joint(small_wall(), BONDED_JOINT), name)
+        self.keeps(solver, curve)
+
+    @pytest.mark.parametrize("name", [*ENGINES, "distinct"])
+    def test_a_wrong_law_is_told(self, name, monkeypatch):
+        """Reactions a thousandth too small everywhere: 1e-3 of a weight, above every limit."""
+        real = certificate.joint_law_violation
+
+        def with_less(gap, slip, reaction, *rest):
+            return real(gap, slip, reaction * (1.0 - 1e-3), *rest)
+
+        monkeypatch.setattr(certificate, "joint_law_violation", with_less)
+        with pytest.raises(EngineError, match="at rest under its own weight, the step leaves"):
+            pushover(stack((0.4, 0.3), (0.3, 0.6)), engine=name)
 
 
 class TestCurves:

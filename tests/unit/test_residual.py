@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from drystone.kernels.residual import (
     add_contact_forces,
-    joint_law_residual,
+    joint_law_violation,
+    mark_held,
     unbalanced_force,
 )
 
@@ -20,9 +21,14 @@ ROUNDING = 1e-9  # N
 
 def law_residual(gap, slip, reaction, *, before=None, shear_stiffness=1e6, bond=0.0, tension=0.0):
     """Residual of a single contact; ``before`` None stands for the natural map."""
+    return max(violation(gap, slip, reaction, before, shear_stiffness, bond, tension)[:2])
+
+
+def violation(gap, slip, reaction, before, shear_stiffness=1e6, bond=0.0, tension=0.0):
+    """Normal, tangential and over the cone, of a single contact."""
     reaction = np.array([reaction], float)
     one = np.ones(1)
-    return joint_law_residual(
+    return joint_law_violation(
         gap * one,
         slip * one,
         reaction,
@@ -93,18 +99,34 @@ class TestJointLaw:
     def test_the_worst_contact_counts(self):
         one = np.ones(3)
         reaction = np.array([[0.0, 0.0], [10.0, 0.0], [3.0, 0.0]])
-        found = joint_law_residual(
+        found = joint_law_violation(
             one, 0 * one, reaction, reaction[:, 1], KN * one, one, MU * one, 0 * one, 0 * one
         )
-        assert found == pytest.approx(10.0)
+        assert found == pytest.approx((10.0, 0.0, 0.0))
 
     def test_no_contacts(self):
         nothing = np.zeros(0)
         two = np.zeros((0, 2))
-        found = joint_law_residual(
+        found = joint_law_violation(
             nothing, nothing, two, nothing, nothing, nothing, nothing, nothing, nothing
         )
-        assert found == 0.0
+        assert found == (0.0, 0.0, 0.0)
+
+    def test_cohesion_belongs_to_the_cone(self):
+        # 650 N of friction and 60 N of cohesion.
+        assert violation(-1e-3, 0.0, (1e3, 700.0), None, bond=60.0)[2] == 0.0
+        assert violation(-1e-3, 0.0, (1e3, 730.0), None, bond=60.0)[2] == pytest.approx(20.0)
+
+    def test_a_bond_at_its_strength_holds(self):
+        """To a millionth: it is where the step to its break ends."""
+        exact, over = 150.0 / KN, 150.0 * (1.0 + 2e-6) / KN
+        assert law_residual(exact * (1.0 + 1e-9), 0.0, (-150.0, 0.0), tension=150.0) < 1e-6
+        assert law_residual(over, 0.0, (-150.0, 0.0), tension=150.0) == pytest.approx(150.0)
+
+    def test_what_is_no_number_is_not_lost(self):
+        assert np.isnan(violation(np.nan, 0.0, (1e3, 0.0), 0.0)).all()
+        for wrong in (np.nan, np.inf):
+            assert np.isnan(violation(-1e-3, 0.0, (1e3, wrong), 0.0)).all()
 
 
 class TestUnbalancedForce:
@@ -121,6 +143,21 @@ class TestUnbalancedForce:
         force = np.array([[1e6, 0.0, 0.0], [0.0, 0.5, 0.0]])
         fixed = np.array([True, False])
         assert unbalanced_force(force, np.zeros((2, 3)), np.ones(2), fixed) == pytest.approx(0.5)
+
+    def test_that_is_no_number(self):
+        """Comparisons would pass over it."""
+        rest, one, free = np.zeros((2, 3)), np.ones(2), np.zeros(2, bool)
+        force = np.array([[np.nan, 0.0, 0.0], [1.0, 0.0, 0.0]])
+        assert np.isnan(unbalanced_force(force, rest, one, free))
+
+
+def test_a_block_is_held_by_contacts_that_push_it():
+    """Whatever their sum is: two that hold a block between them add up to next to nothing."""
+    body_a, body_b = np.array([0, 1, 3]), np.array([1, 2, 4])
+    reaction = np.array([[5.0, 0.0], [5.0, 0.0], [0.0, 0.0]])
+    held = np.zeros(6, bool)
+    mark_held(body_a, body_b, reaction, held)
+    assert held.tolist() == [True, True, True, False, False, False]
 
 
 def test_contact_forces_are_the_transposed_mapping():

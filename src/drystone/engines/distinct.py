@@ -19,6 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
+from drystone.contact.certificate import (
+    Forces,
+    JudgedContacts,
+    certify,
+    strengths,
+)
 from drystone.contact.detection import Detector, Pairs, carry, copied, empty_slots
 from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
@@ -28,7 +34,8 @@ from drystone.kernels import explicit, joint, narrow
 from drystone.kernels.explicit import Contacts, Loads, Motion
 from drystone.kernels.joint import N_HISTORY
 from drystone.kernels.narrow import Slots
-from drystone.kernels.residual import unbalanced_force
+from drystone.kernels.nlgs import map_contacts
+from drystone.kernels.residual import add_contact_forces
 from drystone.loading import dead_load
 
 Array = NDArray[np.float64]
@@ -125,6 +132,7 @@ class Workspace:
             force=np.zeros_like(state.pose),
             last=np.zeros_like(state.pose),
             mean=np.zeros_like(state.pose),
+            opposed=np.zeros_like(state.pose),
         )
         self.meter = np.zeros(explicit.N_METER)
         self.meter[explicit.MULTIPLIER] = state.multiplier
@@ -254,6 +262,8 @@ class DistinctEngine:
 
     name = "distinct"
     prescribes_displacement = True
+    #: Rest is looked for with the forces of a cycle, its poses are those at the end of it.
+    residual_limit = 1e-4
 
     def __init__(self, settings: DistinctSettings | None = None) -> None:
         self.settings = settings or DistinctSettings()
@@ -466,25 +476,77 @@ class DistinctEngine:
         work = Workspace(self, begin, real_masses=True)
         n = max(round(demand.time_step / work.dt), 2)
         work.run(n // 2)
-        work.motion.mean[:] = 0.0
-        work.run(n - n // 2)
-        unbalanced = work.motion.mean / (n - n // 2)
-        return self._arrive(state, work, unbalanced, work.motion.velocity)
+        work.motion.mean[:], work.motion.opposed[:] = 0.0, 0.0
+        n -= n // 2
+        work.run(n)
+        work.unpack()
+        motion, loads = work.motion, self.loads
+        load = loads.dead + work.multiplier * loads.pattern
+        contact, unbalanced = motion.mean / n - load, motion.mean / n
+        forces = Forces(contact=contact, load=load, inertia=motion.opposed / n)
+        contacts, _ = self._judged(work)
+        return self._arrive(state, work, contacts, forces, unbalanced, motion.velocity)
 
     def _rest(self, state: DistinctState, work: Workspace) -> tuple[DistinctState, StepReport]:
         """The state where all is balanced and has been stopped."""
-        new, figures = self._arrive(state, work, work.motion.force, np.zeros_like(state.pose))
+        work.unpack()
+        still = np.zeros_like(state.pose)
+        contacts, contact_force = self._judged(work)
+        forces = Forces(
+            contact=contact_force,
+            load=self.loads.dead + work.multiplier * self.loads.pattern,
+            inertia=still,
+        )
+        new, figures = self._arrive(state, work, contacts, forces, work.motion.force, still)
         # What little is unbalanced accelerates nothing: the blocks are at rest.
         return new, replace(
             figures, static_multiplier=work.multiplier, inertia_ratio=0.0, dynamic=False
         )
 
+    def _judged(self, work: Workspace) -> tuple[JudgedContacts, Array]:
+        """Contacts with the reactions of the last cycle, and the forces of these on the bodies.
+
+        The gaps are those of the poses that the cycle began with; all slips have entered the shear.
+        """
+        slots, pairs, velocity = work.slots, work.pairs, work.motion.velocity
+        k = np.flatnonzero(slots.kind != narrow.NONE)
+        a, b, law = pairs.a[k // 2], pairs.b[k // 2], pairs.law[k // 2]
+        mapping = np.zeros((len(k), 2, 2 * velocity.shape[1]))
+        map_contacts(
+            slots.kind, slots.normal, slots.arm_a, slots.arm_b, slots.roll, slots.ratio, k, mapping
+        )
+        force = np.zeros_like(velocity)
+        history, reaction = work.history[k], work.reaction[k]
+        add_contact_forces(a, b, mapping, reaction, force)
+        moved = work.dt * np.column_stack((velocity[a], velocity[b]))
+        area = slots.length[k] * self.problem.assembly.thickness
+        bond, tension = strengths(self.laws, law, area, history)
+        contacts = JudgedContacts(
+            body_a=a,
+            body_b=b,
+            gap=slots.gap[k] - np.sum(mapping[:, 0] * moved, axis=1) - history[:, joint.DILATION],
+            slip=np.zeros(len(k)),
+            reaction=reaction,
+            shear_before=reaction[:, 1],
+            normal_stiffness=self.laws[law, joint.KN] * area,
+            shear_stiffness=self.laws[law, joint.KS] * area,
+            friction=self.laws[law, joint.MU],
+            bond=bond,
+            tension=tension,
+        )
+        return contacts, force
+
     def _arrive(
-        self, state: DistinctState, work: Workspace, unbalanced: Array, velocity: Array
+        self,
+        state: DistinctState,
+        work: Workspace,
+        contacts: JudgedContacts,
+        forces: Forces,
+        unbalanced: Array,
+        velocity: Array,
     ) -> tuple[DistinctState, StepReport]:
         """The state at the end of the cycles, and its figures."""
         assembly, meter, pose = self.problem.assembly, work.meter, work.motion.pose
-        work.unpack()
         acceleration = np.where(assembly.fixed[:, None], 0.0, unbalanced / assembly.mass)
         increment = pose - state.pose
         new = DistinctState(
@@ -509,13 +571,10 @@ class DistinctEngine:
             increment=increment,
             acceleration=acceleration,
             velocity=velocity,
-            contact_force=unbalanced - self.loads.dead - work.multiplier * self.loads.pattern,
+            contact_force=forces.contact,
             slots=work.slots,
-            reaction=work.reaction,
             status=work.status,
-            residual=unbalanced_force(
-                unbalanced, np.zeros_like(unbalanced), self.extent, assembly.fixed
-            ),
+            certificate=certify(contacts, forces, self.extent, assembly.fixed),
             motion=float(self.detector.motion(increment).max()),
             n_iterations=work.n_cycles,
         )

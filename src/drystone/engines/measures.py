@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import GRAVITY
+from drystone.contact.certificate import Certificate
 from drystone.engines.base import Problem, StepReport
 from drystone.kernels import measures as kernels
 from drystone.kernels.narrow import Slots
@@ -30,9 +31,8 @@ class StepOutcome:
     velocity: Array  # (n, n_dof) m/s, rad/s, at the end
     contact_force: Array  # (n, n_dof) N, N m, of all contacts, on fixed bodies too
     slots: Slots  # contacts in the poses at the end
-    reaction: Array  # (n_slots, dim) N
     status: IntArray  # (n_slots,)
-    residual: float  # N
+    certificate: Certificate
     motion: float  # m, of the fastest block
     n_iterations: int
 
@@ -52,7 +52,8 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     assembly, multiplier, slots = problem.assembly, outcome.multiplier, outcome.slots
     carried, inertia, fastest, kinetic, work, push, strokes, resistance = kernels.sum_blocks(
         outcome.increment, outcome.acceleration, outcome.velocity, outcome.contact_force,
-        loads.dead, loads.pattern, loads.mass, assembly.fixed, problem.load.direction, multiplier,
+        outcome.certificate.held, loads.dead, loads.pattern, loads.mass, assembly.fixed,
+        problem.load.direction, multiplier,
     )  # fmt: skip
     counts = np.zeros(3, np.int64)
     penetration = kernels.count_contacts(slots.kind, slots.gap, outcome.status, counts)
@@ -68,9 +69,9 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
         carried_multiplier=carried / loads.total,
         static_multiplier=multiplier - excess,
         control_displacement=problem.control_point.displacement(assembly, outcome.pose),
-        residual=outcome.residual / assembly.heaviest_weight,
+        residual=outcome.certificate.residual / assembly.heaviest_weight,
         penetration=penetration,
-        friction_violation=0.0,
+        friction_violation=outcome.certificate.cone / assembly.heaviest_weight,
         energy_ratio=kinetic / work if work > 0.0 else 0.0,
         inertia_ratio=inertia / (max(abs(multiplier), 1e-3) * loads.total),
         n_open=n_open,
@@ -80,11 +81,6 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
         n_iterations=outcome.n_iterations,
         dynamic=fastest > ACCELERATION_LIMIT * GRAVITY,
     )
-
-
-def cone_excess(reaction: Array, friction: Array) -> float:
-    """Largest excess of tangential over limiting reaction [N]."""
-    return float(kernels.cone_excess(reaction, friction))
 
 
 def unstable_sentence(ids: tuple[str, ...], motion: Array) -> str:

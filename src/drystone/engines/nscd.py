@@ -18,20 +18,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.contact.certificate import Forces, JudgedContacts, certify
 from drystone.contact.detection import Detector, Pairs, carry, empty_slots
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
-from drystone.engines.measures import (
-    LoadArrays,
-    StepOutcome,
-    cone_excess,
-    report,
-    unstable_sentence,
-)
+from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
 from drystone.kernels import narrow
 from drystone.kernels.narrow import Slots
-from drystone.kernels.nlgs import ContactProblem, map_contacts
-from drystone.kernels.residual import add_contact_forces, unbalanced_force
+from drystone.kernels.nlgs import ContactProblem, contact_velocities, map_contacts
+from drystone.kernels.residual import add_contact_forces
 from drystone.loading import dead_load
 from drystone.solvers import nlgs
 from drystone.solvers.linear import BlockSystem
@@ -69,6 +64,7 @@ class NscdEngine:
 
     name = "nscd"
     prescribes_displacement = False
+    residual_limit = 1e-6  # what a step is solved to, and the rounding of its poses
 
     def __init__(self, settings: NscdSettings | None = None) -> None:
         self.settings = settings or NscdSettings()
@@ -190,10 +186,13 @@ class NscdEngine:
         force = np.zeros_like(pose)
         add_contact_forces(problem.body_a, problem.body_b, mapping, reaction[chosen], force)
         acceleration = (solved.velocity - before) / h
-        unbalanced = unbalanced_force(
-            force + load, loads.mass * acceleration, self.extent, assembly.fixed
+        certificate = certify(
+            _judged(problem, solved.velocity, reaction[chosen], solved.natural, h),
+            Forces(contact=force, load=load, inertia=loads.mass * acceleration),
+            self.extent,
+            assembly.fixed,
         )
-        outcome = report(
+        return new, report(
             self.problem,
             loads,
             StepOutcome(
@@ -204,15 +203,12 @@ class NscdEngine:
                 velocity=solved.velocity,
                 contact_force=force,
                 slots=new.slots,
-                reaction=reaction,
                 status=new.status,
-                residual=max(solved.residual, unbalanced),
+                certificate=certificate,
                 motion=motion,
                 n_iterations=iterations,
             ),
         )
-        excess = cone_excess(solved.impulse / h, problem.friction) / assembly.heaviest_weight
-        return new, replace(outcome, friction_violation=excess)
 
     def _refresh(self, state: NscdState) -> NscdState:
         """New pairs where the blocks have moved far, and the linear system that fits them."""
@@ -272,3 +268,26 @@ class NscdEngine:
 
     def close(self) -> None:
         """Nothing is held."""
+
+
+def _judged(
+    problem: ContactProblem, velocity: Array, reaction: Array, natural: Array, h: float
+) -> JudgedContacts:
+    """Contacts of a step: gaps are mapped from where it starts, friction has no shear stiffness
+    but the ``natural`` one (n_contacts,) [N/m] of the natural map."""
+    nothing = np.zeros(len(reaction))
+    relative = np.zeros((len(reaction), 2))
+    contact_velocities(problem, velocity, relative)
+    return JudgedContacts(
+        body_a=problem.body_a,
+        body_b=problem.body_b,
+        gap=problem.gap + h * relative[:, 0],
+        slip=h * relative[:, 1],
+        reaction=reaction,
+        shear_before=reaction[:, 1],
+        normal_stiffness=problem.normal_stiffness,
+        shear_stiffness=natural,
+        friction=problem.friction,
+        bond=nothing,
+        tension=nothing,
+    )

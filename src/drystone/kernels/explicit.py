@@ -85,6 +85,7 @@ class Motion(NamedTuple):
     force: Array  # (n, 3) N, N m, unbalanced, of the last cycle
     last: Array  # (n, 3) N, N m, unbalanced, of the last cycle with combined damping
     mean: Array  # (n, 3) sum of the unbalanced forces over the cycles
+    opposed: Array  # (n, 3) sum over the cycles of what opposes them: inertia and damping
 
 
 class Loads(NamedTuple):
@@ -271,7 +272,7 @@ def cycle(
     edge, other, shape, law = contacts.edge, contacts.other, contacts.shape, contacts.law
     history, reaction, status = contacts.history, contacts.reaction, contacts.status
     pose, velocity, turn = motion.pose, motion.velocity, motion.turn
-    force, last, mean = motion.force, motion.last, motion.mean
+    force, last, mean, opposed = motion.force, motion.last, motion.mean, motion.opposed
     centroid, dead, pattern = loads.centroid, loads.dead, loads.pattern
     inverse_mass, extent = loads.inverse_mass, loads.extent
     n = pose.shape[0]
@@ -425,7 +426,9 @@ def cycle(
                 velocity[i, d] = new
                 middle = 0.5 * (v + new) * dt
                 damping_work += (force[i, d] - f) * middle
-                damping_work += viscous_damping * middle * 0.5 * (v + new) / inverse_mass[i, d]
+                braked = viscous_damping * 0.5 * (v + new) / inverse_mass[i, d]
+                damping_work += braked * middle
+                opposed[i, d] += (new - v) / (inverse_mass[i, d] * dt) + force[i, d] - f + braked
         steer = (rate - course) / flexibility if guided else 0.0
         moved = False
         for i in range(n):

@@ -10,8 +10,9 @@ NONE = 0
 
 @njit(cache=True)
 def sum_blocks(
-    increment, acceleration, velocity, contact, dead, pattern, mass, fixed, direction, multiplier
-):
+    increment, acceleration, velocity, contact, held, dead, pattern, mass, fixed, direction,
+    multiplier,
+):  # fmt: skip
     """Forces, works and energy of a step.
 
     Parameters
@@ -20,6 +21,8 @@ def sum_blocks(
         (n, n_dof) [m, m/s2, m/s; rad, rad/s2, rad/s].
     contact, dead, pattern
         Forces, (n, n_dof) [N, N m]; the pattern is that at multiplier one.
+    held
+        (n,) whether a contact acts on the block.
     mass
         (n, n_dof) [kg, kg m2].
     fixed
@@ -47,7 +50,7 @@ def sum_blocks(
     kinetic, work = 0.0, 0.0
     push, strokes, resistance = 0.0, 0.0, 0.0
     for i in range(n):
-        force, square, held = 0.0, 0.0, 0.0
+        force, square = 0.0, 0.0
         for d in range(dim):
             if fixed[i]:
                 carried += contact[i, d] * direction[d]
@@ -59,8 +62,7 @@ def sum_blocks(
         for d in range(n_dof):
             kinetic += 0.5 * mass[i, d] * velocity[i, d] ** 2
             work += (dead[i, d] + multiplier * pattern[i, d]) * increment[i, d]
-            held = max(held, abs(contact[i, d]))
-        if held == 0.0:
+        if not held[i]:
             continue
         for d in range(n_dof):
             stroke = pattern[i, d] * increment[i, d]
@@ -80,13 +82,3 @@ def count_contacts(kind, gap, status, counts):
         if kind[k] != NONE:
             counts[status[k]] += 1
     return deepest
-
-
-@njit(cache=True)
-def cone_excess(reaction, friction):
-    """Largest excess of tangential (n, 1) over limiting reaction, ``friction`` (n,) [N]."""
-    worst = 0.0
-    for k in range(reaction.shape[0]):
-        excess = abs(reaction[k, 1]) - friction[k] * max(reaction[k, 0], 0.0)
-        worst = max(worst, excess)
-    return worst

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from drystone.kernels import nlgs as kernels
 from drystone.kernels.joint import Tangent
 from drystone.kernels.nlgs import ContactProblem
-from drystone.kernels.residual import joint_law_residual
+from drystone.kernels.residual import joint_law_violation
 from drystone.solvers.linear import BlockSystem, SingularMatrixError
 
 Array = NDArray[np.float64]
@@ -44,6 +44,7 @@ class NlgsResult:
     impulse: Array  # (n_contacts, 2) N s
     velocity: Array  # (n, 3) m/s, rad/s
     residual: float  # N
+    natural: Array  # (n_contacts,) N/m, stiffness of the natural map it was measured with
     n_sweeps: int
     n_corrections: int
 
@@ -89,12 +90,11 @@ def solve(
     def measure(p: Array, v: Array) -> float:
         kernels.contact_velocities(problem, v, relative)
         reaction = p / h
-        return float(
-            joint_law_residual(
-                problem.gap + h * relative[:, 0], h * relative[:, 1], reaction, reaction[:, 1],
-                problem.normal_stiffness, natural, problem.friction, nothing, nothing,
-            )
+        normal, tangential, _ = joint_law_violation(
+            problem.gap + h * relative[:, 0], h * relative[:, 1], reaction, reaction[:, 1],
+            problem.normal_stiffness, natural, problem.friction, nothing, nothing,
         )  # fmt: skip
+        return max(float(normal), float(tangential))
 
     def velocity_of(p: Array) -> Array:
         v = free_velocity.copy()
@@ -127,6 +127,7 @@ def solve(
         impulse=impulse,
         velocity=velocity,
         residual=residual,
+        natural=natural,
         n_sweeps=n_sweeps,
         n_corrections=accelerator.n_solved,
     )

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.contact.certificate import JudgedContacts
 from drystone.contact.detection import Detector, Pairs, empty_slots
 from drystone.contact.forces import OPEN, SLIDING, STICKING
 from drystone.kernels import joint, narrow, path
@@ -136,6 +137,24 @@ class StaticStep(LinearStep):
     def status(self) -> IntArray:
         """Status of every slot, (n_slots,)."""
         return STATUS_OF[self.branch]
+
+    def judged(self) -> JudgedContacts:
+        """The contacts last evaluated, for what they are worth."""
+        k = self.used[: self.count]
+        row, whole = self.table[: self.count], self.state[k, joint.BROKEN] == 0.0
+        return JudgedContacts(
+            body_a=self.pair_a[k // 2],
+            body_b=self.pair_b[k // 2],
+            gap=self.slots.gap[k] - self.state[k, joint.DILATION],
+            slip=np.zeros(self.count),
+            reaction=self.reaction[k],
+            shear_before=row[:, joint.TRIAL_T],
+            normal_stiffness=row[:, joint.STIFF_N],
+            shear_stiffness=row[:, joint.STIFF_T],
+            friction=row[:, joint.FRICTION],
+            bond=row[:, joint.BOND] * whole,
+            tension=row[:, joint.TENSILE] * whole,
+        )
 
     def find(self, x: Array) -> None:
         """Find the contacts anew where the blocks are now, into ``found``."""

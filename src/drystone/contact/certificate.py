@@ -1,0 +1,118 @@
+"""The one residual that judges every engine: what a step leaves of its equations, in newtons.
+
+An engine hands over what it found, in the terms of its formulation: the forces on the blocks, the
+contacts' gaps, slips and reactions, and what their joints still have of strength.  How it came by
+them does not matter here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.kernels import joint
+from drystone.kernels.residual import joint_law_violation, mark_held, unbalanced_force
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True)
+class JudgedContacts:
+    """Contacts of a step as its formulation has them; see `kernels.residual` for their law."""
+
+    body_a: IntArray  # (n_contacts,)
+    body_b: IntArray  # (n_contacts,)
+    gap: Array  # (n_contacts,) m, at the end of the step, less dilation
+    slip: Array  # (n_contacts,) m, since the shear before; zero where it has entered that already
+    reaction: Array  # (n_contacts, dim) N
+    shear_before: Array  # (n_contacts,) N
+    normal_stiffness: Array  # (n_contacts,) N/m
+    shear_stiffness: Array  # (n_contacts,) N/m
+    friction: Array  # (n_contacts,)
+    bond: Array  # (n_contacts,) N, cohesion that is not broken
+    tension: Array  # (n_contacts,) N, likewise
+
+    @property
+    def n_contacts(self) -> int:
+        """Number of contacts."""
+        return len(self.gap)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Forces:
+    """What acts on the blocks at the end of a step, (n, n_dof) [N, N m] each."""
+
+    contact: Array  # of all contacts, on supports too
+    load: Array  # dead load, pattern and whatever else the formulation adds
+    inertia: Array  # mass times acceleration
+
+
+@dataclass(frozen=True, kw_only=True)
+class Certificate:
+    """How far a step is from its equations [N], and which blocks a contact acts on.
+
+    NaN where something is not a number.
+    """
+
+    balance: float  # largest unbalanced force, or moment over block size
+    normal: float  # largest distance of a normal reaction from the law's
+    tangential: float  # and of a tangential one
+    cone: float  # largest excess over what friction and cohesion hold
+    held: BoolArray  # (n,)
+
+    @property
+    def residual(self) -> float:
+        """The largest of the three [N]."""
+        return float(np.max((self.balance, self.normal, self.tangential)))
+
+
+def certify(
+    contacts: JudgedContacts, forces: Forces, extent: Array, fixed: BoolArray
+) -> Certificate:
+    """Judge a step.
+
+    Parameters
+    ----------
+    contacts, forces
+        What was found.
+    extent
+        (n,) m, by which moments are divided.
+    fixed
+        (n,) supports, whose balance does not count.
+    """
+    c = contacts
+    normal, tangential, cone = joint_law_violation(
+        c.gap, c.slip, c.reaction, c.shear_before, c.normal_stiffness, c.shear_stiffness,
+        c.friction, c.bond, c.tension,
+    )  # fmt: skip
+    held = np.zeros(len(fixed), np.bool_)
+    mark_held(c.body_a, c.body_b, c.reaction, held)
+    return Certificate(
+        balance=float(
+            unbalanced_force(forces.contact + forces.load, forces.inertia, extent, fixed)
+        ),
+        normal=float(normal),
+        tangential=float(tangential),
+        cone=float(cone),
+        held=held,
+    )
+
+
+def strengths(laws: Array, law: IntArray, area: Array, history: Array) -> tuple[Array, Array]:
+    """Cohesion and tensile strength [N] that contacts still have, (n_contacts,) each.
+
+    Parameters
+    ----------
+    laws
+        (n_laws, N_LAW), see `contact.law`.
+    law, area
+        Of each contact, (n_contacts,); areas in m2.
+    history
+        (n_contacts, N_HISTORY), see `kernels.joint`.
+    """
+    whole = area * (history[:, joint.BROKEN] == 0.0)
+    return laws[law, joint.COHESION] * whole, laws[law, joint.TENSION] * whole
