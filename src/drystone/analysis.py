@@ -114,10 +114,14 @@ def pushover(
             progress(point)
 
     status, reason, settlement = "stopped", "", 0.0
+    limit = getattr(solver, "residual_limit", None)
     # Threads of LAPACK only get in each other's way on systems of this size.
     limits = threadpool_limits(limits=1, user_api="blas")
     try:
         state, report = solver.start(problem)
+        report = obeyed(report, limit)
+        if not report.converged:
+            raise EngineError(f"at rest under its own weight, {report.reason}")
         settlement = report.control_displacement
         report = replace(report, control_displacement=0.0)
         if recorder is not None:
@@ -127,6 +131,7 @@ def pushover(
         while decision.demand is not None:
             demand = decision.demand
             new, report = solver.step(state, demand)
+            report = obeyed(report, limit)
             moved = report.control_displacement - settlement
             report = replace(report, control_displacement=moved)
             decision = control.decide(decision.state, demand, report)
@@ -171,6 +176,22 @@ def _asked(model: Model, options: Mapping[str, float]) -> Model:
     return replace(
         model, analysis=replace(analysis, options={**analysis.options, **settings}, **own)
     )
+
+
+def obeyed(report: StepReport, limit: float | None) -> StepReport:
+    """The report; as that of a step that failed where its certificate does not hold.
+
+    ``limit`` is what the engine keeps, over the heaviest weight; None where it does not say.
+    Inertia is one of the forces, so that motion is judged like rest.
+    """
+    if limit is None or not report.converged or report.residual <= limit:
+        return report
+    reason = (
+        f"the step leaves a residual of {report.residual:.1e} heaviest weights, where the engine "
+        f"keeps {limit:.0e}: the joints may be too stiff, or the increments too large, for the "
+        "blocks' weight"
+    )
+    return replace(report, converged=False, reason=reason)
 
 
 def make_control(strategy: str, engine: Engine, model: Model) -> Control:

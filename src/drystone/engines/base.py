@@ -97,8 +97,7 @@ class Engine(Protocol):
 
     An engine may have a method ``preferences(assembly)``: settings of the strategies, by name, that
     suit it better than the common ones.  And it may say which ``residual_limit``, over the heaviest
-    weight, its steps keep: what exceeds it is no point of the curve.  Without one nothing is held
-    against it but a residual that is infinite.
+    weight, its steps keep: what exceeds it is no point of the curve.
     """
 
     name: str

@@ -71,7 +71,7 @@ class DistinctSettings:
     tolerance: float = 1e-5  # unbalanced force at rest over the heaviest weight, -
     drive_cycles: int = 600  # in which an increment is driven
     max_cycles: int = 200_000  # of one step
-    max_motion: float = 10.0  # motion in a quasi-static step over the smallest block size, -
+    max_motion: float = 10.0  # motion in one step over the smallest block size, -
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -481,6 +481,12 @@ class DistinctEngine:
         work.run(n)
         work.unpack()
         motion, loads = work.motion, self.loads
+        gone = float(self.detector.motion(motion.pose - state.pose).max())
+        if not gone <= self.settings.max_motion * self.size:  # nor where it is not a number
+            reason = "a block moves too far in one step"
+            return state, StepReport(
+                converged=False, reason=reason, motion=gone, n_iterations=work.n_cycles
+            )
         load = loads.dead + work.multiplier * loads.pattern
         contact, unbalanced = motion.mean / n - load, motion.mean / n
         forces = Forces(contact=contact, load=load, inertia=motion.opposed / n)
