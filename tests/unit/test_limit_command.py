@@ -163,3 +163,37 @@ def test_impossible_stacks_are_refused():
         stack(widths=[1.0], heights=[1.0, 2.0], unit_weight=1e4)
     with pytest.raises(ModelError, match="greater than 0"):
         stack(widths=[1.0], heights=[0.0], unit_weight=1e4)
+
+
+@pytest.mark.parametrize("wall", [1, 3])
+def test_the_picture_does_not_tear_what_moves_as_one_body(wall, tmp_path, monkeypatch):
+    """Corners that two blocks share as designed, and that move alike, are drawn as one point."""
+    from drystone.export.limit import write_collapse
+    from drystone.report import canvas
+
+    drawn = []
+    monkeypatch.setattr(canvas, "save", lambda figure, path: (drawn.append(figure), path.touch()))
+    model = ds.published_wall(wall)
+    found = collapse_load(model)
+    write_collapse([found], model, tmp_path)
+    (axes,) = drawn[0].axes
+    (moving,) = (c for c in axes.collections if c.get_label() == "moving")
+    rows = [model.assembly.index(name) for name in found.moving]
+    shapes = [path.vertices for path in moving.get_paths()]
+    assert len(shapes) == len(rows)
+    points = []
+    for i, shape in zip(rows, shapes, strict=True):
+        designed = model.assembly.blocks[i].vertices
+        u, v, turn = found.velocities[i]
+        arm = designed - model.assembly.centroid[i]
+        velocity = np.column_stack((u - turn * arm[:, 1], v + turn * arm[:, 0]))
+        points.append((np.hstack((designed, velocity)), shape[: len(designed)]))
+    shared = 0
+    for k, (key_a, shape_a) in enumerate(points):
+        for key_b, shape_b in points[k + 1 :]:
+            # The linear program is solved to 1e-10.
+            same = np.abs(key_a[:, None] - key_b[None]).max(axis=2) < 1e-8
+            for i, j in zip(*np.nonzero(same), strict=True):
+                shared += 1
+                np.testing.assert_allclose(shape_a[i], shape_b[j], atol=1e-8)
+    assert shared >= 8  # wall 1: of twelve blocks few move alike

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drystone.export.folder import check_apart, locked
 from drystone.export.summary import package_version, plain, write_summary
@@ -15,9 +16,13 @@ from drystone.model import Model
 from drystone.report import draw_mechanism
 from drystone.report.outlines import MovingOutlines
 
+Array = NDArray[np.float64]
+
 LIMIT, MECHANISM = "limit.json", "mechanism"
 #: The fastest vertex is drawn this share of the structure's size away from where it was.
 DRAWN = 0.08
+#: No block is turned by more than this: it would be drawn 2 % too large.
+TURNED = 0.2
 
 
 def collapse_to_dict(result: Collapse) -> dict[str, Any]:
@@ -26,6 +31,7 @@ def collapse_to_dict(result: Collapse) -> dict[str, Any]:
         "flow": result.flow,
         "collapse_multiplier": result.load_multiplier,
         "collapse_range": result.collapse_range,
+        "upper_bound": result.upper_bound,
         "status": result.status,
         "reason": result.reason,
         "moving": result.moving,
@@ -78,16 +84,23 @@ def _write(results: Sequence[Collapse], model: Model, folder: Path) -> None:
         last = folder / f"{MECHANISM}-{result.flow}.png"
         draw_mechanism(
             model.assembly,
-            DRAWN * size * result.velocities,
+            _drawn(result.velocities, size),
             None,  # forces belong to the designed shape, not to where blocks are drawn
             last,
             title=_title(model.title, result),
             load_direction=model.load.direction,
             control_point=model.control_point,
+            linear=True,
             scale="rates of motion, drawn large",
         )
     if last is not None:
         (folder / f"{MECHANISM}.png").write_bytes(last.read_bytes())
+
+
+def _drawn(velocities: Array, size: float) -> Array:
+    """Velocities, the fastest of which is one, as far as they are drawn, (n, n_dof) [m, rad]."""
+    fastest_turn = float(np.abs(velocities[:, 2]).max())
+    return min(DRAWN * size, TURNED / max(fastest_turn, TURNED / size)) * velocities
 
 
 def _title(title: str, result: Collapse) -> str:

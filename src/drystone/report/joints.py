@@ -30,12 +30,16 @@ class Joints:
     start: Array  # (k, 2) m
     end: Array  # (k, 2) m; block a lies to the left of start -> end
     centroid: Array  # (n, 2) m, of the blocks
+    linear: bool = False  # see `moved_points`
 
     def faces(self, pose: Array) -> tuple[Array, Array]:
         """Ends of each joint on block a and on block b in the poses, two (k, 2, 2) [m]."""
         face_a, face_b = (
             np.stack(
-                [moved_points(p, owner, self.centroid, pose) for p in (self.start, self.end)],
+                [
+                    moved_points(p, owner, self.centroid, pose, linear=self.linear)
+                    for p in (self.start, self.end)
+                ],
                 axis=1,
             )
             for owner in (self.block_a, self.block_b)
@@ -64,7 +68,7 @@ class Joints:
         return opening, np.einsum("kij,kj->ki", jump, tangent)
 
 
-def designed_joints(assembly: Assembly) -> Joints:
+def designed_joints(assembly: Assembly, *, linear: bool = False) -> Joints:
     """All joints of a plane assembly."""
     outlines = MovingOutlines.of(assembly)
     edges = np.roll(outlines.vertices, -1, axis=0) - outlines.vertices
@@ -92,6 +96,7 @@ def designed_joints(assembly: Assembly) -> Joints:
         start=outlines.vertices[e] + low[:, None] * tangent[e],
         end=outlines.vertices[e] + high[:, None] * tangent[e],
         centroid=assembly.centroid,
+        linear=linear,
     )
 
 

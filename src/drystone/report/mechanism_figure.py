@@ -14,7 +14,7 @@ from drystone.contact.forces import SLIDING, ContactForces
 from drystone.monitor import ControlPoint
 from drystone.report import canvas
 from drystone.report.joints import Joints, designed_joints
-from drystone.report.outlines import MovingOutlines, moving_blocks
+from drystone.report.outlines import MovingOutlines, moved_points, moving_blocks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,6 +46,7 @@ class Mechanism:
     load_direction: Array | None = None  # (2,) unit vector
     control_point: ControlPoint | None = None
     magnification: float = 1.0  # of the displacements; 1 is true to scale
+    linear: bool = False  # the pose is a velocity field's, see `outlines.moved_points`
 
 
 def draw_mechanism(
@@ -59,6 +60,7 @@ def draw_mechanism(
     load_direction: Array | None = None,
     control_point: ControlPoint | None = None,
     magnification: float = 1.0,
+    linear: bool = False,
     scale: str = "",
 ) -> None:
     """Write ``mechanism.png``: joints that opened in red, those that slid in blue.
@@ -82,6 +84,8 @@ def draw_mechanism(
         Marked where it is now.
     magnification
         Of the displacements since then.  Contact points are left out where it is not 1.
+    linear
+        Whether the poses are a velocity field, drawn straight on so that no joint is torn.
     scale
         What to say of the displacements' scale, where it is neither true nor a magnification.
     """
@@ -97,6 +101,7 @@ def draw_mechanism(
             load_direction=load_direction,
             control_point=control_point,
             magnification=magnification,
+            linear=linear,
         ),
     )
     if not scale:
@@ -130,7 +135,7 @@ def readable_magnification(assembly: Assembly, pose: Array, settled: Array | Non
 def plot_mechanism(axes: Axes, mechanism: Mechanism) -> None:
     """Draw a mechanism on given axes, which get equal scales and metres."""
     assembly = mechanism.assembly
-    outlines = MovingOutlines.of(assembly)
+    outlines = MovingOutlines.of(assembly, linear=mechanism.linear)
     settled = assembly.rest_pose() if mechanism.settled is None else mechanism.settled
     pose = settled + (mechanism.pose - settled) * mechanism.magnification
     displacement = outlines.displacement(pose, settled)
@@ -139,12 +144,12 @@ def plot_mechanism(axes: Axes, mechanism: Mechanism) -> None:
 
     _plot_blocks(axes, outlines, pose, moving, assembly.fixed)
     if visible > 0.0:
-        joints, width = designed_joints(assembly), _line_width(assembly, 3.0)
-        _plot_joints(axes, joints, pose, settled, visible, width)
+        joints = designed_joints(assembly, linear=mechanism.linear)
+        _plot_joints(axes, joints, pose, settled, visible, _line_width(assembly, 3.0))
     if mechanism.contacts is not None and mechanism.magnification == 1.0:
         _plot_contacts(axes, mechanism.contacts)
     if mechanism.control_point is not None:
-        _plot_control_point(axes, assembly, mechanism.control_point, pose)
+        _plot_control_point(axes, outlines, mechanism.control_point, pose)
     _frame(axes, outlines, outlines.moved(pose))
     if mechanism.load_direction is not None:
         _plot_load(axes, outlines, mechanism.load_direction)
@@ -276,10 +281,11 @@ def _plot_contacts(axes: Axes, contacts: ContactForces) -> None:
 
 
 def _plot_control_point(
-    axes: Axes, assembly: Assembly, control_point: ControlPoint, pose: Array
+    axes: Axes, outlines: MovingOutlines, control_point: ControlPoint, pose: Array
 ) -> None:
     start = np.asarray(control_point.point)
-    end = start + assembly.displacement_at(control_point.block, start, pose)
+    block = np.array([control_point.block])
+    (end,) = moved_points(start[None], block, outlines.centroid, pose, linear=outlines.linear)
     axes.plot(*np.array([start, end]).T, color=canvas.INK, linewidth=1.0, linestyle=":", zorder=7)
     axes.plot(
         *end,

@@ -15,15 +15,19 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, kw_only=True)
 class MovingOutlines:
-    """Vertices of plane blocks as designed; block ``i`` owns rows ``offset[i]:offset[i + 1]``."""
+    """Vertices of plane blocks as designed; block ``i`` owns rows ``offset[i]:offset[i + 1]``.
+
+    With ``linear`` poses are increments of a velocity field, see `moved_points`.
+    """
 
     offset: IntArray  # (n + 1,)
     owner: IntArray  # (n_vertices,) row of the block in the assembly
     vertices: Array  # (n_vertices, 2) m
     centroid: Array  # (n, 2) m
+    linear: bool = False
 
     @classmethod
-    def of(cls, assembly: Assembly) -> MovingOutlines:
+    def of(cls, assembly: Assembly, *, linear: bool = False) -> MovingOutlines:
         """Pack the outlines of an assembly."""
         counts = [len(block.vertices) for block in assembly.blocks]
         return cls(
@@ -31,11 +35,12 @@ class MovingOutlines:
             owner=np.repeat(np.arange(len(counts)), counts),
             vertices=np.vstack([block.vertices for block in assembly.blocks]),
             centroid=assembly.centroid,
+            linear=linear,
         )
 
     def moved(self, pose: Array) -> Array:
         """All vertices in the poses (n, 3) [m, m, rad], (n_vertices, 2) [m]."""
-        return moved_points(self.vertices, self.owner, self.centroid, pose)
+        return moved_points(self.vertices, self.owner, self.centroid, pose, linear=self.linear)
 
     def split(self, vertices: Array) -> list[Array]:
         """One array of vertices per block."""
@@ -53,11 +58,19 @@ class MovingOutlines:
         return float(np.ptp(self.vertices, axis=0).max())
 
 
-def moved_points(points: Array, owner: IntArray, centroid: Array, pose: Array) -> Array:
-    """Material points (k, 2) [m] of blocks ``owner`` (k,), carried along in the poses (n, 3)."""
+def moved_points(
+    points: Array, owner: IntArray, centroid: Array, pose: Array, *, linear: bool = False
+) -> Array:
+    """Material points (k, 2) [m] of blocks ``owner`` (k,), carried along in the poses (n, 3).
+
+    With ``linear`` every point goes straight on along its velocity.  What a velocity field holds
+    together then stays together however far it is drawn: joints that do not open or slide are
+    closed and hinges meet.  Blocks keep their form and grow by sqrt(1 + theta^2).
+    """
     arm = points - centroid[owner]
+    theta = pose[owner, 2]
     # Rotation less identity, so that a block at rest stays to the last bit where it is.
-    cosine, sine = np.cos(pose[owner, 2]) - 1.0, np.sin(pose[owner, 2])
+    cosine, sine = (0.0 * theta, theta) if linear else (np.cos(theta) - 1.0, np.sin(theta))
     turn = np.column_stack(
         (cosine * arm[:, 0] - sine * arm[:, 1], sine * arm[:, 0] + cosine * arm[:, 1])
     )
