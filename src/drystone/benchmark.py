@@ -44,6 +44,7 @@ class BenchmarkRow:
     reason: str
     associative_multiplier: float | None  # our limit analysis, with the corners of the curve
     non_associative_multiplier: float | None
+    collapse_range: tuple[float, float] | None  # non-associative: lowest and highest found
     warning: str | None  # where the peak exceeds the associative multiplier
     peak_multiplier: float | None
     peak_displacement: float | None  # m
@@ -164,6 +165,7 @@ def _row(run: BenchmarkRun, spread: float | None) -> BenchmarkRow:
         reason=run.reason,
         associative_multiplier=run.beside.associative,
         non_associative_multiplier=run.beside.non_associative,
+        collapse_range=run.beside.collapse_range,
         warning=run.beside.warning(curve.peak.load_multiplier) if curve else None,
         peak_multiplier=curve.peak.load_multiplier if curve else None,
         peak_displacement=curve.peak.control_displacement if curve else None,

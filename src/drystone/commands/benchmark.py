@@ -170,6 +170,8 @@ def plain_table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
 
 def cells(row: BenchmarkRow) -> list[str]:
     """One line of the table as text."""
+    from drystone.limit import range_text
+
     return [
         str(row.wall),
         f"{row.peak_gilbert:.3f}",
@@ -178,7 +180,7 @@ def cells(row: BenchmarkRow) -> list[str]:
         f"{row.published_error:+.2f}",
         row.engine,
         _number(row.associative_multiplier, ".3f"),
-        _number(row.non_associative_multiplier, ".3f"),
+        "-" if row.collapse_range is None else range_text(row.collapse_range, 3),
         _number(row.peak_multiplier, ".3f"),
         _number(row.spread, ".2f"),
         f"{row.ultimate_displacement_lmgc90:.3f}",

@@ -128,7 +128,7 @@ def _value(result: Collapse) -> str:
     text = f"{result.load_multiplier:.5f}"
     if result.flow == Flow.non_associative.value:
         paths = "1 path" if result.n_paths == 1 else f"{result.n_paths} paths"
-        text += f"   from {low:.5f} to {high:.5f} over {paths}"
+        text += f"   lowest of {low:.5f} to {high:.5f} over {paths}"
     return text
 
 

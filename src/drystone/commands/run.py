@@ -113,12 +113,11 @@ def report(title: str, curve: CapacityCurve, folder: Path, beside: Beside) -> st
 
 def _limits(beside: Beside) -> str:
     """Both collapse multipliers, or why there are none."""
-    found = [
-        f"{value:.4f} {flow}"
-        for value, flow in (
-            (beside.associative, "associative"),
-            (beside.non_associative, "non-associative"),
-        )
-        if value is not None
-    ]
+    from drystone.limit import range_text
+
+    found = []
+    if beside.associative is not None:
+        found.append(f"{beside.associative:.4f} associative")
+    if beside.collapse_range is not None:
+        found.append(f"{range_text(beside.collapse_range, 4)} non-associative")
     return ", ".join(found + [beside.note] * bool(beside.note))

@@ -152,6 +152,7 @@ class ResultsDirectory:
         self.summary = summarise(curve, model) | {
             "associative_multiplier": self._beside.associative,
             "non_associative_multiplier": self._beside.non_associative,
+            "collapse_range": self._beside.collapse_range,
         }
         with uninterrupted():
             write_curve(curve, self.path / CURVE)

@@ -1,6 +1,6 @@
 """Limit analysis: the load that brings rigid blocks down, and how."""
 
-from drystone.limit.beside import Beside, limits_beside
+from drystone.limit.beside import Beside, limits_beside, range_text
 from drystone.limit.collapse import (
     ASSOCIATIVE,
     FLOWS,
@@ -28,5 +28,6 @@ __all__ = [
     "is_locked",
     "least_standing",
     "limits_beside",
+    "range_text",
     "stands",
 ]

@@ -14,6 +14,8 @@ from drystone.model import Model
 MOST_BLOCKS = 2000
 #: Likewise for the non-associative scheme, which solves dozens of linear programs.
 MOST_NON_ASSOCIATIVE = 120
+#: Paths of that scheme: from associative forces and from those at rest, which often differ.
+PATHS = 2
 #: A peak may exceed the associative multiplier by this share before it is a fault.
 MARGIN = 1e-3
 
@@ -24,6 +26,9 @@ class Beside:
 
     associative: float | None = None
     non_associative: float | None = None
+    """The lowest collapse state found."""
+    collapse_range: tuple[float, float] | None = None
+    """Lowest and highest non-associative multiplier found."""
     note: str = ""
     """Why a value is missing, as a sentence."""
 
@@ -47,22 +52,30 @@ class Beside:
 
 
 def limits_beside(model: Model) -> Beside:
-    """Both multipliers, the non-associative one along a single path."""
+    """Both multipliers, the non-associative one along few paths."""
     n_blocks = model.assembly.n_blocks
     if n_blocks > MOST_BLOCKS:
         return Beside(note=f"{n_blocks} blocks are left to the command `limit`")
     flows = FLOWS if n_blocks <= MOST_NON_ASSOCIATIVE else (ASSOCIATIVE,)
-    results = collapse_loads(model, flows=flows, settings=NonAssociativeSettings(n_paths=1))
-    values = {
-        result.flow: result.load_multiplier
+    results = collapse_loads(model, flows=flows, settings=NonAssociativeSettings(n_paths=PATHS))
+    found = {
+        result.flow: result
         for result in results
         if result.status == "finished" and np.isfinite(result.load_multiplier)
     }
+    values = {flow: result.load_multiplier for flow, result in found.items()}
     missing = [result.reason for result in results if result.flow not in values]
     if len(flows) == 1 and not missing:
         missing = [f"the non-associative flow of {n_blocks} blocks is left to the command `limit`"]
     return Beside(
         associative=values.get(ASSOCIATIVE),
         non_associative=values.get(NON_ASSOCIATIVE),
+        collapse_range=found[NON_ASSOCIATIVE].collapse_range if NON_ASSOCIATIVE in found else None,
         note=missing[0] if missing else "",
     )
+
+
+def range_text(collapse_range: tuple[float, float], digits: int) -> str:
+    """One number, or two where they differ in print."""
+    low, high = (f"{value:.{digits}f}" for value in collapse_range)
+    return low if low == high else f"{low} to {high}"

@@ -37,6 +37,8 @@ AT_REST = 1e-6
 FALLING = 1e-3
 #: Paths of the non-associative scheme by default, and from how many blocks on it is only one.
 MANY, FEW, LARGE = 8, 1, 200
+#: Multipliers that differ by less than this share are one.
+DIFFERENT = 1e-4
 #: Blocks named in a sentence.
 MOST_NAMES = 8
 
@@ -52,9 +54,13 @@ class Collapse:
 
     flow: str
     load_multiplier: float
-    """Collapse multiplier; nan where unstable or failed, inf where locked."""
+    """Collapse multiplier, of several states the lowest; nan where unstable or failed, inf where
+    locked."""
     collapse_range: tuple[float, float]
     """Lowest and highest multiplier of all collapse states that were found."""
+    upper_bound: float
+    """What no structure with these joints exceeds in its designed shape: the associative
+    multiplier."""
     status: str
     reason: str
     velocities: Array
@@ -136,8 +142,7 @@ def collapse_loads(
                 resting=dead.forces[:, 0],
                 settings=settings,
             )
-            locked = answer.status == UNBOUNDED
-            results.append(_non_associative(equilibrium, paths, settings, locked=locked))
+            results.append(_non_associative(equilibrium, paths, settings, answer.factor))
     return tuple(results)
 
 
@@ -191,6 +196,7 @@ def _associative(equilibrium: Equilibrium, answer: Answer) -> Collapse:
         flow=ASSOCIATIVE,
         load_multiplier=answer.factor,
         collapse_range=(answer.factor, answer.factor),
+        upper_bound=answer.factor,
         status="finished",
         reason=f"a mechanism of {_blocks(len(moving))} forms",
         velocities=velocities,
@@ -205,30 +211,32 @@ def _associative(equilibrium: Equilibrium, answer: Answer) -> Collapse:
 
 
 def _non_associative(
-    equilibrium: Equilibrium, paths: Paths, settings: NonAssociativeSettings, *, locked: bool
+    equilibrium: Equilibrium, paths: Paths, settings: NonAssociativeSettings, upper: float
 ) -> Collapse:
     if not paths.states:
         # Where friction can carry any multiple, paths may climb for ever instead.
-        if locked or paths.n_unbounded:
+        if upper == np.inf or paths.n_unbounded:
             return _without(equilibrium, NON_ASSOCIATIVE, "locked", LOCKED)
         reason = "the scheme did not come to rest on any path: try a smaller beta, or more paths"
         return _without(equilibrium, NON_ASSOCIATIVE, "failed", reason)
-    state = paths.states[0]
-    lowest = min(one.lowest for one in paths.states)
+    state = min(paths.states, key=lambda one: one.multiplier)
     highest = max(one.highest for one in paths.states)
     velocities = _normalised(equilibrium, state.velocity)
     moving = _moving(equilibrium.assembly, velocities)
     reason = f"a mechanism of {_blocks(len(moving))} forms"
-    if highest - lowest > 1e-4 * max(abs(state.multiplier), 1e-3):
+    if _differ(state.multiplier, highest):
         reason += (
-            f"; the multiplier is not unique: collapse states from {lowest:.5g} to {highest:.5g} "
-            "were found"
+            f"; the multiplier is not unique: collapse states from {state.multiplier:.5g} to "
+            f"{highest:.5g} were found"
         )
+    if _differ(state.multiplier, upper):
+        reason += f"; loaded from rest it may carry more, but at most {upper:.5g} (associative)"
     tangent = flow_tangent(equilibrium, settings.alpha)
     return Collapse(
         flow=NON_ASSOCIATIVE,
         load_multiplier=state.multiplier,
-        collapse_range=(lowest, highest),
+        collapse_range=(state.multiplier, highest),
+        upper_bound=upper,
         status="finished",
         reason=reason,
         velocities=velocities,
@@ -285,6 +293,7 @@ def _without(
         flow=flow,
         load_multiplier=value,
         collapse_range=(value, value),
+        upper_bound=value,
         status=status,
         reason=reason,
         velocities=equilibrium.assembly.rest_pose() if velocities is None else velocities,
@@ -339,6 +348,11 @@ def _contacts(equilibrium: Equilibrium, forces: Array, velocity: Array) -> Conta
         tangential_reaction=forces[:, 1:] * equilibrium.force,
         status=np.where(none, OPEN, np.where(sliding, SLIDING, STICKING)),
     )
+
+
+def _differ(low: float, high: float) -> bool:
+    """Whether two multipliers are two in print."""
+    return high - low > DIFFERENT * max(abs(low), 1e-3)
 
 
 def _relative(difference: float, value: float) -> float:

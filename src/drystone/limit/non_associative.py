@@ -59,7 +59,7 @@ class NonAssociativeSettings:
     max_iterations: int = 100
     """Passes of one path."""
     n_paths: int = 8
-    """Starts and averages that are tried; the first is the one whose multiplier is reported."""
+    """Starts and averages that are tried."""
     seed: int = 0
     """Of the random starts."""
 
@@ -78,11 +78,10 @@ class NonAssociativeSettings:
 class State:
     """A certified collapse state: forces and mechanism that belong together."""
 
-    multiplier: float
-    forces: Array  # (n_contacts, 2) in units of force
-    velocity: Array  # (n_rows,) scaled, F.u = 1
-    lowest: float  # multipliers that the mechanism leaves open
+    multiplier: float  # the lowest that the mechanism leaves open
     highest: float
+    forces: Array  # (n_contacts, 2) in units of force, at the lowest
+    velocity: Array  # (n_rows,) scaled, F.u = 1
     n_iterations: int
 
 
@@ -185,29 +184,22 @@ def _follow(
 def _certify(
     equilibrium: Equilibrium, answer: Answer, slope: Array, n_iterations: int
 ) -> State | None:
-    """The mechanism with forces that belong to it; None where there are none."""
+    """The mechanism with the least forces that belong to it; None where there are none."""
     program = compatible_forces(equilibrium, answer.velocity, slope)
-    program.aim(-1.0)
-    low = program.solve()
-    if low.status != OPTIMAL:
-        return None
+    program.bound_factor(0.0, np.inf)  # a load that grows from nothing
     program.aim(1.0)
     high = program.solve()
     if high.status not in (OPTIMAL, UNBOUNDED):
         return None
-    lowest = low.factor
-    highest = high.factor if high.status == OPTIMAL else np.inf
-    multiplier = float(np.clip(answer.factor, lowest, highest))
-    program.fix_factor(multiplier)
-    middle = program.solve()
-    if middle.status != OPTIMAL:  # one of the ends, but for rounding
-        middle = low
+    program.aim(-1.0)
+    low = program.solve()
+    if low.status != OPTIMAL:
+        return None
     return State(
-        multiplier=middle.factor,
-        forces=middle.forces,
+        multiplier=low.factor,
+        highest=high.factor if high.status == OPTIMAL else np.inf,
+        forces=low.forces,
         velocity=answer.velocity,
-        lowest=lowest,
-        highest=highest,
         n_iterations=n_iterations,
     )
 

@@ -133,9 +133,9 @@ class ForceProgram:
         """Maximise s for 1, minimise it for -1."""
         self._solver.changeColCost(2 * self._n, -sense)
 
-    def fix_factor(self, factor: float) -> None:
-        """Look for any forces at one value of s."""
-        self._solver.changeColBounds(2 * self._n, factor, factor)
+    def bound_factor(self, least: float, largest: float) -> None:
+        """Set the bounds of s."""
+        self._solver.changeColBounds(2 * self._n, least, min(largest, self._high.kHighsInf))
 
     def solve(self) -> Answer:
         """Solve from the last basis, and once more from the beginning where that fails."""
