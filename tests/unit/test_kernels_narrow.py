@@ -52,6 +52,28 @@ def pair_of(a, b, *, radius=0.0, friction=0.3, shear_stiffness=1e6, first_fixed=
     )
 
 
+@pytest.mark.parametrize("angle", [0.0, 0.3])
+@pytest.mark.parametrize("radius", [0.0, 0.02])
+def test_gaps_are_as_precise_as_displacements_however_far_away(angle, radius):
+    """A joint closes by a millionth of the rounding of its place, and the gap says by how much."""
+    place = np.array([1e3, -7e2])
+    lower = turned(rectangle(0.0, -0.3, 1.0, 0.3), angle) + place
+    upper = turned(rectangle(0.1, 0.0, 0.7, 0.3), angle) + place
+    assembly = pair_of(lower, upper, radius=radius)
+    pose = assembly.rest_pose()
+    detector, pairs, slots = contacts_of(assembly, pose)
+    before, used = slots.gap.copy(), slots.kind != NONE
+    moved, turn = 1e-10, 1e-10
+    normal = np.array([-np.sin(angle), np.cos(angle)])
+    pose[1] = *(-moved * normal), turn
+    detector.fill(pairs, pose, slots)
+    along = slots.arm_b[used] @ [np.cos(angle), np.sin(angle)]
+    # But for the constant that the designed places' rounding makes of the gap: the spacing of
+    # doubles there; and the second order of the motion, some 1e-20.
+    error = slots.gap[used] - before[used] - (turn * along - moved)
+    assert np.abs(error).max() < 1e-20 + np.spacing(np.abs(before[used]).max())
+
+
 class TestBroadPhase:
     @given(
         st.lists(

@@ -80,7 +80,13 @@ def take(engine, state, increment, *, guess=None, whole=True, **options):
     step = Recorded(engine.constants, state.pairs)
     step.begin(state.pose, state.slots, state.history, state.branch, TIME_STEP, guess)
     settings = PathSettings(
-        tolerance=tolerance, depth=1e-12, farthest=0.3 * engine.detector.reach, **options
+        tolerance=tolerance,
+        rounding=0.0,
+        sliding_rounding=0.0,
+        coarsest=tolerance,
+        depth=1e-12,
+        farthest=0.3 * engine.detector.reach,
+        **options,
     )
     solved = piecewise.solve(
         step,

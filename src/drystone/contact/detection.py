@@ -84,7 +84,10 @@ class Detector:
         self.assembly = assembly
         self.bodies = bodies_of(assembly)
         self.world = World(
-            vertex=np.zeros_like(self.bodies.local), tangent=np.zeros_like(self.bodies.local)
+            vertex=np.zeros_like(self.bodies.local),
+            tangent=np.zeros_like(self.bodies.local),
+            arm=np.zeros_like(self.bodies.local),
+            turn=np.zeros((assembly.n_bodies, 2)),
         )
         #: Largest gap at which a contact is watched [m].
         self.reach = MARGIN_SHARE * assembly.smallest_extent

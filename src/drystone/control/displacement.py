@@ -15,6 +15,7 @@ it.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 from drystone.control.base import Decision
@@ -66,6 +67,7 @@ class _State:
     n_steps: int = 0
     time_step: float = 0.0  # s, of a jump; 0 on the static path
     rested: float = 0.0  # s, time step with which the last jump seemed to be over; 0 once it was
+    closing: float = math.inf  # m, of the joint that closes most under the dead load
     stage: int = FOLLOWING
 
 
@@ -76,9 +78,11 @@ class DisplacementControl:
         self.settings = settings
 
     def first(self, report: StepReport) -> Decision:
-        """A small first increment."""
+        """A small first increment, in stiff joints no larger than what they close by."""
         s = self.settings
-        state = _State(increment=s.first_share * s.displacement_step)
+        closing = report.penetration if report.penetration > 0.0 else math.inf
+        first = min(s.first_share * s.displacement_step, closing)
+        state = _State(increment=first, closing=closing)
         return Decision(accept=True, demand=self._demand(state), state=state)
 
     def _demand(self, state: _State) -> Demand:
@@ -141,7 +145,8 @@ class DisplacementControl:
         excess, share = report.excess
         highest = max(state.last, multiplier) + excess > state.highest
         hidden = excess > s.peak_share * scale and highest
-        if hidden and least < share * state.increment < ALL_BUT * state.increment:
+        finest = min(least, s.refined_share * state.closing)  # stiff joints carry a peak early
+        if hidden and finest < share * state.increment < ALL_BUT * state.increment:
             return share * state.increment
         bend, share = report.bend
         hidden = bend > s.bend_share * scale
@@ -168,6 +173,8 @@ class DisplacementControl:
     def _retry(self, state: _State, report: StepReport) -> Decision:
         s = self.settings
         floor = s.floor_share * s.displacement_step
+        if state.last == state.highest:
+            floor = min(floor, 0.1 * state.closing)
         if state.time_step:
             state = replace(state, time_step=0.5 * state.time_step)
             if state.time_step < 1e-4 * s.time_step:

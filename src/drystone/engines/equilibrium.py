@@ -118,8 +118,8 @@ class EquilibriumEngine:
                 fixed=assembly.fixed,
             ),
         )
-        #: Of gaps [m], which are differences of coordinates.
-        self.rounding = 8.0 * np.finfo(float).eps * float(np.abs(assembly.centroid).max())
+        #: Of designed gaps [m], which are differences of coordinates.
+        self.rounding = 8.0 * np.finfo(float).eps * float(np.ptp(assembly.centroid, axis=0).max())
         pose = assembly.rest_pose()
         pairs = self.detector.pairs(pose)
         self._write_equations(pairs)
@@ -203,10 +203,8 @@ class EquilibriumEngine:
         x, multiplier = self._predict(state, demand, pace)
         equations = self.equations
         equations.begin(state.pose, state.slots, state.history, state.branch, h, x)
-        stiffest = self._stiffest()
-        # Joints so stiff that the rounding of a gap is felt cannot be balanced any better.
-        rounding = 4.0 * np.finfo(float).eps * float(self.detector.extent.max())
-        tolerance = max(settings.tolerance * scale, rounding * stiffest)
+        tolerance, stiffest = settings.tolerance * scale, self._stiffest(joint.KN)
+        rounding = 4.0 * np.finfo(float).eps  # of a gap, over the motions that it is a sum of
         solved = piecewise.solve(
             equations,
             self.interior,
@@ -217,11 +215,16 @@ class EquilibriumEngine:
             state.reaction,
             PathSettings(
                 tolerance=tolerance,
+                rounding=rounding * stiffest,
+                sliding_rounding=rounding * self._stiffest(joint.KS),
+                coarsest=self.residual_limit * scale,
                 depth=max(1e-3 * tolerance / stiffest, self.rounding),
                 farthest=farthest,
             ),
             whole=pace is None or demand.time_step > 0.0 or demand.over_fold,
         )
+        if solved.reason == piecewise.TOO_STIFF:
+            raise EngineError(solved.reason)  # no smaller step would do
         if solved.reason:
             return state, StepReport(
                 converged=False,
@@ -248,11 +251,11 @@ class EquilibriumEngine:
         near = upright & (slots.gap <= 1e-9 * self.problem.assembly.smallest_extent)
         return np.where(near & (slots.kind != narrow.NONE), touching, joint.OPEN)
 
-    def _stiffest(self) -> float:
-        """Normal stiffness [N/m] of a joint as long as the smallest block, of the stiffest law."""
+    def _stiffest(self, column: int) -> float:
+        """Stiffness [N/m] of a joint as long as the smallest block, of the stiffest law."""
         assembly = self.problem.assembly
-        stiffness = float(self.constants.laws[:, joint.KN].max())
-        return stiffness * self.problem.assembly.smallest_extent * assembly.thickness
+        stiffness = float(self.constants.laws[:, column].max())
+        return stiffness * assembly.smallest_extent * assembly.thickness
 
     def _refresh(self, state: EquilibriumState) -> EquilibriumState:
         """New pairs where the blocks have moved far, and the equations that fit the state."""

@@ -16,6 +16,15 @@ With unit normal n (from a to b), tangent t = (n_y, -n_x), arms from the centroi
 where the roll terms are the radius of a rounded vertex, which rolls without slipping, and ratio is
 1 but between two vertices, where it is (r_a + r_b) / distance.  Both are exact gradients of the
 gap and of the sliding distance, so that reactions along them balance in force and in moment.
+
+Gaps are what they are as designed and the change since, each for itself: with the design's vector
+d_0 from the edge's first vertex to the vertex, and the edge's normal n_0,
+
+    d = d_0 + D,    D = u_v - u_e + (R_v - I) l_v - (R_e - I) l_e
+    n . d = n_0 . d_0 + (R_e - I) n_0 . d_0 + n . D
+
+so that they are as precise as the displacements: a stiff joint closes by less than the rounding of
+its place.  Two vertices, likewise, are |d| = |d_0| + D . (d_0 + d) / (|d_0| + |d|) apart.
 """
 
 from __future__ import annotations
@@ -57,6 +66,8 @@ class World(NamedTuple):
 
     vertex: Array  # (n_vertices, 2) m
     tangent: Array  # (n_vertices, 2)
+    arm: Array  # (n_vertices, 2) m, from the centroid
+    turn: Array  # (n, 2) sine and 1 - cosine of each body's rotation
 
 
 class Slots(NamedTuple):
@@ -80,13 +91,19 @@ def place(bodies, pose, world):
     for body in range(bodies.centroid.shape[0]):
         c = np.cos(pose[body, 2])
         s = np.sin(pose[body, 2])
+        world.turn[body, 0] = s
+        world.turn[body, 1] = 2.0 * np.sin(0.5 * pose[body, 2]) ** 2
         x = bodies.centroid[body, 0] + pose[body, 0]
         y = bodies.centroid[body, 1] + pose[body, 1]
         for v in range(bodies.offset[body], bodies.offset[body + 1]):
             lx = bodies.local[v, 0]
             ly = bodies.local[v, 1]
-            world.vertex[v, 0] = x + c * lx - s * ly
-            world.vertex[v, 1] = y + s * lx + c * ly
+            ax = c * lx - s * ly
+            ay = s * lx + c * ly
+            world.arm[v, 0] = ax
+            world.arm[v, 1] = ay
+            world.vertex[v, 0] = x + ax
+            world.vertex[v, 1] = y + ay
             tx = bodies.local_tangent[v, 0]
             ty = bodies.local_tangent[v, 1]
             world.tangent[v, 0] = c * tx - s * ty
@@ -127,8 +144,25 @@ def _most_opposed(offset, tangent, edge, b):
 
 
 @njit(cache=True, inline="always")
-def _centre(bodies, pose, body):
-    return bodies.centroid[body, 0] + pose[body, 0], bodies.centroid[body, 1] + pose[body, 1]
+def _turned(world, body, x, y):
+    """What the rotation of a body adds to a vector of it."""
+    sine, versine = world.turn[body, 0], world.turn[body, 1]
+    return -versine * x - sine * y, sine * x - versine * y
+
+
+@njit(cache=True, inline="always")
+def _between(bodies, pose, world, a, b, va, vb):
+    """From vertex va of a to vertex vb of b [m]: as designed, and what motion has added."""
+    ax, ay = bodies.local[va, 0], bodies.local[va, 1]
+    bx, by = bodies.local[vb, 0], bodies.local[vb, 1]
+    turned_ax, turned_ay = _turned(world, a, ax, ay)
+    turned_bx, turned_by = _turned(world, b, bx, by)
+    return (
+        bodies.centroid[b, 0] - bodies.centroid[a, 0] + (bx - ax),
+        bodies.centroid[b, 1] - bodies.centroid[a, 1] + (by - ay),
+        pose[b, 0] - pose[a, 0] + (turned_bx - turned_ax),
+        pose[b, 1] - pose[a, 1] + (turned_by - turned_ay),
+    )
 
 
 @njit(cache=True)
@@ -139,53 +173,56 @@ def _along(vertex, tangent, edge, v):
 
 
 @njit(cache=True, inline="always")
-def _arms(bodies, pose, world, slots, k, a, b, va, vb):
-    ax, ay = _centre(bodies, pose, a)
-    bx, by = _centre(bodies, pose, b)
-    slots.arm_a[k, 0] = world.vertex[va, 0] - ax
-    slots.arm_a[k, 1] = world.vertex[va, 1] - ay
-    slots.arm_b[k, 0] = world.vertex[vb, 0] - bx
-    slots.arm_b[k, 1] = world.vertex[vb, 1] - by
-
-
-@njit(cache=True, inline="always")
 def _vertex_on_edge(bodies, pose, world, slots, k, a, b, kind, fa, fb):
     """Fill slot k with a vertex against an edge; ``fa`` and ``fb`` are the features of a and b."""
     if kind == VERTEX_B:
-        vertex, edge, sign, rolling = fb, fa, 1.0, bodies.radius[b]
+        other, owner, vertex, edge, sign, rolling = b, a, fb, fa, 1.0, bodies.radius[b]
         slots.roll[k, 0] = -rolling
         slots.roll[k, 1] = rolling
     else:
-        vertex, edge, sign, rolling = fa, fb, -1.0, bodies.radius[a]
+        other, owner, vertex, edge, sign, rolling = a, b, fa, fb, -1.0, bodies.radius[a]
         slots.roll[k, 0] = rolling
         slots.roll[k, 1] = -rolling
-    nx = world.tangent[edge, 1]
-    ny = -world.tangent[edge, 0]
-    slots.gap[k] = (
-        nx * (world.vertex[vertex, 0] - world.vertex[edge, 0])
-        + ny * (world.vertex[vertex, 1] - world.vertex[edge, 1])
-        - bodies.radius[a]
-        - bodies.radius[b]
-    )
+    nx, ny = world.tangent[edge, 1], -world.tangent[edge, 0]
+    before_x, before_y = bodies.local_tangent[edge, 1], -bodies.local_tangent[edge, 0]
+    turned_x, turned_y = _turned(world, owner, before_x, before_y)
+    x, y, moved_x, moved_y = _between(bodies, pose, world, owner, other, edge, vertex)
+    designed = before_x * x + before_y * y - bodies.radius[a] - bodies.radius[b]
+    slots.gap[k] = designed + ((turned_x * x + turned_y * y) + (nx * moved_x + ny * moved_y))
     slots.normal[k, 0] = sign * nx
     slots.normal[k, 1] = sign * ny
     slots.ratio[k] = 1.0
-    _arms(bodies, pose, world, slots, k, a, b, vertex, vertex)
+    arm_x, arm_y = world.arm[vertex, 0], world.arm[vertex, 1]
+    apart_x = bodies.centroid[other, 0] - bodies.centroid[owner, 0]
+    apart_y = bodies.centroid[other, 1] - bodies.centroid[owner, 1]
+    far_x = apart_x + (pose[other, 0] - pose[owner, 0]) + arm_x
+    far_y = apart_y + (pose[other, 1] - pose[owner, 1]) + arm_y
+    if kind == VERTEX_B:
+        slots.arm_a[k, 0], slots.arm_a[k, 1] = far_x, far_y
+        slots.arm_b[k, 0], slots.arm_b[k, 1] = arm_x, arm_y
+    else:
+        slots.arm_a[k, 0], slots.arm_a[k, 1] = arm_x, arm_y
+        slots.arm_b[k, 0], slots.arm_b[k, 1] = far_x, far_y
 
 
 @njit(cache=True, inline="always")
 def _vertex_on_vertex(bodies, pose, world, slots, k, a, b, va, vb):
     """Fill slot k with two rounded vertices."""
-    dx = world.vertex[vb, 0] - world.vertex[va, 0]
-    dy = world.vertex[vb, 1] - world.vertex[va, 1]
+    x, y, moved_x, moved_y = _between(bodies, pose, world, a, b, va, vb)
+    dx, dy = x + moved_x, y + moved_y
     distance = np.sqrt(dx * dx + dy * dy)
-    slots.gap[k] = distance - bodies.radius[a] - bodies.radius[b]
+    before = np.sqrt(x * x + y * y)
+    grown = (moved_x * (x + dx) + moved_y * (y + dy)) / (distance + before)
+    slots.gap[k] = (before - bodies.radius[a] - bodies.radius[b]) + grown
     slots.normal[k, 0] = dx / distance
     slots.normal[k, 1] = dy / distance
     slots.roll[k, 0] = bodies.radius[a]
     slots.roll[k, 1] = bodies.radius[b]
     slots.ratio[k] = (bodies.radius[a] + bodies.radius[b]) / distance
-    _arms(bodies, pose, world, slots, k, a, b, va, vb)
+    slots.arm_a[k, 0] = world.arm[va, 0]
+    slots.arm_a[k, 1] = world.arm[va, 1]
+    slots.arm_b[k, 0] = world.arm[vb, 0]
+    slots.arm_b[k, 1] = world.arm[vb, 1]
 
 
 @njit(cache=True)

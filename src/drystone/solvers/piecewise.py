@@ -34,11 +34,21 @@ _ENDS = {
 }
 
 
+#: Why no equilibrium can be told from others near it.
+TOO_STIFF = (
+    "the joints are too stiff for the blocks' weight: the rounding of a displacement, times their "
+    "stiffness, exceeds the unbalanced force that may be left; lower the joint's stiffness"
+)
+
+
 @dataclass(frozen=True, kw_only=True)
 class PathSettings:
     """When to stop."""
 
     tolerance: float  # N, largest unbalanced force
+    rounding: float  # N/m, of a reaction, by metre of its blocks' motion: normal to the joint
+    sliding_rounding: float  # N/m, and along it, where only the motion within the step counts
+    coarsest: float  # N, largest unbalanced force that may be left to rounding
     lag: float = 1e-12  # m, what may be missing of the increment
     depth: float  # m, penetration too small to tell two contacts apart
     farthest: float  # m, motion of a block over which the step has failed
@@ -110,7 +120,7 @@ def solve(
     x, geometry, start = np.zeros_like(guess), guess, multiplier
     step.branch[:] = branch
     step.evaluate(guess, multiplier)
-    if pace is None and step.residual <= settings.tolerance:
+    if pace is None and step.residual <= _enough(step, 0.0, settings):
         step.find(x)
         return StepSolution(increment=x, multiplier=multiplier, n_iterations=0)
     step.branch[:], step.reaction[:] = branch, reaction
@@ -129,8 +139,8 @@ def solve(
             break
         step.remember()
         geometry = x
-        # Also where it is not a number.
-        if not step.constants.detector.motion(x).max() <= settings.farthest:
+        moved = float(step.constants.detector.motion(x).max())
+        if not moved <= settings.farthest:  # also where it is not a number
             reason = "a block moves too far in one step"
             break
         step.evaluate(x, multiplier)
@@ -138,7 +148,11 @@ def solve(
             # Within a leap there are no places on a path.
             shape = None if walk.leapt else _shape(step.bends(walk.changes), start, multiplier)
         short = abs(pace.measure(x)[0]) if pace else 0.0
-        if step.residual <= settings.tolerance and short <= settings.lag:
+        enough = _enough(step, moved, settings)
+        if enough > settings.coarsest:
+            reason = TOO_STIFF
+            break
+        if step.residual <= enough and short <= settings.lag:
             step.find(x)
             same = not narrow.changed_contacts(step.slots, step.found, settings.depth)
             if same or rounds == settings.max_rounds:
@@ -157,6 +171,19 @@ def solve(
     return StepSolution(
         increment=x, multiplier=multiplier, n_iterations=count, turn=turn, reason=reason
     )
+
+
+def _enough(step: StaticStep, moved: float, settings: PathSettings) -> float:
+    """Unbalanced force [N] that may be left: the tolerance, or what is rounding where blocks have
+    ``moved`` [m] at most in the step.
+
+    Gaps are as precise as displacements from the design, slips as those within the step.
+    """
+    if step.residual <= settings.tolerance:
+        return settings.tolerance
+    far = float(step.constants.detector.motion(step.pose).max()) + moved
+    rounding = max(settings.rounding * far, settings.sliding_rounding * moved)
+    return max(settings.tolerance, rounding)
 
 
 class _Walk:
