@@ -9,23 +9,58 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from drystone.analysis import pushover
-    from drystone.builders import published_wall
+    from drystone.assembly import Assembly, Block, Corner, JointLaw
+    from drystone.builders import ModelError, make_model, published_wall
+    from drystone.builders import circular_arch as arch
+    from drystone.builders import coursed_wall as wall
+    from drystone.builders.column import column, stack
     from drystone.curve import CapacityCurve, CurvePoint
+    from drystone.engines.base import EngineError, UnstableError
+    from drystone.export.directory import ResultsDirectory
+    from drystone.export.folder import OutputError
+    from drystone.export.results import Results, load_results, save_results
+    from drystone.inspection import Inspection, inspect
+    from drystone.kernels.compilation import Compilation
     from drystone.limit import Collapse, collapse_load
-    from drystone.model import Model
-    from drystone.modelfile import ModelError, read_model, write_model
+    from drystone.model import Analysis, Model
+    from drystone.modelfile import read_model, write_model
+    from drystone.report import plot_curve, plot_mechanism, plot_model
 
-# Heavy imports wait until a name is used, so that the command line starts at once.
+#: Where each name is, and its name there if that is another.  Heavy imports wait until a name is
+#: used, so that the command line starts at once.
 _PLACES = {
+    "Analysis": "drystone.model",
+    "Assembly": "drystone.assembly",
+    "Block": "drystone.assembly",
     "CapacityCurve": "drystone.curve",
     "Collapse": "drystone.limit",
+    "Compilation": "drystone.kernels.compilation",
+    "Corner": "drystone.assembly",
     "CurvePoint": "drystone.curve",
+    "EngineError": "drystone.engines.base",
+    "Inspection": "drystone.inspection",
+    "JointLaw": "drystone.assembly",
     "Model": "drystone.model",
-    "ModelError": "drystone.modelfile",
+    "ModelError": "drystone.builders",
+    "OutputError": "drystone.export.folder",
+    "Results": "drystone.export.results",
+    "ResultsDirectory": "drystone.export.directory",
+    "UnstableError": "drystone.engines.base",
+    "arch": "drystone.builders:circular_arch",
     "collapse_load": "drystone.limit",
+    "column": "drystone.builders.column",
+    "inspect": "drystone.inspection",
+    "load_results": "drystone.export.results",
+    "make_model": "drystone.builders",
+    "plot_curve": "drystone.report",
+    "plot_mechanism": "drystone.report",
+    "plot_model": "drystone.report",
     "published_wall": "drystone.builders",
     "pushover": "drystone.analysis",
     "read_model": "drystone.modelfile",
+    "save_results": "drystone.export.results",
+    "stack": "drystone.builders.column",
+    "wall": "drystone.builders:coursed_wall",
     "write_model": "drystone.modelfile",
 }
 
@@ -35,4 +70,9 @@ __all__ = [*_PLACES, "__version__"]
 def __getattr__(name: str) -> Any:
     if name not in _PLACES:
         raise AttributeError(f"module 'drystone' has no attribute {name!r}")
-    return getattr(import_module(_PLACES[name]), name)
+    module, _, there = _PLACES[name].partition(":")
+    return getattr(import_module(module), there or name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import fields, replace
 from typing import Any, Protocol
 
@@ -26,6 +27,7 @@ from drystone.control import (
 from drystone.curve import DYNAMIC, STATIC, CapacityCurve, CurvePoint, RecorderError
 from drystone.engines import make_engine
 from drystone.engines.base import Engine, EngineError, Problem, StepReport
+from drystone.kernels.compilation import Compilation
 from drystone.model import Model
 
 Array = NDArray[np.float64]
@@ -34,6 +36,9 @@ Array = NDArray[np.float64]
 STEP_SHARE = 0.005
 
 STRATEGIES = ("displacement", "published")
+
+#: Blocks up to which states are kept in the result by default: at 1000, some 0.4 MB a point.
+MOST_KEPT = 1000
 
 #: Options that are fields of `Analysis` themselves.
 OWN = ("stop_multiplier",)
@@ -62,8 +67,8 @@ def pushover(
     strategy: str | None = None,
     recorder: Recorder | None = None,
     progress: Callable[[CurvePoint], None] | None = None,
-    keep_poses: bool = False,
-    keep_contacts: bool = False,
+    keep_poses: bool | None = None,
+    keep_contacts: bool | None = None,
     **options: float,
 ) -> CapacityCurve:
     """Trace the capacity curve of a model.
@@ -79,7 +84,8 @@ def pushover(
     recorder, progress
         Are told every point as it comes.
     keep_poses, keep_contacts
-        Keep poses and contact forces of every point in the result.
+        Keep poses and contact forces of every point in the result.  By default they are kept of
+        up to `MOST_KEPT` blocks, where no recorder has them.
     options
         Keys of [analysis] by name, over those of the model: see `control`.
 
@@ -90,6 +96,9 @@ def pushover(
         under its own weight.
     """
     begun = time.perf_counter()
+    small = recorder is None and model.assembly.n_bodies <= MOST_KEPT
+    keep_poses = small if keep_poses is None else keep_poses
+    keep_contacts = small if keep_contacts is None else keep_contacts
     named = engine is None or isinstance(engine, str)
     solver: Any = make_engine(str(engine or model.analysis.engine)) if named else engine
     name = strategy or model.analysis.strategy
@@ -115,8 +124,10 @@ def pushover(
 
     status, reason, settlement = "stopped", "", 0.0
     limit = getattr(solver, "residual_limit", None)
+    held = ExitStack()
     # Threads of LAPACK only get in each other's way on systems of this size.
-    limits = threadpool_limits(limits=1, user_api="blas")
+    held.enter_context(threadpool_limits(limits=1, user_api="blas"))
+    compilation = held.enter_context(Compilation())
     try:
         state, report = solver.start(problem)
         report = obeyed(report, limit)
@@ -148,7 +159,7 @@ def pushover(
             raise
         reason = str(error)
     finally:
-        limits.restore_original_limits()
+        held.close()
         solver.close()
     curve = CapacityCurve(
         engine=solver.name,
@@ -159,7 +170,8 @@ def pushover(
         reason="; ".join(filter(None, (reason, *getattr(solver, "notes", ())))),
         stop_multiplier=model.analysis.stop_multiplier,
         settlement=settlement,
-        wall_time=time.perf_counter() - begun,
+        wall_time=time.perf_counter() - begun - compilation.seconds,
+        compile_time=compilation.seconds,
         poses=np.array(poses) if keep_poses else None,
         contacts=tuple(contacts) if keep_contacts else None,
     )

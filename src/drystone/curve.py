@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from html import escape
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.forces import ContactForces
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 Array = NDArray[np.float64]
 
@@ -51,7 +57,7 @@ class CurvePoint:
 COLUMNS: tuple[str, ...] = tuple(f.name for f in fields(CurvePoint))
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class CapacityCurve:
     """Load multiplier against control displacement, over the peak and down.
 
@@ -63,17 +69,40 @@ class CapacityCurve:
     engine: str
     strategy: str
     points: tuple[CurvePoint, ...]
-    status: str  # "finished", "stopped" or "interrupted"
+    status: str  # "finished", "stopped" or "interrupted"; "running" of results that grow still
     reason: str
     stop_multiplier: float
-    wall_time: float  # s
+    wall_time: float  # s, without `compile_time`
     settlement: float = 0.0  # m, of the control point under the structure's own weight alone
-    poses: Array | None = None  # (n_points, n, n_dof), on request
-    contacts: tuple[ContactForces, ...] | None = None  # on request
+    compile_time: float = 0.0  # s, of kernels that were needed for the first time on this machine
+    poses: Array | None = None  # (n_points, n, n_dof) m, rad; None where they were not kept
+    contacts: Sequence[ContactForces] | None = None  # likewise
 
     def column(self, name: str) -> NDArray[Any]:
         """One quantity over all points, (n_points,); the names are the fields of `CurvePoint`."""
         return np.array([getattr(point, name) for point in self.points])
+
+    def to_frame(self) -> DataFrame:
+        """All columns as a frame of pandas, one row per point; needs pandas."""
+        try:
+            from pandas import DataFrame
+        except ImportError:
+            raise ImportError(
+                "pandas is not installed: install it, or take curve.column(name) for arrays"
+            ) from None
+        return DataFrame({name: self.column(name) for name in COLUMNS})
+
+    def plot(
+        self,
+        ax: Axes | None = None,
+        *,
+        label: str = "",
+        limits: Mapping[str, float] | None = None,
+    ) -> Axes:
+        """Draw the curve on axes, those of a new figure by default: see `report.plot_curve`."""
+        from drystone.report.plots import plot_curve
+
+        return plot_curve(self, ax, label=label, limits=limits)
 
     @property
     def control_displacement(self) -> Array:
@@ -128,3 +157,25 @@ class CapacityCurve:
     def nearest(self, control_displacement: float) -> int:
         """Index of the point nearest to a control displacement [m]."""
         return int(np.argmin(np.abs(self.control_displacement - control_displacement)))
+
+    @property
+    def _facts(self) -> dict[str, str]:
+        """What a person wants to know first, in words."""
+        facts = {"engine": self.engine, "points": str(len(self.points))}
+        if self.points:
+            peak, ultimate = self.peak, self.ultimate_displacement
+            last = self.points[-1].control_displacement
+            facts["peak"] = f"{peak.load_multiplier:.4f} at {peak.control_displacement:.4g} m"
+            facts["end"] = f"{last if ultimate is None else ultimate:.4g} m"
+        return {**facts, "status": self.status, "reason": self.reason}
+
+    def __repr__(self) -> str:
+        facts = self._facts
+        del facts["reason"]
+        engine = facts.pop("engine")
+        return f"<CapacityCurve {engine}: {', '.join(f'{k} {v}' for k, v in facts.items())}>"
+
+    def _repr_html_(self) -> str:
+        """A small table, for notebooks."""
+        rows = (f"<tr><th>{k}</th><td>{escape(v)}</td></tr>" for k, v in self._facts.items())
+        return f"<table>{''.join(rows)}</table>"

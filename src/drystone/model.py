@@ -71,7 +71,10 @@ class Model:
         return digest(self)
 
     def _as_read(self, origin: Origin) -> bool:
-        return all(a is b for a, b in zip(self.contents, origin.contents, strict=True))
+        title, *parts, analysis = self.contents
+        title_read, *parts_read, analysis_read = origin.contents
+        same = all(a is b for a, b in zip(parts, parts_read, strict=True))
+        return same and title == title_read and analysis == analysis_read
 
     def with_joint(
         self, *, between: tuple[str, str] | None = None, **values: float | None

@@ -32,10 +32,14 @@ from drystone.export.diskfile import DiskFile
 from drystone.export.interrupts import uninterrupted
 from drystone.export.summary import package_version
 from drystone.model import Model
+from drystone.modelfile import model_to_dict
+from drystone.modelfile.write import to_toml
 from drystone.report.outlines import MovingOutlines
 
 Array = NDArray[np.float64]
 
+#: Status of a run that has not ended, or that was killed.
+RUNNING = "running"
 #: Points are written when this many seconds have passed since the last time ...
 SECONDS = 1.0
 #: ... or when this many bytes wait, whichever comes first.
@@ -125,7 +129,7 @@ class ResultsWriter:
             if self.whole and curve is not None:
                 attributes = self._file.attrs
                 attributes["status"], attributes["reason"] = curve.status, text_of(curve.reason)
-                for name in ("stop_multiplier", "settlement", "wall_time"):
+                for name in ("stop_multiplier", "settlement", "wall_time", "compile_time"):
                     attributes[name] = getattr(curve, name)
             if self.whole:
                 self.flush()
@@ -158,16 +162,18 @@ class ResultsWriter:
         self._points, self._poses, self._contacts, self._waiting = [], [], [], 0
 
     def _describe(self, model: Model, engine: str, strategy: str) -> None:
-        text = ""
         if model.source is not None and Path(model.source).is_file():
             text = Path(model.source).read_text(encoding="utf-8", errors="replace")
+        else:
+            text = to_toml(model_to_dict(model))
         self._file.attrs.update(
             {
                 "title": text_of(model.title),
                 "engine": engine,
                 "strategy": strategy,
-                "status": "running",
+                "status": RUNNING,
                 "reason": "",
+                "stop_multiplier": model.analysis.stop_multiplier,
                 "dimension": model.assembly.dimension,
                 "thickness": model.assembly.thickness,
                 "model": text_of(text),
@@ -267,6 +273,10 @@ class ResultsReader:
         columns["status"] = [status.decode() for status in columns["status"]]
         rows = zip(*columns.values(), strict=True)
         return tuple(CurvePoint(**dict(zip(columns, row, strict=True))) for row in rows)
+
+    def poses(self) -> Array:
+        """Poses of the blocks at all points, (n_points, n, n_dof) [m, rad]."""
+        return np.asarray(self._file["poses"][: self.n_points])
 
     def pose(self, k: int) -> Array:
         """Poses of the blocks at point ``k``, (n, n_dof) [m, rad]."""

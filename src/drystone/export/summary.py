@@ -56,6 +56,7 @@ def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
         "max_friction_violation": _largest(curve, "friction_violation"),
         "peak": {name: getattr(peak, name) for name in COLUMNS},
         "wall_time": curve.wall_time,
+        "compile_time": curve.compile_time,
         "version": package_version(),
         "model": model.source,
         "model_sha256": model.sha256,

@@ -66,13 +66,40 @@ def read_model(
         raise ModelError(f"{path}: {problem}" for problem in error.problems) from None
 
 
+def model_from_text(
+    text: str, *, source: str | None, sha256: str, engines: Sequence[str] = ENGINES
+) -> Model:
+    """A model from the text of a file that was read before, such as results hold.
+
+    Parameters
+    ----------
+    source, sha256
+        Path of the file and digest of its bytes; without a path it is a model made in Python.
+    engines
+        Names that [analysis] may give as its engine.
+
+    Raises
+    ------
+    ModelError
+        The text is no model of this version.
+    """
+    return _model(
+        parse(text.encode(), is_json=False),
+        need_stiffness=False,
+        engines=engines,
+        title=Path(source).stem if source else "",
+        source=source,
+        sha256=sha256,
+    )
+
+
 def _model(
     data: dict[str, Any],
     *,
     need_stiffness: bool,
     engines: Sequence[str] | None,
     title: str,
-    source: str,
+    source: str | None,
     sha256: str,
 ) -> Model:
     section = _checked(data)

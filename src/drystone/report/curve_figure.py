@@ -105,11 +105,12 @@ def plot_curves(
     limits: Mapping[str, float] | None = None,
     marks: bool = True,
     branches: bool = True,
+    first: int = 0,
 ) -> None:
     """Draw labelled curves on given axes.
 
     A single curve has its peak and end written beside it (``marks``) and its two branches told
-    apart (``branches``).
+    apart (``branches``).  Colours and line styles of several begin with number ``first``.
     """
     branches = branches and len(curves) == 1
     canvas.plain_axes(axes)
@@ -117,7 +118,7 @@ def plot_curves(
         _plot_branches(axes, curves[0][1], unit)
     for i, (label, curve) in enumerate(curves):
         if not branches:
-            _plot_whole(axes, label, curve, unit, i)
+            _plot_whole(axes, label, curve, unit, first + i)
     _plot_dynamic(axes, [curve for _, curve in curves], unit)
     for i, (label, x, y) in enumerate(reference):
         grey = ("#6f6f6f", "#a0a0a0", "#404040")[i % 3]

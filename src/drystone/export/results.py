@@ -1,0 +1,178 @@
+"""A folder of results written from a finished curve, and read again."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, overload
+
+from drystone.builders.errors import ModelError
+from drystone.contact.forces import ContactForces
+from drystone.curve import CapacityCurve
+from drystone.export.directory import RESULTS, SUMMARY, ResultsDirectory
+from drystone.export.folder import OutputError
+from drystone.export.hdf5 import RUNNING, Array, ResultsReader
+from drystone.export.summary import summarise
+from drystone.limit import limits_beside
+from drystone.model import Model
+from drystone.modelfile import ENGINES
+from drystone.modelfile.read import model_from_text
+
+
+def save_results(
+    curve: CapacityCurve,
+    model: Model,
+    path: Path | str,
+    *,
+    mechanism_displacement: float | None = None,
+) -> dict[str, Any]:
+    """Write the folder that ``drystone run`` writes; returns what ``summary.json`` holds.
+
+    Parameters
+    ----------
+    curve
+        With poses and contacts, which `pushover` keeps by default.
+    model
+        What was analysed.
+    path
+        The folder; made where it is missing.  Results in it are replaced.
+    mechanism_displacement
+        Control displacement [m] of ``mechanism.png``, see `ResultsDirectory`.
+
+    Raises
+    ------
+    OutputError
+        The folder cannot be written.
+    ValueError
+        The curve has no points, poses or contacts, or was loaded from that very folder.
+    """
+    if not curve.points or curve.poses is None or curve.contacts is None:
+        raise ValueError(
+            "the curve has no points with poses and contacts: trace it with keep_poses=True and "
+            "keep_contacts=True, or with recorder=ds.ResultsDirectory(path)"
+        )
+    if isinstance(curve.contacts, StoredContacts) and curve.contacts.within(Path(path)):
+        raise ValueError(f"the curve is read from {path} as it is written: name another folder")
+    with ResultsDirectory(
+        path, mechanism_displacement=mechanism_displacement, beside=limits_beside(model)
+    ) as results:
+        results.begin(model, curve.engine, curve.strategy)
+        for point, pose, contacts in zip(curve.points, curve.poses, curve.contacts, strict=True):
+            results.point(point, pose, contacts)
+        results.end(curve)
+    return results.summary or {}
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Results:
+    """A folder of results, read again."""
+
+    path: Path
+    curve: CapacityCurve
+    """With poses and contacts; its status is "running" where the run goes on or was killed."""
+    model: Model | None
+    """What was analysed; None where this version cannot read its description."""
+    summary: dict[str, Any]
+    """Of ``summary.json``, or of what there is so far."""
+
+    @property
+    def poses(self) -> Array:
+        """Poses of the blocks at every point, (n_points, n, n_dof) [m, rad]."""
+        assert self.curve.poses is not None
+        return self.curve.poses
+
+    @property
+    def contacts(self) -> Sequence[ContactForces]:
+        """Contact forces of every point, read from the file when asked for."""
+        assert self.curve.contacts is not None
+        return self.curve.contacts
+
+    def __repr__(self) -> str:
+        return f"<Results {str(self.path)!r}: {self.curve!r}>"
+
+
+class StoredContacts(Sequence[ContactForces]):
+    """Contact forces of a ``results.h5``, one point at a time: together they may be gigabytes."""
+
+    def __init__(self, path: Path, count: int) -> None:
+        self._path, self._count = path, count
+
+    def within(self, folder: Path) -> bool:
+        """Whether they are those of that folder of results."""
+        return self._path.resolve() == (folder / RESULTS).resolve()
+
+    def __len__(self) -> int:
+        return self._count
+
+    @overload
+    def __getitem__(self, k: int) -> ContactForces: ...
+    @overload
+    def __getitem__(self, k: slice) -> Sequence[ContactForces]: ...
+    def __getitem__(self, k: int | slice) -> ContactForces | Sequence[ContactForces]:
+        rows = range(self._count)[k]  # raises IndexError, counts from the end
+        with ResultsReader(self._path) as file:
+            if isinstance(rows, range):
+                return [file.contacts(row) for row in rows]
+            return file.contacts(rows)
+
+
+def load_results(path: Path | str) -> Results:
+    """Read a folder of results, also of a run that was interrupted, killed or still goes on.
+
+    Raises
+    ------
+    OutputError
+        The folder holds no ``results.h5`` that can be read.
+    """
+    folder = Path(path)
+    file = folder / RESULTS
+    try:
+        with ResultsReader(file) as stored:
+            model = _model_of(stored)
+            curve = _curve_of(stored, StoredContacts(file, stored.n_points))
+    except (OSError, KeyError) as error:
+        why = "there is none" if not file.is_file() else f"it is torn or no such file ({error})"
+        raise OutputError(
+            f"{file} cannot be read, {why}: name a folder that a run or save_results has written"
+        ) from None
+    return Results(path=folder, curve=curve, model=model, summary=_summary_of(folder, curve, model))
+
+
+def _model_of(stored: ResultsReader) -> Model | None:
+    try:
+        return model_from_text(
+            stored.attribute("model"),
+            source=stored.attribute("model_source") or None,
+            sha256=stored.attribute("model_sha256"),
+            engines=(*ENGINES, stored.attribute("engine")),
+        )
+    except ModelError:
+        return None
+
+
+def _curve_of(stored: ResultsReader, contacts: StoredContacts) -> CapacityCurve:
+    status = stored.attribute("status")
+    ended = status != RUNNING
+    return CapacityCurve(
+        engine=stored.attribute("engine"),
+        strategy=stored.attribute("strategy"),
+        points=stored.points(),
+        status=status,
+        reason=stored.attribute("reason") if ended else "the run goes on, or was killed",
+        stop_multiplier=float(stored.attribute("stop_multiplier")),
+        settlement=float(stored.attribute("settlement")) if ended else math.nan,
+        wall_time=float(stored.attribute("wall_time")) if ended else math.nan,
+        compile_time=float(stored.attribute("compile_time")) if ended else math.nan,
+        poses=stored.poses(),
+        contacts=contacts,
+    )
+
+
+def _summary_of(folder: Path, curve: CapacityCurve, model: Model | None) -> dict[str, Any]:
+    try:
+        return json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return summarise(curve, model) if model is not None and curve.points else {}

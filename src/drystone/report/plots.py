@@ -1,0 +1,121 @@
+"""Pictures on axes of one's own, for notebooks and scripts: a curve, a model, a mechanism."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.forces import ContactForces
+from drystone.curve import CapacityCurve
+from drystone.model import Model
+from drystone.report import curve_figure, mechanism_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+
+def plot_curve(
+    curve: CapacityCurve,
+    ax: Axes | None = None,
+    *,
+    label: str = "",
+    limits: Mapping[str, float] | None = None,
+) -> Axes:
+    """Draw a curve, load multiplier against control displacement [m].
+
+    Parameters
+    ----------
+    curve
+        Of at least one point.
+    ax
+        Axes to draw on; those of a new figure by default.
+    label
+        For one curve among several on the same axes: each then has a colour of its own, its peak
+        and end in the legend instead of beside it.
+    limits
+        Multipliers of limit analysis by label, drawn as horizontal lines.
+    """
+    ax = _axes(ax, (7.0, 4.5))
+    ax.autoscale(True)  # an earlier curve has set the limits
+    curve_figure.plot_curves(
+        ax,
+        [(label, curve)],
+        limits=limits,
+        marks=not label,
+        branches=not label,
+        first=sum(not str(line.get_label()).startswith("_") for line in ax.get_lines()),
+    )
+    ax.legend(fontsize=9, frameon=False)
+    return ax
+
+
+def plot_mechanism(
+    model: Model,
+    pose: Array,
+    ax: Axes | None = None,
+    *,
+    settled: Array | None = None,
+    contacts: ContactForces | None = None,
+    magnification: float | None = None,
+) -> Axes:
+    """Draw the blocks where they are: joints that opened in red, those that slid in blue.
+
+    Parameters
+    ----------
+    model
+        What was analysed.
+    pose
+        Of one point, (n, n_dof) [m, rad], as in ``curve.poses[k]``.
+    ax
+        Axes to draw on; those of a new figure by default.
+    settled
+        Where the load began, as in ``curve.poses[0]``: what moves has moved since.
+    contacts
+        Of the same point, as in ``curve.contacts[k]``: those under load are drawn.
+    magnification
+        Of the displacements; by default 1, or what makes small ones visible.
+    """
+    pose = np.asarray(pose, dtype=np.float64)
+    wanted = model.assembly.rest_pose().shape
+    if pose.shape != wanted:
+        raise ValueError(
+            f"the pose of one point has the shape {wanted}, this one has {pose.shape}: "
+            "take one of the curve's, as in curve.poses[-1]"
+        )
+    if magnification is None:
+        magnification = mechanism_figure.readable_magnification(model.assembly, pose, settled)
+    ax = _axes(ax, (7.0, 6.0))
+    mechanism_figure.plot_mechanism(
+        ax,
+        mechanism_figure.Mechanism(
+            assembly=model.assembly,
+            pose=pose,
+            settled=settled,
+            contacts=contacts,
+            load_direction=model.load.direction,
+            control_point=model.control_point,
+            magnification=magnification,
+        ),
+    )
+    if magnification != 1.0:
+        ax.set_title(f"displacements magnified {magnification:g} times", fontsize=9)
+    return ax
+
+
+def plot_model(model: Model, ax: Axes | None = None) -> Axes:
+    """Draw a model as designed: blocks, supports, the load's direction, the control point."""
+    return plot_mechanism(model, model.assembly.rest_pose(), ax)
+
+
+def _axes(ax: Axes | None, size: tuple[float, float]) -> Axes:
+    """The given axes, or those of a new figure that a notebook shows."""
+    if ax is not None:
+        return ax
+    from matplotlib import pyplot
+
+    return pyplot.subplots(figsize=size, layout="constrained")[1]
