@@ -29,6 +29,7 @@ from drystone.engines import make_engine
 from drystone.engines.base import Engine, EngineError, Problem, StepReport
 from drystone.kernels.compilation import Compilation
 from drystone.model import Model
+from drystone.ranges import problem
 
 Array = NDArray[np.float64]
 
@@ -220,6 +221,9 @@ def make_control(strategy: str, engine: Engine, model: Model) -> Control:
     unknown = [key for key in options if key not in known | {"mechanism_displacement"}]
     if unknown:
         raise EngineError(f'there is no setting "{unknown[0]}" of the analysis')
+    wrong = [sentence for key, value in options.items() if (sentence := problem(key, value))]
+    if wrong:  # also of settings that this strategy does not use, as in a model file
+        raise EngineError(f"[analysis] {wrong[0]}")
     step = {"displacement_step": STEP_SHARE * model.assembly.smallest_extent}
     ask = getattr(engine, "preferences", None)
     preferred: Mapping[str, float] = ask(model.assembly) if ask else {}

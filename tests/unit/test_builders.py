@@ -217,7 +217,7 @@ class TestChecks:
 
     def test_weightless_block(self):
         feather = Block(id="f", vertices=BASE.vertices + (0, 0.2), unit_weight=0.0)
-        assert 'block "f": its unit weight' in self.problems([BASE, feather])[0]
+        assert 'block "f" unit_weight: must be greater than 0' in self.problems([BASE, feather])[0]
 
     def test_long_lists_are_cut_in_the_text_only(self):
         error = ModelError([f"problem {i}" for i in range(25)])

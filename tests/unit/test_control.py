@@ -16,6 +16,7 @@ rotations.
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -25,8 +26,10 @@ from hypothesis import strategies as st
 
 from builders import stack
 from drystone.analysis import pushover
+from drystone.builders import ModelError, model_to_dict, published_wall
 from drystone.control import (
     ControlError,
+    DisplacementSettings,
     ExcessControl,
     ExcessSettings,
     PublishedControl,
@@ -35,6 +38,7 @@ from drystone.control import (
 from drystone.control.ends import Progress, end_of_curve
 from drystone.curve import DYNAMIC, STATIC
 from drystone.engines.base import Demand, EngineError, StepReport, UnstableError
+from drystone.modelfile import read_model
 
 PEAK, DELTA_END = 0.4, 0.3  # -, m
 STEP = 1e-3  # m
@@ -515,3 +519,46 @@ class TestControlsHoldNoState:
             one, two = (control.decide(decision.state, decision.demand, report) for _ in range(2))
             assert one == two and isinstance(one.demand, Demand)
             decision = one
+
+
+class TestOneValidation:
+    """What Python asks of an analysis is checked by the table that a model file is checked by."""
+
+    @pytest.mark.parametrize(
+        ("key", "value", "said"),
+        [
+            ("displacement_step", -1, "must be greater than 0, it is -1"),
+            ("displacement_step", 0, "must be greater than 0, it is 0"),
+            ("max_displacement", "0.1", 'must be a number, it is the text "0.1": take the quotes'),
+            ("max_displacement", float("nan"), "must be a finite number, it is nan"),
+            ("time_step", 1e-300, "must be at least 1e-09, it is 1e-300: give it in s"),
+            ("max_steps", 2.5, "must be a whole number, it is 2.5"),
+            ("stop_multiplier", None, "must be a number, it is null"),
+            ("patience", True, "must be a number, it is true"),
+            ("overshoot", 0.99, "must be at least 1, it is 0.99"),
+        ],
+    )
+    def test_an_option_says_what_the_file_says(self, tmp_path, key, value, said):
+        model = published_wall(1)
+        with pytest.raises(EngineError) as caught:
+            pushover(model, **{key: value})
+        assert str(caught.value).startswith(f"[analysis] {key}: ")
+        assert said in str(caught.value)
+        if isinstance(value, bool | None):
+            return  # JSON's true and null
+        data = model_to_dict(model)
+        data["analysis"][key] = value
+        (tmp_path / "wall.json").write_text(json.dumps(data))
+        with pytest.raises(ModelError) as told:
+            read_model(tmp_path / "wall.json")
+        assert said in told.value.problems[0]
+
+    @pytest.mark.parametrize("cls", [PublishedSettings, ExcessSettings, DisplacementSettings])
+    def test_settings_made_by_hand(self, cls):
+        with pytest.raises(ControlError, match="max_steps: must be at least 1"):
+            cls(displacement_step=STEP, max_steps=0)
+
+    @pytest.mark.parametrize("direction", [(-1.0, 0.0), (0.0, 1.0)])
+    def test_control_direction_against_the_load(self, direction):
+        with pytest.raises(ModelError, match=r"control\.direction: leads against the load"):
+            published_wall(1).with_control(direction=direction)

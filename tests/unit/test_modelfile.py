@@ -245,6 +245,10 @@ class TestBrokenText:
             ("dimension = 2\ndimension = 2\n", "line 2, column 14: not valid TOML: Cannot over"),
             ("a = " + "[" * 10_000, "nested too deeply"),
             ("a = 1" + "0" * 5000, "thousands of digits"),
+            ("a" + ".a" * 200_000 + " = 1", "a key of too many parts"),
+            ("[a" + ' . "a b" ' * 200_000 + "]", "a key of too many parts"),
+            ("[joint]\nbetween = { a" + ".a" * 40 + " = 1 }", "a key of too many parts"),
+            ("a = " + "[" * 100 + "]" * 100, "nested too deeply"),
             ("dimension = 2020-13-45", "not valid TOML"),
         ],
     )
@@ -260,6 +264,8 @@ class TestBrokenText:
             ("[1, 2]", "must hold a table"),
             ('{"load": {"a": 1, "a": 2}}', 'key "a" is given twice'),
             ('{"title": "\\ud800"}', "half a character"),
+            ('{"a": ' * 900 + "1" + "}" * 900, "nested too deeply"),
+            ('{"title": ' + "[" * 100_000, "nested too deeply"),
             (b"\xff", "is not text"),
             ("dimension = 2", "not valid JSON"),
         ],
@@ -340,7 +346,7 @@ class TestBrokenKeys:
             (VERTICES, "[[0, 0], [1, 0, 0], [1, 1]]", "vertices[2]: must have 2 entries, it has 3"),
             (VERTICES, '[[0, 0], [1, "0"], [1, 1]]', "vertices[2][2]: must be a number"),
             (VERTICES, "[[0, 0], [1, nan], [1, 1]]", "vertices[2][2]: must be a finite number"),
-            (VERTICES, "[[0, 0], [1e9, 0], [1, 1]]", "vertices[2][1]: must be at most 1e+06"),
+            (VERTICES, "[[0, 0], [1e9, 0], [1, 1]]", "vertices[2][1]: must be at most 1e+08"),
             (VERTICES, "[]", 'block[2] "b1" vertices: a polygon needs at least 3 vertices'),
             (VERTICES, "[[0, 0], [0, 1], [1, 0]]", "vertices: the vertices run clockwise"),
             (VERTICES, "[[0, 0], [1, 0], [2, 0]]", "vertices: the outline encloses no area"),
@@ -387,6 +393,37 @@ class TestBrokenKeys:
     def test_names_the_place_and_the_mend(self, tmp_path, old, new, said):
         found = problems(tmp_path, changed(old, new))
         assert any(said in problem for problem in found), found
+
+    @pytest.mark.parametrize("key", ["1.1.1.1." * 9, '"a.b" # a.a.a' + ".a" * 50])
+    def test_dots_that_are_no_keys(self, tmp_path, key):
+        title = key if "#" in key else f'"{key}"'
+        assert read(tmp_path, changed('"Two blocks"', title)).title in title
+
+    @pytest.mark.parametrize(
+        ("old", "new", "said"),
+        [
+            ("10e3", "1e-200", "unit_weight: must be at least 0.001, it is 1e-200: give it in N"),
+            ("thickness = 1.0", "thickness = 1e-300", "must be at least 1e-06, it is 1e-300: give"),
+            ("1e8", "1e-200", "normal_stiffness: must be at least 0.001, it is 1e-200: give it in"),
+            ("1e8", "1e200", "normal_stiffness: must be at most 1e+20, it is 1e+200: give it in"),
+            ("0.65", "1e29", "friction_coefficient: must be at most 1e+06, it is 1e+29"),
+            ("angle = 0.0", "angle = 89.999999", "dilatancy_angle: must be at most 89.9"),
+            ("stop_multiplier = 0.01", "time_step = 1e-300", "time_step: must be at least 1e-09"),
+            ("stop_multiplier = 0.01", "increment = 1e30", "increment: must be at most 1000"),
+            ("stop_multiplier = 0.01", "max_steps = 0.5", "max_steps: must be a whole number"),
+            ("stop_multiplier = 0.01", "patience = 1.5", "patience: must be a whole number"),
+            ("stop_multiplier = 0.01", "displacement_step = 1e-300", "must be at least 1e-09, it"),
+            (
+                '"top right"',
+                '"top right"\ndirection = [-1, 0.5]',
+                "control.direction: leads against",
+            ),
+            ('"top right"', '"top right"\ndirection = [0, 1]', "control.direction: leads against"),
+        ],
+    )
+    def test_values_at_the_rim(self, tmp_path, old, new, said):
+        (problem,) = problems(tmp_path, changed(old, new))
+        assert said in problem
 
     @pytest.mark.parametrize(
         ("lines", "said"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
@@ -11,9 +12,13 @@ from drystone.assembly import Assembly, Block, Corner, JointLaw
 from drystone.builders.neighbours import TOUCHING, Outlines
 from drystone.builders.words import millimetres
 from drystone.geometry import GeometryError
+from drystone.ranges import problem
 
 #: Overlap, relative to the smaller block, that is taken for rounding of the coordinates.
 OVERLAPPING = 1e-6
+
+#: Values of a joint's law that may be None: limit analysis does without.
+MAY_BE_MISSING = ("normal_stiffness", "shear_stiffness")
 
 #: Names a block by its row, as its author would look for it.
 Place = Callable[[int], str]
@@ -21,18 +26,15 @@ Place = Callable[[int], str]
 
 def law_problems(law: JointLaw) -> list[str]:
     """Values that no joint can have, each as "key: sentence"."""
-    problems = []
-    if not law.friction_coefficient >= 0.0:
-        problems.append(
-            f"friction_coefficient: must not be negative, it is {law.friction_coefficient:g}"
-        )
-    for key in ("normal_stiffness", "shear_stiffness"):
-        stiffness = getattr(law, key)
-        if stiffness is not None and not stiffness > 0.0:
-            problems.append(f"{key}: must be greater than 0 Pa/m, it is {stiffness:g}")
-    for key in ("dilatancy_angle", "dilatancy_end", "cohesion", "tensile_strength"):
-        if not getattr(law, key) >= 0.0:
-            problems.append(f"{key}: must not be negative, it is {getattr(law, key):g}")
+    problems = [
+        wrong
+        for key, value in vars(law).items()
+        if not (value is None and key in MAY_BE_MISSING)
+        and not (key == "dilatancy_end" and value == math.inf)
+        and (wrong := problem(key, value))
+    ]
+    if problems:
+        return problems
     friction_angle = float(np.degrees(np.arctan(law.friction_coefficient)))
     if law.dilatancy_angle > friction_angle * (1.0 + 1e-9):
         problems.append(
@@ -52,8 +54,9 @@ def block_problems(blocks: Sequence[Block], corner: Corner, place: Place) -> lis
             problems.append(
                 f"{place(i)}: the id is taken by {place(first[block.id])}: give it another"
             )
-        if not block.unit_weight > 0.0:
-            problems.append(f"{place(i)}: its unit weight must be greater than 0 N/m3")
+        wrong = problem("unit_weight", block.unit_weight)
+        if wrong:
+            problems.append(f"{place(i)} {wrong}")
         try:
             geometry.check_convex(block.vertices)
         except GeometryError as error:

@@ -19,6 +19,10 @@ from drystone.builders.errors import ModelError
 from drystone.geometry import GeometryError
 from drystone.loading import LoadPattern
 from drystone.model import Analysis, Model, Origin
+from drystone.ranges import problem
+
+#: Cosine of the angle between load and control direction that counts as none.
+AGAINST = 1e-9
 
 
 def make_model(
@@ -69,15 +73,16 @@ def make_model(
     place = place or (lambda i: f'block "{blocks[i].id}"')
     direction = unit_vector(load_direction, "load.direction")
 
-    problems = [f"joint.{problem}" for problem in law_problems(joint)]
+    problems = [f"joint.{wrong}" for wrong in law_problems(joint)]
     for names, law in between.items():
         where = " ".join(sorted(names))
-        problems += [f'joint.between."{where}".{problem}' for problem in law_problems(law)]
+        problems += [f'joint.between."{where}".{wrong}' for wrong in law_problems(law)]
     problems += pair_problems(blocks, between)
-    if not thickness > 0.0:
-        problems.append(f"thickness: must be greater than 0 m, it is {thickness:g}")
+    problems += [wrong] if (wrong := problem("thickness", thickness)) else []
     if not blocks:
         problems.append("block: there is none: add [[block]] or [wall]")
+    if any(problem("unit_weight", weight) for weight in {block.unit_weight for block in blocks}):
+        problems += block_problems(blocks, corner, place)
     _raise(problems)
     material_names(blocks)  # raises where a name has two unit weights
 
@@ -87,7 +92,7 @@ def make_model(
         )
     except GeometryError:  # says the first; look at each block to say them all
         raise ModelError(block_problems(blocks, corner, place)) from None
-    if len(set(assembly.ids)) < len(blocks) or not assembly.weight.min() > 0.0:
+    if len(set(assembly.ids)) < len(blocks):
         raise ModelError(block_problems(blocks, corner, place))
 
     problems = layout_problems(assembly, place)
@@ -103,6 +108,11 @@ def make_model(
         )
     except ModelError as error:
         raise ModelError(problems + error.problems) from None
+    if not float(control.direction @ direction) > AGAINST:
+        problems.append(
+            "control.direction: leads against the load or across it, so that the control "
+            "displacement would not grow as the load does: turn it to the load's side"
+        )
     _raise(problems)
 
     model = Model(

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Protocol
 
 from drystone.engines.base import Demand, StepReport
+from drystone.ranges import problem
 
 
 class ControlError(ValueError):
     """Settings that make no sense together; the message is for the user."""
+
+
+def check_settings(settings: Any) -> None:
+    """Raise `ControlError` for the first of a strategy's settings that is out of its range."""
+    for field in fields(settings):
+        value = getattr(settings, field.name)
+        wrong = problem(field.name, value) if value != field.default else None
+        if wrong:
+            raise ControlError(wrong)
 
 
 @dataclass(frozen=True, kw_only=True)

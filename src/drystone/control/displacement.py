@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from drystone.control.base import Decision
+from drystone.control.base import Decision, check_settings
 from drystone.control.ends import End, Progress, end_of_curve
 from drystone.engines.base import Demand, StepReport
 
@@ -56,6 +56,9 @@ class DisplacementSettings:
     static_inertia: float = 1e-3  # inertia over applied force of a step that is static again
     max_steps: int = 100_000
     max_displacement: float = float("inf")  # m, of the control point
+
+    def __post_init__(self) -> None:
+        check_settings(self)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from drystone.control.base import Decision
+from drystone.control.base import Decision, check_settings
 from drystone.control.ends import Progress, end_of_curve
 from drystone.engines.base import Demand, StepReport
 
@@ -28,6 +28,9 @@ class ExcessSettings:
     stop_multiplier: float = 0.01
     max_steps: int = 100_000
     max_displacement: float = float("inf")  # m, of the control point
+
+    def __post_init__(self) -> None:
+        check_settings(self)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from drystone.control.base import ControlError, Decision
+from drystone.control.base import Decision, check_settings
 from drystone.control.ends import End, Progress, end_of_curve
 from drystone.engines.base import Demand, StepReport
 
@@ -41,8 +41,7 @@ class PublishedSettings:
     max_displacement: float = float("inf")  # m, of the control point
 
     def __post_init__(self) -> None:
-        if self.overshoot < 1.0:
-            raise ControlError(f"overshoot must be at least 1, it is {self.overshoot:g}")
+        check_settings(self)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,6 +11,19 @@ from typing import Any
 from drystone.builders.errors import ModelError
 from drystone.builders.words import quoted
 
+NESTED = "is nested too deeply to be a model: check its brackets"
+#: Tables and lists inside each other that no model has.
+DEEPEST = 32
+
+#: Text and comments of TOML, in which dots mean nothing.
+_NO_KEYS = re.compile(
+    r'''"""(?:[^"\\]|\\.|"(?!""))*+"""|'{3}(?:[^']|'(?!''))*+'{3}'''
+    r"""|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+'|\#[^\n]*+""",
+    re.DOTALL,
+)
+#: A key of too many parts: tables inside each other, for each of which the parser takes memory.
+_LONG_KEY = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{DEEPEST}}}")
+
 
 def read_bytes(path: Path) -> bytes:
     """Contents of the file; raises `ModelError` where there is none to read."""
@@ -38,6 +51,8 @@ def parse(contents: bytes, *, is_json: bool) -> dict[str, Any]:
     try:
         if is_json or text.lstrip().startswith("{"):
             data = _json(text)
+        elif _LONG_KEY.search(_NO_KEYS.sub("text", text)):
+            raise ModelError(["has a key of too many parts: no key has more than three"])
         else:
             data = tomllib.loads(text)
     except json.JSONDecodeError as error:
@@ -47,9 +62,11 @@ def parse(contents: bytes, *, is_json: bool) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         raise ModelError([_torn_toml(str(error), text)]) from None
     except RecursionError:
-        raise ModelError(["is nested too deeply to be a model: check its brackets"]) from None
+        raise ModelError([NESTED]) from None
     except ValueError:  # Python declines to read whole numbers of more than 4300 digits
         raise ModelError(["holds a whole number of thousands of digits: shorten it"]) from None
+    if _depth_exceeds(data, DEEPEST):
+        raise ModelError([NESTED])
     if not isinstance(data, dict):
         raise ModelError(['must hold a table of keys, as { "dimension": 2, ... }'])
     return data
@@ -71,6 +88,21 @@ def _json(text: str) -> Any:
         except UnicodeEncodeError:
             raise ModelError(["holds half a character, as \\ud800 without its mate"]) from None
     return data
+
+
+def _depth_exceeds(data: Any, most: int) -> bool:
+    """Whether lists and tables lie in each other more than ``most`` deep; without recursion."""
+    level = [data]
+    for _ in range(most + 1):
+        holders = [item for item in level if isinstance(item, dict | list)]
+        if not holders:
+            return False
+        level = [
+            item
+            for holder in holders
+            for item in (holder.values() if isinstance(holder, dict) else holder)
+        ]
+    return True
 
 
 def _torn_toml(message: str, text: str) -> str:

@@ -11,10 +11,7 @@ from drystone.builders.control import NAMED_POINTS
 from drystone.builders.wall import course_problem
 from drystone.builders.words import quoted, suggestion
 from drystone.model import Analysis
-
-#: Beyond these a number is a slip of the pen, and its square may not be a number any more.
-LARGEST = 1e30
-FURTHEST = 1e6  # m
+from drystone.ranges import RANGES
 
 #: Keys of [analysis] that strategies and engines take as numerical settings.
 OPTION_NAMES = (
@@ -62,18 +59,30 @@ def _point(value: Any) -> str | list[float]:
         return value
     numbers = value if isinstance(value, list) else []
     numbers = [x for x in numbers if isinstance(x, int | float) and not isinstance(x, bool)]
-    if len(numbers) != 2 or numbers != value or not all(abs(x) <= FURTHEST for x in numbers):
+    wrong = [x for x in numbers if RANGES["coordinate"].problem(x)]
+    if len(numbers) != 2 or numbers != value or wrong:
         raise sentence('must be [x, y] in metres, or one of "' + '", "'.join(NAMED_POINTS) + '"')
     return [float(x) for x in numbers]
 
 
-Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
-Positive = Annotated[float, Field(gt=0.0, le=LARGEST)]
-NotNegative = Annotated[float, Field(ge=0.0, le=LARGEST)]
-Length = Annotated[float, Field(gt=0.0, le=FURTHEST)]
-Coordinate = Annotated[float, Field(ge=-FURTHEST, le=FURTHEST)]
-Place = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
-Direction = Annotated[list[Number], Field(min_length=2, max_length=2), AfterValidator(_direction)]
+def ranged(name: str) -> PlainValidator:
+    """The check of a number that has its range in `RANGES`."""
+
+    def check(value: Any) -> float:
+        problem = RANGES[name].problem(value)
+        if problem:
+            raise sentence(problem)
+        return float(value)
+
+    return PlainValidator(check)
+
+
+Place = Annotated[list[Annotated[float, ranged("coordinate")]], Field(min_length=2, max_length=2)]
+Direction = Annotated[
+    list[Annotated[float, ranged("direction")]],
+    Field(min_length=2, max_length=2),
+    AfterValidator(_direction),
+]
 Name = Annotated[str, AfterValidator(_name)]
 Course = Annotated[str, AfterValidator(_course)]
 
@@ -90,8 +99,8 @@ class Section(BaseModel):
 class MaterialSection(Section):
     """[material.NAME]"""
 
-    unit_weight: Positive | None = None  # N/m3
-    density: Positive | None = None  # kg/m3
+    unit_weight: Annotated[float, ranged("unit_weight")] | None = None  # N/m3
+    density: Annotated[float, ranged("density")] | None = None  # kg/m3
 
     @model_validator(mode="after")
     def _one_of_them(self) -> MaterialSection:
@@ -105,19 +114,19 @@ class MaterialSection(Section):
 class ExceptionSection(Section):
     """[joint.between."a b"]: what it leaves out is taken from [joint]."""
 
-    friction_coefficient: NotNegative | None = None  # -
-    normal_stiffness: Positive | None = None  # Pa/m
-    shear_stiffness: Positive | None = None  # Pa/m
-    dilatancy_angle: Annotated[float, Field(ge=0.0, lt=90.0)] | None = None  # degrees
-    dilatancy_end: NotNegative | None = None  # m
-    cohesion: NotNegative | None = None  # Pa
-    tensile_strength: NotNegative | None = None  # Pa
+    friction_coefficient: Annotated[float, ranged("friction_coefficient")] | None = None  # -
+    normal_stiffness: Annotated[float, ranged("normal_stiffness")] | None = None  # Pa/m
+    shear_stiffness: Annotated[float, ranged("shear_stiffness")] | None = None  # Pa/m
+    dilatancy_angle: Annotated[float, ranged("dilatancy_angle")] | None = None  # degrees
+    dilatancy_end: Annotated[float, ranged("dilatancy_end")] | None = None  # m
+    cohesion: Annotated[float, ranged("cohesion")] | None = None  # Pa
+    tensile_strength: Annotated[float, ranged("tensile_strength")] | None = None  # Pa
 
 
 class JointSection(ExceptionSection):
     """[joint]; the stiffnesses may be left out where only limit analysis is asked for."""
 
-    friction_coefficient: NotNegative = Field(
+    friction_coefficient: Annotated[float, ranged("friction_coefficient")] = Field(
         description="the tangent of the friction angle, as in friction_coefficient = 0.65"
     )
     between: dict[Name, ExceptionSection] = {}
@@ -126,8 +135,8 @@ class JointSection(ExceptionSection):
 class CornerSection(Section):
     """[corner]; with neither key corners are sharp."""
 
-    radius: NotNegative | None = None  # m
-    chamfer: NotNegative | None = None  # m
+    radius: Annotated[float, ranged("radius")] | None = None  # m
+    chamfer: Annotated[float, ranged("chamfer")] | None = None  # m
 
     @model_validator(mode="after")
     def _not_both(self) -> CornerSection:
@@ -148,8 +157,8 @@ class BlockSection(Section):
 class WallSection(Section):
     """[wall]"""
 
-    unit: Annotated[list[Length], Field(min_length=2, max_length=2)] = Field(
-        description="[length, height] of a whole unit in metres"
+    unit: Annotated[list[Annotated[float, ranged("unit")]], Field(min_length=2, max_length=2)] = (
+        Field(description="[length, height] of a whole unit in metres")
     )
     courses: Annotated[list[Course], Field(min_length=1)] = Field(
         description='bottom to top, as in courses = ["h1111h", "11111"]'
@@ -182,16 +191,16 @@ class AnalysisSection(Section):
 
     engine: str = Analysis.engine
     strategy: Literal["displacement", "published"] = "displacement"
-    stop_multiplier: Positive = Analysis.stop_multiplier
-    increment: Positive | None = None
-    overshoot: Annotated[float, Field(ge=1.0, le=LARGEST)] | None = None
-    balance_tolerance: Positive | None = None
-    patience: Positive | None = None
-    displacement_step: Positive | None = None  # m
-    time_step: Positive | None = None  # s
-    max_steps: Positive | None = None
-    max_displacement: Positive | None = None  # m
-    mechanism_displacement: Positive | None = None  # m
+    stop_multiplier: Annotated[float, ranged("stop_multiplier")] = Analysis.stop_multiplier
+    increment: Annotated[float, ranged("increment")] | None = None
+    overshoot: Annotated[float, ranged("overshoot")] | None = None
+    balance_tolerance: Annotated[float, ranged("balance_tolerance")] | None = None
+    patience: Annotated[float, ranged("patience")] | None = None
+    displacement_step: Annotated[float, ranged("displacement_step")] | None = None  # m
+    time_step: Annotated[float, ranged("time_step")] | None = None  # s
+    max_steps: Annotated[float, ranged("max_steps")] | None = None
+    max_displacement: Annotated[float, ranged("max_displacement")] | None = None  # m
+    mechanism_displacement: Annotated[float, ranged("mechanism_displacement")] | None = None  # m
 
     @property
     def options(self) -> dict[str, float]:
@@ -205,7 +214,9 @@ class ModelSection(Section):
 
     title: str | None = None
     dimension: Literal[2] = Field(description="dimension = 2")
-    thickness: Length = Field(description="out of plane, in metres, as in thickness = 1.0")
+    thickness: Annotated[float, ranged("thickness")] = Field(
+        description="out of plane, in metres, as in thickness = 1.0"
+    )
     material: Annotated[dict[Name, MaterialSection], Field(min_length=1)] = Field(
         description="a table as [material.stone] with its unit_weight in N/m3"
     )

@@ -11,6 +11,7 @@ from pydantic_core import ErrorDetails
 
 from drystone.builders.words import quoted, suggestion
 from drystone.modelfile.schema import ModelSection, Section
+from drystone.ranges import found
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
@@ -80,12 +81,12 @@ def _complaint(kind: str, details: ErrorDetails, value: Any) -> str:
     if kind == "sentence":
         return details["msg"]
     if kind in _KINDS:
-        return f"must be {_KINDS[kind]}, it is {_found(value)}{_mend_of_type(kind, value)}"
+        return f"must be {_KINDS[kind]}, it is {found(value)}{_mend_of_type(kind, value)}"
     if kind == "finite_number":
         return f"must be a finite number, it is {value}"
     if kind in _BOUNDS:
         words, key = _BOUNDS[kind]
-        return f"must be {words} {context[key]:g}, it is {_found(value)}"
+        return f"must be {words} {context[key]:g}, it is {found(value)}"
     if kind in ("too_short", "too_long"):
         wanted = context.get("min_length" if kind == "too_short" else "max_length")
         least = "at least " if details["loc"][-1] in ("courses", "material") else ""
@@ -95,7 +96,7 @@ def _complaint(kind: str, details: ErrorDetails, value: Any) -> str:
         known = [word.strip("'") for word in re.split(r", | or ", context["expected"])]
         if isinstance(value, str) and "2" not in known:
             return f"must not be {quoted(value)}: {suggestion(value, known)}"
-        return f"must be {context['expected']}, it is {_found(value)}".replace("'", '"')
+        return f"must be {context['expected']}, it is {found(value)}".replace("'", '"')
     return f"{details['msg'][:1].lower()}{details['msg'][1:]}"
 
 
@@ -107,22 +108,6 @@ def _mend_of_type(kind: str, value: Any) -> str:
     if kind in _UNQUOTED and isinstance(value, str) and _NUMBER_OR_BOOL.fullmatch(value):
         return ": take the quotes off"
     return ""
-
-
-def _found(value: Any) -> str:
-    if value is None:
-        return "null"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return f"the text {quoted(value)}"
-    if isinstance(value, dict):
-        return "a table"
-    if isinstance(value, list):
-        return f"a list of {len(value)}"
-    if isinstance(value, int) and abs(value) > 1e15:
-        return "a whole number of too many digits"
-    return f"{value:g}" if isinstance(value, int | float) else f"a {type(value).__name__}"
 
 
 def _within(keys: Sequence[str | int], data: Any) -> str:

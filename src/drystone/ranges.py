@@ -1,0 +1,107 @@
+"""What a number of a model or an analysis may be: one table for files and for Python.
+
+The ranges are generous: anything that a structure or an analysis could have, and nothing whose
+squares, quotients or counts a computer cannot hold.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import numbers
+import re
+from dataclasses import dataclass
+from typing import Any
+
+_NUMBER = re.compile(r"[-+]?\d+\.?\d*([eE][-+]?\d+)?")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Range:
+    """Numbers from `least` to `most`, both allowed."""
+
+    least: float
+    most: float
+    unit: str = ""  # for messages; "" for a pure number
+    whole: bool = False
+
+    def problem(self, value: Any) -> str | None:
+        """What is wrong with a value, as the end of a sentence that begins with its key."""
+        if isinstance(value, bool) or not isinstance(value, numbers.Real):
+            return f"must be a number, it is {found(value)}{_without_quotes(value)}"
+        try:
+            number = float(value)
+        except OverflowError:
+            return f"must be a number, it is {found(value)}"
+        if not math.isfinite(number):
+            return f"must be a finite number, it is {number}"
+        if self.whole and not number.is_integer():
+            return f"must be a whole number, it is {number:g}"
+        if number <= 0.0 < self.least < 1.0:
+            return f"must be greater than 0, it is {number:g}"
+        if number < self.least:
+            return f"must be at least {self.least:g}, it is {number:g}{self._mend()}"
+        if number > self.most:
+            return f"must be at most {self.most:g}, it is {number:g}{self._mend()}"
+        return None
+
+    def _mend(self) -> str:
+        return f": give it in {self.unit}" if self.unit and self.least else ""
+
+
+#: By the names that files and functions know them under.
+RANGES = {
+    "thickness": Range(least=1e-6, most=1e6, unit="m"),
+    "unit_weight": Range(least=1e-3, most=1e9, unit="N/m3"),
+    "density": Range(least=1e-4, most=1e8, unit="kg/m3"),
+    "friction_coefficient": Range(least=0.0, most=1e6),
+    "normal_stiffness": Range(least=1e-3, most=1e20, unit="Pa/m"),
+    "shear_stiffness": Range(least=1e-3, most=1e20, unit="Pa/m"),
+    "dilatancy_angle": Range(least=0.0, most=89.9, unit="degrees"),
+    "dilatancy_end": Range(least=0.0, most=1e6, unit="m"),
+    "cohesion": Range(least=0.0, most=1e15, unit="Pa"),
+    "tensile_strength": Range(least=0.0, most=1e15, unit="Pa"),
+    "radius": Range(least=0.0, most=1e6, unit="m"),
+    "chamfer": Range(least=0.0, most=1e6, unit="m"),
+    "unit": Range(least=1e-6, most=1e6, unit="m"),
+    "coordinate": Range(least=-1e8, most=1e8, unit="m"),
+    "direction": Range(least=-1e9, most=1e9),
+    "stop_multiplier": Range(least=1e-9, most=1e6),
+    "increment": Range(least=1e-9, most=1e3),
+    "overshoot": Range(least=1.0, most=100.0),
+    "balance_tolerance": Range(least=1e-12, most=1e3),
+    "patience": Range(least=0, most=1_000_000_000, whole=True),
+    "displacement_step": Range(least=1e-9, most=1e6, unit="m"),
+    "time_step": Range(least=1e-9, most=1e6, unit="s"),
+    "max_steps": Range(least=1, most=1_000_000_000, whole=True),
+    "max_displacement": Range(least=1e-9, most=1e8, unit="m"),
+    "mechanism_displacement": Range(least=0.0, most=1e8, unit="m"),
+}
+
+
+def problem(name: str, value: Any) -> str | None:
+    """What is wrong with the number of that name, as a sentence "name: must be ..."."""
+    found_wrong = RANGES[name].problem(value) if name in RANGES else None
+    return None if found_wrong is None else f"{name}: {found_wrong}"
+
+
+def found(value: Any) -> str:
+    """A value as a message shows it."""
+    if value is None:
+        return "null"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        text = value if len(value) <= 60 else value[:60] + "..."
+        return f"the text {json.dumps(text, ensure_ascii=False)}"
+    if isinstance(value, dict):
+        return "a table"
+    if isinstance(value, list):
+        return f"a list of {len(value)}"
+    if isinstance(value, int) and abs(value) > 1e15:
+        return "a whole number of too many digits"
+    return f"{value:g}" if isinstance(value, int | float) else f"a {type(value).__name__}"
+
+
+def _without_quotes(value: Any) -> str:
+    return ": take the quotes off" if isinstance(value, str) and _NUMBER.fullmatch(value) else ""
