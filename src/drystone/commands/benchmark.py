@@ -93,9 +93,11 @@ def benchmark(
     with outcome(as_json=as_json, begun=lambda: begun):
         from drystone.benchmark import benchmark as analyse
         from drystone.builders.published import PUBLISHED_WALLS
+        from drystone.commands.compiler import compiling
         from drystone.commands.progress import progress_for
         from drystone.export.benchmark import recorded_curves, write_benchmark
         from drystone.export.folder import check_writable
+        from drystone.model import Analysis
 
         walls = list(dict.fromkeys(wall or PUBLISHED_WALLS))
         check_writable(out)
@@ -104,14 +106,16 @@ def benchmark(
                 recorded_curves(
                     reference, number
                 )  # a fault in them is better known before the work
-        result = analyse(
-            walls=walls,
-            engines=list(dict.fromkeys(engine or ())),
-            strategy=strategy.value,
-            progress=lambda title, model: progress_for(
-                title, model.analysis.stop_multiplier, quiet=quiet
-            ),
-        )
+        engines = list(dict.fromkeys(engine or ()))
+        with compiling(engines[0] if engines else Analysis().engine, quiet=quiet or as_json):
+            result = analyse(
+                walls=walls,
+                engines=engines,
+                strategy=strategy.value,
+                progress=lambda title, model: progress_for(
+                    title, model.analysis.stop_multiplier, quiet=quiet
+                ),
+            )
         rows = result.rows
         unfinished = [row for row in rows if row.status != "finished"]
         problems = [f"wall {row.wall}, {row.engine}: {row.reason}" for row in unfinished]

@@ -64,6 +64,7 @@ def limit(
     """Find the collapse multiplier and the mechanism by limit analysis of rigid blocks."""
     begun = False
     with outcome(as_json=as_json, begun=lambda: begun):
+        from drystone.commands.compiler import compiling
         from drystone.export.limit import collapse_to_dict, write_collapse
         from drystone.limit import FLOWS, NonAssociativeSettings, collapse_loads, default_paths
         from drystone.modelfile import ModelError, read_model
@@ -81,9 +82,10 @@ def limit(
         settings = NonAssociativeSettings(
             alpha=alpha, beta=beta, n_paths=paths or default_paths(model.assembly)
         )
-        results = collapse_loads(
-            model, flows=FLOWS if flow is None else (flow.value,), settings=settings
-        )
+        with compiling("", quiet=quiet or as_json):
+            results = collapse_loads(
+                model, flows=FLOWS if flow is None else (flow.value,), settings=settings
+            )
         code = max(STATUSES[result.status] for result in results)
         problems = [
             f"{model_file}: {result.reason}"

@@ -49,6 +49,7 @@ def run(
     folder = out or Path(f"{model_file.stem}-results")
     begun = False
     with outcome(as_json=as_json, begun=lambda: begun):
+        from drystone.commands.compiler import compiling
         from drystone.commands.progress import progress_for
         from drystone.engines import engine_names
         from drystone.export.directory import ResultsDirectory, files_of
@@ -59,25 +60,26 @@ def run(
         model = read_model(model_file, engines=engine_names())
         check_writable(folder)  # better known before the work
         check_apart(model_file, files_of(folder))
-        beside = limits_beside(model)
-        with ResultsDirectory(
-            folder, mechanism_displacement=mechanism_at, beside=beside
-        ) as results:
-            from drystone.analysis import pushover
+        with compiling(engine or model.analysis.engine, quiet=quiet or as_json):
+            beside = limits_beside(model)
+            with ResultsDirectory(
+                folder, mechanism_displacement=mechanism_at, beside=beside
+            ) as results:
+                from drystone.analysis import pushover
 
-            try:
-                with progress_for(
-                    model_file.stem, model.analysis.stop_multiplier, quiet=quiet
-                ) as progress:
-                    curve = pushover(
-                        model,
-                        engine=engine,
-                        strategy=strategy.value if strategy else None,
-                        recorder=results,
-                        progress=progress,
-                    )
-            finally:
-                begun = results.begun
+                try:
+                    with progress_for(
+                        model_file.stem, model.analysis.stop_multiplier, quiet=quiet
+                    ) as progress:
+                        curve = pushover(
+                            model,
+                            engine=engine,
+                            strategy=strategy.value if strategy else None,
+                            recorder=results,
+                            progress=progress,
+                        )
+                finally:
+                    begun = results.begun
         if not curve.points:
             reason = f"{curve.status} before the first point, nothing was written: {curve.reason}"
             fail(exit_code(curve.status), [reason], as_json=as_json, status=curve.status)

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from importlib import import_module
+from pkgutil import iter_modules
 from types import TracebackType
 from typing import Any, Self
 
+from numba import typeof
 from numba.core import event
+from numba.core.dispatcher import Dispatcher
+
+from drystone import kernels
 
 COMPILE = "numba:compile"  # what is loaded from the cache on disk is no such event
 
@@ -54,3 +60,42 @@ class Compilation(event.Listener):
         trace: TracebackType | None,
     ) -> None:
         event.unregister(COMPILE, self)
+
+
+def rehearse(run: Callable[[], object]) -> list[tuple[Any, tuple[Any, ...]]]:
+    """Kernels that ``run`` calls and the types it calls them with, without compiling any.
+
+    They are interpreted, which is fast enough for a very small structure.  To be called in a
+    process of its own, before anything has imported a kernel by name.
+    """
+    modules = [import_module(f"{__package__}.{m.name}") for m in iter_modules(kernels.__path__)]
+    found = [
+        (module, name, value)
+        for module in modules
+        for name, value in vars(module).items()
+        if isinstance(value, Dispatcher)
+    ]
+    calls: dict[tuple[Any, tuple[Any, ...]], None] = {}  # as a set in order
+    depth = 0
+
+    def interpreted(kernel: Any) -> Callable[..., Any]:
+        def call(*arguments: Any) -> Any:
+            nonlocal depth
+            if not depth:  # the compiler finds by itself what a kernel calls
+                calls[kernel, tuple(map(typeof, arguments))] = None
+            depth += 1
+            try:
+                return kernel.py_func(*arguments)
+            finally:
+                depth -= 1
+
+        return call
+
+    for module, name, kernel in found:
+        setattr(module, name, interpreted(kernel))
+    try:
+        run()
+    finally:
+        for module, name, kernel in found:
+            setattr(module, name, kernel)
+    return list(calls)

@@ -1,0 +1,147 @@
+"""The first run: the notice, the time apart, the process that helps."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+import synthetic
+from numba import njit
+from typer.testing import CliRunner
+
+import drystone as ds
+from builders import stack
+from drystone.cli import app
+from drystone.commands import compiler
+from drystone.commands.outcome import tell
+
+
+@pytest.fixture(autouse=True)
+def told(monkeypatch, untold):
+    """Unlike in other tests."""
+    monkeypatch.setattr(compiler, "tell", tell)
+
+
+@pytest.fixture
+def slow_to_compile(monkeypatch):
+    """An engine that compiles something as it starts, as on a machine's first run."""
+    from drystone.engines.equilibrium import EquilibriumEngine
+
+    start = EquilibriumEngine.start
+
+    def compiling(self, problem):
+        @njit
+        def inner(x):
+            return x + 1
+
+        @njit
+        def outer(x):
+            return 2 * inner(x)
+
+        assert outer(1) == 4
+        return start(self, problem)
+
+    monkeypatch.setattr(EquilibriumEngine, "start", compiling)
+    monkeypatch.setattr(compiler, "_processors", lambda: 1)  # helped by no process
+
+
+@pytest.fixture
+def model_file(tmp_path):
+    path = tmp_path / "stack.toml"
+    ds.write_model(stack((0.4, 0.9)).with_analysis(max_steps=3, engine="equilibrium"), path)
+    return path
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, ["run", *map(str, arguments)])
+
+
+def test_compilation_is_told_once_and_timed_with_what_is_inside(slow_to_compile):
+    told = []
+    with ds.Compilation(lambda: told.append("begun")) as compilation:
+        curve = ds.pushover(stack((0.4, 0.9)), max_steps=3)
+    assert told == ["begun"]
+    assert compilation.n_kernels >= 2
+    # One after the other is told of each kernel, microseconds apart.
+    assert 0.0 < curve.compile_time <= compilation.seconds + 1e-3
+
+
+def test_time_of_compilation_is_not_in_the_wall_time(slow_to_compile, monkeypatch):
+    """Both together are the time that passed, on a clock of ours."""
+    model = stack((0.4, 0.9))
+    ds.pushover(model, max_steps=3)  # everything else is compiled or loaded
+    compiled = ds.pushover(model, max_steps=3)
+    assert compiled.compile_time > 0.0
+    monkeypatch.undo()
+    plain = ds.pushover(model, max_steps=3)
+    assert plain.compile_time == 0.0
+    # Three steps of one block take milliseconds, the compiler a good part of a second.
+    assert compiled.wall_time < compiled.compile_time + plain.wall_time
+
+
+def test_first_run_says_what_it_waits_for(slow_to_compile, model_file, tmp_path):
+    result = run(model_file, "--out", tmp_path / "out")
+    lines = result.stderr.splitlines()
+    assert (
+        lines[0]
+        == "drystone: compiling, once on this machine: 15 seconds or so where nothing else runs"
+    )
+    assert lines[1].startswith("drystone: compiled in ")
+    summary = json.loads((tmp_path / "out/summary.json").read_text())
+    assert summary["compile_time"] > 0.0
+
+
+@pytest.mark.parametrize("option", ["--quiet", "--json"])
+def test_notice_is_left_out_where_nobody_reads_it(slow_to_compile, model_file, tmp_path, option):
+    result = run(model_file, "--out", tmp_path / "out", option)
+    assert "compil" not in result.stderr
+
+
+def test_later_runs_say_nothing(model_file, tmp_path):
+    run(model_file, "--out", tmp_path / "out")  # all there is to compile
+    assert "compil" not in run(model_file, "--out", tmp_path / "out").stderr
+
+
+@pytest.mark.parametrize("engine", compiler.REHEARSED)
+def test_rehearsal_finds_what_a_run_calls(engine):
+    """In a process of its own; the types are those that the kernels are compiled for in ours."""
+    listed = synthetic.python(
+        "import sys, json; from drystone.commands import compiler\n"
+        "from drystone.kernels.compilation import rehearse\n"
+        "found = rehearse(lambda: compiler._small_run(sys.argv[1]))\n"
+        "print(json.dumps([[k.__module__, k.__name__, str(t)] for k, t in found]))",
+        engine,
+    )
+    found = json.loads(listed.stdout)
+    assert len(found) > 10
+    compiler._small_run(engine)
+    for module, name, types in found:
+        kernel = getattr(sys.modules[module], name)
+        assert types in [str(signature) for signature in kernel.signatures]
+
+
+@pytest.mark.slow
+def test_second_process_compiles_all_that_a_run_needs(tmp_path):
+    """Into an empty cache; a minute or so."""
+    environment = {**synthetic.environment(), "NUMBA_CACHE_DIR": str(tmp_path)}
+    subprocess.run(
+        [sys.executable, "-m", "drystone.commands.compiler", "equilibrium"],
+        check=True,
+        env=environment,
+    )
+    count = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            "import drystone as ds; from drystone.commands import compiler\n"
+            "with ds.Compilation() as c: compiler._small_run('equilibrium')\n"
+            "print(c.n_kernels)",
+        ],
+        check=True,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+    assert count.stdout.strip() == "0"
+    assert os.listdir(tmp_path)
