@@ -265,6 +265,25 @@ class TestStanding:
         assert '"tips"' in str(error.value)
         assert '"steady"' not in str(error.value)
 
+    @pytest.mark.parametrize("solver", [*ENGINES, "distinct"])
+    def test_a_block_with_next_to_no_support_falls_in_the_same_words(self, solver):
+        """0.1 m of its 2.1 m rest on the base."""
+        blocks = [
+            Block(
+                id="base",
+                vertices=rectangle(-1.0, -1.0, 2.0, 1.0),
+                unit_weight=UNIT_WEIGHT,
+                support=True,
+            ),
+            Block(id="tips", vertices=rectangle(0.9, 0.0, 2.1, 0.5), unit_weight=UNIT_WEIGHT),
+        ]
+        model = make_model(blocks, joint=PUBLISHED_JOINT, thickness=1.0, load_direction=(1.0, 0.0))
+        said = (
+            r"^the structure does not stand under its own weight: \"tips\" \(\d+ mm\) keep moving$"
+        )
+        with pytest.raises(UnstableError, match=said):
+            started(model, solver)
+
     def test_a_stack_that_leans_too_far(self, engine):
         """Three bricks, each 0.12 m further out, the lowest past the end of the base at 0.3 m.
 

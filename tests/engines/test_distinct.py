@@ -11,9 +11,12 @@ from builders import UNIT_WEIGHT, problem_of, rectangle, stack, stiff_joint
 from drystone.analysis import pushover
 from drystone.assembly import Block, Corner, JointLaw
 from drystone.builders import make_model
+from drystone.builders.arch import circular_arch
 from drystone.builders.wall import coursed_wall
 from drystone.engines.base import Demand, EngineError, UnstableError
 from drystone.engines.distinct import DistinctEngine, DistinctSettings, Workspace
+from drystone.kernels import explicit
+from drystone.limit import ASSOCIATIVE, collapse_load
 from drystone.model import Model
 
 JOINT = JointLaw(friction_coefficient=0.65, normal_stiffness=1e8, shear_stiffness=1e11)
@@ -87,6 +90,47 @@ class TestTimeStep:
         scaled, longer = engine.masses(state.slots, state.pairs, real=True)
         assert longer == pytest.approx(10.0 * dt)
         assert (scaled >= real).all()
+
+
+class TestMasses:
+    def test_a_block_that_touches_nothing_has_one(self):
+        """It falls onto the column below, with no division by zero; the column bears both."""
+        outlines = {
+            "base": rectangle(-1.0, -0.2, 2.0, 0.2),
+            "b1": rectangle(-0.2, 0.0, 0.4, 0.4),
+            "b2": rectangle(-0.2, 0.4, 0.4, 0.2),
+        }
+        blocks = [
+            Block(id=name, vertices=v, unit_weight=UNIT_WEIGHT, support=name == "base")
+            for name, v in outlines.items()
+        ]
+        model = make_model(blocks, joint=JOINT, thickness=1.0, load_direction=(1.0, 0.0))
+        engine = DistinctEngine()
+        lifted = model.assembly.rest_pose()
+        lifted[2, 1] = 0.05  # out of the reach within which contacts count
+        state = engine.release(problem_of(model), lifted)
+        mass, _ = engine.masses(state.slots, state.pairs, real=False)
+        assert (mass[1:] > 0.0).all()
+        work = Workspace(engine, state, real_masses=False)
+        assert work.run(engine.settings.max_cycles, tolerance=1e-5 * engine.scale)
+        # Closed by the weight of one block under b2, of both under b1: 5 and 15 um at 1e8 Pa/m.
+        closing = np.array([0.6, 0.2]) * UNIT_WEIGHT / JOINT.normal_stiffness
+        expected = -np.array([closing[0], closing.sum()])
+        np.testing.assert_allclose(work.motion.pose[1:, 1], expected, rtol=1e-3)
+
+    def test_where_nothing_touches_blocks_fall_with_their_own(self):
+        engine = DistinctEngine()
+        problem = problem_of(stack((0.4, 0.4), joint=JOINT))
+        pose = problem.assembly.rest_pose()
+        pose[1, 1] = 0.3
+        state = engine.release(problem, pose)
+        mass, dt = engine.masses(state.slots, state.pairs, real=False)
+        work = Workspace(engine, state, real_masses=False)
+        work.run(50)
+        np.testing.assert_array_equal(mass, engine.problem.assembly.mass)
+        # Local damping takes half of the weight off a block that moves: from the second cycle on.
+        fallen = 9.81 * dt**2 * (50 + 50 * 49 / 4)
+        assert pose[1, 1] - work.motion.pose[1, 1] == pytest.approx(fallen, rel=1e-9)
 
 
 class TestSearch:
@@ -172,10 +216,61 @@ class TestStep:
         with pytest.raises(UnstableError, match='"b2"'):
             DistinctEngine().start(problem_of(model))
 
+    @pytest.mark.parametrize("time_step", [1e-300, 1e6])
+    def test_says_what_time_steps_it_can_take(self, time_step):
+        """Two cycles at least, and no more at once than a user would wait for."""
+        engine = DistinctEngine()
+        state, _ = engine.start(problem_of(small_wall()))
+        same, report = engine.step(state, Demand(multiplier=0.1, time_step=time_step))
+        assert same is state
+        assert not report.converged
+        assert report.reason.startswith(f"a time step of {time_step:.1e} s is")
+        assert "from 2 to 200000 at a time" in report.reason
+        assert report.n_iterations <= 2
+
+    def test_can_be_interrupted(self, monkeypatch):
+        """No call of the compiled cycles is longer than a thousand of them."""
+        calls = []
+        cycle = explicit.cycle
+        monkeypatch.setattr(
+            explicit, "cycle", lambda *given: calls.append(given[6]) or cycle(*given)
+        )
+        engine = DistinctEngine()
+        state, _ = engine.start(problem_of(small_wall()))
+        engine.step(state, Demand(multiplier=0.1, time_step=0.5))
+        assert max(calls) <= 1000
+
+    @pytest.mark.parametrize("multiplier", [1e6, 1e30, 1e300])
+    def test_numbers_of_no_meaning_are_no_step(self, multiplier):
+        """Blocks that fly farther than the structure is large, or that overflow, are told."""
+        engine = DistinctEngine()
+        state, _ = engine.start(problem_of(small_wall()))
+        same, report = engine.step(state, Demand(multiplier=multiplier, time_step=0.05))
+        assert same is state
+        assert not report.converged
+        assert "runs away" in report.reason
+
     def test_needs_stiffnesses(self):
         law = JointLaw(friction_coefficient=0.65, normal_stiffness=None, shear_stiffness=None)
         with pytest.raises(EngineError, match="normal_stiffness"):
             DistinctEngine().start(problem_of(stack((0.4, 0.4), joint=law)))
+
+
+def test_stiff_arch_is_not_past_its_peak_at_its_first_points():
+    """Semicircular, 17 voussoirs, inner radius 3.75 m, 0.5 m thick, k_n = 1e11 Pa/m.
+
+    Four hinges under a horizontal load: limit analysis, which knows of no elasticity, has the
+    peak; 0.5 %: the joints' compression, and what the chord to the peak may hide (0.2 %).
+    """
+    blocks = circular_arch(
+        radius=4.0, thickness=0.5, embrace=180.0, n_voussoirs=17, unit_weight=20e3
+    )
+    law = JointLaw(friction_coefficient=0.7, normal_stiffness=1e11, shear_stiffness=1e11)
+    model = make_model(blocks, joint=law, thickness=1.0, load_direction=(1.0, 0.0))
+    curve = pushover(model, engine="distinct", strategy="displacement", max_displacement=1e-4)
+    limit = collapse_load(model, flow=ASSOCIATIVE).load_multiplier
+    assert curve.peak.load_multiplier == pytest.approx(limit, rel=5e-3)
+    assert curve.peak.step >= 3
 
 
 @pytest.mark.parametrize(

@@ -48,8 +48,11 @@ FREE_TIME_STEP = 1e-3
 #: smallest block size, or of what blocks may move between two searches.
 WATCHED = 1e-3
 
-#: Cycles between two looks at whether an increment is reached or a block runs away.
-CHUNKS, ROUND = 10, 1000
+#: Looks at whether an increment is reached while it is driven.
+CHUNKS = 10
+
+#: Most cycles of one call, which nothing interrupts.
+ROUND = 1000
 
 #: Stages in which a driven increment ends, and the rate of each over that of the one before.
 STAGES, SLOWER = 4, 0.25
@@ -71,7 +74,7 @@ class DistinctSettings:
     tolerance: float = 1e-5  # unbalanced force at rest over the heaviest weight, -
     drive_cycles: int = 600  # in which an increment is driven
     max_cycles: int = 200_000  # of one step
-    max_motion: float = 10.0  # motion in one step over the smallest block size, -
+    max_motion: float = 2.0  # motion in a step over the size of the whole structure, -
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,12 +116,32 @@ class Energy:
         )
 
 
-class Workspace:
-    """Contacts, motion and masses while the cycles of one step run."""
+class RunAwayError(EngineError):
+    """A block has moved farther than any step may move one."""
 
-    def __init__(self, engine: DistinctEngine, state: DistinctState, *, real_masses: bool) -> None:
+    def __init__(self, name: str, motion: Array) -> None:
+        super().__init__(f'the block "{name}" runs away, and no rest is found for it')
+        self.motion = motion  # m, of each block, (n,)
+
+
+class Workspace:
+    """Contacts, motion and masses while the cycles of one step run.
+
+    Blocks may move by ``farthest`` [m] from where the step starts; beyond, `run` raises
+    `RunAwayError`.
+    """
+
+    def __init__(
+        self,
+        engine: DistinctEngine,
+        state: DistinctState,
+        *,
+        real_masses: bool,
+        farthest: float = np.inf,
+    ) -> None:
         self.engine = engine
         self.real_masses = real_masses
+        self.begin, self.farthest = state.pose, farthest
         self.pairs = state.pairs
         self.slots = copied(state.slots)
         self.history = state.history.copy()
@@ -149,21 +172,38 @@ class Workspace:
     def run(
         self, n_cycles: int, *, guided: bool = False, rate: float = 0.0, tolerance: float = -1.0
     ) -> bool:
-        """Cycles with searches between them; whether they ended because all is balanced."""
+        """Cycles with searches between them; whether they ended because all is balanced.
+
+        Raises `RunAwayError`.
+        """
         s = self.engine.settings
         last = self.n_cycles + n_cycles
         while self.n_cycles < last:
             why, used = explicit.cycle(
                 self.contacts, self.n_contacts, self.motion, self.loads, self.searched, self.dt,
-                last - self.n_cycles, self.multiplier, guided, rate, s.local_damping,
+                min(last - self.n_cycles, ROUND), self.multiplier, guided, rate, s.local_damping,
                 s.viscous_damping, tolerance, self.engine.search_reach, self.meter,
             )  # fmt: skip
             self.n_cycles += used
             if why == explicit.MOVED:
+                self._stop_runaways()
                 self.search()
             elif why == explicit.BALANCED:
                 return True
         return False
+
+    def gone(self) -> Array:
+        """How far each block has moved since the step began [m], (n,)."""
+        pose = self.motion.pose
+        finite = np.asarray(np.isfinite(pose).all(axis=1))
+        moved = self.engine.detector.motion(np.where(finite[:, None], pose - self.begin, 0.0))
+        return np.where(finite, moved, np.inf)
+
+    def _stop_runaways(self) -> None:
+        gone = self.gone()
+        if not gone.max() <= self.farthest or np.isinf(gone).any():
+            name = self.engine.problem.assembly.ids[int(gone.argmax())]
+            raise RunAwayError(name, gone)
 
     def cycle_once(self) -> None:
         """One cycle at the present multiplier, without a search after it."""
@@ -178,8 +218,6 @@ class Workspace:
     def search(self) -> None:
         """Find all contacts anew; those that persist keep their history."""
         detector, pose = self.engine.detector, self.motion.pose
-        if not np.isfinite(pose).all():
-            raise EngineError("the cycles are unstable: lower the safety factor of the time step")
         self.unpack()
         if self.real_masses:
             self.search_work += self.engine.elastic_energy(self.pairs, self.slots, self.history)
@@ -278,14 +316,14 @@ class DistinctEngine:
 
     def start(self, problem: Problem) -> tuple[DistinctState, StepReport]:
         """Settle under the dead load; raises `UnstableError`."""
-        state = self.release(problem)
-        work = Workspace(self, state, real_masses=False)
-        for _ in range(self.settings.max_cycles // ROUND):
-            if work.run(ROUND, tolerance=self.settings.tolerance * self.scale):
+        s, state = self.settings, self.release(problem)
+        work = Workspace(self, state, real_masses=False, farthest=self.size)
+        try:
+            if work.run(s.max_cycles, tolerance=s.tolerance * self.scale):
                 return self._rest(state, work)
-            if self.detector.motion(work.motion.pose).max() > self.size:
-                break
-        motion = self.detector.motion(work.motion.pose)
+            motion = work.gone()
+        except RunAwayError as error:
+            motion = error.motion
         raise UnstableError(unstable_sentence(problem.assembly.ids, motion))
 
     def release(
@@ -308,6 +346,10 @@ class DistinctEngine:
         self.extent = np.maximum(self.detector.extent, 1e-12)
         self.scale = assembly.heaviest_weight
         self.size = assembly.smallest_extent
+        moving = ~assembly.fixed
+        self.span = float(
+            np.ptp(assembly.centroid[moving], axis=0).max() + self.extent[moving].max()
+        )
         self.search_reach = self.settings.search_tolerance * self.size
         pose = assembly.rest_pose() if pose is None else np.array(pose, float)
         pairs = self.detector.pairs(pose)
@@ -349,15 +391,14 @@ class DistinctEngine:
             np.inf if real else 3.0 * max(self.search_reach, WATCHED * self.size), blocks,
         )  # fmt: skip
         blocks *= 0.25 * (1.0 + s.local_damping) / s.safety**2
-        # Masses for which a time step of one is stable; a block that touches nothing gets some too.
-        needed = np.einsum("nii->ni", blocks)
-        needed = np.maximum(needed, 1e-3 * needed[~assembly.fixed].max(axis=0) + 1e-30)
-        needed *= _highest(blocks, needed)[:, None]
         scaling = s.mass_scaling or (1.0 if real else np.inf)
+        needed = _needed(blocks, assembly.fixed)
+        if needed is None:
+            return assembly.mass, FREE_TIME_STEP
         if np.isinf(scaling):
             return needed, 1.0
         highest = _highest(blocks, assembly.mass)[~assembly.fixed].max()
-        dt = float(np.sqrt(scaling / highest)) if highest > 0.0 else FREE_TIME_STEP
+        dt = float(np.sqrt(scaling / highest))
         if scaling == 1.0:
             return assembly.mass, dt
         return np.maximum(assembly.mass, needed * dt**2), dt
@@ -406,23 +447,17 @@ class DistinctEngine:
         """Drive the control displacement on by an increment, then hold and balance."""
         s = self.settings
         at_rest = replace(state, velocity=np.zeros_like(state.velocity))
-        work = Workspace(self, at_rest, real_masses=False)
-        self._drive(state, work, increment)
-        motion = work.motion
-        gone = self.detector.motion(motion.pose - state.pose)
-        for _ in range(s.max_cycles // ROUND):
-            balanced = work.run(ROUND, guided=True, tolerance=s.tolerance * self.scale)
-            gone = self.detector.motion(motion.pose - state.pose)
-            if not gone.max() <= s.max_motion * self.size:  # nor where it is not a number
-                break
-            if balanced:
+        work = Workspace(self, at_rest, real_masses=False, farthest=s.max_motion * self.span)
+        try:
+            self._drive(state, work, increment)
+            if work.run(s.max_cycles, guided=True, tolerance=s.tolerance * self.scale):
                 return self._rest(state, work)
+        except RunAwayError as error:
+            return state, _failed(str(error), work)
         left = work.meter[explicit.RESIDUAL] / self.scale
-        reason = f"an unbalanced force of {left:.1e} weights is left after {work.n_cycles} cycles"
-        if not gone.max() <= s.max_motion * self.size:
-            name = self.problem.assembly.ids[int(gone.argmax())]
-            reason = f'the block "{name}" runs away, and no rest is found for it'
-        return state, StepReport(converged=False, reason=reason, n_iterations=work.n_cycles)
+        return state, _failed(
+            f"an unbalanced force of {left:.1e} weights is left after {work.n_cycles} cycles", work
+        )
 
     def _drive(self, state: DistinctState, work: Workspace, increment: float) -> None:
         """Move on at a constant rate of F.x until the control displacement is reached, then stop.
@@ -473,20 +508,27 @@ class DistinctEngine:
         begin = replace(state, multiplier=demand.multiplier)
         if demand.stop_blocks:
             begin = replace(begin, velocity=np.zeros_like(state.velocity))
-        work = Workspace(self, begin, real_masses=True)
-        n = max(round(demand.time_step / work.dt), 2)
-        work.run(n // 2)
-        work.motion.mean[:], work.motion.opposed[:] = 0.0, 0.0
-        n -= n // 2
-        work.run(n)
+        work = Workspace(
+            self, begin, real_masses=True, farthest=self.settings.max_motion * self.span
+        )
+        cycles, most = demand.time_step / work.dt, self.settings.max_cycles
+        n = max(round(min(cycles, most)), 2)
+        if cycles <= most:
+            try:
+                work.run(n // 2)
+                work.motion.mean[:], work.motion.opposed[:] = 0.0, 0.0
+                n -= n // 2
+                work.run(n)
+            except RunAwayError as error:
+                return state, _failed(str(error), work)
+        if not 1.5 <= cycles <= most:
+            return state, _failed(
+                f"a time step of {demand.time_step:.1e} s is {cycles:.1e} cycles of the distinct "
+                f"engine, which takes from 2 to {most} at a time: choose another time_step",
+                work,
+            )
         work.unpack()
         motion, loads = work.motion, self.loads
-        gone = float(self.detector.motion(motion.pose - state.pose).max())
-        if not gone <= self.settings.max_motion * self.size:  # nor where it is not a number
-            reason = "a block moves too far in one step"
-            return state, StepReport(
-                converged=False, reason=reason, motion=gone, n_iterations=work.n_cycles
-            )
         load = loads.dead + work.multiplier * loads.pattern
         contact, unbalanced = motion.mean / n - load, motion.mean / n
         forces = Forces(contact=contact, load=load, inertia=motion.opposed / n)
@@ -594,6 +636,26 @@ class DistinctEngine:
 
     def close(self) -> None:
         """Nothing is held."""
+
+
+def _failed(reason: str, work: Workspace) -> StepReport:
+    return StepReport(converged=False, reason=reason, n_iterations=work.n_cycles)
+
+
+def _needed(blocks: Array, fixed: NDArray[np.bool_]) -> Array | None:
+    """Masses for which a time step of one is stable, (n, n_dof); None where no block is touched.
+
+    A block that touches nothing gets the largest: it falls as slowly as the stiffest block moves,
+    and is caught where it lands.
+    """
+    stiffness = np.einsum("nii->ni", blocks)
+    touched = stiffness.any(axis=1) & ~fixed
+    if not touched.any():
+        return None
+    needed = np.maximum(stiffness, 1e-3 * stiffness[~fixed].max(axis=0) + 1e-30)
+    needed *= _highest(blocks, needed)[:, None]
+    needed[~touched] = needed[touched].max(axis=0)
+    return np.asarray(needed, dtype=np.float64)
 
 
 def _highest(blocks: Array, mass: Array) -> Array:

@@ -264,7 +264,8 @@ def cycle(
         Return `BALANCED` when no unbalanced force, or moment over extent, exceeds it [N];
         negative: never.
     reach
-        Return `MOVED` when a body has moved so far from ``origin`` [m].
+        Return `MOVED` when a body has moved so far from ``origin`` [m], or is lost in
+        overflow.
     meter
         (N_METER,) multiplier of the last cycle; work done by friction, damping and loads, added
         to [J]; largest unbalanced force when last looked at [N]; cycles so far.
@@ -450,7 +451,8 @@ def cycle(
             turn[i, 0] = cosine * c_old - sine * turn[i, 1]
             turn[i, 1] = sine * c_old + cosine * turn[i, 1]
             far = abs(pose[i, 0] - origin[i, 0]) + abs(pose[i, 1] - origin[i, 1])
-            moved = moved or far + extent[i] * abs(pose[i, 2] - origin[i, 2]) > reach
+            far += extent[i] * abs(pose[i, 2] - origin[i, 2])
+            moved = moved or not far <= reach  # nor where it is not a number
         if look:
             meter[RESIDUAL] = np.sqrt(worst)
         balanced = look and worst <= tolerance * tolerance and tolerance > 0.0
