@@ -27,6 +27,9 @@ from drystone.engines.base import Demand, StepReport
 FOLLOWING, NEARING, CROSSING = 0, 1, 2
 
 
+#: A step in which the curve rises by less than this share of what it did may hide its peak.
+KINK = 0.1
+
 #: Share of a step from which on it is not worth taking again to there.
 ALL_BUT = 0.98
 
@@ -140,11 +143,7 @@ class DisplacementControl:
             return finer if finer > 1e-3 * least else None
         scale = max(state.highest, multiplier, 10.0 * s.stop_multiplier)
         if report.excess is None or report.bend is None:  # the engine does not tell
-            past = multiplier < state.last and state.last == state.highest
-            ahead = state.slope * state.increment > 0.1 * s.peak_share * scale
-            if past and ahead and state.increment > least:
-                return max(0.4 * state.increment, least)
-            return None
+            return self._nearer(state, multiplier, scale, least)
         excess, share = report.excess
         highest = max(state.last, multiplier) + excess > state.highest
         hidden = excess > s.peak_share * scale and highest
@@ -156,6 +155,22 @@ class DisplacementControl:
         if hidden and least < share * state.increment < ALL_BUT * state.increment:
             return share * state.increment
         return None
+
+    def _nearer(self, state: _State, multiplier: float, scale: float, least: float) -> float | None:
+        """A smaller increment where the curve, going on as it rose, might peak within the step."""
+        s = self.settings
+        ahead = state.slope * state.increment
+        if state.last != state.highest or ahead <= 0.0:
+            return None
+        rise = max(multiplier - state.last, 0.0)
+        hidden = ahead - rise
+        if hidden > s.bend_share * scale:
+            least = min(least, s.refined_share * state.closing)
+        elif multiplier >= state.last or hidden <= 0.1 * s.peak_share * scale:
+            return None
+        if rise > KINK * ahead or state.increment <= least:
+            return None
+        return max(0.4 * state.increment, least)
 
     def _snaps(self, state: _State, report: StepReport) -> bool:
         """Whether a step has passed a jump worth showing, where the path turned back."""
