@@ -75,14 +75,20 @@ class ExcessControl:
         # A steady step differs from the static multiplier by little more than the excess.  Where it
         # is far more, a block has come loose, whose fall says nothing of the rest: the carried
         # multiplier, between static and applied, is then the safe one to go on from.
-        unexplained = abs(report.applied_multiplier - report.static_multiplier)
-        dynamic = unexplained > LOOSE + 2.0 * (state.excess + state.drop)
-        static = report.carried_multiplier if dynamic else report.static_multiplier
+        applied = report.applied_multiplier
+        explained = LOOSE + 2.0 * (state.excess + state.drop)
+        loose = abs(applied - report.static_multiplier) > explained
+        # Nor does a structure from rest tell of more than it was pushed with: where the pattern
+        # does next to no work on its motion, what virtual work says is noise.
+        beyond = report.static_multiplier > applied + LOOSE
+        static = report.carried_multiplier if loose or beyond else report.static_multiplier
+        inertia = report.inertia_ratio * max(abs(applied), 1e-3)  # over the whole load
+        dynamic = loose or inertia > explained
         state = replace(
             state,
             n_steps=state.n_steps + 1,
             static=static,
-            drop=state.drop if dynamic else abs(static - state.static),
+            drop=state.drop if loose else abs(static - state.static),
             highest=max(state.highest, static),
         )
         decision = self._go_on(state, report)
