@@ -113,7 +113,11 @@ class SlidingStructure:
 
 def trace(engine, strategy, **options):
     return pushover(
-        MODEL, engine=engine, strategy=strategy, **{"displacement_step": STEP, **options}
+        MODEL,
+        engine=engine,
+        strategy=strategy,
+        keep_contacts=False,
+        **{"displacement_step": STEP, **options},
     )
 
 
@@ -176,6 +180,34 @@ class TestExcess:
         assert curve.status == "finished"
         assert curve.column("motion").max() <= 0.5 * STEP
         assert len(structure.demands) > curve.n_steps
+
+    def test_no_multiplier_above_the_applied_one_is_static(self):
+        """A spike of 3 % by virtual work on next to no work of the pattern, as on a random wall."""
+
+        class Spiking(SlidingStructure):
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                if 0.1 < new.delta < 0.11:
+                    spike = 1.03 * report.applied_multiplier
+                    carried = report.applied_multiplier - 2e-4
+                    report = replace(report, static_multiplier=spike, carried_multiplier=carried)
+                return new, report
+
+        curve = trace(Spiking(), "displacement", max_displacement=0.15)
+        assert np.all(curve.load_multiplier <= curve.applied_multiplier)
+
+    def test_a_point_that_inertia_carries_is_not_static(self):
+        """A block in free fall, a fifth of what is loaded, whose fall says nothing of the rest."""
+
+        class Falling(SlidingStructure):
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                falls = 0.1 < new.delta < 0.11
+                return new, replace(report, inertia_ratio=0.2 / demand.multiplier * falls)
+
+        curve = trace(Falling(), "displacement", max_displacement=0.15)
+        d, dynamic = curve.control_displacement, curve.column("status") == DYNAMIC
+        np.testing.assert_array_equal(dynamic, (d > 0.1) & (d < 0.11))
 
     def test_a_structure_that_cannot_go_on_keeps_what_was_reached(self):
         structure = SlidingStructure(fails=lambda delta, motion: delta > 0.1 and motion > 0.0)
@@ -270,6 +302,33 @@ class TestPublished:
         curve = trace(Lagging(), "published", increment=0.01, max_displacement=0.01)
         assert np.count_nonzero(np.isclose(curve.applied_multiplier, 0.1)) == 4
         assert np.any(np.isclose(curve.applied_multiplier, PEAK + 0.01))
+
+    @pytest.mark.parametrize("shrinking", [0.95, 0.97])
+    def test_a_carried_multiplier_that_still_rises_is_no_peak(self, shrinking):
+        """What is missing shrinks by 5 % or 3 % a step, from a hundredth to a thousandth: in 45 or
+        76 steps, far beyond a patience of 20."""
+
+        class Creeping(SlidingStructure):
+            missing = 0.01
+
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                if round(demand.multiplier, 9) == 0.1:
+                    self.missing *= shrinking
+                    report = replace(report, carried_multiplier=0.1 - self.missing)
+                return new, report
+
+        curve = trace(Creeping(), "published", increment=0.01, max_displacement=0.01)
+        held = np.count_nonzero(np.isclose(curve.applied_multiplier, 0.1))
+        assert held == np.ceil(np.log(0.1) / np.log(shrinking))
+        assert np.any(np.isclose(curve.applied_multiplier, PEAK + 0.01))
+
+    def test_a_structure_that_falls_is_not_waited_for(self):
+        """Whatever the patience: from where it carries a tenth less than the peak."""
+        curve = trace(SlidingStructure(), "published", patience=100_000)
+        held = np.isclose(curve.applied_multiplier, PEAK + 0.005)
+        assert curve.status == "finished"
+        assert curve.carried_multiplier[held].min() > 0.8 * PEAK
 
     def test_the_stop_value_counts_only_after_the_peak(self):
         # The first increments lie below it.

@@ -3,10 +3,10 @@
 Where its text leaves room, it is read so:
 
 - *Equal* multipliers are those that differ by no more than ``balance_tolerance``.
-- While applied and carried multipliers differ, the same multiplier is applied again, for at most
-  ``patience`` steps; a structure that has not come to balance by then is past its peak.  The
-  flowchart taken literally takes the first loaded step for the peak, because the carried
-  multiplier lags behind.
+- While applied and carried multipliers differ, the same multiplier is applied again.  A structure
+  in which their difference has not shrunk by a tenth within ``patience`` steps is past its peak,
+  and so is one that carries a tenth less than it did: it falls.  The flowchart taken literally
+  takes the first loaded step for the peak, because the carried multiplier lags behind.
 - Blocks are stopped at every step, on the ascending branch too: never stopping them while
   waiting for balance lets the wall run away.
 - The paper's time step is constant.  Here it adapts on the descending branch to a displacement
@@ -25,6 +25,10 @@ from drystone.control.base import Decision, check_settings
 from drystone.control.ends import End, Progress, end_of_curve
 from drystone.engines.base import Demand, StepReport
 
+#: Share by which what is missing must shrink for the carried multiplier to count as rising, and
+#: share by which it falls from its highest when the structure does.
+SHRUNK, FALLEN = 0.1, 0.1
+
 
 @dataclass(frozen=True, kw_only=True)
 class PublishedSettings:
@@ -34,7 +38,7 @@ class PublishedSettings:
     increment: float = 0.005  # of the multiplier, ascending
     overshoot: float = 1.05  # applied over carried multiplier, descending
     balance_tolerance: float = 1e-3  # difference of multipliers that counts as equal
-    patience: int = 20  # steps without balance that mean the peak
+    patience: int = 20  # steps without balance, nor on the way to it, that mean the peak
     stop_multiplier: float = 0.01  # end of the descending branch
     time_step: float = 0.05  # s, ascending, and at first descending
     max_steps: int = 100_000
@@ -50,6 +54,8 @@ class _State:
     descending: bool = False
     highest: float = 0.0  # multiplier applied and carried so far
     waited: int = 0
+    missing: float = float("inf")  # of what is applied, when it last shrank by a tenth
+    carried: float = 0.0  # most of what is applied
     time_step: float = 0.0
     n_steps: int = 0
 
@@ -102,15 +108,26 @@ class PublishedControl:
         return Decision(accept=True, demand=self._demand(state), state=state)
 
     def _ascend(self, state: _State, report: StepReport) -> _State:
-        """On by an increment where what is applied is carried; past the peak after much waiting."""
+        """On by an increment where what is applied is carried; past the peak where it is not."""
         s, applied = self.settings, report.applied_multiplier
-        if abs(applied - report.carried_multiplier) <= s.balance_tolerance:
-            multiplier = state.multiplier + s.increment
+        carried = max(state.carried, report.carried_multiplier)
+        missing = abs(applied - report.carried_multiplier)
+        if missing <= s.balance_tolerance:
             return replace(
-                state, multiplier=multiplier, waited=0, highest=max(state.highest, applied)
+                state,
+                multiplier=state.multiplier + s.increment,
+                waited=0,
+                missing=float("inf"),
+                carried=carried,
+                highest=max(state.highest, applied),
             )
+        if missing < (1.0 - SHRUNK) * state.missing:
+            state = replace(state, missing=missing, waited=0)
         waited = state.waited + 1
-        return replace(state, waited=waited, descending=waited > s.patience)
+        falls = report.carried_multiplier < (1.0 - FALLEN) * carried - s.balance_tolerance
+        return replace(
+            state, waited=waited, carried=carried, descending=falls or waited > s.patience
+        )
 
     def _end(self, state: _State, report: StepReport) -> End | None:
         return end_of_curve(
