@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import json
+import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
 import types
+import warnings
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 import synthetic
 from typer.testing import CliRunner
 
+from drystone import kernels
 from drystone.benchmark import benchmark
 from drystone.builders.errors import ModelError
 from drystone.cli import app
@@ -22,6 +27,7 @@ from drystone.commands.forecast import Forecast
 from drystone.commands.progress import Bar, Lines, clock_time, progress_for
 from drystone.engines.base import EngineError, UnstableError
 from drystone.export.benchmark import recorded_curves
+from drystone.export.directory import FILES, ResultsDirectory
 from drystone.export.folder import FolderLock
 
 #: Modules that take long to load, which help and version must not wait for.
@@ -289,6 +295,94 @@ def test_control_c_leaves_a_valid_folder(tmp_path):
     assert b"Traceback" not in err
 
 
+ODD_TITLES = ["$a_$", "costs $5 and $x_2$", "a\0b", "\x1b[31mred\x07", "\u5899", "\\$", "x" * 5000]
+
+
+@pytest.mark.parametrize("title", ODD_TITLES)
+def test_any_title_is_drawn_and_printed_as_it_stands(here, analysis, reads, title):
+    """It is no formula, and does not steer the terminal; missing letters are no warning."""
+    reads(lambda path, **_: replace(synthetic.wall_model(), title=title))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        result = drystone("run", "wall.toml")
+    assert result.exit_code == 0, result.exception
+    assert set(FILES) <= {path.name for path in (here / "wall-results").iterdir()}
+    assert all(c.isprintable() for c in result.stdout.replace("\n", ""))
+    assert json.loads((here / "wall-results/summary.json").read_text())["title"] == title
+
+
+def test_odd_names_do_not_steer_the_terminal(here, analysis, reads):
+    analysis(failing(EngineError("block \x1b[2Jb1 falls")))
+    assert drystone("run", "wall.toml").stderr == "drystone: block \\x1b[2Jb1 falls\n"
+
+
+def test_odd_block_names_are_kept(tmp_path):
+    model = synthetic.wall_model()
+    blocks = [replace(block, id=f"$_{i}\0\x1b$") for i, block in enumerate(model.assembly.blocks)]
+    model = replace(model, assembly=replace(model.assembly, blocks=tuple(blocks)))
+    synthetic.record(ResultsDirectory(tmp_path / "out"), model, synthetic.curve())
+    assert (tmp_path / "out/mechanism.png").is_file()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such signal")
+def test_sigterm_ends_like_control_c(tmp_path):
+    """The curve is kept, and no second signal stops its writing."""
+    code = (
+        "import os, signal, sys, types, synthetic\n"
+        "def pushover(model, *, progress, **options):\n"
+        "    def end(point):\n"
+        "        if point.step == 20: os.kill(os.getpid(), signal.SIGTERM)\n"
+        "    curve = synthetic.pushover(model, progress=end, **options)\n"
+        "    os.kill(os.getpid(), signal.SIGTERM)\n"
+        "    return curve\n"
+        "sys.modules['drystone.analysis'] = types.SimpleNamespace(pushover=pushover)\n"
+        "import drystone.modelfile as m; m.read_model = lambda p, **_: synthetic.wall_model()\n"
+        "from drystone.cli import app\n"
+        "app(['run', 'wall.toml', '--json', '--out', sys.argv[1]])\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path / "out")],
+        capture_output=True,
+        env=synthetic.environment(),
+    )
+    assert done.returncode == 130, done.stderr.decode()
+    assert json.loads(done.stdout)["status"] == "interrupted"
+    assert len((tmp_path / "out/curve.csv").read_text().splitlines()) == 1 + 21
+
+
+def test_kernels_without_a_writable_home(tmp_path):
+    """Neither the package's folder nor home takes compiled kernels: a temporary folder does.
+
+    A file in the way stops whoever runs this, root included.
+    """
+    package = Path(kernels.__file__).parents[1]
+    copy = tmp_path / "drystone"
+    shutil.copytree(package, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    (copy / "kernels/__pycache__").write_text("")
+    (tmp_path / "tmp").mkdir()
+    home = {"HOME": "/dev/null", "XDG_CACHE_HOME": "/dev/null/cache"}
+    environment = {
+        **os.environ,
+        **home,
+        "PYTHONPATH": str(tmp_path),
+        "TMPDIR": str(tmp_path / "tmp"),
+    }
+    environment.pop("NUMBA_CACHE_DIR", None)
+    code = (
+        "import sys; sys.dont_write_bytecode = True\n"
+        "from drystone.commands.outcome import outcome\n"
+        "with outcome(as_json=False):\n"
+        "    from drystone.kernels import residual\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env=environment
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("compiled kernels are kept in") == 1
+    (folder,) = (tmp_path / "tmp").iterdir()
+    assert str(folder) in done.stderr and not folder.stat().st_mode & 0o077
+
+
 # check
 
 
@@ -340,6 +434,7 @@ def test_benchmark_sets_ours_beside_the_published(here, analysis):
 def test_benchmark_as_json(here, analysis):
     result = drystone("benchmark", "--wall", "3", "--json", "--quiet")
     (row,) = json.loads(result.stdout)["rows"]
+    assert "spread" not in drystone("benchmark", "--wall", "3").stdout  # nor in the legend
     assert row["wall"] == 3 and row["spread"] is None and row["n_blocks"] == 46
     assert row["ultimate_displacement_lmgc90"] == 0.591
 

@@ -214,8 +214,19 @@ def test_series_name_files_that_exist(folder, curve):
         entries = series(folder / f"paraview/{name}.pvd")
         assert all((folder / "paraview" / file).is_file() for _, file in entries)
         times = [time for time, _ in entries]
-        assert times[0] == 0.0 and times[-1] == curve.points[-1].control_displacement
-        assert curve.peak.control_displacement in times
+        assert times[0] == 0.0 and times[-1] == curve.points[-1].step
+        assert curve.peak.step in times
+
+
+def test_time_of_a_series_never_goes_back(tmp_path, model, curve):
+    """Where the control displacement does, ParaView would show the frames out of order."""
+    x = 0.05 + 0.05 * np.sin(0.3 * np.arange(len(curve.points)))
+    points = tuple(
+        replace(p, control_displacement=float(d)) for p, d in zip(curve.points, x, strict=True)
+    )
+    synthetic.record(ResultsDirectory(tmp_path), model, replace(curve, points=points))
+    times = [time for time, _ in series(tmp_path / "paraview/blocks.pvd")]
+    assert len(times) > 10 and np.all(np.diff(times) > 0.0)
 
 
 def test_paraview_reads_the_blocks(folder, model, curve):

@@ -10,9 +10,15 @@ LONGEST = 60  # letters of a text shown in a sentence
 MOST = 12  # names listed in one
 
 
+def printable(text: str) -> str:
+    """Text with escapes in place of what would steer a terminal, as ``\\x1b``."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
 def quoted(text: str) -> str:
     """Text in double quotes, on one line and not too long."""
-    return json.dumps(text if len(text) <= LONGEST else text[:LONGEST] + "...", ensure_ascii=False)
+    short = text if len(text) <= LONGEST else text[:LONGEST] + "..."
+    return printable(json.dumps(short, ensure_ascii=False))
 
 
 def suggestion(name: str, known: Sequence[str]) -> str:

@@ -37,6 +37,8 @@ def check(model_file: ModelFile, as_json: AsJson = False, quiet: Quiet = False) 
 
 def report(found: Inspection) -> str:
     """The model in a few lines."""
+    from drystone.builders.words import printable
+
     (left, low), (right, high) = found.lower, found.upper
     x, y = found.control_point
     rows = (
@@ -47,5 +49,5 @@ def report(found: Inspection) -> str:
         ("size", f"{right - left:.4g} m x {high - low:.4g} m"),
         ("control point", f'({x:g}, {y:g}) m on block "{found.control_block}"'),
     )
-    lines = [found.title, *(f"  {name:<14} {value}" for name, value in rows)]
+    lines = [printable(found.title), *(f"  {name:<14} {value}" for name, value in rows)]
     return "\n".join([*lines, *(f"  note: {warning}" for warning in found.warnings)])

@@ -64,6 +64,7 @@ def limit(
     """Find the collapse multiplier and the mechanism by limit analysis of rigid blocks."""
     begun = False
     with outcome(as_json=as_json, begun=lambda: begun):
+        from drystone.builders.words import printable
         from drystone.commands.compiler import compiling
         from drystone.export.limit import collapse_to_dict, write_collapse
         from drystone.limit import FLOWS, NonAssociativeSettings, collapse_loads, default_paths
@@ -102,7 +103,7 @@ def limit(
             # The last is the non-associative one, where there are two: the flow of a dry joint.
             emit({**found[-1], "title": model.title, "flows": found, **written})
         elif code != WRONG:
-            typer.echo(report(model.title, results, out))
+            typer.echo(report(printable(model.title), results, out))
     raise typer.Exit(code)
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import signal
+import sys
+import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, NoReturn
@@ -28,7 +31,8 @@ def outcome(*, as_json: bool, begun: Callable[[], bool] = lambda: False) -> Iter
         the model.
     """
     try:
-        yield
+        with terminated_like_interrupted():
+            yield
     except KeyboardInterrupt:
         kept = "what was reached is kept" if begun() else "nothing was written"
         fail(INTERRUPTED, [f"interrupted: {kept}"], as_json=as_json, status="interrupted")
@@ -39,6 +43,27 @@ def outcome(*, as_json: bool, begun: Callable[[], bool] = lambda: False) -> Iter
         if problems is None:
             raise
         fail(UNFINISHED if begun() else WRONG, problems, as_json=as_json)
+    finally:
+        cache = sys.modules.get("drystone.kernels.cache")
+        tell([cache.note] if cache is not None and cache.note else [])
+
+
+@contextmanager
+def terminated_like_interrupted() -> Iterator[None]:
+    """The first SIGTERM ends what runs as Ctrl-C does, so that what was reached is kept."""
+
+    def interrupt(number: int, frame: object) -> None:
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)  # the results are being written
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():
+        yield  # signals are handled by the main thread alone
+        return
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def sentences(error: Exception) -> list[str] | None:
@@ -75,8 +100,11 @@ def fail(
 
 def tell(problems: Sequence[str]) -> None:
     """Write sentences to standard error."""
+    from drystone.builders.words import printable
+
     for problem in problems[:MOST_SENTENCES]:
-        typer.echo(f"drystone: {problem}", err=True)
+        lines = (printable(line) for line in problem.split("\n"))
+        typer.echo("drystone: " + "\n".join(lines), err=True)
     if len(problems) > MOST_SENTENCES:
         typer.echo(f"drystone: and {len(problems) - MOST_SENTENCES} more", err=True)
 

@@ -8,6 +8,7 @@ from contextlib import AbstractContextManager
 from types import TracebackType
 from typing import Any, Protocol, Self
 
+from drystone.builders.words import printable
 from drystone.commands.forecast import Forecast
 from drystone.curve import CurvePoint
 
@@ -25,6 +26,7 @@ def progress_for(title: str, stop_multiplier: float, *, quiet: bool) -> Progress
     """The kind of progress that suits standard error."""
     if quiet:
         return Silent()
+    title = printable(title)
     forecast = Forecast(stop_multiplier)
     return Bar(title, forecast) if sys.stderr.isatty() else Lines(title, forecast)
 
@@ -83,7 +85,7 @@ class Bar(Silent):
         self._next = 0.0
         self._bar: Any = Progress(
             SpinnerColumn(),
-            TextColumn("{task.description}"),
+            TextColumn("{task.description}", markup=False),
             BarColumn(bar_width=12),
             TextColumn("{task.fields[state]}"),
             TextColumn("{task.fields[count]}"),

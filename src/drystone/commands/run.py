@@ -49,6 +49,7 @@ def run(
     folder = out or Path(f"{model_file.stem}-results")
     begun = False
     with outcome(as_json=as_json, begun=lambda: begun):
+        from drystone.builders.words import printable
         from drystone.commands.compiler import compiling
         from drystone.commands.progress import progress_for
         from drystone.engines import engine_names
@@ -90,7 +91,7 @@ def run(
         if as_json:
             emit({**(results.summary or {}), "directory": str(folder)})
         else:
-            typer.echo(report(model.title, curve, folder, beside))
+            typer.echo(report(printable(model.title), curve, folder, beside))
     raise typer.Exit(exit_code(curve.status))
 
 

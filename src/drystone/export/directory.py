@@ -27,7 +27,7 @@ from drystone.export.paraview import choose_frames, remove_series, write_series
 from drystone.export.summary import summarise, write_summary
 from drystone.limit.beside import Beside
 from drystone.model import Model
-from drystone.report import draw_curve, draw_mechanism
+from drystone.report import canvas, draw_curve, draw_mechanism
 from drystone.report.mechanism_figure import readable_magnification
 
 Array = NDArray[np.float64]
@@ -216,4 +216,4 @@ def mechanism_row(curve: CapacityCurve, control_displacement: float) -> int:
 def mechanism_title(title: str, point: CurvePoint) -> str:
     """What a picture shows: the point's own displacement, not the one that was asked for."""
     values = f"$δ_c$ = {point.control_displacement:.4g} m, $λ$ = {point.load_multiplier:.3f}"
-    return f"{title}: {values}" if title else values
+    return f"{canvas.literal(title)}: {values}" if title else values

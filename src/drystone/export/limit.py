@@ -13,7 +13,7 @@ from drystone.export.folder import check_apart, locked
 from drystone.export.summary import package_version, plain, write_summary
 from drystone.limit import FLOWS, Collapse
 from drystone.model import Model
-from drystone.report import draw_mechanism
+from drystone.report import canvas, draw_mechanism
 from drystone.report.outlines import MovingOutlines
 
 Array = NDArray[np.float64]
@@ -109,4 +109,4 @@ def _title(title: str, result: Collapse) -> str:
         if result.status == "finished"
         else "falls under its own weight"
     )
-    return f"{title}: {what}" if title else what
+    return f"{canvas.literal(title)}: {what}" if title else what

@@ -1,4 +1,7 @@
-"""Time series for ParaView, ``blocks.pvd`` and ``contacts.pvd``, over control displacement."""
+"""Time series for ParaView, ``blocks.pvd`` and ``contacts.pvd``.
+
+Their time is the step: it only grows, where the control displacement may go back.
+"""
 
 from __future__ import annotations
 
@@ -68,17 +71,17 @@ def write_series(
     for number, row in enumerate(frames):
         point = points[row]
         field_data = [
-            vtu.field_value("TimeValue", point.control_displacement),
+            vtu.field_value("TimeValue", float(point.step)),
             vtu.field_value("control_displacement", point.control_displacement),
             vtu.field_value("load_multiplier", point.load_multiplier),
             vtu.field_value("step", float(point.step)),
         ]
         name = f"{BLOCKS}_{number:04d}.vtu"
         blocks.write(folder / name, pose(row), field_data)
-        block_files.append((float(point.control_displacement), name))
+        block_files.append((float(point.step), name))
         name = f"{CONTACTS}_{number:04d}.vtu"
         write_contacts(folder / name, contacts(row), field_data)
-        contact_files.append((float(point.control_displacement), name))
+        contact_files.append((float(point.step), name))
     vtu.write_pvd(folder / f"{BLOCKS}.pvd", block_files)
     vtu.write_pvd(folder / f"{CONTACTS}.pvd", contact_files)
 

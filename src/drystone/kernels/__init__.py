@@ -4,3 +4,7 @@ Functions that call each other stay in one file, because the compiler's on-disk 
 notice when a function in another file changes.  The one exception is `path`, which solves with the
 factors of `block_lu` at every change: who edits `block_lu` deletes the cache, `__pycache__`.
 """
+
+from drystone.kernels import cache
+
+cache.provide()

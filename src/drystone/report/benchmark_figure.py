@@ -37,7 +37,7 @@ def draw_benchmark_wall(
     columns = 1 if len(mechanisms) < 2 else 2
     rows = max(1, -(-len(mechanisms) // columns))
     figure = canvas.new_figure(6.5 + 4.0 * columns, 5.0 + 2.5 * (rows - 1))
-    figure.suptitle(title, fontsize=12)
+    figure.suptitle(canvas.literal(title), fontsize=12)
     halves = figure.subfigures(1, 2, squeeze=False, width_ratios=(6.5, 4.0 * columns))
     left, right = halves[0]
 

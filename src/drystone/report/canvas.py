@@ -6,8 +6,11 @@ matplotlib is changed: a program that uses the library keeps its own figures as 
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from drystone.builders.words import printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -15,6 +18,8 @@ if TYPE_CHECKING:
 
 #: Resolution of every figure [dots per inch].
 RESOLUTION = 150
+#: Letters of a title.
+LONGEST = 100
 
 INK = "#1a1a1a"
 FAINT = "#8c8c8c"
@@ -30,9 +35,18 @@ def new_figure(width: float, height: float) -> Figure:
     return Figure(figsize=(width, height), layout="constrained")
 
 
+def literal(text: str) -> str:
+    """A user's text, drawn letter by letter: no formula, no control characters, not too long."""
+    shown = text if len(text) <= LONGEST else text[:LONGEST] + "..."
+    return printable(shown).replace("$", r"\$")
+
+
 def save(figure: Figure, path: Path | str) -> None:
     """Write the figure as PNG."""
-    figure.savefig(Path(path), format="png", dpi=RESOLUTION, facecolor="white")
+    with warnings.catch_warnings():
+        # A title may be in letters that the font has no picture of: they become boxes.
+        warnings.filterwarnings("ignore", message="Glyph .* missing from")
+        figure.savefig(Path(path), format="png", dpi=RESOLUTION, facecolor="white")
 
 
 def plain_axes(axes: Axes) -> None:

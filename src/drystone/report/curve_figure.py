@@ -74,7 +74,7 @@ def draw_curve(
 
     figure = canvas.new_figure(10.0 if steep else 7.5, 5.4)
     if title:
-        figure.suptitle(title, fontsize=12)
+        figure.suptitle(canvas.literal(title), fontsize=12)
     panels = (
         figure.subplots(1, 2, width_ratios=(2.3, 1.0), sharey=True)
         if steep
@@ -123,7 +123,13 @@ def plot_curves(
     for i, (label, x, y) in enumerate(reference):
         grey = ("#6f6f6f", "#a0a0a0", "#404040")[i % 3]
         axes.plot(
-            x * unit.per_metre, y, color=grey, linewidth=1.0, linestyle=":", label=label, zorder=2
+            x * unit.per_metre,
+            y,
+            color=grey,
+            linewidth=1.0,
+            linestyle=":",
+            label=canvas.literal(label),
+            zorder=2,
         )
     for i, (label, multiplier) in enumerate((limits or {}).items()):
         style = ("--", "-.", ":")[i % 3]
@@ -170,7 +176,7 @@ def _plot_whole(axes: Axes, label: str, curve: CapacityCurve, unit: Unit, i: int
     peak = curve.peak
     colour = canvas.CURVE_COLOURS[i % len(canvas.CURVE_COLOURS)]
     style = canvas.CURVE_STYLES[i % len(canvas.CURVE_STYLES)]
-    text = f"{label}: peak {peak.load_multiplier:.3f}"
+    text = f"{canvas.literal(label)}: peak {peak.load_multiplier:.3f}"
     if curve.ultimate_displacement is not None:
         text += f", {curve.ultimate_displacement:.3f} m at {curve.stop_multiplier:g}"
     axes.plot(x, y, color=colour, linestyle=style, linewidth=1.6, label=text, zorder=4)
