@@ -6,28 +6,27 @@ the same size therefore give nearly the same peak, and sharp corners a higher on
 """
 
 import drystone as ds
-from drystone.assembly import Corner
-from drystone.builders import coursed_wall, make_model, published
+from drystone.builders import published
 
 SIZE = 0.02  # m
 CORNERS = {
-    "rounded": Corner(radius=SIZE),
-    "chamfered": Corner(chamfer=SIZE),
-    "sharp": Corner(),
+    "rounded": ds.Corner(radius=SIZE),
+    "chamfered": ds.Corner(chamfer=SIZE),
+    "sharp": ds.Corner(),
 }
 
 
-def wall(corner: Corner) -> ds.Model:
+def wall(corner: ds.Corner) -> ds.Model:
     """Wall 1 of the published benchmark with the given corners."""
     courses = published.PUBLISHED_WALLS[1].courses
-    blocks = coursed_wall(
+    blocks = ds.wall(
         unit=published.UNIT,
         courses=courses,
         repeat=3,
         base=True,
         unit_weight=published.UNIT_WEIGHT,
     )
-    return make_model(
+    return ds.make_model(
         blocks,
         joint=published.JOINT,
         corner=corner,

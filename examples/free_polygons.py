@@ -12,8 +12,6 @@ Elastic joints give way a little under the toe, so that the peak lies a little b
 import numpy as np
 
 import drystone as ds
-from drystone.assembly import Block, Corner, JointLaw
-from drystone.builders import make_model
 from drystone.geometry import mass_properties
 
 UNIT_WEIGHT = 22e3  # N/m3
@@ -35,24 +33,24 @@ def rigid_multiplier() -> float:
 
 def pier(normal_stiffness: float = 1e10) -> ds.Model:
     """The pier on a fixed foot, pushed to the right."""
-    foot = Block(
+    foot = ds.Block(
         id="foot",
         vertices=np.array([[-0.5, -0.3], [1.2, -0.3], [1.2, 0.0], [-0.5, 0.0]]),
         unit_weight=UNIT_WEIGHT,
         support=True,
     )
     stones = [
-        Block(id=name, vertices=np.array(vertices), unit_weight=UNIT_WEIGHT)
+        ds.Block(id=name, vertices=np.array(vertices), unit_weight=UNIT_WEIGHT)
         for name, vertices in STONES.items()
     ]
-    return make_model(
+    return ds.make_model(
         [foot, *stones],
-        joint=JointLaw(
+        joint=ds.JointLaw(
             friction_coefficient=0.8,
             normal_stiffness=normal_stiffness,  # Pa/m
             shear_stiffness=normal_stiffness,
         ),
-        corner=Corner(),  # sharp
+        corner=ds.Corner(),  # sharp
         thickness=THICKNESS,
         load_direction=(1.0, 0.0),
         control_block="upper",

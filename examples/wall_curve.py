@@ -13,7 +13,7 @@ WALL = Path(__file__).with_name("wall1.toml")
 def wall_curve(engine: str | None = None) -> ds.CapacityCurve:
     """Curve of wall 1; the engine is by default the one that the model file names."""
     model = ds.read_model(WALL)
-    return ds.pushover(model, engine=engine, keep_poses=True, keep_contacts=True)
+    return ds.pushover(model, engine=engine)  # keeps poses and contacts
 
 
 def main() -> None:

@@ -15,6 +15,7 @@ from synthetic import pose_at, pushover, wall_model
 import drystone as ds
 from builders import stack
 from drystone.curve import COLUMNS
+from drystone.report.canvas import CURVE_COLOURS
 
 
 @pytest.fixture(scope="module")
@@ -125,7 +126,8 @@ class TestPictures:
         narrow = ax.get_xlim()[1]
         curve.plot(ax, label="whole")
         lines = [line for line in ax.get_lines() if not line.get_label().startswith("_")]
-        assert len({line.get_color() for line in lines if line.get_label()[0] in "sw"}) == 2
+        colours = [line.get_color() for line in lines if line.get_label()[0] in "sw"]
+        assert tuple(colours) == CURVE_COLOURS[:2]
         assert ax.get_xlim()[1] > max(narrow, 0.99 * curve.control_displacement.max())
 
     def test_mechanism_on_given_axes(self, curve):

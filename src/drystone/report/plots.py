@@ -15,6 +15,7 @@ from drystone.report import curve_figure, mechanism_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
 
 Array = NDArray[np.float64]
 
@@ -48,9 +49,9 @@ def plot_curve(
         limits=limits,
         marks=not label,
         branches=not label,
-        first=sum(not str(line.get_label()).startswith("_") for line in ax.get_lines()),
+        first=sum(_is_curve(line) for line in ax.get_lines()),
     )
-    ax.legend(fontsize=9, frameon=False)
+    ax.legend(fontsize=9, edgecolor="none", facecolor="white", framealpha=0.85)
     return ax
 
 
@@ -110,6 +111,11 @@ def plot_mechanism(
 def plot_model(model: Model, ax: Axes | None = None) -> Axes:
     """Draw a model as designed: blocks, supports, the load's direction, the control point."""
     return plot_mechanism(model, model.assembly.rest_pose(), ax)
+
+
+def _is_curve(line: Line2D) -> bool:
+    """Whether a line on the axes is a curve with a label of its own, not its marks."""
+    return not str(line.get_label()).startswith("_") and line.get_linestyle() != "None"
 
 
 def _axes(ax: Axes | None, size: tuple[float, float]) -> Axes:
