@@ -22,6 +22,9 @@ Array = NDArray[np.float64]
 #: How a point was reached: at rest, or on the way of a block that falls or a wall that jumps.
 STATIC, DYNAMIC = "static", "dynamic"
 
+#: Status of a curve that is complete.
+FINISHED = "finished"
+
 
 class RecorderError(Exception):
     """Points of a curve cannot be kept as they come; the message is for the user."""
@@ -142,9 +145,19 @@ class CapacityCurve:
 
     @property
     def ultimate_displacement(self) -> float | None:
-        """Control displacement [m] where the multiplier falls below the stop value, or None."""
+        """Control displacement [m] where the multiplier falls below the stop value, or None.
+
+        Points at rest tell, and the collapse that ends the curve: in a jump that the structure
+        survives, inertia carries for a while what its joints do not.
+        """
         top = self.peak.step
-        after = [p for p in self.points if p.step >= top]
+        rest = max((p.step for p in self.points if p.status == STATIC), default=0)
+        collapse = self.status == FINISHED
+        after = [
+            p
+            for p in self.points
+            if p.step >= top and (p.status == STATIC or (p.step > rest and collapse))
+        ]
         for before, point in pairwise(after):
             if point.load_multiplier <= self.stop_multiplier < before.load_multiplier:
                 drop = before.load_multiplier - point.load_multiplier

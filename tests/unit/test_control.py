@@ -388,8 +388,59 @@ class TestPrescribedDisplacement:
     def test_a_structure_that_cannot_go_on_keeps_what_was_reached(self):
         structure = SlidingStructure(prescribes=True, fails=lambda delta, motion: delta > 0.1)
         curve = trace(structure, "displacement")
-        assert curve.status == "stopped" and curve.reason == "nothing was found"
+        assert curve.status == "stopped" and "nothing was found" in curve.reason
         assert curve.control_displacement[-1] > 0.1
+
+
+class JumpingStructure(SlidingStructure):
+    """It has no equilibrium within 1 mm of 0.1 m.
+
+    ``instants`` are the multipliers there, in motion, one step after the other; the last one stays,
+    or is None where the structure comes to rest.
+    """
+
+    def __init__(self, instants):
+        super().__init__(prescribes=True)
+        self.instants, self.passed = instants, 0
+
+    def step(self, state, demand):
+        if demand.time_step == 0.0 and abs(state.delta + demand.increment - 0.1) < STEP:
+            return state, StepReport(converged=False, reason="nothing was found")
+        new, report = super().step(state, demand)
+        multiplier = self.instants[min(self.passed, len(self.instants) - 1)]
+        if demand.time_step == 0.0 or multiplier is None:
+            return new, report
+        self.passed += 1
+        moving = {"inertia_ratio": 1.0, "dynamic": True, "motion": STEP}
+        return new, replace(report, static_multiplier=multiplier, **moving)
+
+
+class TestJumps:
+    def test_a_multiplier_in_motion_ends_no_curve(self):
+        """It was the end of the curve, "finished", where the structure stands an instant later."""
+        curve = trace(JumpingStructure([-0.05, 0.002, None]), "displacement")
+        dynamic = curve.column("status") == DYNAMIC
+        assert curve.load_multiplier[dynamic].tolist() == [-0.05, 0.002]
+        assert curve.status == "finished" and "fell below" in curve.reason
+        assert curve.points[-1].status == STATIC
+        # Nor is it where the multiplier falls below the stop value for good.
+        ends = DELTA_END * (1.0 - 0.01 / PEAK)
+        assert curve.ultimate_displacement == pytest.approx(ends, abs=ROUNDING)
+
+    def test_what_falls_without_load_has_collapsed_in_motion(self):
+        curve = trace(JumpingStructure([-0.2]), "displacement")
+        assert curve.status == "finished" and "collapsed in motion" in curve.reason
+        # Steps of one largest increment each, 25 of them to `fall_motion`, and one beyond it.
+        assert (curve.column("status") == DYNAMIC).sum() in (25, 26)
+        rest = curve.column("status") == STATIC
+        at_rest = curve.control_displacement[rest].max()
+        assert 0.0 <= curve.ultimate_displacement - at_rest <= STEP
+
+    def test_a_jump_without_rest_is_not_followed_for_ever(self):
+        curve = trace(JumpingStructure([0.1]), "displacement", jump_steps=50)
+        assert curve.status == "stopped" and "collapsed in motion: no rest" in curve.reason
+        assert curve.ultimate_displacement is None
+        assert (curve.column("status") == DYNAMIC).sum() == 50
 
 
 class FollowingStructure(SlidingStructure):

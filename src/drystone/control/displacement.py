@@ -6,7 +6,11 @@ would have gone on to, the step passes over it.  Else the path is followed to wh
 the place is crossed by a small step.  Where that finds no equilibrium either, a block has come
 loose or the structure jumps to another shape.  The jump is passed with the control displacement
 creeping on and with time steps short enough for inertia to say where the blocks go, which lengthen
-as they come to rest; points that inertia helps to carry are marked dynamic.
+as they come to rest; points that inertia helps to carry are marked dynamic.  Their multiplier is
+that of the instant and ends no curve: what falls below the stop value must do so at rest.  A
+structure that falls for long while a negative load would have to hold the control point back does
+not stand there without load: it has collapsed in motion, and its curve ends with its last point at
+rest.
 
 Steps that hide a peak or a bend of the curve are taken again to there, from what the engine says of
 the multiplier within the step; the stop value is found by stepping again to where the chord meets
@@ -33,6 +37,9 @@ KINK = 0.1
 #: Share of a step from which on it is not worth taking again to there.
 ALL_BUT = 0.98
 
+#: Why a curve ends in a jump.
+COLLAPSED = "the structure, or a part of it, collapsed in motion"
+
 
 @dataclass(frozen=True, kw_only=True)
 class DisplacementSettings:
@@ -57,6 +64,10 @@ class DisplacementSettings:
     easy_iterations: int = 12  # of a step up to which increments grow
     hard_iterations: int = 12  # of a step beyond which they shrink
     static_inertia: float = 1e-3  # inertia over applied force of a step that is static again
+    fall_motion: float = 25.0  # of a block, over the largest increment, in the parts of a jump in
+    # which the control point is held back, after which the structure has collapsed
+    jump_steps: int = 5000  # without rest after which a jump is not followed further; what falls
+    # moves by about the largest increment in each
     max_steps: int = 100_000
     max_displacement: float = float("inf")  # m, of the control point
 
@@ -71,6 +82,8 @@ class _State:
     last: float = 0.0  # multiplier of the last point
     slope: float = 0.0  # 1/m, of the curve there
     n_steps: int = 0
+    n_jump_steps: int = 0  # since the structure was at rest
+    fallen: float = 0.0  # m, in those of them that held the control point back
     time_step: float = 0.0  # s, of a jump; 0 on the static path
     rested: float = 0.0  # s, time step with which the last jump seemed to be over; 0 once it was
     closing: float = math.inf  # m, of the joint that closes most under the dead load
@@ -112,7 +125,9 @@ class DisplacementControl:
         state = replace(
             state,
             n_steps=state.n_steps + 1,
-            highest=max(state.highest, multiplier),
+            n_jump_steps=state.n_jump_steps + 1 if state.time_step else 0,
+            fallen=self._fallen(state, report),
+            highest=state.highest if report.dynamic else max(state.highest, multiplier),
             last=multiplier,
             slope=0.0 if state.time_step else (multiplier - state.last) / state.increment,
         )
@@ -196,7 +211,8 @@ class DisplacementControl:
         if state.time_step:
             state = replace(state, time_step=0.5 * state.time_step)
             if state.time_step < 1e-4 * s.time_step:
-                return Decision(accept=False, demand=None, state=state, reason=report.reason)
+                reason = f"a jump could not be followed to where it rests: {report.reason}"
+                return Decision(accept=False, demand=None, state=state, reason=reason)
         elif state.stage == CROSSING:
             # A jump that seemed to be over was not: something moves slowly yet.
             time_step = max(s.time_step, 1.5 * state.rested)
@@ -221,22 +237,42 @@ class DisplacementControl:
 
     def _jumping(self, state: _State, report: StepReport) -> _State:
         s = self.settings
-        settled = report.inertia_ratio < s.static_inertia and state.time_step > 5.0 * s.time_step
-        if settled:
+        if self._rests(state, report):
             increment = 4.0 * s.floor_share * s.displacement_step
             return replace(state, time_step=0.0, rested=state.time_step, increment=increment)
         if report.motion < s.jump_motion * s.displacement_step:
             return replace(state, time_step=1.5 * state.time_step)
         return state
 
+    def _fallen(self, state: _State, report: StepReport) -> float:
+        """How far a block has moved in a jump while the control point was held back [m]."""
+        if not state.time_step:
+            return 0.0
+        held_back = report.dynamic and report.static_multiplier < -self.settings.stop_multiplier
+        return state.fallen + (report.motion if held_back else 0.0)
+
+    def _rests(self, state: _State, report: StepReport) -> bool:
+        """Whether the structure is at rest: also with time for inertia to take it elsewhere."""
+        s = self.settings
+        if not state.time_step:
+            return not report.dynamic
+        return report.inertia_ratio < s.static_inertia and state.time_step > 5.0 * s.time_step
+
     def _over(self, state: _State, report: StepReport) -> End | None:
         """Whether and why the analysis is over."""
+        s = self.settings
+        if state.fallen > s.fall_motion * s.displacement_step:
+            fell = state.highest > s.stop_multiplier
+            return End(reason=f"{COLLAPSED}: it falls without any load", finished=fell)
+        if state.n_jump_steps >= s.jump_steps:
+            return End(reason=f"{COLLAPSED}: no rest within {s.jump_steps} steps of a jump")
         return end_of_curve(
-            self.settings,
+            s,
             Progress(
                 multiplier=report.static_multiplier,
                 highest=state.highest,
                 displacement=report.control_displacement,
                 n_steps=state.n_steps,
+                static=self._rests(state, report),
             ),
         )
