@@ -21,8 +21,6 @@ BoolArray = NDArray[np.bool_]
 FIRST, BORDER, ENTRY, PANEL, UPDATE, N_RUNS, CHILD, SIBLING = range(8)
 #: Time a front takes [ns]: each, per entry, per product; rough, as the best is flat.
 COST = (100.0, 0.5, 0.04)
-#: Lets sums be split over vector registers; NaN keeps its meaning.
-FAST = {"contract", "reassoc", "nsz"}
 
 
 class Structure(NamedTuple):
@@ -389,7 +387,7 @@ def allocate(structure: Structure) -> Factors:
     )
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def add_rows(to, t, to_stride, source, s, stride, n, m):
     """Add a matrix (n, m) to another; both are parts of flat arrays, from ``s`` and ``t`` on."""
     for _ in range(n):
@@ -400,7 +398,7 @@ def add_rows(to, t, to_stride, source, s, stride, n, m):
         s += stride
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def subtract_product(c, at, stride, left, i0, down, along, right, j0, r_stride, n, p, m):
     """C -= L R of sizes (n, m), (n, p), (p, m), with ``n`` and ``p`` multiples of three.
 
@@ -431,7 +429,7 @@ def subtract_product(c, at, stride, left, i0, down, along, right, j0, r_stride, 
         i0 += 3 * down
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def multiply_rows(dof, block, c, at, stride, m, scratch):
     """Multiply ``m`` columns of a matrix, part of a flat array, by a small one from the left."""
     nd = len(dof)
@@ -456,7 +454,7 @@ def multiply_rows(dof, block, c, at, stride, m, scratch):
         subtract_product(c, at, stride, block.reshape(nd * nd), 0, nd, 1, scratch, 0, m, nd, nd, m)
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def invert(dof, matrix, scale):
     """Invert a small matrix in place, with exchange of rows.
 
@@ -500,7 +498,7 @@ def invert(dof, matrix, scale):
     return sign * smallest
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def assemble(structure, s, diagonal, upper, lower, factors):
     """Fill a front with blocks of the matrix and what is left of the fronts below."""
     nd = len(structure.dof)
@@ -558,7 +556,7 @@ def assemble(structure, s, diagonal, upper, lower, factors):
         c = fronts[c, SIBLING]
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def factorise(structure, diagonal, upper, lower, factors, weight, hold, least):
     """Factorise the matrix of the blocks ``diagonal`` (n, n_dof, n_dof), ``upper`` (n_pairs, n_dof,
     n_dof) in the rows of a and columns of b, and ``lower`` in the rows of b and columns of a.
@@ -626,7 +624,7 @@ def factorise(structure, diagonal, upper, lower, factors, weight, hold, least):
     return sign * smallest
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def solve(structure, factors, rhs):
     """Replace each of the right-hand sides ``rhs`` (k, n, n_dof) by its solution, in which fixed
     bodies have zeros whatever they had before."""
@@ -702,7 +700,7 @@ def solve(structure, factors, rhs):
         rhs[:, body] = 0.0
 
 
-@njit(cache=True, fastmath=FAST)
+@njit(cache=True)
 def residual(structure, a, b, fixed, diagonal, upper, lower, x, rhs):
     """Subtract A x from ``rhs``, both (k, n, n_dof) and zero on fixed bodies.
 
