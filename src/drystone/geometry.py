@@ -37,6 +37,13 @@ def signed_area(vertices: Array) -> float:
     return 0.5 * float(np.sum(x * _following(y) - _following(x) * y))
 
 
+def is_clockwise(vertices: Array) -> bool:
+    """Whether an outline runs the wrong way round; what is no outline does not."""
+    if vertices.ndim != 2 or vertices.shape[1] != 2 or len(vertices) < 3:
+        return False
+    return bool(np.all(np.isfinite(vertices))) and signed_area(vertices) < 0.0
+
+
 def check_convex(vertices: Array) -> None:
     """Raise `GeometryError` unless the vertices make a convex, counter-clockwise polygon."""
     if vertices.ndim != 2 or vertices.shape[1] != 2:

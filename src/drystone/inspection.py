@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from drystone.assembly import Assembly
+from drystone.assembly import GRAVITY, Assembly
 from drystone.builders.neighbours import TOUCHING, Array, IntArray, Outlines
+from drystone.builders.words import listed, millimetres
 from drystone.model import Model
+
+#: Beyond these a unit has been mistaken: m, N/m3 (cork weighs 1200, lead 111e3).
+LONGEST_BLOCK, LIGHTEST, HEAVIEST = 50.0, 1e3, 115e3
+#: Friction of 63 degrees.
+ROUGHEST = 2.0
+#: Share of the smallest block by which joints under a structure's weight may close.
+SOFT = 0.05
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +47,8 @@ class Inspection:
     """On the block as designed [m]."""
     warnings: tuple[str, ...]
     """Sentences on what is allowed but worth knowing."""
+    problems: tuple[str, ...]
+    """Those of them on what is hardly meant, with the mend."""
 
 
 def inspect(model: Model) -> Inspection:
@@ -50,6 +61,7 @@ def inspect(model: Model) -> Inspection:
     n_joints = int(np.count_nonzero(outlines.shared_lengths(a, b)))
     movable = ~assembly.fixed
     x, y = model.control_point.point
+    problems = (*model.notes, *doubts(model, outlines, a, b))
     return Inspection(
         title=model.title,
         dimension=assembly.dimension,
@@ -62,7 +74,8 @@ def inspect(model: Model) -> Inspection:
         upper=_pair(outlines.upper[movable].max(axis=0)),
         control_block=assembly.blocks[model.control_point.block].id,
         control_point=(float(x), float(y)),
-        warnings=tuple(_warnings(model, outlines, a, b)),
+        warnings=(*_law_notes(assembly), *problems),
+        problems=problems,
     )
 
 
@@ -70,17 +83,17 @@ def _pair(point: Array) -> tuple[float, float]:
     return float(point[0]), float(point[1])
 
 
-def _warnings(model: Model, outlines: Outlines, a: IntArray, b: IntArray) -> list[str]:
-    """Sentences; ``a`` and ``b`` are the pairs of blocks that lie near each other."""
+def doubts(model: Model, outlines: Outlines, a: IntArray, b: IntArray) -> list[str]:
+    """Sentences on what is hardly meant; ``a`` and ``b`` are blocks that lie near each other."""
     assembly = model.assembly
     return [
-        *_law_warnings(assembly),
         *_floating(assembly, outlines, a, b),
-        *_unit_warnings(assembly, outlines),
+        *_unit_doubts(assembly, outlines),
+        *_law_doubts(assembly, outlines),
     ]
 
 
-def _law_warnings(assembly: Assembly) -> list[str]:
+def _law_notes(assembly: Assembly) -> list[str]:
     warnings = []
     if all(law.dilatancy_angle == 0.0 for law in assembly.laws):
         warnings.append("joint: the dilatancy angle is zero: joints slide without opening")
@@ -105,26 +118,54 @@ def _floating(assembly: Assembly, outlines: Outlines, a: IntArray, b: IntArray) 
     warnings = []
     if not borne.all():
         loose = [assembly.ids[i] for i in np.flatnonzero(~borne)]
-        warnings.append(f"block: no support is under {_listed(loose)}: they will fall")
+        warnings.append(f"block: no support is under {listed(loose)}: they will fall")
     idle = np.flatnonzero(assembly.fixed & ~np.isin(np.arange(n), np.concatenate((a, b))))
     if len(idle):
-        names = _listed([assembly.ids[i] for i in idle])
-        warnings.append(f"block: nothing touches the support {names}")
+        names = listed([assembly.ids[i] for i in idle])
+        warnings.append(f"block: nothing touches the support {names}: take it out, or move it")
     return warnings
 
 
-def _unit_warnings(assembly: Assembly, outlines: Outlines) -> list[str]:
-    """Values so far from masonry that a unit may have been mistaken."""
-    warnings = []
+def _unit_doubts(assembly: Assembly, outlines: Outlines) -> list[str]:
+    """Sizes and weights so far from masonry that a unit may have been mistaken."""
+    found = []
     largest = float(outlines.size[~assembly.fixed].max())
-    if largest > 50.0:
-        warnings.append(f"block: the largest is {largest:g} m long: are the coordinates in metres?")
-    lightest = min(block.unit_weight for block in assembly.blocks if not block.support)
-    if lightest < 1e3:
-        warnings.append(f"material: {lightest:g} N/m3 is light for masonry: is it in N/m3?")
-    return warnings
+    if largest > LONGEST_BLOCK:
+        found.append(f"block: the largest is {largest:g} m long: are the coordinates in metres?")
+    weights = [block.unit_weight for block in assembly.blocks if not block.support]
+    for weight, word, mend in (
+        (min(weights), "light", "is it in kN/m3, or its density in t/m3? Then take it times 1000"),
+        (max(weights), "heavy", "is it a weight given as a density? Then write it as unit_weight"),
+    ):
+        if (weight < LIGHTEST) if word == "light" else (weight > HEAVIEST):
+            found.append(
+                f"material: {weight:.4g} N/m3, a density of {weight / GRAVITY:.4g} kg/m3, is "
+                f"{word} for masonry: {mend}"
+            )
+    return found
 
 
-def _listed(names: list[str]) -> str:
-    shown = ", ".join(f'"{name}"' for name in names[:5])
-    return shown + (f" and {len(names) - 5} more" if len(names) > 5 else "")
+def _law_doubts(assembly: Assembly, outlines: Outlines) -> list[str]:
+    """Friction that is an angle, joints that close by more than a hair under the weight."""
+    found = []
+    highest, lowest = outlines.upper[:, -1].max(), outlines.lower[~assembly.fixed, -1].min()
+    densest = max(block.unit_weight for block in assembly.blocks if not block.support)
+    smallest = assembly.smallest_extent
+    for law in dict.fromkeys(assembly.laws):
+        mu, stiffness = law.friction_coefficient, law.normal_stiffness
+        if mu > ROUGHEST:
+            tangent = f"{math.tan(math.radians(mu)):.4g}" if mu < 90.0 else "below 1 as a rule"
+            found.append(
+                f"joint: friction_coefficient = {mu:g} is more than any joint has: is it the "
+                f"angle in degrees? The coefficient is its tangent, {tangent}"
+            )
+        if stiffness is None:
+            continue
+        closing = float(densest * (highest - lowest) / stiffness)
+        if closing > SOFT * smallest:
+            found.append(
+                f"joint: normal_stiffness = {stiffness:g} Pa/m lets joints close by "
+                f"{millimetres(closing)} under the weight of all that is above the lowest: is it "
+                "in kPa/mm, or MPa/mm? Then take it times 1e6, or 1e9"
+            )
+    return found

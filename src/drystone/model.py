@@ -50,6 +50,8 @@ class Model:
     control_point: ControlPoint
     analysis: Analysis = field(default_factory=Analysis)
     origin: Origin | None = None
+    notes: tuple[str, ...] = ()
+    """Sentences on what was amended or looks amiss in the file or the outlines."""
 
     @property
     def contents(self) -> tuple[Any, ...]:

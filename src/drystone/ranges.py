@@ -52,6 +52,7 @@ class Range:
 #: By the names that files and functions know them under.
 RANGES = {
     "thickness": Range(least=1e-6, most=1e6, unit="m"),
+    "drawing_tolerance": Range(least=0.0, most=0.05),
     "unit_weight": Range(least=1e-3, most=1e9, unit="N/m3"),
     "density": Range(least=1e-4, most=1e8, unit="kg/m3"),
     "friction_coefficient": Range(least=0.0, most=1e6),

@@ -16,6 +16,7 @@ from drystone.builders.checks import (
 from drystone.builders.control import choose_control_point, unit_vector
 from drystone.builders.describe import material_names
 from drystone.builders.errors import ModelError
+from drystone.builders.fit import DRAWING_TOLERANCE, fitted, turned_round
 from drystone.geometry import GeometryError
 from drystone.loading import LoadPattern
 from drystone.model import Analysis, Model, Origin
@@ -41,6 +42,8 @@ def make_model(
     source: str | None = None,
     sha256: str | None = None,
     place: Place | None = None,
+    drawing_tolerance: float = DRAWING_TOLERANCE,
+    notes: Sequence[str] = (),
 ) -> Model:
     """Put a model together and check that it can be analysed.
 
@@ -62,6 +65,10 @@ def make_model(
         Path of the file it came from and digest of the file's bytes, if it did.
     place
         Names a block by its row in messages.
+    drawing_tolerance
+        Gaps and overlaps of joints, over the smallest edge of all blocks, that are closed.
+    notes
+        Sentences on the file that was read, to go with those on its outlines.
 
     Raises
     ------
@@ -73,12 +80,14 @@ def make_model(
     place = place or (lambda i: f'block "{blocks[i].id}"')
     direction = unit_vector(load_direction, "load.direction")
 
+    blocks, turned = turned_round(blocks)
     problems = [f"joint.{wrong}" for wrong in law_problems(joint)]
     for names, law in between.items():
         where = " ".join(sorted(names))
         problems += [f'joint.between."{where}".{wrong}' for wrong in law_problems(law)]
     problems += pair_problems(blocks, between)
-    problems += [wrong] if (wrong := problem("thickness", thickness)) else []
+    for key, value in (("thickness", thickness), ("drawing_tolerance", drawing_tolerance)):
+        problems += [wrong] if (wrong := problem(key, value)) else []
     if not blocks:
         problems.append("block: there is none: add [[block]] or [wall]")
     if any(problem("unit_weight", weight) for weight in {block.unit_weight for block in blocks}):
@@ -86,10 +95,16 @@ def make_model(
     _raise(problems)
     material_names(blocks)  # raises where a name has two unit weights
 
-    try:
-        assembly = Assembly.build(
+    def build(blocks: Sequence[Block]) -> Assembly:
+        return Assembly.build(
             blocks, joint=joint, corner=corner, thickness=thickness, joint_between=between
         )
+
+    try:
+        assembly = build(blocks)
+        blocks, moved = fitted(blocks, drawing_tolerance)
+        if moved:
+            assembly = build(blocks)
     except GeometryError:  # says the first; look at each block to say them all
         raise ModelError(block_problems(blocks, corner, place)) from None
     if len(set(assembly.ids)) < len(blocks):
@@ -121,6 +136,7 @@ def make_model(
         load=LoadPattern(direction=direction),
         control_point=control,
         analysis=analysis or Analysis(),
+        notes=(*notes, *turned, *moved),
     )
     if source is None or sha256 is None:
         return model

@@ -6,7 +6,7 @@ blocks with the same numbers of vertices are treated together as one array.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -49,7 +49,11 @@ class Outlines:
     @classmethod
     def of(cls, assembly: Assembly) -> Outlines:
         """Pack the outlines of an assembly."""
-        outlines = [block.vertices for block in assembly.blocks]
+        return cls.pack([block.vertices for block in assembly.blocks])
+
+    @classmethod
+    def pack(cls, outlines: Sequence[Array]) -> Outlines:
+        """Pack outlines, each (n, 2) [m]."""
         vertices = np.vstack(outlines)
         offset = np.cumsum([0] + [len(outline) for outline in outlines]).astype(np.int64)
         return cls(
@@ -64,12 +68,12 @@ class Outlines:
         """Larger side of each block's bounding box, (n,) [m]."""
         return (self.upper - self.lower).max(axis=1)
 
-    def near_pairs(self) -> tuple[IntArray, IntArray]:
-        """Pairs ``(a, b)`` whose boxes come as near as touching blocks do."""
+    def near_pairs(self, distance: float | None = None) -> tuple[IntArray, IntArray]:
+        """Pairs ``(a, b)`` whose boxes come as near as touching blocks do, or as ``distance``."""
         # Imported here because it brings compiled code along, which a schema check does not need.
         from drystone.contact.broad import candidate_pairs
 
-        margin = TOUCHING * self.size[:, None]
+        margin = TOUCHING * self.size[:, None] if distance is None else 0.5 * distance
         return candidate_pairs(self.lower - margin, self.upper + margin)
 
     def pair_size(self, a: IntArray, b: IntArray) -> Array:
@@ -95,9 +99,14 @@ class Outlines:
             length[rows] = np.where(shared.touching, shared.high - shared.low, 0.0).sum(axis=(1, 2))
         return length
 
-    def shared_edges(self, a: IntArray, b: IntArray) -> SharedEdges:
-        """Every part of an edge of a block of ``a`` that lies on one of its partner in ``b``."""
+    def shared_edges(self, a: IntArray, b: IntArray, distance: float | None = None) -> SharedEdges:
+        """Every part of an edge of a block of ``a`` that lies on one of its partner in ``b``.
+
+        That is, as near as touching blocks are, or within ``distance`` [m].
+        """
         tolerance = TOUCHING * self.pair_size(a, b)
+        if distance is not None:
+            tolerance = np.full(len(a), distance)
         found: list[tuple[NDArray[Any], ...]] = [(np.zeros(0),) * 7]
         for rows, p, q in self._alike(a, b):
             shared = _shared_parts(p, q, tolerance[rows])

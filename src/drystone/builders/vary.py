@@ -33,6 +33,8 @@ def remade(model: Model, **changes: Any) -> Model:
         "control_direction": control.direction,
         "analysis": model.analysis,
         "title": model.title,
+        "notes": model.notes,
+        "drawing_tolerance": 0.0,  # the outlines fit already
     }
     return make_model(**{**parts, **changes})
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from drystone.assembly import Block
 from drystone.builders.errors import ModelError
+from drystone.builders.words import quoted
 
 #: What one letter of a course stands for: its length in half units, and whether a block is there.
 SYMBOLS = {"1": (2, True), "h": (1, True), ".": (2, False)}
@@ -24,6 +25,21 @@ def course_problem(course: str) -> str | None:
                 "1 is a whole unit, h half a unit and . a void of one unit"
             )
     return None
+
+
+def unequal_courses(courses: Sequence[str]) -> str | None:
+    """A sentence where courses are not of one length, which is seldom meant."""
+    halves = [sum(SYMBOLS[symbol][0] for symbol in course) for course in courses]
+    most = max(halves)
+    short = [k for k, n in enumerate(halves) if n != most]
+    if not short:
+        return None
+    k = short[0]
+    others = f" (and {len(short) - 1} more)" if len(short) > 1 else ""
+    return (
+        f"courses[{k + 1}]{others}: {quoted(courses[k])} is {0.5 * halves[k]:g} units long, the "
+        f"longest course {0.5 * most:g}: add units, h for half a one, or . for voids"
+    )
 
 
 def coursed_wall(

@@ -8,6 +8,7 @@ from difflib import get_close_matches
 
 LONGEST = 60  # letters of a text shown in a sentence
 MOST = 12  # names listed in one
+FEW = 5  # names of what a sentence is about
 
 
 def printable(text: str) -> str:
@@ -35,3 +36,9 @@ def millimetres(length: float) -> str:
     """A length [m] in mm, to three digits or to the millimetre."""
     mm = 1e3 * length
     return f"{mm:.3g} mm" if mm < 1e3 else f"{mm:.0f} mm"
+
+
+def listed(names: Sequence[str]) -> str:
+    """The first few names in quotes, and how many more there are."""
+    shown = ", ".join(map(quoted, names[:FEW]))
+    return shown + (f" and {len(names) - FEW} more" if len(names) > FEW else "")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
@@ -12,30 +13,50 @@ from drystone.commands.outcome import DONE, WRONG, emit, fail, outcome
 
 if TYPE_CHECKING:
     from drystone.inspection import Inspection
+    from drystone.model import Model
 
 #: What a model that cannot be read has none of.
 COUNTS = ("n_blocks", "n_supports", "n_joints", "n_contacts", "weight")
 
 
 def check(model_file: ModelFile, as_json: AsJson = False, quiet: Quiet = False) -> None:
-    """Say what a model file holds, or what is wrong with it."""
+    """Say what a model file holds, or what is wrong with it.
+
+    Warnings, on what is hardly meant or cannot stand, leave the exit status at 0.
+    """
     with outcome(as_json=as_json):
         from drystone.engines import engine_names
         from drystone.inspection import inspect
         from drystone.modelfile import ModelError, read_model
 
         try:
-            found = inspect(read_model(model_file, need_stiffness=False, engines=engine_names()))
+            model = read_model(model_file, need_stiffness=False, engines=engine_names())
         except ModelError as error:
             fail(WRONG, error.problems, as_json=as_json, extra=dict.fromkeys(COUNTS))
+        found = inspect(model)
+        problems = [*found.problems, *statics(model)]
         if as_json:
-            emit({**asdict(found), "status": "valid", "problems": []})
+            emit({**asdict(found), "status": "valid", "problems": problems})
         else:
-            typer.echo(report(found))
+            typer.echo(report(found, problems))
     raise typer.Exit(DONE)
 
 
-def report(found: Inspection) -> str:
+def statics(model: Model) -> list[str]:
+    """What limit analysis says against a model: it falls, or no load brings it down."""
+    from drystone.limit import MOST_BLOCKS, is_locked, why_it_falls
+
+    if model.assembly.n_blocks > MOST_BLOCKS:
+        return []
+    falls = why_it_falls(model)
+    if falls:
+        return [f"the structure {falls}"]
+    if is_locked(model):
+        return ["load: no multiple of it brings the structure down: turn its direction"]
+    return []
+
+
+def report(found: Inspection, problems: Sequence[str]) -> str:
     """The model in a few lines."""
     from drystone.builders.words import printable
 
@@ -50,4 +71,11 @@ def report(found: Inspection) -> str:
         ("control point", f'({x:g}, {y:g}) m on block "{found.control_block}"'),
     )
     lines = [printable(found.title), *(f"  {name:<14} {value}" for name, value in rows)]
-    return "\n".join([*lines, *(f"  note: {warning}" for warning in found.warnings)])
+    notes = [note for note in found.warnings if note not in problems]
+    return "\n".join(
+        [
+            *lines,
+            *(f"  note: {note}" for note in notes),
+            *(f"  warning: {problem}" for problem in problems),
+        ]
+    )

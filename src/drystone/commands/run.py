@@ -55,12 +55,14 @@ def run(
         from drystone.engines import engine_names
         from drystone.export.directory import ResultsDirectory, files_of
         from drystone.export.folder import check_apart, check_writable
+        from drystone.inspection import inspect
         from drystone.limit import limits_beside
         from drystone.modelfile import read_model
 
         model = read_model(model_file, engines=engine_names())
         check_writable(folder)  # better known before the work
         check_apart(model_file, files_of(folder))
+        tell([f"warning: {problem}" for problem in inspect(model).problems])
         with compiling(engine or model.analysis.engine, quiet=quiet or as_json):
             beside = limits_beside(model)
             with ResultsDirectory(

@@ -24,7 +24,7 @@ from drystone.export.folder import (
 from drystone.export.hdf5 import ResultsReader, ResultsWriter
 from drystone.export.interrupts import uninterrupted
 from drystone.export.paraview import choose_frames, remove_series, write_series
-from drystone.export.summary import summarise, write_summary
+from drystone.export.summary import plain, summarise, write_summary
 from drystone.limit.beside import Beside
 from drystone.model import Model
 from drystone.report import canvas, draw_curve, draw_mechanism
@@ -152,7 +152,7 @@ class ResultsDirectory:
         self.summary = summarise(curve, model) | {
             "associative_multiplier": self._beside.associative,
             "non_associative_multiplier": self._beside.non_associative,
-            "collapse_range": self._beside.collapse_range,
+            "collapse_range": plain(self._beside.collapse_range),
         }
         with uninterrupted():
             write_curve(curve, self.path / CURVE)

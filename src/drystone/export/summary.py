@@ -58,6 +58,7 @@ def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
         "wall_time": curve.wall_time,
         "compile_time": curve.compile_time,
         "version": package_version(),
+        "notes": model.notes,
         "model": model.source,
         "model_sha256": model.sha256,
     }

@@ -1,6 +1,6 @@
 """Limit analysis: the load that brings rigid blocks down, and how."""
 
-from drystone.limit.beside import Beside, limits_beside, range_text
+from drystone.limit.beside import MOST_BLOCKS, Beside, limits_beside, range_text
 from drystone.limit.collapse import (
     ASSOCIATIVE,
     FLOWS,
@@ -11,6 +11,7 @@ from drystone.limit.collapse import (
     default_paths,
     is_locked,
     stands,
+    why_it_falls,
 )
 from drystone.limit.non_associative import NonAssociativeSettings
 from drystone.limit.search import least_standing
@@ -18,6 +19,7 @@ from drystone.limit.search import least_standing
 __all__ = [
     "ASSOCIATIVE",
     "FLOWS",
+    "MOST_BLOCKS",
     "NON_ASSOCIATIVE",
     "Beside",
     "Collapse",
@@ -30,4 +32,5 @@ __all__ = [
     "limits_beside",
     "range_text",
     "stands",
+    "why_it_falls",
 ]

@@ -164,6 +164,14 @@ def stands(assembly: Assembly) -> bool:
     return bounds.stands(Equilibrium.of(assembly, sideways))
 
 
+def why_it_falls(model: Model) -> str | None:
+    """A sentence where a structure does not stand under its own weight, else None."""
+    equilibrium = Equilibrium.of(model.assembly, model.load)
+    if bounds.stands(equilibrium):
+        return None
+    return _unstable(equilibrium, ASSOCIATIVE, bounds.fall(equilibrium)).reason
+
+
 def is_locked(model: Model) -> bool:
     """Whether no multiple of the load brings the structure down.
 

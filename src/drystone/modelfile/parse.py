@@ -23,6 +23,8 @@ _NO_KEYS = re.compile(
 )
 #: A key of too many parts: tables inside each other, for each of which the parser takes memory.
 _LONG_KEY = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{DEEPEST}}}")
+#: A number with a decimal comma, as the value of a key.
+_COMMA = re.compile(r"""^\s*[\w."'-]+\s*[=:]\s*([-+]?\d+),(\d+)""")
 
 
 def read_bytes(path: Path) -> bytes:
@@ -56,8 +58,9 @@ def parse(contents: bytes, *, is_json: bool) -> dict[str, Any]:
         else:
             data = tomllib.loads(text)
     except json.JSONDecodeError as error:
+        hint = _decimal_comma(text, error.lineno)
         raise ModelError(
-            [f"line {error.lineno}, column {error.colno}: not valid JSON: {error.msg}"]
+            [f"line {error.lineno}, column {error.colno}: not valid JSON: {error.msg}{hint}"]
         ) from None
     except tomllib.TOMLDecodeError as error:
         raise ModelError([_torn_toml(str(error), text)]) from None
@@ -111,7 +114,18 @@ def _torn_toml(message: str, text: str) -> str:
     if not match:
         return f"not valid TOML: {message}"
     what, where = match.groups()
+    hint = _decimal_comma(text, int(where.split()[1].rstrip(","))) if where[:4] == "line" else ""
     if where == "end of document":
         lines = text.rstrip("\n").split("\n")
         where = f"line {len(lines)}, column {len(lines[-1]) + 1} (end of the file)"
-    return f"{where}: not valid TOML: {what}".replace("\n", " ")
+    return f"{where}: not valid TOML: {what}{hint}".replace("\n", " ")
+
+
+def _decimal_comma(text: str, line: int) -> str:
+    """End of a sentence where a line gives a key a number with a comma, else nothing."""
+    lines = text.split("\n")
+    found = _COMMA.search(lines[line - 1]) if 0 < line <= len(lines) else None
+    if not found:
+        return ""
+    whole, decimals = found.groups()
+    return f": write decimals with a point, as in {whole}.{decimals}"

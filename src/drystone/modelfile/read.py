@@ -15,7 +15,7 @@ from drystone.assembly import GRAVITY, Block, Corner, JointLaw
 from drystone.builders.checks import law_problems
 from drystone.builders.errors import ModelError
 from drystone.builders.model import make_model
-from drystone.builders.wall import coursed_wall
+from drystone.builders.wall import coursed_wall, unequal_courses
 from drystone.builders.words import quoted, suggestion
 from drystone.model import Analysis, Model
 from drystone.modelfile.parse import parse, read_bytes
@@ -133,6 +133,8 @@ def _model(
         source=source,
         sha256=sha256,
         place=lambda i: places[i],
+        drawing_tolerance=section.drawing_tolerance,
+        notes=_notes(section),
     )
 
 
@@ -198,6 +200,12 @@ def _blocks(
             )
         )
     return blocks, places
+
+
+def _notes(section: ModelSection) -> list[str]:
+    """Sentences on what the file allows but hardly means."""
+    uneven = unequal_courses(section.wall.courses) if section.wall else None
+    return [f"wall.{uneven}"] if uneven else []
 
 
 def _laws(

@@ -8,6 +8,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidato
 from pydantic_core import PydanticCustomError
 
 from drystone.builders.control import NAMED_POINTS
+from drystone.builders.fit import DRAWING_TOLERANCE
 from drystone.builders.wall import course_problem
 from drystone.builders.words import quoted, suggestion
 from drystone.model import Analysis
@@ -149,7 +150,7 @@ class BlockSection(Section):
     """[[block]]"""
 
     id: Name = Field(description='a name of its own, as in id = "b1"')
-    vertices: list[Place] = Field(description="[x, y] pairs in metres, counter-clockwise, convex")
+    vertices: list[Place] = Field(description="[x, y] pairs in metres around a convex block")
     material: str | None = None
     support: bool = False
 
@@ -217,6 +218,7 @@ class ModelSection(Section):
     thickness: Annotated[float, ranged("thickness")] = Field(
         description="out of plane, in metres, as in thickness = 1.0"
     )
+    drawing_tolerance: Annotated[float, ranged("drawing_tolerance")] = DRAWING_TOLERANCE
     material: Annotated[dict[Name, MaterialSection], Field(min_length=1)] = Field(
         description="a table as [material.stone] with its unit_weight in N/m3"
     )

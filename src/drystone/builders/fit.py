@@ -1,0 +1,159 @@
+"""Outlines as they were drawn, made to fit: turned round, and joints closed that nearly are.
+
+Drawings are never exact.  A gap or an overlap of a hair between two edges that were meant to lie on
+each other would be a joint that carries nothing, or one under stress before any load.  Edges that
+lie on each other within a tolerance, and all that lie on those, are therefore given one line:
+that of a support where there is one, otherwise the mean of their own.  Every corner of a block
+then stands where the lines of its two edges meet.  What fits already stays as it is, to the last
+bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from drystone import geometry
+from drystone.assembly import Block
+from drystone.builders.neighbours import Outlines
+from drystone.builders.words import listed, millimetres
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: Share of the smallest edge up to which gaps and overlaps are those of a drawing.
+DRAWING_TOLERANCE = 1e-3
+#: Distance, over the size of everything and its distance from the origin, that is rounding.
+ROUNDING = 1e-13
+#: Sine of the angle under which two edges of a block are one, and have no corner to compute.
+STRAIGHT = 1e-2
+
+
+def turned_round(blocks: Sequence[Block]) -> tuple[list[Block], tuple[str, ...]]:
+    """The blocks with clockwise outlines the other way round, and a sentence on which they were."""
+    clockwise = [geometry.is_clockwise(block.vertices) for block in blocks]
+    turned = [
+        replace(block, vertices=block.vertices[::-1].copy()) if wrong else block
+        for block, wrong in zip(blocks, clockwise, strict=True)
+    ]
+    ids = [block.id for block, wrong in zip(blocks, clockwise, strict=True) if wrong]
+    if not ids:
+        return turned, ()
+    what = "an outline ran" if len(ids) == 1 else f"{len(ids)} outlines ran"
+    was = "was" if len(ids) == 1 else "were"
+    return turned, (f"block: {what} clockwise and {was} turned round: {listed(ids)}",)
+
+
+def fitted(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], tuple[str, ...]]:
+    """The blocks with joints closed that nearly are, and a sentence on what was moved.
+
+    Parameters
+    ----------
+    blocks
+        With outlines that are convex and counter-clockwise.
+    tolerance
+        Largest gap or overlap that is closed, over the smallest edge of all blocks; no corner is
+        moved further than that.
+    """
+    outlines = Outlines.pack([block.vertices for block in blocks])
+    distance = tolerance * float(_edge_lengths(outlines).min())
+    if not distance > 0.0:
+        return list(blocks), ()
+    fixed = np.array([block.support for block in blocks])
+    vertices, n_joints = _closed(outlines, fixed, distance)
+    way = np.hypot(*(vertices - outlines.vertices).T)
+    moved = (way > 0.0) & (way <= distance)  # what would go further stays, and is refused later
+    if n_joints == 0 or not moved.any():
+        return list(blocks), ()
+    vertices = np.where(moved[:, None], vertices, outlines.vertices)
+    joints = "1 joint" if n_joints == 1 else f"{n_joints} joints"
+    note = (
+        f"block: {joints} gaped or overlapped by up to {tolerance:g} of the smallest edge as "
+        f"drawn; to close them {np.count_nonzero(moved)} vertices were moved, by up to "
+        f"{millimetres(float(way[moved].max()))} (drawing_tolerance)"
+    )
+    pieces = np.split(vertices, outlines.offset[1:-1])
+    return [
+        replace(block, vertices=piece) if np.any(piece != block.vertices) else block
+        for block, piece in zip(blocks, pieces, strict=True)
+    ], (note,)
+
+
+def _following(outlines: Outlines) -> IntArray:
+    """Row of the vertex after each vertex of the same outline."""
+    following = np.arange(1, len(outlines.vertices) + 1)
+    following[outlines.offset[1:] - 1] = outlines.offset[:-1]
+    return following
+
+
+def _edge_lengths(outlines: Outlines) -> Array:
+    edges = outlines.vertices[_following(outlines)] - outlines.vertices
+    return np.hypot(edges[:, 0], edges[:, 1])
+
+
+def _closed(outlines: Outlines, fixed: NDArray[np.bool_], distance: float) -> tuple[Array, int]:
+    """Vertices with all joints closed that are open or overlap by up to ``distance`` [m].
+
+    And how many joints there were of that kind.
+    """
+    shared = outlines.shared_edges(*outlines.near_pairs(distance), distance)
+    e, f = shared.edge_a, shared.edge_b
+    vertices, following = outlines.vertices, _following(outlines)
+    owner = np.repeat(np.arange(len(fixed)), np.diff(outlines.offset))
+    still = fixed[owner]
+    origin = vertices.mean(axis=0)
+    start, end = vertices - origin, vertices[following] - origin
+    tangent = end - start
+    length = np.hypot(tangent[:, 0], tangent[:, 1])
+    tangent = tangent / length[:, None]
+    normal = np.column_stack((tangent[:, 1], -tangent[:, 0]))
+    level = np.sum(normal * start, axis=1)
+
+    n = len(vertices)
+    _, line = connected_components(coo_array((np.ones(len(e)), (e, f)), shape=(n, n)), False)
+    rounding = ROUNDING * (float(np.ptp(vertices, axis=0).max()) + float(np.abs(origin).max()))
+    ends = start[e, None] + shared.extent[:, :, None] * tangent[e, None]  # of the common part
+    misfit = np.abs(np.einsum("kij,kj->ki", ends, normal[f]) - level[f, None]).max(axis=1)
+    apart = misfit > rounding
+    apart &= ~(still[e] & still[f])
+    open_lines = np.unique(line[e[apart]])
+    altered = np.isin(line, open_lines)
+    for k in open_lines:
+        edges = np.flatnonzero(line == k)
+        given = edges[still[edges]]
+        chosen = given if len(given) else edges
+        sense = np.where(normal[chosen] @ normal[chosen[0]] > 0.0, 1.0, -1.0)
+        weight = length[chosen] / length[chosen].sum()
+        mean = (weight * sense) @ normal[chosen]
+        mean /= np.hypot(*mean)
+        middle = 0.5 * (start[chosen] + end[chosen])
+        at = float(weight @ (middle @ mean))
+        way = np.where(normal[edges] @ mean > 0.0, 1.0, -1.0)
+        normal[edges], level[edges] = way[:, None] * mean, way * at
+
+    before = np.empty(n, np.int64)
+    before[following] = np.arange(n)
+    touched = (altered | altered[before]) & ~still
+    corners = _corners(normal, level, altered, before, start)
+    return np.where(touched[:, None], corners + origin, vertices), int(np.count_nonzero(apart))
+
+
+def _corners(
+    normal: Array, level: Array, altered: NDArray[np.bool_], before: IntArray, start: Array
+) -> Array:
+    """Where each edge's line meets that of the edge before it; on the altered one if straight."""
+    p, q = normal[before], normal
+    sine = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
+    straight = np.abs(sine) < STRAIGHT
+    safe = np.where(straight, 1.0, sine)
+    a, b = level[before], level
+    meeting = np.column_stack((a * q[:, 1] - b * p[:, 1], b * p[:, 0] - a * q[:, 0]))
+    meeting /= safe[:, None]
+    onto, at = (np.where(altered[:, None], q, p), np.where(altered, b, a))
+    foot = start + (at - np.sum(onto * start, axis=1))[:, None] * onto
+    return np.where(straight[:, None], foot, meeting)

@@ -1,0 +1,125 @@
+"""What ``drystone check`` warns of, and ``run`` with it: valid models, but hardly meant."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from drystone.cli import app
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+MODEL = """
+dimension = 2
+thickness = 1.0
+[material.stone]
+unit_weight = 18e3
+[joint]
+friction_coefficient = 0.65
+normal_stiffness = 1e8
+shear_stiffness = 1e8
+[[block]]
+id = "base"
+vertices = [[-1.0, -0.2], [1.0, -0.2], [1.0, 0.0], [-1.0, 0.0]]
+support = true
+[[block]]
+id = "b1"
+vertices = [[-0.2, 0.0], [0.2, 0.0], [0.2, 0.9], [-0.2, 0.9]]
+[load]
+pattern = "mass"
+direction = [1.0, 0.0]
+"""
+WALL = """
+[wall]
+unit = [0.4, 0.2]
+courses = ["111", "h1h"]
+origin = [0.0, 0.9]
+"""
+
+
+def drystone(*arguments):
+    return CliRunner().invoke(app, [*map(str, arguments)])
+
+
+def written(folder, *changes, more=""):
+    text = MODEL
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    path = folder / "model.toml"
+    path.write_text(text + more)
+    return path
+
+
+def problems(path):
+    result = drystone("check", path, "--json")
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.stdout)
+    assert found["status"] == "valid"
+    return found["problems"]
+
+
+@pytest.mark.parametrize("name", ["two_blocks", "wall1", "wall2", "wall3"])
+def test_examples_are_without_problems(name):
+    assert problems(EXAMPLES / f"{name}.toml") == []
+
+
+B1 = "vertices = [[-0.2, 0.0], [0.2, 0.0], [0.2, 0.9], [-0.2, 0.9]]"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (B1, "vertices = [[-0.2, 0.0], [0.2, 0.0], [1.0, 0.9], [0.6, 0.9]]", "does not stand"),
+        ("coefficient = 0.65", "coefficient = 33", "its tangent, 0.6494"),
+        ("normal_stiffness = 1e8", "normal_stiffness = 10", "is it in kPa/mm"),
+        ("unit_weight = 18e3", "density = 2.2", "2.2 kg/m3, is light for masonry"),
+        ("unit_weight = 18e3", "unit_weight = 18.0", "is it in kN/m3"),
+        ("unit_weight = 18e3", "density = 18e3", "is heavy for masonry"),
+        ("direction = [1.0, 0.0]", "direction = [0.0, -1.0]", "no multiple of it"),
+        (B1, "vertices = [[-0.2, 0.9], [0.2, 0.9], [0.2, 0.0], [-0.2, 0.0]]", "turned round"),
+        (B1, "vertices = [[-0.2, 1e-4], [0.2, 1e-4], [0.2, 0.9], [-0.2, 0.9]]", "1 joint"),
+    ],
+)
+def test_what_is_hardly_meant_is_told_with_the_mend(tmp_path, old, new, said):
+    path = written(tmp_path, (old, new))
+    (problem,) = problems(path)
+    assert said in problem
+    assert f"warning: {problem}" in drystone("check", path).stdout
+
+
+def test_courses_of_unequal_lengths_are_told(tmp_path):
+    found = problems(written(tmp_path, more=WALL))
+    assert 'wall.courses[2]: "h1h" is 2 units long, the longest course 3' in found[0]
+
+
+@pytest.mark.parametrize(("old", "new"), [("thickness = 1.0", "thickness = 0,5")])
+def test_a_decimal_comma_is_told(tmp_path, old, new):
+    result = drystone("check", written(tmp_path, (old, new)))
+    assert result.exit_code == 2
+    assert "line 3, column" in result.stderr and "with a point, as in 0.5" in result.stderr
+
+
+def test_a_decimal_comma_in_json_is_told(tmp_path):
+    path = tmp_path / "model.json"
+    path.write_text('{\n"dimension": 2,\n"thickness": 0,5\n}')
+    assert "with a point, as in 0.5" in drystone("check", path).stderr
+
+
+def test_the_tolerance_of_drawings_is_a_key(tmp_path):
+    drawn = (B1, "vertices = [[-0.2, 1e-3], [0.2, 1e-3], [0.2, 0.9], [-0.2, 0.9]]")
+    assert drystone("check", written(tmp_path, drawn)).exit_code == 2  # 0.2 mm would do
+    wider = ("dimension = 2", "dimension = 2\ndrawing_tolerance = 0.01")
+    (problem,) = problems(written(tmp_path, drawn, wider))
+    assert "2 vertices were moved, by up to 1 mm" in problem
+
+
+def test_run_tells_it_too_and_keeps_it(tmp_path):
+    path = written(
+        tmp_path, (B1, B1.replace("0.0]", "1e-4]")), ("[load]", "[analysis]\nmax_steps = 2\n[load]")
+    )
+    result = drystone("run", path, "--out", tmp_path / "out")
+    assert "warning: block: 1 joint" in result.stderr
+    (note,) = json.loads((tmp_path / "out/summary.json").read_text())["notes"]
+    assert "1 joint" in note
