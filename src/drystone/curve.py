@@ -22,6 +22,10 @@ Array = NDArray[np.float64]
 #: How a point was reached: at rest, or on the way of a block that falls or a wall that jumps.
 STATIC, DYNAMIC = "static", "dynamic"
 
+#: Share of the highest multiplier below which a curve has passed its peak; local drops, where a
+#: block comes loose, are smaller as a rule.
+PASSED = 0.99
+
 #: Status of a curve that is complete.
 FINISHED = "finished"
 
@@ -142,6 +146,13 @@ class CapacityCurve:
         """The static point of highest load multiplier."""
         static = [p for p in self.points if p.status == STATIC] or list(self.points)
         return max(static, key=lambda p: p.load_multiplier)
+
+    @property
+    def peak_passed(self) -> bool:
+        """Whether the curve comes down from its `peak`: else that is the highest point so far."""
+        top = self.peak
+        after = (p for p in self.points if p.step > top.step and p.status == STATIC)
+        return any(p.load_multiplier < PASSED * top.load_multiplier for p in after)
 
     @property
     def ultimate_displacement(self) -> float | None:

@@ -12,6 +12,9 @@ from matplotlib.collections import LineCollection
 from matplotlib.image import imread
 
 from drystone.assembly import Assembly
+from drystone.commands.run import report
+from drystone.export.summary import summarise
+from drystone.limit.beside import Beside
 from drystone.report import canvas, draw_benchmark_wall, draw_curve, draw_mechanism
 from drystone.report.curve_figure import plot_curves
 from drystone.report.joints import designed_joints
@@ -205,6 +208,19 @@ def test_curve_that_stopped_says_so():
     axes = canvas.new_figure(4, 4).subplots()
     plot_curves(axes, [("", synthetic.curve(200, end=0.1, status="stopped"))])
     assert "curve stopped" in labels(axes)
+
+
+def test_a_curve_interrupted_on_its_ascent_has_no_peak_yet():
+    """What it has reached was called its peak."""
+    ascent = synthetic.curve(200, end=0.5 * synthetic.PEAK_AT, status="interrupted")
+    assert not ascent.peak_passed and synthetic.curve().peak_passed
+    axes = canvas.new_figure(4, 4).subplots()
+    plot_curves(axes, [("", ascent)])
+    assert "highest so far" in labels(axes) and "peak" not in labels(axes)
+    assert all("peak" not in text.get_text() for text in axes.texts)
+    told = report("wall", ascent, Path("out"), Beside())
+    assert "highest so far" in told and "peak" not in told
+    assert summarise(ascent, synthetic.wall_model())["peak_passed"] is False
 
 
 def test_several_curves_have_their_values_in_the_legend():

@@ -105,8 +105,9 @@ def report(title: str, curve: CapacityCurve, folder: Path, beside: Beside) -> st
         if ultimate is not None
         else f"not reached; the curve ends at {curve.points[-1].control_displacement:.4f} m"
     )
+    highest = "peak multiplier" if curve.peak_passed else "highest so far"
     rows = (
-        ("peak multiplier", f"{peak.load_multiplier:.4f} at {peak.control_displacement:.5f} m"),
+        (highest, f"{peak.load_multiplier:.4f} at {peak.control_displacement:.5f} m"),
         ("limit analysis", _limits(beside)),
         ("ultimate displacement", end),
         ("points", f"{len(curve.points)}, largest residual {curve.residual.max():.1e}"),

@@ -25,7 +25,8 @@ def package_version() -> str:
 def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
     """Figures of a curve of at least one point, SI units, ready for JSON: None where there is none.
 
-    ``max_...`` are taken over all points of the curve, ``peak`` is the whole point of the peak.
+    ``max_...`` are taken over all points of the curve, ``peak`` is the whole point of the peak,
+    or the highest so far where ``peak_passed`` is false.
     """
     from drystone.curve import COLUMNS, DYNAMIC
 
@@ -46,6 +47,7 @@ def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
         "n_iterations": sum(point.n_iterations for point in curve.points),
         "peak_multiplier": peak.load_multiplier,
         "peak_displacement": peak.control_displacement,
+        "peak_passed": curve.peak_passed,
         "ultimate_displacement": curve.ultimate_displacement,
         "stop_multiplier": curve.stop_multiplier,
         "settlement": curve.settlement,

@@ -176,7 +176,7 @@ def _plot_whole(axes: Axes, label: str, curve: CapacityCurve, unit: Unit, i: int
     peak = curve.peak
     colour = canvas.CURVE_COLOURS[i % len(canvas.CURVE_COLOURS)]
     style = canvas.CURVE_STYLES[i % len(canvas.CURVE_STYLES)]
-    text = f"{canvas.literal(label)}: peak {peak.load_multiplier:.3f}"
+    text = f"{canvas.literal(label)}: {_name_of_peak(curve)} {peak.load_multiplier:.3f}"
     if curve.ultimate_displacement is not None:
         text += f", {curve.ultimate_displacement:.3f} m at {curve.stop_multiplier:g}"
     axes.plot(x, y, color=colour, linestyle=style, linewidth=1.6, label=text, zorder=4)
@@ -227,9 +227,10 @@ def _plot_dynamic(axes: Axes, curves: Sequence[CapacityCurve], unit: Unit) -> No
 def _mark_peak(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
     peak = curve.peak
     x = peak.control_displacement * unit.per_metre
-    axes.plot(x, peak.load_multiplier, "o", color=canvas.INK, markersize=6, zorder=6, label="peak")
+    name = _name_of_peak(curve)
+    axes.plot(x, peak.load_multiplier, "o", color=canvas.INK, markersize=6, zorder=6, label=name)
     axes.annotate(
-        f"peak  $λ$ = {peak.load_multiplier:.3f}  at  {_length(peak.control_displacement)}",
+        f"{name}  $λ$ = {peak.load_multiplier:.3f}  at  {_length(peak.control_displacement)}",
         (x, peak.load_multiplier),
         xytext=(8, 8),
         textcoords="offset points",
@@ -237,6 +238,10 @@ def _mark_peak(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
         bbox=BACKING,
         zorder=7,
     )
+
+
+def _name_of_peak(curve: CapacityCurve) -> str:
+    return "peak" if curve.peak_passed else "highest so far"
 
 
 def _mark_end(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
