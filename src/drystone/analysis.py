@@ -36,6 +36,9 @@ Array = NDArray[np.float64]
 #: Default displacement per step over the smallest extent of a block.
 STEP_SHARE = 0.005
 
+#: Largest one: what moves farther in a step no engine follows, and a peak goes by unseen.
+COARSEST_SHARE = 0.2
+
 STRATEGIES = ("displacement", "published")
 
 #: Blocks up to which states are kept in the result by default: at 1000, some 0.4 MB a point.
@@ -224,6 +227,13 @@ def make_control(strategy: str, engine: Engine, model: Model) -> Control:
     wrong = [sentence for key, value in options.items() if (sentence := problem(key, value))]
     if wrong:  # also of settings that this strategy does not use, as in a model file
         raise EngineError(f"[analysis] {wrong[0]}")
+    coarsest = COARSEST_SHARE * model.assembly.smallest_extent
+    asked = options.get("displacement_step", 0.0)
+    if asked > coarsest:
+        raise EngineError(
+            f"[analysis] displacement_step of {asked:g} m is too coarse to see the peak: take at "
+            f"most {coarsest:.3g} m, a fifth of the smallest block"
+        )
     step = {"displacement_step": STEP_SHARE * model.assembly.smallest_extent}
     ask = getattr(engine, "preferences", None)
     preferred: Mapping[str, float] = ask(model.assembly) if ask else {}

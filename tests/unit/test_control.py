@@ -500,6 +500,13 @@ class TestWhatAStepHides:
 
 
 class TestEveryStrategy:
+    @pytest.mark.parametrize("strategy", ["displacement", "published"])
+    def test_a_step_too_coarse_to_see_the_peak_is_refused(self, strategy):
+        """A step of 1 m lowered wall 1's peak by a tenth without a word."""
+        with pytest.raises(EngineError, match=r"too coarse .* take at most 0\.08 m"):
+            trace(SlidingStructure(prescribes=True), strategy, displacement_step=0.081)
+        trace(SlidingStructure(prescribes=True), strategy, displacement_step=0.08, max_steps=3)
+
     STRATEGIES = pytest.mark.parametrize(
         ("strategy", "prescribes"),
         [("displacement", False), ("displacement", True), ("published", False)],
