@@ -92,6 +92,16 @@ def test_first_run_says_what_it_waits_for(slow_to_compile, model_file, tmp_path)
     assert summary["compile_time"] > 0.0
 
 
+def test_run_goes_on_where_no_process_can_help(slow_to_compile, model_file, tmp_path, monkeypatch):
+    def refused(engine):
+        raise OSError(11, "Resource temporarily unavailable")
+
+    monkeypatch.setattr(compiler, "_processors", lambda: 2)
+    monkeypatch.setattr(compiler, "_helper", refused)
+    assert "Resource" not in run(model_file, "--out", tmp_path / "out").stderr
+    assert (tmp_path / "out/summary.json").is_file()
+
+
 @pytest.mark.parametrize("option", ["--quiet", "--json"])
 def test_notice_is_left_out_where_nobody_reads_it(slow_to_compile, model_file, tmp_path, option):
     result = run(model_file, "--out", tmp_path / "out", option)

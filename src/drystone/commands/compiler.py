@@ -11,7 +11,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from drystone.commands.outcome import tell
 
@@ -35,7 +35,8 @@ def compiling(engine: str, *, quiet: bool) -> Iterator[None]:
         if not quiet:
             tell(["compiling, once on this machine: 15 seconds or so where nothing else runs"])
         if engine in REHEARSED and _processors() > 1:
-            helpers.append(_helper(engine))
+            with suppress(OSError):  # it is only a help
+                helpers.append(_helper(engine))
 
     try:
         with Compilation(begun) as compilation:
