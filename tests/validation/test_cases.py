@@ -6,6 +6,7 @@ corners.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -13,11 +14,14 @@ import numpy as np
 import pytest
 
 import drystone as ds
+from builders import PUBLISHED_JOINT, stack
 from drystone.curve import DYNAMIC
 
 CASES = Path(__file__).parents[1] / "cases"
 
 WALLS = ["wall101", "wall105", "wall106", "wall113"]
+
+SMOOTH = replace(PUBLISHED_JOINT, friction_coefficient=0.0)
 
 #: Largest unbalanced force of the equilibrium engine over the heaviest block's weight, by its
 #: tolerance.
@@ -35,6 +39,13 @@ def traced(name, **options):
 
 def static_points(curve):
     return [p for p in curve.points if p.status != DYNAMIC]
+
+
+def test_a_wall_without_friction_ends_at_once_and_says_why():
+    """It went on for 100,001 points at a multiplier of nothing."""
+    curve = ds.pushover(stack((0.4, 0.2), (0.4, 0.2), joint=SMOOTH), engine="equilibrium")
+    assert curve.n_steps <= 100  # within which every end is told, see `control.ends.EARLY`
+    assert curve.status == "stopped" and "carries nothing along the load" in curve.reason
 
 
 @pytest.mark.slow

@@ -212,6 +212,11 @@ class DisplacementControl:
             state = replace(state, time_step=0.5 * state.time_step)
             if state.time_step < 1e-4 * s.time_step:
                 reason = f"a jump could not be followed to where it rests: {report.reason}"
+                if state.highest <= 0.0:
+                    reason = (
+                        "the structure carries nothing along the load, as where joints have no "
+                        f"friction, or no first step was found: {report.reason}"
+                    )
                 return Decision(accept=False, demand=None, state=state, reason=reason)
         elif state.stage == CROSSING:
             # A jump that seemed to be over was not: something moves slowly yet.

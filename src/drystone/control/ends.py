@@ -62,13 +62,15 @@ def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
     if p.static and p.multiplier < s.stop_multiplier < p.highest:
         reason = f"the load multiplier fell below {s.stop_multiplier:g}"
         return End(reason=reason, finished=True)
-    if p.static and p.multiplier < FALLEN * p.highest <= FALLEN * s.stop_multiplier:
+    nothing = p.highest < FALLEN * s.stop_multiplier
+    down = p.static and p.multiplier < FALLEN * p.highest <= FALLEN * s.stop_multiplier
+    if down and not nothing:
         return End(
             reason=f"the peak multiplier {p.highest:.4g} lies below the stop multiplier "
             f"{s.stop_multiplier:g}: the curve ends where hardly anything is carried; lower "
             "stop_multiplier to end it earlier"
         )
-    if p.n_steps >= EARLY and p.highest < FALLEN * s.stop_multiplier:
+    if nothing and (down or p.n_steps >= EARLY):
         return End(
             reason=f"the structure carries nothing along the load: in {p.n_steps} steps the "
             f"multiplier did not rise above {FALLEN * s.stop_multiplier:g}"
