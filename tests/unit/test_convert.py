@@ -425,3 +425,25 @@ def test_the_command_writes_and_tells(tmp_path):
     run = CliRunner().invoke(app, ["convert", str(tmp_path / "wall.toml"), "wall.txt"])
     assert run.exit_code == 2
     assert "means no program" in run.stderr
+
+
+@pytest.mark.parametrize("target", ["3dec", "lmgc90"])
+def test_chamfers_longer_than_an_edge_are_refused(tmp_path, target):
+    """At blunt corners a radius takes r tan(15 degrees) of an edge, a chamfer all of the radius."""
+    angle = np.radians(15.0 + 30.0 * np.arange(12))
+    round_stone = 0.2 * np.column_stack((np.cos(angle), np.sin(angle)))
+    round_stone[:, 1] -= round_stone[:, 1].min()
+    base = np.array([[-1.0, -0.5], [1.0, -0.5], [1.0, 0.0], [-1.0, 0.0]])
+    model = make_model(
+        [
+            Block(id="base", vertices=base, unit_weight=1e4, support=True),
+            Block(id="b", vertices=round_stone, unit_weight=1e4),
+        ],
+        joint=JointLaw(friction_coefficient=0.6, normal_stiffness=1e8, shear_stiffness=1e8),
+        thickness=1.0,
+        load_direction=(1.0, 0.0),
+        corner=Corner(radius=0.08),  # edges are 0.104 m long
+    )
+    with pytest.raises(ModelError, match='at block "b": corners become chamfers, and the chamfer'):
+        convert(model, tmp_path / "model.dat", target)
+    assert not (tmp_path / "model.dat").exists()

@@ -118,11 +118,25 @@ def leg_of(assembly: Assembly) -> float:
 
 
 def chamfered(assembly: Assembly) -> list[Array]:
-    """Outlines with chamfers of `leg_of`, or as they are."""
+    """Outlines with chamfers of `leg_of`, or as they are.
+
+    Raises
+    ------
+    ModelError
+        Rounded corners fit where chamfers with legs of their radius do not: at blunt corners.
+    """
     leg = leg_of(assembly)
     if not leg:
         return [block.vertices for block in assembly.blocks]
-    return [geometry.chamfered_core(block.vertices, leg).vertices for block in assembly.blocks]
+    outlines = []
+    for block in assembly.blocks:
+        try:
+            outlines.append(geometry.chamfered_core(block.vertices, leg).vertices)
+        except geometry.GeometryError as error:
+            raise ModelError(
+                [f'corner, at block "{block.id}": corners become chamfers, and {error}']
+            ) from None
+    return outlines
 
 
 def unchamfered(outline: Array) -> Array:

@@ -18,6 +18,7 @@ from drystone.builders.model import make_model
 from drystone.convert.common import (
     STRATEGY,
     Written,
+    chamfered,
     file_name,
     leg_of,
     need_stiffness,
@@ -38,6 +39,7 @@ def write(model: Model, name: str = "") -> Written:
     assembly = model.assembly
     need_stiffness(assembly, PROGRAM)
     _check(assembly.laws)
+    chamfered(assembly)  # what the script will do
     notes = ["LMGC90's joints are rigid in shear: the shear stiffness is left out"]
     if assembly.corner.radius:
         notes.append(
