@@ -100,3 +100,10 @@ def test_unstable_is_found_by_both_methods(monkeypatch):
         assert answer.factor == pytest.approx(0.0, abs=1e-6)
         # The dead load does work on the mechanism.
         assert equilibrium.dead @ answer.velocity == pytest.approx(1.0, abs=1e-6)
+
+
+def test_interior_point_says_that_equal_free_columns_cannot_be_told_apart():
+    """The small system of the free columns is singular from the start: no traceback."""
+    a = np.hstack((np.eye(4), np.ones((4, 2))))
+    found = interior_point.solve(np.ones(6), csc_array(a), np.ones(4), np.array([4, 5]))
+    assert not found.converged and found.error == np.inf

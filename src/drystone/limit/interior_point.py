@@ -87,7 +87,11 @@ def solve(
     a_free = matrix[:, free].toarray()
     c, c_free = cost[bounded], cost[free]
     newton = _Newton(a, a_free)
-    point = _start(newton, c, c_free, right)
+    try:
+        point = _start(newton, c, c_free, right)
+    except (RuntimeError, np.linalg.LinAlgError):  # rows or free columns that depend on others
+        nothing = np.zeros(len(cost))
+        return Solution(x=nothing, y=0.0 * right, converged=False, error=np.inf, n_iterations=0)
     scale_b, scale_c = 1.0 + np.abs(right).max(initial=0.0), 1.0 + np.abs(cost).max(initial=0.0)
     best, best_error, waited, converged, n_iterations = point, np.inf, 0, False, 0
     while n_iterations < max_iterations:
