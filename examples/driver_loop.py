@@ -12,6 +12,7 @@ import drystone as ds
 from drystone.control import ExcessControl, ExcessSettings
 from drystone.engines import make_engine
 from drystone.engines.base import Problem
+from drystone.frame import Frame
 
 MODEL = Path(__file__).with_name("two_blocks.toml")
 
@@ -23,6 +24,7 @@ def trace(model: ds.Model, displacement_step: float) -> list[tuple[float, float]
         ExcessSettings(
             displacement_step=displacement_step,
             stop_multiplier=model.analysis.stop_multiplier,
+            time_step=0.1 * Frame.of(model.assembly).time,  # s; larger blocks take longer to move
         )
     )
     problem = Problem(assembly=model.assembly, load=model.load, control_point=model.control_point)

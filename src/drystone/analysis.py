@@ -27,6 +27,8 @@ from drystone.control import (
 from drystone.curve import DYNAMIC, STATIC, CapacityCurve, CurvePoint, RecorderError
 from drystone.engines import make_engine
 from drystone.engines.base import Engine, EngineError, Problem, StepReport
+from drystone.engines.framed import framed
+from drystone.frame import Frame
 from drystone.kernels.compilation import Compilation
 from drystone.model import Model
 from drystone.ranges import problem
@@ -104,7 +106,7 @@ def pushover(
     keep_poses = small if keep_poses is None else keep_poses
     keep_contacts = small if keep_contacts is None else keep_contacts
     named = engine is None or isinstance(engine, str)
-    solver: Any = make_engine(str(engine or model.analysis.engine)) if named else engine
+    solver: Any = make_engine(str(engine or model.analysis.engine)) if named else framed(engine)
     name = strategy or model.analysis.strategy
     model = _asked(model, options)
     control = make_control(name, solver, model)
@@ -227,34 +229,44 @@ def make_control(strategy: str, engine: Engine, model: Model) -> Control:
     wrong = [sentence for key, value in options.items() if (sentence := problem(key, value))]
     if wrong:  # also of settings that this strategy does not use, as in a model file
         raise EngineError(f"[analysis] {wrong[0]}")
-    coarsest = COARSEST_SHARE * model.assembly.smallest_extent
+    frame = Frame.of(model.assembly)
+    coarsest = COARSEST_SHARE * frame.size
     asked = options.get("displacement_step", 0.0)
     if asked > coarsest:
         raise EngineError(
             f"[analysis] displacement_step of {asked:g} m is too coarse to see the peak: take at "
             f"most {coarsest:.3g} m, a fifth of the smallest block"
         )
-    step = {"displacement_step": STEP_SHARE * model.assembly.smallest_extent}
+    step = {"displacement_step": STEP_SHARE * frame.size}
     ask = getattr(engine, "preferences", None)
     preferred: Mapping[str, float] = ask(model.assembly) if ask else {}
     try:
         if strategy == "published":
-            return PublishedControl(_settings(PublishedSettings, {**preferred, **step, **options}))
+            return PublishedControl(
+                _settings(PublishedSettings, frame.time, {**preferred, **step, **options})
+            )
         chosen = {**step, **preferred, **options}
         if engine.prescribes_displacement:
-            return DisplacementControl(_settings(DisplacementSettings, chosen))
-        return ExcessControl(_settings(ExcessSettings, chosen))
+            return DisplacementControl(_settings(DisplacementSettings, frame.time, chosen))
+        return ExcessControl(_settings(ExcessSettings, frame.time, chosen))
     except ControlError as error:
         raise EngineError(f"[analysis] {error}") from None
 
 
-def _settings(cls: type, options: Mapping[str, float]) -> Any:
-    """A settings object from those options that it has; whole numbers where it wants them."""
+def _settings(cls: type, second: float, options: Mapping[str, float]) -> Any:
+    """A settings object from those options that it has; whole numbers where it wants them.
+
+    Its default times are in the structure's own ``second`` [s]: what falls its own size in one,
+    falls it in another, whatever the size.
+    """
     chosen = {}
     for field in fields(cls):
         if field.name in options:
             value = options[field.name]
             chosen[field.name] = int(value) if field.type == "int" else value
+        elif field.name == "time_step":
+            default: Any = field.default
+            chosen[field.name] = second * default
     return cls(**chosen)
 
 

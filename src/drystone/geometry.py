@@ -77,7 +77,8 @@ def check_convex(vertices: Array) -> None:
         )
     if turns < 0:
         raise GeometryError("the vertices run clockwise: list them counter-clockwise")
-    if np.any(angle < -DEGENERATE):
+    rounding = 4.0 * float(np.spacing(np.abs(vertices).max()) / lengths.min())
+    if np.any(angle < -max(DEGENERATE, rounding)):
         i = (int(np.argmin(angle)) + 1) % n
         x, y = vertices[i]
         raise GeometryError(

@@ -119,7 +119,7 @@ def heavy(unit_weight):
     return make_model(blocks, joint=model.assembly.joint, thickness=1.0, load_direction=(1.0, 0.0))
 
 
-@pytest.mark.parametrize("unit_weight", [1e-2, 1e-8])
+@pytest.mark.parametrize("unit_weight", [1e-2, 1e-3])
 def test_joints_too_stiff_for_the_weight_are_said_so(unit_weight):
     """Rounding of displacements times stiffness comes near to the weight: no point says more."""
     curve = pushover(heavy(unit_weight))

@@ -40,6 +40,7 @@ def make_engine(name: str) -> Engine:
         There is no engine of that name, or another package's cannot be loaded.
     """
     from drystone.engines.base import EngineError
+    from drystone.engines.framed import framed
 
     make: Any
     if name in _ENGINES:
@@ -56,7 +57,7 @@ def make_engine(name: str) -> Engine:
             raise EngineError(
                 f'the engine "{name}" ({entry.value}) cannot be loaded: {error}'
             ) from error
-    engine: Engine = make()
+    engine: Engine = framed(make())
     return engine
 
 

@@ -35,6 +35,7 @@ class Problem:
     assembly: Assembly
     load: LoadPattern
     control_point: ControlPoint
+    length: float = 1.0  # m, of the unit that lengths are in; for messages
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,7 +98,9 @@ class Engine(Protocol):
 
     An engine may have a method ``preferences(assembly)``: settings of the strategies, by name, that
     suit it better than the common ones.  And it may say which ``residual_limit``, over the heaviest
-    weight, its steps keep: what exceeds it is no point of the curve.
+    weight, its steps keep: what exceeds it is no point of the curve.  One that says
+    ``in_own_frame = True`` is given problems in the structure's own coordinates and units (see
+    `drystone.frame`), so that its tolerances may be numbers.
     """
 
     name: str

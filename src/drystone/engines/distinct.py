@@ -299,6 +299,7 @@ class DistinctEngine:
     """See the module's text."""
 
     name = "distinct"
+    in_own_frame = True
     prescribes_displacement = True
     #: Rest is looked for with the forces of a cycle, its poses are those at the end of it.
     residual_limit = 1e-4
@@ -324,7 +325,7 @@ class DistinctEngine:
             motion = work.gone()
         except RunAwayError as error:
             motion = error.motion
-        raise UnstableError(unstable_sentence(problem.assembly.ids, motion))
+        raise UnstableError(unstable_sentence(problem.assembly.ids, problem.length * motion))
 
     def release(
         self, problem: Problem, pose: Array | None = None, velocity: Array | None = None

@@ -76,6 +76,7 @@ class EquilibriumEngine:
     """See the module's text."""
 
     name = "equilibrium"
+    in_own_frame = True
     prescribes_displacement = True
     #: A thousand times what its steps are solved to: steps that stiff joints do not let be solved
     #: as well are told from those that only seem to be solved.
@@ -158,7 +159,9 @@ class EquilibriumEngine:
                 break
             h = min(100.0 * h, limit)
         motion = self.detector.motion(state.pose)
-        raise UnstableError(unstable_sentence(self.problem.assembly.ids, motion))
+        raise UnstableError(
+            unstable_sentence(self.problem.assembly.ids, self.problem.length * motion)
+        )
 
     def _missed(self, state: EquilibriumState) -> bool:
         """Whether blocks overlap that were no pair."""

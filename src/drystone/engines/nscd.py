@@ -63,6 +63,7 @@ class NscdEngine:
     """See the module's text."""
 
     name = "nscd"
+    in_own_frame = True
     prescribes_displacement = False
     residual_limit = 1e-6  # what a step is solved to, and the rounding of its poses
 
@@ -126,7 +127,9 @@ class NscdEngine:
             if self.detector.motion(state.pose).max() > limit:
                 break
         motion = self.detector.motion(state.pose)
-        raise UnstableError(unstable_sentence(self.problem.assembly.ids, motion))
+        raise UnstableError(
+            unstable_sentence(self.problem.assembly.ids, self.problem.length * motion)
+        )
 
     def step(self, state: NscdState, demand: Demand) -> tuple[NscdState, StepReport]:
         """One implicit step; see `Engine.step`."""

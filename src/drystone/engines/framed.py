@@ -1,0 +1,118 @@
+"""An engine that works in the structure's own coordinates and units, seen from outside.
+
+Problems are taken to the frame, results back to the coordinates and units of the drawing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.assembly import Assembly
+from drystone.contact.forces import ContactForces
+from drystone.engines.base import Demand, Problem, StepReport
+from drystone.frame import Frame, plain
+
+Array = NDArray[np.float64]
+
+#: Settings that engines may prefer and that are lengths.
+LENGTHS = frozenset(("displacement_step",))
+
+
+def framed(engine: Any) -> Any:
+    """The engine within the structure's own frame, where it asks for that."""
+    return FramedEngine(engine) if getattr(engine, "in_own_frame", False) else engine
+
+
+@dataclass(frozen=True, kw_only=True)
+class FramedState:
+    """A state of the engine within, and its poses as they are outside."""
+
+    own: Any
+    pose: Array  # (n, n_dof) m, rad
+
+
+class FramedEngine:
+    """See the module's text; the contract is that of `engines.base.Engine`."""
+
+    def __init__(self, engine: Any) -> None:
+        self.engine = engine
+        self.name: str = engine.name
+        self.prescribes_displacement: bool = engine.prescribes_displacement
+        self.residual_limit: float | None = getattr(engine, "residual_limit", None)
+
+        self.seen: tuple[Assembly, Frame, Assembly] | None = None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the engine left out of the model."""
+        return tuple(getattr(self.engine, "notes", ()))
+
+    def preferences(self, assembly: Assembly) -> Mapping[str, float]:
+        """See `Engine`; the assembly is the one outside."""
+        ask = getattr(self.engine, "preferences", None)
+        if ask is None:
+            return {}
+        frame, own = self._own(assembly)
+        preferred = dict(ask(own))
+        for name in LENGTHS & preferred.keys():
+            preferred[name] = plain(frame.length * preferred[name])
+        return preferred
+
+    def start(self, problem: Problem) -> tuple[FramedState, StepReport]:
+        """See `Engine.start`."""
+        self.frame, assembly = self._own(problem.assembly)
+        frame = self.frame
+        own, report = self.engine.start(
+            replace(
+                problem,
+                assembly=assembly,
+                control_point=frame.control_point(problem.control_point),
+                length=frame.length,
+            )
+        )
+        return self._state(own), self._report(report)
+
+    def step(self, state: FramedState, demand: Demand) -> tuple[FramedState, StepReport]:
+        """See `Engine.step`."""
+        frame, increment = self.frame, demand.increment
+        own, report = self.engine.step(
+            state.own,
+            replace(
+                demand,
+                increment=None if increment is None else plain(increment / frame.length),
+                time_step=plain(demand.time_step / frame.time),
+            ),
+        )
+        return (state if own is state.own else self._state(own)), self._report(report)
+
+    def contacts(self, state: FramedState) -> ContactForces:
+        """See `Engine.contacts`."""
+        return self.frame.contacts_of(self.engine.contacts(state.own))
+
+    def close(self) -> None:
+        """See `Engine.close`."""
+        self.engine.close()
+
+    def _own(self, assembly: Assembly) -> tuple[Frame, Assembly]:
+        """The frame of an assembly and the assembly in it, made once for one and the same."""
+        if self.seen is None or self.seen[0] is not assembly:
+            frame = Frame.of(assembly)
+            self.seen = assembly, frame, frame.assembly(assembly)
+        return self.seen[1:]
+
+    def _state(self, own: Any) -> FramedState:
+        return FramedState(own=own, pose=self.frame.pose_of(own.pose))
+
+    def _report(self, own: StepReport) -> StepReport:
+        length = self.frame.length
+        return replace(
+            own,
+            control_displacement=length * own.control_displacement,
+            penetration=length * own.penetration,
+            motion=length * own.motion,
+        )

@@ -1,0 +1,159 @@
+"""The structure's own coordinates and units, in which neither place nor unit of a drawing matters.
+
+Coordinates are doubles: 10,000 km from the origin only some eight decimals of a metre are left, and
+differences of places are known to them alone.  Engines have tolerances in metres, seconds and
+newtons.  So they are given the structure where its own lower corner is the origin, its smallest
+block as large as the published walls' and its heaviest material as heavy as theirs.  Gravity is
+kept, so that times go with the square root of lengths.
+
+Coordinates that were typed come back exactly: where a decimal number, of as many decimals as the
+double could hold there, lies within its rounding, that was meant.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.assembly import Assembly, JointLaw
+from drystone.contact.forces import ContactForces
+from drystone.monitor import ControlPoint
+
+Array = NDArray[np.float64]
+
+#: Smallest side of a block of the published walls [m], and their unit weight [N/m3].
+SIZE, UNIT_WEIGHT = 0.175, 10e3
+
+#: Significant digits that are kept of a quotient: what it has of its own, less its rounding.
+DIGITS = 13
+
+
+@dataclass(frozen=True, kw_only=True)
+class Frame:
+    """What takes an assembly to its own coordinates and units, and results back."""
+
+    origin: Array  # (dim,) m, lower corner of the box around all blocks
+    place_noise: float  # m, rounding of the drawing's coordinates
+    length: float  # m, own unit of length
+    depth: float  # m, unit of the thickness; in three dimensions that of length
+    unit_weight: float  # N/m3, own unit of weight
+
+    @classmethod
+    def of(cls, assembly: Assembly, *, scaled: bool = True) -> Frame:
+        """Of an assembly; without ``scaled`` the units stay and only the origin changes."""
+        vertices = np.vstack([block.vertices for block in assembly.blocks])
+        noise = float(np.spacing(np.abs(vertices).max()))
+        origin = vertices.min(axis=0)
+        movable = [block for block in assembly.blocks if not block.support]
+        if not scaled or not movable:
+            return cls(origin=origin, place_noise=noise, length=1.0, depth=1.0, unit_weight=1.0)
+        sides = min(float(typed(np.ptp(block.vertices, axis=0), noise).min()) for block in movable)
+        length = sides / SIZE
+        return cls(
+            origin=origin,
+            place_noise=noise,
+            length=length,
+            depth=assembly.thickness if assembly.dimension == 2 else length,
+            unit_weight=plain(max(block.unit_weight for block in movable) / UNIT_WEIGHT),
+        )
+
+    @property
+    def size(self) -> float:
+        """Smallest side of a movable block's bounding box [m], where units are scaled."""
+        return plain(SIZE * self.length)
+
+    @property
+    def time(self) -> float:
+        """Own unit of time [s]."""
+        return math.sqrt(self.length)
+
+    @property
+    def area(self) -> float:
+        """Own unit of joint area [m2]."""
+        return self.length * self.depth
+
+    @property
+    def force(self) -> float:
+        """Own unit of force [N]."""
+        return self.unit_weight * self.area * self.length
+
+    def place(self, points: Array) -> Array:
+        """Points of the drawing (..., dim) [m] in own coordinates."""
+        own = typed(np.asarray(points, float) - self.origin, self.place_noise) / self.length
+        return typed(own, 2.0 * float(np.spacing(np.abs(own).max(initial=1.0))))
+
+    def assembly(self, drawn: Assembly) -> Assembly:
+        """The assembly in own coordinates and units."""
+        corner = drawn.corner
+        return replace(
+            drawn,
+            blocks=tuple(
+                replace(
+                    block,
+                    vertices=self.place(block.vertices),
+                    unit_weight=plain(block.unit_weight / self.unit_weight),
+                )
+                for block in drawn.blocks
+            ),
+            joint=self._law(drawn.joint),
+            corner=replace(
+                corner,
+                radius=corner.radius and plain(corner.radius / self.length),
+                chamfer=corner.chamfer and plain(corner.chamfer / self.length),
+            ),
+            thickness=plain(drawn.thickness / self.depth) if drawn.dimension == 2 else 1.0,
+            joint_between={names: self._law(law) for names, law in drawn.joint_between.items()},
+        )
+
+    def _law(self, law: JointLaw) -> JointLaw:
+        """A joint law in own units: stiffness times length and strength are pressures, as is weight
+        times length."""
+        stiffness, strength = self.unit_weight, self.unit_weight * self.length
+        normal, shear = law.normal_stiffness, law.shear_stiffness
+        return replace(
+            law,
+            normal_stiffness=None if normal is None else plain(normal / stiffness),
+            shear_stiffness=None if shear is None else plain(shear / stiffness),
+            cohesion=plain(law.cohesion / strength),
+            tensile_strength=plain(law.tensile_strength / strength),
+            dilatancy_end=plain(law.dilatancy_end / self.length),
+        )
+
+    def control_point(self, drawn: ControlPoint) -> ControlPoint:
+        """The control point in own coordinates."""
+        return replace(drawn, point=self.place(drawn.point))
+
+    def pose_of(self, own: Array) -> Array:
+        """Poses (n, n_dof) in metres."""
+        dim = len(self.origin)
+        return np.column_stack((self.length * own[:, :dim], own[:, dim:]))
+
+    def contacts_of(self, own: ContactForces) -> ContactForces:
+        """Contact points in the drawing's coordinates, forces in newtons."""
+        return replace(
+            own,
+            position=self.origin + self.length * own.position,
+            gap=self.length * own.gap,
+            area=self.area * own.area,
+            normal_reaction=self.force * own.normal_reaction,
+            tangential_reaction=self.force * own.tangential_reaction,
+        )
+
+
+def typed(values: Array, noise: float) -> Array:
+    """Values that are decimals but for a rounding of ``noise`` as those; others as they are.
+
+    The decimals are those of ten to a hundred times the noise, so that a value that no one typed
+    changes by no more than its rounding.
+    """
+    decimals = math.floor(-math.log10(noise)) - 1
+    rounded = np.round(values, decimals)
+    return np.where(np.abs(rounded - values) <= 2.0 * noise, rounded, values)
+
+
+def plain(value: float) -> float:
+    """A quotient or product without its rounding."""
+    return float(f"{value:.{DIGITS - 1}e}")
