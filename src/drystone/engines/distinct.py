@@ -475,8 +475,9 @@ class DistinctEngine:
         last = state.increment
         came = begin - control.displacement(assembly, state.pose - last)
         pushed, rate = float(np.sum(pattern * last)), 0.0
-        if came * increment > 0.0 and pushed * increment * sense > 0.0:
-            farthest = float(self.detector.motion(last).max())
+        farthest = float(self.detector.motion(last).max())
+        onwards = came * increment > 1e-9 * farthest * abs(increment)  # else it is rounding
+        if onwards and pushed * increment * sense > 0.0:
             share = min(increment / came, 2.0 * abs(increment) / farthest) / duration
             work.motion.velocity[:] = share * last
             rate = share * pushed
