@@ -168,9 +168,7 @@ def reference(taken):
         normal, tangential = kn * (dilation - gap), shear - ks * slip
         limit = law.friction_coefficient * normal
         bonded = law.cohesion + law.tensile_strength > 0.0 and not broken
-        holds = abs(tangential) <= limit + law.cohesion * area
-        if not (bonded and holds and normal >= -law.tensile_strength * area):
-            broken = 1.0 if bonded else broken
+        if not bonded:  # within a step a bond holds whatever it carries
             dilates = slid < law.dilatancy_end and state.branch[k] != joint.OPEN
             lift = np.tan(np.radians(law.dilatancy_angle)) * dilates
             if normal + kn / ks * lift * abs(tangential) <= 0.0:  # what it slides does not close it
@@ -329,9 +327,11 @@ class TestRandomAssemblies:
                         seen += check(taken, whole=whole)
         # The others meet a place where the path turns back.
         assert solved >= 0.6 * tried
-        assert bent >= 3
+        # Where all is glued no contact changes: bonds hold while a step is solved.
+        few = 0 if law == "glued" else 3
+        assert bent >= few
         assert seen[joint.OPEN] >= 100
-        assert seen[joint.FORWARD] + seen[joint.BACKWARD] >= 3
+        assert seen[joint.FORWARD] + seen[joint.BACKWARD] >= few
         assert seen[joint.BONDED if "cohesion" in LAWS[law] else joint.STICKING] >= 100
 
     @pytest.mark.parametrize("whole", [True, False], ids=["implicit law", "path"])
@@ -406,8 +406,8 @@ class TestPeakWithinAStep:
         stiffness = self.normal * self.width / 2
         return float(np.arcsin((self.weight + 2.0 * pull) / (stiffness * self.width)))
 
-    def over_the_peak(self, pull, ends, **law):
-        """A step from 0.9 to 1.3 times the displacement at the peak, and what it should find."""
+    def before_the_peak(self, pull=0.0, ends=1, **law):
+        """Engine and state at 0.9 times the displacement at the peak, and that displacement."""
         joints = JointLaw(
             friction_coefficient=self.friction,
             normal_stiffness=self.normal,
@@ -415,12 +415,17 @@ class TestPeakWithinAStep:
             **law,
         )
         engine, state = settled(stack((self.width, self.height), joint=joints))
-        theta = self.rotation(pull)
-        peak = self.multiplier(theta, pull)
-        at_peak = self.displacement(theta, pull, ends)
+        at_peak = self.displacement(self.rotation(pull), pull, ends)
         for _ in range(18):
             state, report = engine.step(state, Demand(increment=0.05 * at_peak))
-            assert report.converged
+            assert report.converged and report.reached == 1.0
+        return engine, state, at_peak
+
+    def test_where_the_heel_comes_off(self):
+        """A step from 0.9 to 1.3 times the displacement at the peak, and what it should find."""
+        engine, state, at_peak = self.before_the_peak()
+        theta = self.rotation(0.0)
+        peak = self.multiplier(theta)
         rest = solve_for(self.displacement, 1.3 * at_peak, theta, 3.0 * theta)
         taken = take(engine, state, 0.4 * at_peak, whole=False)
         check(taken, whole=False)
@@ -434,18 +439,29 @@ class TestPeakWithinAStep:
         assert share == pytest.approx(0.25, rel=0.03)
         chord = state.multiplier + 0.25 * (end - state.multiplier)
         assert bend == pytest.approx(peak - chord, rel=0.1)
-        return taken
-
-    def test_where_the_heel_comes_off(self):
-        self.over_the_peak(0.0, 1)
 
     def test_where_the_bond_of_the_heel_breaks(self):
-        """The multiplier then drops at once."""
+        """The step ends there; the next goes no further, and the multiplier drops at once."""
         strength = 2e3
         pull = strength * self.width / 2
-        taken = self.over_the_peak(pull, 2, tensile_strength=strength, cohesion=1e5)
-        assert sorted(taken.step.branch) == [joint.OPEN, joint.BONDED]
-        assert sorted(taken.state.branch) == [joint.BONDED, joint.BONDED]
+        engine, state, at_peak = self.before_the_peak(
+            pull, 2, tensile_strength=strength, cohesion=1e5
+        )
+        demand = Demand(increment=0.4 * at_peak)
+        tip, report = engine.step(state, demand)
+        assert report.reached == pytest.approx(0.25, rel=0.03)
+        # The lifted heel has half of the shear, B sin(theta) = 1.9 mm above the toe, whose moment
+        # the formula leaves out: 2e-3 of that of the load at H/2.
+        assert report.static_multiplier == pytest.approx(
+            self.multiplier(self.rotation(pull), pull), rel=3e-3
+        )
+        assert sorted(tip.branch) == [joint.BONDED, joint.BONDED] and len(tip.due) == 1
+        broken, report = engine.step(tip, demand)
+        assert report.reached == 0.0
+        assert report.control_displacement == pytest.approx(at_peak, rel=1e-3)
+        theta = solve_for(self.displacement, at_peak, 0.0, 3.0 * self.rotation(pull))
+        assert report.static_multiplier == pytest.approx(self.multiplier(theta), rel=1e-3)
+        assert sorted(broken.branch) == [joint.OPEN, joint.BONDED]
 
     def test_none_before_it(self):
         joints = JointLaw(

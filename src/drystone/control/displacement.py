@@ -118,7 +118,10 @@ class DisplacementControl:
         if not report.converged or self._snaps(state, report):
             return self._retry(state, report)
         multiplier = report.static_multiplier
-        finer = None if state.time_step else self._finer(state, report)
+        gone = report.reached * state.increment
+        finer = None
+        if not state.time_step and gone:
+            finer = self._finer(replace(state, increment=gone), report)
         if finer is not None:
             state = replace(state, increment=finer)
             return Decision(accept=False, demand=self._demand(state), state=state)
@@ -129,7 +132,7 @@ class DisplacementControl:
             fallen=self._fallen(state, report),
             highest=state.highest if report.dynamic else max(state.highest, multiplier),
             last=multiplier,
-            slope=0.0 if state.time_step else (multiplier - state.last) / state.increment,
+            slope=(multiplier - state.last) / gone if gone and not state.time_step else 0.0,
         )
         over = self._over(state, report)
         if over is None:
@@ -233,6 +236,11 @@ class DisplacementControl:
 
     def _paced(self, state: _State, report: StepReport) -> _State:
         s = self.settings
+        if report.reached < 1.0:  # a bond is about to break, or has broken: no farther than to it
+            least = s.floor_share * s.displacement_step
+            increment = max(2.0 * report.reached * state.increment, least)
+            increment = min(increment, state.increment) if report.reached else state.increment
+            return replace(state, increment=increment, stage=FOLLOWING, rested=0.0)
         if report.n_iterations <= s.easy_iterations:
             scale = 2.0
         else:

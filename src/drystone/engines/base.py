@@ -73,6 +73,9 @@ class StepReport:
     n_sticking: int = 0
     n_sliding: int = 0
     motion: float = np.nan  # m
+    #: Share of the demanded increment that was gone: less than one where the step ends with a bond
+    #: at its strength, zero where one breaks.
+    reached: float = 1.0
     n_iterations: int = 0
     #: Of engines that follow the equilibria within a step: where their path first turned back, if
     #: it did, whether or not the step then converged, as a share of the step and a multiplier; by

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
+from drystone.contact.bonds import apart, brittle, margins, weakest
 from drystone.contact.certificate import (
     Forces,
     JudgedContacts,
@@ -29,6 +30,7 @@ from drystone.contact.detection import Detector, Pairs, carry, copied, empty_slo
 from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
+from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
 from drystone.kernels import explicit, joint, narrow
 from drystone.kernels.explicit import Contacts, Loads, Motion
@@ -56,6 +58,13 @@ ROUND = 1000
 
 #: Stages in which a driven increment ends, and the rate of each over that of the one before.
 STAGES, SLOWER = 4, 0.25
+
+#: How well a reaction is known at rest, over the unbalanced force: blocks in a row lean on each
+#: other with what is left of several.
+NOISE = 5.0
+
+#: Margin of a bond at which a step ends for it: each try is a relaxation.
+AT_STRENGTH = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,6 +100,8 @@ class DistinctState:
     reaction: Array  # (n_slots, dim) N
     status: IntArray  # (n_slots,)
     increment: Array  # (n, n_dof) of the last step
+    margin: Array  # (n_slots,) of bonds at rest, see `contact.bonds`
+    due: IntArray  # slots of the bonds that break next
     friction_work: float = 0.0  # J, turned to heat since the start
     damping_work: float = 0.0  # J, likewise
     load_work: float = 0.0  # J, done by dead load and pattern
@@ -181,7 +192,8 @@ class Workspace:
         while self.n_cycles < last:
             why, used = explicit.cycle(
                 self.contacts, self.n_contacts, self.motion, self.loads, self.searched, self.dt,
-                min(last - self.n_cycles, ROUND), self.multiplier, guided, rate, s.local_damping,
+                min(last - self.n_cycles, ROUND), self.multiplier, not self.real_masses, guided,
+                rate, s.local_damping,
                 s.viscous_damping, tolerance, self.engine.search_reach, self.meter,
             )  # fmt: skip
             self.n_cycles += used
@@ -210,7 +222,7 @@ class Workspace:
         s = self.engine.settings
         explicit.cycle(
             self.contacts, self.n_contacts, self.motion, self.loads, self.searched, self.dt, 1,
-            self.multiplier, False, 0.0, s.local_damping, s.viscous_damping, -1.0, np.inf,
+            self.multiplier, False, False, 0.0, s.local_damping, s.viscous_damping, -1.0, np.inf,
             self.meter,
         )  # fmt: skip
         self.n_cycles += 1
@@ -317,7 +329,14 @@ class DistinctEngine:
 
     def start(self, problem: Problem) -> tuple[DistinctState, StepReport]:
         """Settle under the dead load; raises `UnstableError`."""
-        s, state = self.settings, self.release(problem)
+        state, report = self._settle(self.release(problem))
+        while len(due := weakest(state.margin)):
+            state, report = self._settle(self._broken(state, due))
+        return state, report
+
+    def _settle(self, state: DistinctState) -> tuple[DistinctState, StepReport]:
+        """Cycles under the dead load from rest to rest, all bonds holding."""
+        s = self.settings
         work = Workspace(self, state, real_masses=False, farthest=self.size)
         try:
             if work.run(s.max_cycles, tolerance=s.tolerance * self.scale):
@@ -325,7 +344,7 @@ class DistinctEngine:
             motion = work.gone()
         except RunAwayError as error:
             motion = error.motion
-        raise UnstableError(unstable_sentence(problem.assembly.ids, problem.length * motion))
+        raise UnstableError(unstable_sentence(self.problem.assembly.ids, self.problem.length * motion))
 
     def release(
         self, problem: Problem, pose: Array | None = None, velocity: Array | None = None
@@ -357,6 +376,9 @@ class DistinctEngine:
         slots = empty_slots(len(pairs.a))
         self.detector.fill(pairs, pose, slots)
         n_slots = len(slots.kind)
+        history = np.zeros((n_slots, N_HISTORY))
+        history[apart(slots, 1e-9 * self.size), joint.BROKEN] = 1.0  # open when built
+        self.brittle = brittle(self.laws)
         return DistinctState(
             pose=pose,
             velocity=np.zeros_like(pose) if velocity is None else np.array(velocity, float),
@@ -364,10 +386,12 @@ class DistinctEngine:
             pairs=pairs,
             slots=slots,
             searched=pose.copy(),
-            history=np.zeros((n_slots, N_HISTORY)),
+            history=history,
             reaction=np.zeros((n_slots, 2)),
             status=np.zeros(n_slots, np.int64),
             increment=np.zeros_like(pose),
+            margin=np.full(n_slots, np.inf),
+            due=np.zeros(0, np.int64),
         )
 
     def masses(self, slots: Slots, pairs: Pairs, *, real: bool) -> tuple[Array, float]:
@@ -438,11 +462,34 @@ class DistinctEngine:
 
     def step(self, state: DistinctState, demand: Demand) -> tuple[DistinctState, StepReport]:
         """Cycles from `state`; see `Engine.step`."""
+        if demand.increment is not None and self.brittle:
+            return self._bond_steps(demand.increment).advance(state)
         if demand.increment is not None:
             return self._advance(state, demand.increment)
         if demand.multiplier is None or not demand.time_step > 0.0:
             raise ValueError("a step needs an increment, or a multiplier and a time step")
-        return self._move(state, demand)
+        return self._move(self._broken(state, state.due), demand)
+
+    def _bond_steps(self, increment: float) -> BondSteps[DistinctState]:
+        def solve(state: DistinctState, share: float) -> tuple[DistinctState, StepReport]:
+            new, report = self._advance(state, share * increment)
+            if share == 0.0 and report.converged:  # what a break moves says nothing of what follows
+                new = replace(new, increment=state.increment)
+            return new, report
+
+        return BondSteps(
+            solve=solve,
+            broken=self._broken,
+            laws=self.laws,
+            slight=SLIGHT * self.problem.assembly.heaviest_weight,
+            near=AT_STRENGTH,
+        )
+
+    def _broken(self, state: DistinctState, slots: IntArray) -> DistinctState:
+        """The state without the bonds of some slots."""
+        history, margin = state.history.copy(), state.margin.copy()
+        history[slots, joint.BROKEN], margin[slots] = 1.0, np.inf
+        return replace(state, history=history, margin=margin, due=np.zeros(0, np.int64))
 
     def _advance(self, state: DistinctState, increment: float) -> tuple[DistinctState, StepReport]:
         """Drive the control displacement on by an increment, then hold and balance."""
@@ -450,7 +497,8 @@ class DistinctEngine:
         at_rest = replace(state, velocity=np.zeros_like(state.velocity))
         work = Workspace(self, at_rest, real_masses=False, farthest=s.max_motion * self.span)
         try:
-            self._drive(state, work, increment)
+            if increment:
+                self._drive(state, work, increment)
             if work.run(s.max_cycles, guided=True, tolerance=s.tolerance * self.scale):
                 return self._rest(state, work)
         except RunAwayError as error:
@@ -586,6 +634,14 @@ class DistinctEngine:
         )
         return contacts, force
 
+    def _margin(self, work: Workspace, contacts: JudgedContacts) -> Array:
+        """Of the bonds, by slots."""
+        margin = np.full(len(work.slots.kind), np.inf)
+        if self.brittle:
+            slack = NOISE * self.settings.tolerance * self.scale
+            margin[work.slots.kind != narrow.NONE] = margins(contacts, slack)
+        return margin
+
     def _arrive(
         self,
         state: DistinctState,
@@ -610,6 +666,8 @@ class DistinctEngine:
             reaction=work.reaction,
             status=work.status,
             increment=increment,
+            margin=self._margin(work, contacts),
+            due=np.zeros(0, np.int64),
             friction_work=state.friction_work + float(meter[explicit.FRICTION_WORK]),
             damping_work=state.damping_work + float(meter[explicit.DAMPING_WORK]),
             load_work=state.load_work + float(meter[explicit.LOAD_WORK]),

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
+from drystone.contact.bonds import apart, brittle, margins, yielded
 from drystone.contact.certificate import Forces, certify
 from drystone.contact.detection import (
     Detector,
@@ -29,6 +30,7 @@ from drystone.contact.detection import (
 from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
+from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
 from drystone.kernels import joint, narrow
 from drystone.kernels.joint import N_HISTORY
@@ -46,6 +48,9 @@ IntArray = NDArray[np.int64]
 #: History of blocks that come to touch later: no shear yet, and no bond.
 NEW_CONTACT = np.zeros(N_HISTORY)
 NEW_CONTACT[joint.BROKEN] = 1.0
+
+#: Margin of a bond at which a step ends for it.
+AT_STRENGTH = 1e-5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,6 +75,8 @@ class EquilibriumState:
     reaction: Array  # (n_slots, dim) N
     branch: IntArray  # (n_slots,) of the joint law, see `kernels.joint`
     last_increment: Array  # (n, n_dof) m, rad; zeros where there is nothing to predict from
+    margin: Array  # (n_slots,) of bonds, see `contact.bonds`
+    due: IntArray  # slots of the bonds that break next
 
 
 class EquilibriumEngine:
@@ -121,6 +128,7 @@ class EquilibriumEngine:
         )
         #: Of designed gaps [m], which are differences of coordinates.
         self.rounding = 8.0 * np.finfo(float).eps * float(np.ptp(assembly.centroid, axis=0).max())
+        self.brittle = brittle(laws)
         pose = assembly.rest_pose()
         pairs = self.detector.pairs(pose)
         self._write_equations(pairs)
@@ -131,10 +139,12 @@ class EquilibriumEngine:
             multiplier=0.0,
             pairs=pairs,
             slots=slots,
-            history=np.zeros((len(slots.kind), N_HISTORY)),
+            history=self._first_history(slots),
             reaction=np.zeros((len(slots.kind), 2)),
             branch=self._first_branches(pairs, slots),
             last_increment=np.zeros_like(pose),
+            margin=np.full(len(slots.kind), np.inf),
+            due=np.zeros(0, np.int64),
         )
         return self._settle(state)
 
@@ -145,7 +155,8 @@ class EquilibriumEngine:
         outcome = StepReport(converged=False)
         travelled = 0.0
         for _ in range(100):
-            new, outcome = self._step(state, Demand(multiplier=0.0, time_step=h), farthest)
+            demand = Demand(multiplier=0.0, time_step=h)
+            new, outcome = self._bond_steps(demand, farthest).rest(state, 1.0)
             if not outcome.converged:
                 h *= 0.25
                 if h < 1e-5:
@@ -193,7 +204,40 @@ class EquilibriumEngine:
     def step(self, state: EquilibriumState, demand: Demand) -> tuple[EquilibriumState, StepReport]:
         """One implicit step from rest; see `Engine.step`."""
         farthest = self.settings.max_motion * self.problem.assembly.smallest_extent
-        return self._step(state, demand, farthest)
+        if not self.brittle:
+            return self._step(state, demand, farthest)
+        steps = self._bond_steps(demand, farthest)
+        state = self._refresh(state)
+        if demand.increment is None or demand.time_step > 0.0:
+            return steps.again(state)
+        return steps.advance(state)
+
+    def _bond_steps(self, demand: Demand, farthest: float) -> BondSteps[EquilibriumState]:
+        def solve(state: EquilibriumState, share: float) -> tuple[EquilibriumState, StepReport]:
+            if demand.increment is None:
+                return self._step(state, demand, farthest)
+            part = replace(demand, increment=share * demand.increment)
+            new, report = self._step(state, part, farthest)
+            if share == 0.0 and report.converged:  # what a break moves says nothing of what follows
+                new = replace(new, last_increment=state.last_increment)
+            return new, report
+
+        return BondSteps(
+            solve=solve,
+            broken=self._broken,
+            laws=self.constants.laws,
+            slight=SLIGHT * self.problem.assembly.heaviest_weight,
+            near=AT_STRENGTH,
+        )
+
+    def _broken(self, state: EquilibriumState, slots: IntArray) -> EquilibriumState:
+        """The state without the bonds of some slots."""
+        history, branch, margin = state.history.copy(), state.branch.copy(), state.margin.copy()
+        law = state.pairs.law[slots // 2]
+        history[slots, joint.BROKEN], margin[slots] = 1.0, np.inf
+        branch[slots] = yielded(self.constants.laws, law, state.reaction[slots])
+        nothing = np.zeros(0, np.int64)
+        return replace(state, history=history, branch=branch, margin=margin, due=nothing)
 
     def _step(
         self, state: EquilibriumState, demand: Demand, farthest: float
@@ -250,9 +294,18 @@ class EquilibriumEngine:
         laws = self.constants.laws[pairs.law]
         bonded = (laws[:, joint.COHESION] > 0.0) | (laws[:, joint.TENSION] > 0.0)
         touching = np.where(bonded, joint.BONDED, joint.STICKING).repeat(2)
-        upright = np.abs(slots.normal[:, 1]) > 0.7
-        near = upright & (slots.gap <= 1e-9 * self.problem.assembly.smallest_extent)
-        return np.where(near & (slots.kind != narrow.NONE), touching, joint.OPEN)
+        # Weight presses on joints that lie; those that stand are shut, but hold by a bond only.
+        held = (np.abs(slots.normal[:, 1]) > 0.7) | bonded.repeat(2)
+        return np.where(held & ~self._apart(slots), touching, joint.OPEN)
+
+    def _first_history(self, slots: Slots) -> Array:
+        """Nothing but that joints which are open when built have no bond."""
+        history = np.zeros((len(slots.kind), N_HISTORY))
+        history[self._apart(slots), joint.BROKEN] = 1.0
+        return history
+
+    def _apart(self, slots: Slots) -> NDArray[np.bool_]:
+        return apart(slots, 1e-9 * self.problem.assembly.smallest_extent)
 
     def _stiffest(self, column: int) -> float:
         """Stiffness [N/m] of a joint as long as the smallest block, of the stiffest law."""
@@ -271,9 +324,12 @@ class EquilibriumEngine:
             history, reaction, branch = _carried(
                 source, state.history, state.reaction, state.branch
             )
+            margin, known = np.full(len(source), np.inf), source >= 0
+            margin[known] = state.margin[source[known]]
             state = replace(
-                state, pairs=pairs, slots=slots, history=history, reaction=reaction, branch=branch
-            )
+                state, pairs=pairs, slots=slots, history=history, reaction=reaction, branch=branch,
+                margin=margin, due=np.flatnonzero(np.isin(source, state.due)),
+            )  # fmt: skip
         if self.equations.pairs is not state.pairs:
             self._write_equations(state.pairs)
         return state
@@ -329,6 +385,11 @@ class EquilibriumEngine:
         history, reaction, branch = _carried(
             source, equations.state, equations.reaction, equations.branch
         )
+        judged = equations.judged()
+        margin = np.full(len(source), np.inf)
+        if self.brittle:
+            margin[equations.used[: equations.count]] = margins(judged, 0.0)
+            margin = np.where(source >= 0, margin[source], np.inf)
         new = EquilibriumState(
             pose=state.pose + x,
             multiplier=solved.multiplier,
@@ -338,10 +399,12 @@ class EquilibriumEngine:
             reaction=reaction,
             branch=branch,
             last_increment=x,
+            margin=margin,
+            due=np.zeros(0, np.int64),
         )
         acceleration = x / h**2
         certificate = certify(
-            equations.judged(),
+            judged,
             Forces(
                 contact=equations.contact_force,
                 load=self.loads.dead + solved.multiplier * self.loads.pattern,

@@ -230,7 +230,7 @@ def stiffness_blocks(slots, pair_a, pair_b, pair_law, laws, thickness, watched, 
 
 @njit(cache=True)
 def cycle(
-    contacts, n_contacts, motion, loads, origin, dt, n_cycles, multiplier, guided, rate,
+    contacts, n_contacts, motion, loads, origin, dt, n_cycles, multiplier, bonds_hold, guided, rate,
     local_damping, viscous_damping, tolerance, reach, meter,
 ):  # fmt: skip
     """Run cycles in place until one of three things happens; returns what, and the cycles run.
@@ -249,6 +249,8 @@ def cycle(
         Return `DONE` after so many.
     multiplier
         Load multiplier; where ``guided`` only a start, see below.
+    bonds_hold
+        Bonds hold whatever they carry: waves on the way to rest break none that rest would not.
     guided
         The multiplier is the force that keeps the pattern's own displacement on its course:
         F.v = ``rate`` [N m/s] at every half step.  From M a = f + lambda F and F.a = 0,
@@ -327,7 +329,8 @@ def cycle(
             kn = law[c, L_KN]
             bonded = history[c, BROKEN] == 0.0
             rn = kn * (history[c, DILATION] - gap)
-            if rn < 0.0:
+            held = bonded and bonds_hold and law[c, L_BOND] + law[c, L_TENSION] > 0.0
+            if rn < 0.0 and not held:
                 if bonded and gap > GRAZE and rn < -law[c, L_TENSION]:
                     history[c, BROKEN] = 1.0
                     bonded = False
@@ -356,7 +359,7 @@ def cycle(
             if bonded:
                 limit += law[c, L_BOND]
             now = STICKING
-            if abs(rt) > limit * (1.0 - TIE) and rt != 0.0:
+            if abs(rt) > limit * (1.0 - TIE) and rt != 0.0 and not held:
                 history[c, BROKEN] = 1.0
                 if rn <= 0.0:
                     friction_work += 0.5 * rt * rt / ks

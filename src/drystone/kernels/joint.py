@@ -11,9 +11,9 @@ Without tension k_s r_n + k_n tan(psi) |r_t| <= 0 means open, which without dila
     gamma = (|r_t| - mu r_n) / (k_s + mu k_n tan psi)
 
 against the trial shear, which raises the normal reaction by k_n tan(psi) gamma (return mapping;
-non-associative unless tan psi = mu).  A bond, of cohesion c and tensile strength f_t, holds while
-|r_t| <= mu r_n + c A and r_n >= -f_t A, and is lost at once.  In each of these branches the
-reactions are linear in the trial reactions, and but for a bond's end they are continuous.
+non-associative unless tan psi = mu).  A bond holds whatever it carries: when it is lost is decided
+between steps (see `contact.bonds`).  In each of these branches the reactions are linear in the
+trial reactions, and they are continuous.
 
 The force on block b is r_n n + r_t t, on the blocks together r_n grad(g) + r_t grad(s); their
 tangent includes the second derivatives of g and s (see `kernels.narrow`).
@@ -182,7 +182,7 @@ def _branch(table, c, hint):
     rn = table[c, TRIAL_N]
     rt = table[c, TRIAL_T]
     mu = table[c, FRICTION]
-    if hint == BONDED and rn >= -table[c, TENSILE] and abs(rt) <= mu * rn + table[c, BOND]:
+    if hint == BONDED:
         return BONDED
     over = abs(rt) - mu * rn
     near = TIE * (abs(rt) + mu * abs(rn))
@@ -298,8 +298,6 @@ def joint_forces(
             hint = BONDED
         now = _branch(table, c, hint)
         branch[k] = now
-        if hint == BONDED and now != BONDED:
-            state[k, BROKEN] = 1.0
         rn, rt, gamma = _reactions(table, c, now)
         state[k, DILATION] += laws[law, TAN_PSI] * gamma if lift > 0.0 else 0.0
         state[k, SLID] += gamma
@@ -362,15 +360,13 @@ def move_trial(table, count, used, pair_a, pair_b, motion):
 
 
 @njit(cache=True)
-def remember(table, count, used, branch, memory):
+def remember(table, count, used, memory):
     """Sliding that has ended becomes part of what contacts bring along (n_slots, N_HISTORY)."""
     for c in range(count):
         k = used[c]
         memory[k, SHEAR] += table[c, ADD_T]
         memory[k, DILATION] += table[c, ADD_N] / table[c, STIFF_N]
         memory[k, SLID] += table[c, PLASTIC]
-        if branch[k] != BONDED:
-            memory[k, BROKEN] = 1.0
         table[c, ADD_N] = 0.0
         table[c, ADD_T] = 0.0
         table[c, PLASTIC] = 0.0

@@ -121,6 +121,8 @@ def _distance(table, c, now, rate_n, rate_t, whole):
     kt, mu, lift = table[c, STIFF_T], table[c, FRICTION], table[c, LIFT]
     nearest = np.inf
     following = now
+    if now == BONDED:
+        return nearest, following
     if now == FORWARD or now == BACKWARD:
         sign = 1.0 if now == FORWARD else -1.0
         speed = mu * rate_n - sign * rate_t
@@ -134,7 +136,6 @@ def _distance(table, c, now, rate_n, rate_t, whole):
                 nearest = far
                 following = OPEN
         return nearest, following
-    bond = table[c, BOND] if now == BONDED else 0.0
     for sliding in range(FORWARD, BACKWARD + 1):
         sign = 1.0 if sliding == FORWARD else -1.0
         if now == OPEN:
@@ -142,7 +143,7 @@ def _distance(table, c, now, rate_n, rate_t, whole):
             far = max(-kt * rn - lift * sign * rt, 0.0)
         else:
             speed = sign * rate_t - mu * rate_n
-            far = max(mu * rn + bond - sign * rt, 0.0)
+            far = max(mu * rn - sign * rt, 0.0)
         if not speed > 0.0:
             continue
         far /= speed
@@ -151,11 +152,6 @@ def _distance(table, c, now, rate_n, rate_t, whole):
         if far < nearest:
             nearest = far
             following = sliding
-    if now == BONDED and rate_n < 0.0:
-        far = max(rn + table[c, TENSILE], 0.0) / -rate_n
-        if far < nearest:
-            nearest = far
-            following = OPEN
     return nearest, following
 
 
@@ -186,7 +182,7 @@ def _landing(table, c, now):
     the shear stiffness is high; it is taken to stick.
     """
     rn, rt, mu = table[c, TRIAL_N], table[c, TRIAL_T], table[c, FRICTION]
-    if now == BONDED and rn >= -table[c, TENSILE] and abs(rt) <= mu * rn + table[c, BOND]:
+    if now == BONDED:
         return BONDED
     if table[c, STIFF_T] * rn + table[c, LIFT] * abs(rt) <= 0.0:
         return OPEN
@@ -403,9 +399,7 @@ def follow_path(
             _commit(table, chosen, before)
         if changes > patience:
             return LOST, multiplier, left, changes
-        if before == BONDED or new == capacity:
-            if before == BONDED and table[chosen, TRIAL_N] <= 0.0:
-                branch[used[chosen]] = OPEN
+        if new == capacity:
             return RENEW, multiplier, left, changes
         # The new direction.
         a = pair_a[used[chosen] // 2]

@@ -132,7 +132,7 @@ class StaticStep(LinearStep):
 
     def remember(self) -> None:
         """Make sliding that has ended on the path part of the step's history."""
-        joint.remember(self.table, self.count, self.used, self.branch, self.memory)
+        joint.remember(self.table, self.count, self.used, self.memory)
 
     def status(self) -> IntArray:
         """Status of every slot, (n_slots,)."""

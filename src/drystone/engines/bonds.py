@@ -1,0 +1,172 @@
+"""Steps of structures whose bonds break, for engines that solve for the multiplier of an increment.
+
+A bond that breaks drops what it carried, and with it the multiplier: the curve is a saw-tooth whose
+teeth are the breaks.  So that they do not depend on the length of steps,
+
+- bonds hold whatever they carry while a step is being solved;
+- a step that takes bonds beyond their strength is taken again to where the first is at it, and ends
+  there: the tip of a tooth is a point of the curve;
+- the next step goes no further.  The bond breaks, the structure comes to rest where its
+  displacement is held, and as long as a bond is then beyond its strength the weakest breaks too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.bonds import crossing, release, weakest
+from drystone.engines.base import StepReport
+from drystone.kernels.residual import BOND_TIE
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+#: What a bond lets go without being told from others, over the heaviest weight.
+SLIGHT = 1e-3
+
+#: Share of an increment so small that the first bond breaks where the step starts.
+LEAST_SHARE = 1e-9
+
+#: A frozen dataclass with `pairs`, `reaction` (n_slots, dim), `margin` (n_slots,) of the bonds, see
+#: `contact.bonds`, and `due`, the slots of those that the step has ended for.
+State = TypeVar("State", bound=Any)
+Solved = tuple[State, StepReport]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BondSteps(Generic[State]):
+    """The steps of one engine."""
+
+    solve: Callable[[State, float], tuple[State, StepReport]]  # by a share of the increment
+    broken: Callable[[State, IntArray], State]  # the state without the bonds of some slots
+    laws: Array  # table of `contact.law`
+    slight: float  # N, what a bond may let go without being told from others
+    near: float  # margin, from above, that counts as being at the strength
+    most_trials: int = 20  # for the share at which a bond is
+
+    def advance(self, state: State) -> Solved[State]:
+        """As much of the increment as the bonds allow, or what a break brings about.
+
+        Bonds that let go next to nothing, such as those of joints that nothing presses together,
+        break on the way.
+        """
+        if len(state.due):
+            return self._break(state, state.due)
+        at, gone, parts = state, 0.0, 0
+        motion, iterations = 0.0, 0
+        report = StepReport(converged=False)
+        while True:
+            new, found = self._towards(at, 1.0 - gone)
+            if not found.converged:
+                return state, found
+            if found.reached > 0.0:
+                parts, report = parts + 1, found
+                motion, iterations = motion + found.motion, iterations + found.n_iterations
+            gone = gone + found.reached if len(new.due) else 1.0
+            if not len(new.due):
+                break
+            if self._released(new) > self.slight:
+                if gone == 0.0:
+                    return self._break(new, new.due)
+                break
+            at = self.broken(new, new.due)
+        report = replace(report, reached=gone, motion=motion, n_iterations=iterations)
+        if parts > 1:  # what is known of the path is that of its last part
+            report = replace(report, excess=None, bend=None)
+        return new, report
+
+    def _released(self, state: State) -> float:
+        law = state.pairs.law[state.due // 2]
+        return float(release(self.laws, law, state.reaction[state.due]).max())
+
+    def _towards(self, state: State, whole: float) -> Solved[State]:
+        """The step by a share of the increment, or as far as the first bond allows.
+
+        The bonds are then ``due`` in the state, and `reached` says how far that was.
+        """
+        beyond, report = self.solve(state, whole)
+        if not report.converged or beyond.margin.min(initial=np.inf) >= -BOND_TIE:
+            return beyond, replace(report, reached=whole)
+        low, high = (0.0, state.margin), (whole, beyond.margin)
+        earlier: tuple[float, Array] | None = None  # than ``low``, where that has moved last
+        best = state, StepReport(converged=True, reached=0.0)
+        for trial in range(self.most_trials):
+            share = self._share(earlier, low, high, halve=trial % 4 == 3)
+            if share <= LEAST_SHARE:
+                break
+            new, report = self.solve(state, share)
+            if not report.converged:
+                return state, report
+            worst = new.margin.min()
+            if worst < -BOND_TIE:
+                high, earlier = (share, new.margin), None
+                continue
+            earlier, low, best = low, (share, new.margin), (new, replace(report, reached=share))
+            if worst <= self.near:
+                break
+        new, report = best
+        return replace(new, due=self._first(new.margin)), report
+
+    def _share(
+        self,
+        earlier: tuple[float, Array] | None,
+        low: tuple[float, Array],
+        high: tuple[float, Array],
+        *,
+        halve: bool,
+    ) -> float:
+        """Where to look for the first bond next, between two shares of the step.
+
+        Margins far beyond the strength tell little of how they come to it; so those before it are
+        followed where there are two, and now and then the way is halved.
+        """
+        if earlier is not None:
+            share = self._crossing(earlier, low)
+            if low[0] < share < high[0]:
+                return share
+        share = self._crossing(low, high)
+        if halve or not low[0] <= share < high[0]:
+            return float(np.sqrt(low[0] * high[0])) if low[0] else 0.5 * high[0]
+        return share
+
+    def _crossing(self, first: tuple[float, Array], second: tuple[float, Array]) -> float:
+        (one, before), (two, after) = first, second
+        if len(before) != len(after):  # other contacts are watched
+            before, after = before.min(keepdims=True), after.min(keepdims=True)
+        return crossing(one, before, two, after, 0.5 * self.near)
+
+    def _first(self, margin: Array) -> IntArray:
+        """The bonds that are at their strength as good as together."""
+        return np.flatnonzero(margin <= margin.min() + 1e-3 * self.near)
+
+    def _break(self, state: State, due: IntArray) -> Solved[State]:
+        """Break bonds, and those that this overloads, with the displacement held."""
+        new, report = self.rest(self.broken(state, due), 0.0)
+        return (new if report.converged else state), replace(report, reached=0.0)
+
+    def rest(self, state: State, share: float) -> Solved[State]:
+        """A step, and further ones from its end while bonds are beyond their strength, the weakest
+        of which break."""
+        new, report = self.solve(state, share)
+        motion, iterations = report.motion, report.n_iterations
+        while report.converged and len(due := weakest(new.margin)):
+            new, report = self.solve(self.broken(new, due), share)
+            motion, iterations = motion + report.motion, iterations + report.n_iterations
+        return new, replace(report, motion=motion, n_iterations=iterations)
+
+    def again(self, state: State) -> Solved[State]:
+        """A step in time; taken anew without the bonds that break in it, until none does."""
+        begin = self.broken(state, state.due)
+        for _ in range(len(state.margin) + 1):
+            new, report = self.solve(begin, 1.0)
+            due = weakest(new.margin) if report.converged else new.due
+            if not report.converged or not len(due):
+                return (new if report.converged else state), report
+            begin = self.broken(begin, due)
+        return state, StepReport(converged=False, reason="bonds break without an end")
