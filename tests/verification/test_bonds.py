@@ -139,7 +139,8 @@ def test_a_joint_that_nothing_presses_is_bonded(engine):
     model = make_model(
         [post, held], joint=glue(strength, strength), thickness=1.0, load_direction=(0.0, -1.0)
     )
-    curve = pushover(model, engine=engine, max_displacement=2e-7)
+    # Until then it turns by 1e-5 and its corner sinks by 4e-6 m.
+    curve = pushover(model, engine=engine, max_displacement=6e-6, max_steps=40)
     pulled = 2.0 / (0.5 * width / height) - 1.0
     assert curve.peak.load_multiplier == pytest.approx(pulled, rel=NEAR[engine])
 
