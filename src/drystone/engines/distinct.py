@@ -344,7 +344,8 @@ class DistinctEngine:
             motion = work.gone()
         except RunAwayError as error:
             motion = error.motion
-        raise UnstableError(unstable_sentence(self.problem.assembly.ids, self.problem.length * motion))
+        motion = self.problem.length * motion
+        raise UnstableError(unstable_sentence(self.problem.assembly.ids, motion))
 
     def release(
         self, problem: Problem, pose: Array | None = None, velocity: Array | None = None
