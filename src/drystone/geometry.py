@@ -139,9 +139,10 @@ def rounded_core(vertices: Array, radius: float) -> Core:
     # At a corner with turn angle a the core vertex lies back along both edges by r tan(a/2).
     cosine = np.sum(before * tangent, axis=1)
     sine = before[:, 0] * tangent[:, 1] - before[:, 1] * tangent[:, 0]
-    back = radius * np.abs(sine) / (1.0 + cosine)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a needle's tip leaves nothing of an edge
+        back = np.nan_to_num(radius * np.abs(sine) / (1.0 + cosine), nan=np.inf)
     remaining = length - back - _following(back)
-    if np.any(remaining <= DEGENERATE * length):
+    if not np.all(remaining > DEGENERATE * length):
         i = int(np.argmin(remaining))
         raise GeometryError(
             f"the corner radius {radius:g} m leaves nothing of the edge of {length[i]:g} m "

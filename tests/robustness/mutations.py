@@ -74,7 +74,7 @@ def odd_value(data: Any, rng: Generator) -> None:
 
 def other_number(data: Any, rng: Generator) -> None:
     """A number times a factor."""
-    path = _any(data, rng, lambda x: isinstance(x, int | float) and not isinstance(x, bool))
+    path = _any(data, rng, lambda x: type(x) in (int, float) and abs(x) < 1e300)
     if path:
         factor = FACTORS[int(rng.integers(len(FACTORS)))]
         _at(data, path[:-1])[path[-1]] = float(_at(data, path)) * factor
@@ -170,7 +170,9 @@ def _is_outline(vertices: Any) -> bool:
         isinstance(vertices, list)
         and len(vertices) > 0
         and all(
-            isinstance(v, list) and len(v) == 2 and all(type(x) in (int, float) for x in v)
+            isinstance(v, list)
+            and len(v) == 2
+            and all(type(x) in (int, float) and abs(x) < 1e300 for x in v)
             for v in vertices
         )
     )

@@ -200,3 +200,10 @@ class TestOverlapDepth:
         a, b = np.triu_indices(len(polygons), k=1)
         one_by_one = [overlap_depth(polygons[i], polygons[j]) for i, j in zip(a, b, strict=True)]
         assert outlines.overlap_depths(a, b) == pytest.approx(one_by_one, abs=1e-10)
+
+
+def test_rounded_corner_at_the_tip_of_a_needle():
+    """The edges run back on themselves, to rounding: nothing is left, and nothing is divided."""
+    needle = np.array([[0.0, 0.0], [1.0, 0.0], [1e9, 1e-9], [0.0, 1.0]])
+    with np.errstate(all="raise"), pytest.raises(GeometryError, match="leaves nothing"):
+        rounded_core(needle, 0.1)
