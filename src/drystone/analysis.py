@@ -24,14 +24,14 @@ from drystone.control import (
     PublishedControl,
     PublishedSettings,
 )
-from drystone.curve import DYNAMIC, STATIC, CapacityCurve, CurvePoint, RecorderError
+from drystone.curve import DYNAMIC, STATIC, BlockLeft, CapacityCurve, CurvePoint, RecorderError
 from drystone.engines import make_engine
 from drystone.engines.base import Engine, EngineError, Problem, StepReport
 from drystone.engines.framed import framed
 from drystone.frame import Frame
 from drystone.kernels.compilation import Compilation
-from drystone.model import Model
-from drystone.ranges import problem
+from drystone.model import REMOVE, STOP, Model
+from drystone.ranges import found, problem
 
 Array = NDArray[np.float64]
 
@@ -45,9 +45,6 @@ STRATEGIES = ("displacement", "published")
 
 #: Blocks up to which states are kept in the result by default: at 1000, some 0.4 MB a point.
 MOST_KEPT = 1000
-
-#: Options that are fields of `Analysis` themselves.
-OWN = ("stop_multiplier",)
 
 
 class Recorder(Protocol):
@@ -75,7 +72,7 @@ def pushover(
     progress: Callable[[CurvePoint], None] | None = None,
     keep_poses: bool | None = None,
     keep_contacts: bool | None = None,
-    **options: float,
+    **options: Any,
 ) -> CapacityCurve:
     """Trace the capacity curve of a model.
 
@@ -108,23 +105,30 @@ def pushover(
     named = engine is None or isinstance(engine, str)
     solver: Any = make_engine(str(engine or model.analysis.engine)) if named else framed(engine)
     name = strategy or model.analysis.strategy
-    model = _asked(model, options)
+    _check(options)
+    model = model.with_analysis(**options) if options else model
     control = make_control(name, solver, model)
-    problem = Problem(assembly=model.assembly, load=model.load, control_point=model.control_point)
+    problem = Problem(
+        assembly=model.assembly,
+        load=model.load,
+        control_point=model.control_point,
+        ground=model.analysis.ground,
+    )
     points: list[CurvePoint] = []
     poses: list[Array] = []
     contacts: list[ContactForces] = []
+    left: list[BlockLeft] = []
 
     def add(report: StepReport, state: Any, time_step: float, decision: Decision) -> None:
         point = _point(len(points), report, time_step, decision)
-        found = solver.contacts(state) if keep_contacts or recorder is not None else None
-        if recorder is not None and found is not None:
-            recorder.point(point, state.pose, found)  # first: the curve has no more than is kept
+        touching = solver.contacts(state) if keep_contacts or recorder is not None else None
+        if recorder is not None and touching is not None:
+            recorder.point(point, state.pose, touching)  # first: the curve has no more than is kept
         points.append(point)
         if keep_poses:
             poses.append(state.pose.copy())
-        if keep_contacts and found is not None:
-            contacts.append(found)
+        if keep_contacts and touching is not None:
+            contacts.append(touching)
         if progress is not None:
             progress(point)
 
@@ -153,8 +157,11 @@ def pushover(
             report = replace(report, control_displacement=moved)
             decision = control.decide(decision.state, demand, report)
             if decision.accept:
+                fallen = _fallen(state, new)
                 state = new
                 add(report, state, demand.time_step, decision)
+                left += [BlockLeft.at(points[-1], model.assembly.ids[i]) for i in fallen]
+                decision = _after_loss(model, fallen, decision)
         status, reason = ("finished" if decision.finished else "stopped"), decision.reason
     except KeyboardInterrupt:
         if not points:
@@ -172,10 +179,11 @@ def pushover(
         strategy=name,
         points=tuple(points),
         status=status,
-        # What the engine left out of the model belongs to how far the curve can be trusted.
-        reason="; ".join(filter(None, (reason, *getattr(solver, "notes", ())))),
+        # What was left out of the model belongs to how far the curve can be trusted.
+        reason="; ".join(filter(None, (reason, *map(str, left), *getattr(solver, "notes", ())))),
         stop_multiplier=model.analysis.stop_multiplier,
         settlement=settlement,
+        blocks_left=tuple(left),
         wall_time=time.perf_counter() - begun - compilation.seconds,
         compile_time=compilation.seconds,
         poses=np.array(poses) if keep_poses else None,
@@ -186,14 +194,33 @@ def pushover(
     return curve
 
 
-def _asked(model: Model, options: Mapping[str, float]) -> Model:
-    """The model with ``options`` in place of what its analysis says."""
-    own: dict[str, Any] = {name: value for name, value in options.items() if name in OWN}
-    settings = {name: value for name, value in options.items() if name not in OWN}
-    analysis = model.analysis
-    return replace(
-        model, analysis=replace(analysis, options={**analysis.options, **settings}, **own)
-    )
+def _check(options: Mapping[str, Any]) -> None:
+    """Raise `EngineError` for options that a model file would not take."""
+    wrong = [sentence for key, value in options.items() if (sentence := problem(key, value))]
+    falling = options.get("falling", REMOVE)
+    if falling not in (REMOVE, STOP):
+        wrong.append(f'falling: must be "{REMOVE}" or "{STOP}", it is {found(falling)}')
+    if wrong:
+        raise EngineError(f"[analysis] {wrong[0]}")
+
+
+def _fallen(before: Any, after: Any) -> list[int]:
+    """Rows of the blocks that have left in between, where the engine tells."""
+    if getattr(after, "gone", None) is None:
+        return []
+    return [int(i) for i in np.flatnonzero(after.gone & ~before.gone)]
+
+
+def _after_loss(model: Model, fallen: list[int], decision: Decision) -> Decision:
+    """Whether the analysis goes on without the blocks that have left."""
+    if model.control_point.block in fallen:
+        reason = "the control point has left the structure with its block"
+    elif fallen and model.analysis.falling == STOP:
+        reason = f'the analysis ends where a block leaves, as [analysis] falling = "{STOP}" asks'
+    else:
+        return decision
+    # A curve that is complete stays so.
+    return decision if decision.finished else replace(decision, demand=None, reason=reason)
 
 
 def obeyed(report: StepReport, limit: float | None) -> StepReport:

@@ -61,6 +61,26 @@ class CurvePoint:
     status: str = STATIC
 
 
+@dataclass(frozen=True, kw_only=True)
+class BlockLeft:
+    """A block that has left the structure, and when: the last point that it was part of."""
+
+    block: str
+    step: int
+    control_displacement: float  # m
+
+    @classmethod
+    def at(cls, point: CurvePoint, block: str) -> BlockLeft:
+        """A block that left at a point."""
+        return cls(block=block, step=point.step, control_displacement=point.control_displacement)
+
+    def __str__(self) -> str:
+        return (
+            f'the block "{self.block}" left the structure at {self.control_displacement:.4g} m '
+            f"(step {self.step})"
+        )
+
+
 COLUMNS: tuple[str, ...] = tuple(f.name for f in fields(CurvePoint))
 
 
@@ -80,6 +100,7 @@ class CapacityCurve:
     reason: str
     stop_multiplier: float
     wall_time: float  # s, without `compile_time`
+    blocks_left: tuple[BlockLeft, ...] = ()  # in the order in which they went
     settlement: float = 0.0  # m, of the control point under the structure's own weight alone
     compile_time: float = 0.0  # s, of kernels that were needed for the first time on this machine
     poses: Array | None = None  # (n_points, n, n_dof) m, rad; None where they were not kept
@@ -177,6 +198,11 @@ class CapacityCurve:
                     point.control_displacement - before.control_displacement
                 )
         return None
+
+    def gone(self, ids: Sequence[str], step: int) -> NDArray[np.bool_]:
+        """Which of the blocks named have left after a step, (n,)."""
+        left = {block.block for block in self.blocks_left if block.step <= step}
+        return np.array([name in left for name in ids], dtype=np.bool_)
 
     def nearest(self, control_displacement: float) -> int:
         """Index of the point nearest to a control displacement [m]."""

@@ -13,6 +13,9 @@ from drystone.assembly import Assembly, Corner
 from drystone.loading import LoadPattern
 from drystone.monitor import ControlPoint
 
+#: What becomes of an analysis where a block has left the structure.
+REMOVE, STOP = "remove", "stop"
+
 
 @dataclass(frozen=True, kw_only=True)
 class Analysis:
@@ -24,6 +27,8 @@ class Analysis:
     engine: str = "equilibrium"
     strategy: str = "displacement"  # or "published"
     stop_multiplier: float = 0.01  # load multiplier under which the curve ends, after the peak
+    ground: float | None = None  # m; None: the supports' lowest point, see `Problem.level`
+    falling: str = REMOVE  # or `STOP`: what to do where a block has left the structure
     options: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -136,13 +141,15 @@ class Model:
         engine: str | None = None,
         strategy: str | None = None,
         stop_multiplier: float | None = None,
+        ground: float | None = None,
+        falling: str | None = None,
         **options: float | None,
     ) -> Model:
         """The model to be analysed otherwise.
 
         Parameters
         ----------
-        engine, strategy, stop_multiplier
+        engine, strategy, stop_multiplier, ground, falling
             As in `Analysis`; what is left out stays.
         options
             Settings by name, beside those there are; None takes one out.
@@ -153,6 +160,8 @@ class Model:
             engine=now.engine if engine is None else engine,
             strategy=now.strategy if strategy is None else strategy,
             stop_multiplier=now.stop_multiplier if stop_multiplier is None else stop_multiplier,
+            ground=now.ground if ground is None else ground,
+            falling=now.falling if falling is None else falling,
             options={name: value for name, value in merged.items() if value is not None},
         )
         return replace(self, analysis=analysis)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import tomllib
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 
 from drystone.assembly import GRAVITY, JointLaw
 from drystone.builders import published_wall
+from drystone.model import Analysis
 from drystone.modelfile import ModelError, model_to_dict, read_model, write_model
 from drystone.modelfile.schema import OPTION_NAMES, AnalysisSection
 
@@ -181,8 +183,8 @@ class TestReading:
         assert analysis.options == {"overshoot": 1.05}
 
     def test_every_option_has_its_key(self):
-        keys = set(AnalysisSection.model_fields) - {"engine", "strategy", "stop_multiplier"}
-        assert keys == set(OPTION_NAMES)
+        own = {field.name for field in fields(Analysis)} - {"options"}
+        assert set(AnalysisSection.model_fields) - own == set(OPTION_NAMES)
 
     def test_engines_can_be_added(self, tmp_path):
         text = changed('"equilibrium"', '"mine"')

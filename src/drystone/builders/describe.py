@@ -11,7 +11,7 @@ from typing import Any
 
 from drystone.assembly import Assembly, Block, JointLaw
 from drystone.builders.errors import ModelError
-from drystone.model import Model
+from drystone.model import REMOVE, Model
 
 
 def model_to_dict(model: Model) -> dict[str, Any]:
@@ -52,6 +52,8 @@ def model_to_dict(model: Model) -> dict[str, Any]:
         "engine": analysis.engine,
         "strategy": analysis.strategy,
         "stop_multiplier": float(analysis.stop_multiplier),
+        **({} if analysis.ground is None else {"ground": float(analysis.ground)}),
+        **({} if analysis.falling == REMOVE else {"falling": analysis.falling}),
         **{key: float(value) for key, value in analysis.options.items()},
     }
     return data

@@ -19,6 +19,7 @@ from drystone.kernels.narrow import Bodies, Slots, World
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 #: Margin of the broad phase over the smallest block size, a matter of speed only.
 MARGIN_SHARE = 0.25
@@ -95,8 +96,19 @@ class Detector:
         #: Farthest core vertex from the centroid, (n,) [m].
         self.extent = np.maximum.reduceat(np.hypot(*shapes.vertices.T), shapes.offset[:-1])
 
-    def pairs(self, pose: Array) -> Pairs:
-        """Candidate pairs in the given poses, two supports never being one."""
+    def extents(self, pose: Array, axes: Array) -> tuple[Array, Array]:
+        """Lowest and highest coordinate of each body along unit vectors (k, dim), (n, k) each."""
+        narrow.place(self.bodies, pose, self.world)
+        along = self.world.vertex @ axes.T
+        first, radius = self.bodies.offset[:-1], self.bodies.radius[:, None]
+        lower = np.minimum.reduceat(along, first, axis=0) - radius
+        return lower, np.maximum.reduceat(along, first, axis=0) + radius
+
+    def pairs(self, pose: Array, gone: BoolArray | None = None) -> Pairs:
+        """Candidate pairs in the given poses, two supports never being one.
+
+        Blocks that are ``gone`` (n,) have none.
+        """
         narrow.place(self.bodies, pose, self.world)
         first = self.bodies.offset[:-1]
         grow = self.bodies.radius[:, None] + self.reach
@@ -105,6 +117,9 @@ class Detector:
         a, b = candidate_pairs(lower, upper)
         movable = ~(self.assembly.fixed[a] & self.assembly.fixed[b])
         a, b = a[movable], b[movable]
+        if gone is not None and gone.any():
+            there = ~(gone[a] | gone[b])
+            a, b = a[there], b[there]
         return Pairs(a=a, b=b, law=self.assembly.law_index(a, b), pose=pose.copy())
 
     def outdated(self, pairs: Pairs, pose: Array) -> bool:

@@ -79,6 +79,8 @@ class DisplacementSettings:
 class _State:
     increment: float  # m
     highest: float = 0.0  # multiplier so far
+    highest_at: float = 0.0  # m, control displacement there
+    released: bool = False  # whether what has come loose is let fall, without load
     last: float = 0.0  # multiplier of the last point
     slope: float = 0.0  # 1/m, of the curve there
     n_steps: int = 0
@@ -105,6 +107,8 @@ class DisplacementControl:
         return Decision(accept=True, demand=self._demand(state), state=state)
 
     def _demand(self, state: _State) -> Demand:
+        if state.released:
+            return Demand(multiplier=0.0)
         if state.time_step == 0.0:
             return Demand(increment=state.increment, over_fold=state.stage == CROSSING)
         # In a jump the control point creeps with an acceleration that does not depend on the step.
@@ -115,6 +119,8 @@ class DisplacementControl:
 
     def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
         """Try again with less where a step fails; else go on."""
+        if state.released:
+            return self._begin_again(state, report)
         if not report.converged or self._snaps(state, report):
             return self._retry(state, report)
         multiplier = report.static_multiplier
@@ -125,12 +131,15 @@ class DisplacementControl:
         if finer is not None:
             state = replace(state, increment=finer)
             return Decision(accept=False, demand=self._demand(state), state=state)
+        if multiplier > state.highest and not report.dynamic:
+            state = replace(state, highest=multiplier, highest_at=report.control_displacement)
+        back = multiplier < 0.0 and report.control_displacement < state.highest_at
         state = replace(
             state,
             n_steps=state.n_steps + 1,
             n_jump_steps=state.n_jump_steps + 1 if state.time_step else 0,
             fallen=self._fallen(state, report),
-            highest=state.highest if report.dynamic else max(state.highest, multiplier),
+            released=back and not state.time_step,
             last=multiplier,
             slope=(multiplier - state.last) / gone if gone and not state.time_step else 0.0,
         )
@@ -146,6 +155,18 @@ class DisplacementControl:
             reason=over.reason if over else "",
             finished=over is not None and over.finished,
         )
+
+    def _begin_again(self, state: _State, report: StepReport) -> Decision:
+        """The load begins again where the structure has come to rest without any."""
+        if not report.converged:
+            return Decision(accept=False, demand=None, state=state, reason=report.reason)
+        s = self.settings
+        first = s.first_share * s.displacement_step
+        n_steps = state.n_steps + 1
+        state = replace(
+            state, n_steps=n_steps, last=0.0, slope=0.0, released=False, increment=first
+        )
+        return Decision(accept=True, demand=self._demand(state), state=state)
 
     def _finer(self, state: _State, report: StepReport) -> float | None:
         """A smaller increment where the step hides the peak, a bend or the stop value."""
@@ -287,5 +308,6 @@ class DisplacementControl:
                 displacement=report.control_displacement,
                 n_steps=state.n_steps,
                 static=self._rests(state, report),
+                highest_at=state.highest_at,
             ),
         )

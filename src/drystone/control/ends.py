@@ -10,6 +10,8 @@ from typing import Protocol
 FALLEN = 0.01
 #: Steps in which whatever carries anything carries more than `FALLEN` of the stop value.
 EARLY = 100
+#: Likewise of a multiplier that does not rise at all, but for steps that move next to nothing.
+AT_ONCE = 3
 
 
 class EndSettings(Protocol):
@@ -40,6 +42,7 @@ class Progress:
     displacement: float  # m, of the control point
     n_steps: int
     static: bool = True  # whether the last point is at rest
+    highest_at: float = float("-inf")  # m, control displacement of the highest multiplier
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,24 +56,27 @@ class End:
 def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
     """The end of a curve that has come so far, or None.
 
-    A multiplier passed in motion ends nothing: what moves may come to rest and carry again.
+    A multiplier passed in motion ends nothing: what moves may come to rest and carry again.  Nor
+    does one where the control point has gone back behind the peak: a block comes loose, and the
+    rest, relieved of the load, still stands as it stood.
     """
     s, p = settings, progress
+    onwards = p.static and p.displacement >= p.highest_at
     if p.displacement >= s.max_displacement:
         reached = f"the control displacement reached {s.max_displacement:g} m"
         return End(reason=reached if p.static else f"{reached} in motion", finished=p.static)
-    if p.static and p.multiplier < s.stop_multiplier < p.highest:
+    if onwards and p.multiplier < s.stop_multiplier < p.highest:
         reason = f"the load multiplier fell below {s.stop_multiplier:g}"
         return End(reason=reason, finished=True)
     nothing = p.highest < FALLEN * s.stop_multiplier
-    down = p.static and p.multiplier < FALLEN * p.highest <= FALLEN * s.stop_multiplier
+    down = onwards and p.multiplier < FALLEN * p.highest <= FALLEN * s.stop_multiplier
     if down and not nothing:
         return End(
             reason=f"the peak multiplier {p.highest:.4g} lies below the stop multiplier "
             f"{s.stop_multiplier:g}: the curve ends where hardly anything is carried; lower "
             "stop_multiplier to end it earlier"
         )
-    if nothing and (down or p.n_steps >= EARLY):
+    if nothing and p.n_steps >= (AT_ONCE if down else EARLY):
         return End(
             reason=f"the structure carries nothing along the load: in {p.n_steps} steps the "
             f"multiplier did not rise above {FALLEN * s.stop_multiplier:g}"

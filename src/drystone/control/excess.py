@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from drystone.control.base import Decision, check_settings
-from drystone.control.ends import Progress, end_of_curve
+from drystone.control.ends import End, Progress, end_of_curve
 from drystone.engines.base import Demand, StepReport
 
 #: Difference of applied and static multiplier that needs no explanation by excess and branch.
@@ -26,6 +26,8 @@ class ExcessSettings:
     time_step: float = 0.1  # s
     increment: float = 0.01  # largest excess of the multiplier
     stop_multiplier: float = 0.01
+    fall: float = 20.0  # displacement steps by which the control point goes on in motion, with less
+    # than the stop value carried, when a structure has collapsed
     max_steps: int = 100_000
     max_displacement: float = float("inf")  # m, of the control point
 
@@ -40,7 +42,10 @@ class _State:
     static: float = 0.0  # multiplier of the last point
     drop: float = 0.0  # by which it differed from the one before
     highest: float = 0.0
+    highest_at: float = 0.0  # m, control displacement there
     displacement: float = 0.0  # m, of the control point at the last point
+    low_since: float | None = None  # m, control displacement where less than the stop value was
+    # carried first, in motion, and ever since
     n_steps: int = 0
 
 
@@ -57,7 +62,8 @@ class ExcessControl:
         return Decision(accept=True, demand=self._demand(state), state=state)
 
     def _demand(self, state: _State) -> Demand:
-        return Demand(multiplier=state.static + state.excess, time_step=state.time_step)
+        # What would have to be held back falls, and the rest is not pulled the other way.
+        return Demand(multiplier=max(state.static, 0.0) + state.excess, time_step=state.time_step)
 
     def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
         """Adapt the excess to the motion; a step that fails or goes too far is tried with less."""
@@ -84,17 +90,24 @@ class ExcessControl:
         static = report.carried_multiplier if loose or beyond else report.static_multiplier
         inertia = report.inertia_ratio * max(abs(applied), 1e-3)  # over the whole load
         dynamic = loose or inertia > explained
+        if static > state.highest:
+            state = replace(state, highest=static, highest_at=report.control_displacement)
         state = replace(
             state,
             n_steps=state.n_steps + 1,
             static=static,
             drop=state.drop if loose else abs(static - state.static),
-            highest=max(state.highest, static),
         )
-        decision = self._go_on(state, report)
+        state = replace(state, low_since=self._low_since(state, report, dynamic))
+        decision = self._go_on(state, report, dynamic)
         return replace(decision, load_multiplier=static, dynamic=dynamic)
 
-    def _go_on(self, state: _State, report: StepReport) -> Decision:
+    def _low_since(self, state: _State, report: StepReport, dynamic: bool) -> float | None:
+        if not dynamic or state.static >= self.settings.stop_multiplier:
+            return None
+        return report.control_displacement if state.low_since is None else state.low_since
+
+    def _go_on(self, state: _State, report: StepReport, dynamic: bool) -> Decision:
         s = self.settings
         end = end_of_curve(
             s,
@@ -103,8 +116,15 @@ class ExcessControl:
                 highest=state.highest,
                 displacement=report.control_displacement,
                 n_steps=state.n_steps,
+                static=not dynamic,
+                highest_at=state.highest_at,
             ),
         )
+        since = state.low_since
+        fallen = 0.0 if since is None else report.control_displacement - since
+        if fallen > s.fall * s.displacement_step and state.highest > s.stop_multiplier:
+            below = f"the load multiplier fell below {s.stop_multiplier:g}"
+            end = End(reason=f"{below}: the structure collapsed in motion", finished=True)
         if end:
             return Decision(
                 accept=True, demand=None, state=state, reason=end.reason, finished=end.finished

@@ -36,13 +36,23 @@ class Problem:
     load: LoadPattern
     control_point: ControlPoint
     length: float = 1.0  # m, of the unit that lengths are in; for messages
+    ground: float | None = None  # m, see `level`; None: the supports' lowest point
+
+    @property
+    def level(self) -> float:
+        """Height [m] below which blocks that touch nothing have left the structure."""
+        if self.ground is not None:
+            return self.ground
+        supports = [b.vertices for b in self.assembly.blocks if b.support]
+        return float(min(vertices[:, -1].min() for vertices in supports))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Demand:
     """What a control asks of one step: a multiplier to apply, or an increment to reach.
 
-    Exactly one of the two is given.  `increment` is for engines that say
+    Exactly one of the two is given; a multiplier without a time step asks for the rest under it,
+    of engines that find it so.  `increment` is for engines that say
     ``prescribes_displacement``: the multiplier is then an unknown of the step.
     """
 
@@ -88,11 +98,18 @@ class StepReport:
 
 
 class State(Protocol):
-    """Everything that evolves.  Never changed in place by a step: a saved state stays good."""
+    """Everything that evolves.  Never changed in place by a step: a saved state stays good.
+
+    Of engines that take blocks out which have left the structure (`engines.departure`), a state
+    has an array ``gone``, (n,) of bool, that tells them.
+    """
 
     @property
     def pose(self) -> Array:
-        """Displacements of the blocks from their designed places, (n, n_dof) [m, rad]."""
+        """Displacements of the blocks from their designed places, (n, n_dof) [m, rad].
+
+        Of blocks that have left the structure: where they were last.
+        """
         ...
 
 

@@ -31,6 +31,7 @@ from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.bonds import SLIGHT, BondSteps
+from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
 from drystone.kernels import explicit, joint, narrow
 from drystone.kernels.explicit import Contacts, Loads, Motion
@@ -38,10 +39,10 @@ from drystone.kernels.joint import N_HISTORY
 from drystone.kernels.narrow import Slots
 from drystone.kernels.nlgs import map_contacts
 from drystone.kernels.residual import add_contact_forces
-from drystone.loading import dead_load
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 #: Time step [s] of blocks that nothing is near to.
 FREE_TIME_STEP = 1e-3
@@ -102,6 +103,7 @@ class DistinctState:
     increment: Array  # (n, n_dof) of the last step
     margin: Array  # (n_slots,) of bonds at rest, see `contact.bonds`
     due: IntArray  # slots of the bonds that break next
+    gone: BoolArray  # (n,) blocks that have left
     friction_work: float = 0.0  # J, turned to heat since the start
     damping_work: float = 0.0  # J, likewise
     load_work: float = 0.0  # J, done by dead load and pattern
@@ -139,7 +141,7 @@ class Workspace:
     """Contacts, motion and masses while the cycles of one step run.
 
     Blocks may move by ``farthest`` [m] from where the step starts; beyond, `run` raises
-    `RunAwayError`.
+    `RunAwayError`, unless they have left the structure and it ``may_lose`` them.
     """
 
     def __init__(
@@ -149,10 +151,11 @@ class Workspace:
         *,
         real_masses: bool,
         farthest: float = np.inf,
+        may_lose: bool = False,
     ) -> None:
         self.engine = engine
         self.real_masses = real_masses
-        self.begin, self.farthest = state.pose, farthest
+        self.begin, self.farthest, self.may_lose = state.pose, farthest, may_lose
         self.pairs = state.pairs
         self.slots = copied(state.slots)
         self.history = state.history.copy()
@@ -170,6 +173,8 @@ class Workspace:
         )
         self.meter = np.zeros(explicit.N_METER)
         self.meter[explicit.MULTIPLIER] = state.multiplier
+        self.acting = LoadArrays.of(engine.problem, state.gone)
+        self.lost = state.gone
         self.search_work = 0.0
         self.n_cycles = 0
         self.n_searches = 0
@@ -209,10 +214,13 @@ class Workspace:
         pose = self.motion.pose
         finite = np.asarray(np.isfinite(pose).all(axis=1))
         moved = self.engine.detector.motion(np.where(finite[:, None], pose - self.begin, 0.0))
-        return np.where(finite, moved, np.inf)
+        return np.where(self.lost, 0.0, np.where(finite, moved, np.inf))
 
     def _stop_runaways(self) -> None:
         gone = self.gone()
+        if self.may_lose and 0.5 * self.engine.size < gone.max() < np.inf:
+            self.let_go()
+            gone = self.gone()
         if not gone.max() <= self.farthest or np.isinf(gone).any():
             name = self.engine.problem.assembly.ids[int(gone.argmax())]
             raise RunAwayError(name, gone)
@@ -227,6 +235,24 @@ class Workspace:
         )  # fmt: skip
         self.n_cycles += 1
 
+    def let_go(self) -> None:
+        """Take out blocks that have left; the rest does not feel it."""
+        engine, pose = self.engine, self.motion.pose
+        self.unpack()
+        left = departing(
+            engine.problem, engine.detector, self.acting, pose, self.multiplier,
+            self.pairs, self.slots, self.reaction,
+        )  # fmt: skip
+        if not left.any():
+            return
+        self.lost = self.lost | left
+        self.acting = LoadArrays.of(engine.problem, self.lost)
+        motion = self.motion
+        for array in (motion.velocity, motion.force, motion.mean, motion.opposed):
+            array[left] = 0.0
+        self._new_pairs(engine.detector.pairs(pose, self.lost))
+        self._pack(weigh=True)
+
     def search(self) -> None:
         """Find all contacts anew; those that persist keep their history."""
         detector, pose = self.engine.detector, self.motion.pose
@@ -234,7 +260,7 @@ class Workspace:
         if self.real_masses:
             self.search_work += self.engine.elastic_energy(self.pairs, self.slots, self.history)
         if detector.outdated(self.pairs, pose):
-            self._new_pairs(detector.pairs(pose))
+            self._new_pairs(detector.pairs(pose, self.lost))
         slots = empty_slots(len(self.pairs.a))
         detector.fill(self.pairs, pose, slots)
         source = np.zeros(len(slots.kind), np.int64)
@@ -261,8 +287,9 @@ class Workspace:
         history = np.zeros((len(source), N_HISTORY))
         history[known] = self.history[source[known]]
         self.pairs, self.slots, self.history = pairs, slots, history
-        self.reaction = np.zeros((len(source), 2))
-        self.status = np.zeros(len(source), np.int64)
+        reaction, status = np.zeros((len(source), 2)), np.zeros(len(source), np.int64)
+        reaction[known], status[known] = self.reaction[source[known]], self.status[source[known]]
+        self.reaction, self.status = reaction, status
 
     def unpack(self) -> None:
         """Bring slots, histories and reactions up to date."""
@@ -273,7 +300,7 @@ class Workspace:
 
     def _pack(self, *, weigh: bool) -> None:
         """Contacts of the slots as the cycles take them, and masses where they may have changed."""
-        engine, assembly = self.engine, self.engine.problem.assembly
+        engine, assembly, acting = self.engine, self.engine.problem.assembly, self.acting
         n_slots = len(self.slots.kind)
         self.contacts = Contacts(
             slot=np.zeros(n_slots, np.int64),
@@ -296,12 +323,12 @@ class Workspace:
             return
         self.weighed = self.motion.pose.copy()
         self.mass, self.dt = engine.masses(self.slots, self.pairs, real=self.real_masses)
-        moves = np.broadcast_to(~assembly.fixed[:, None], self.mass.shape)
+        moves = np.broadcast_to(~acting.fixed[:, None], self.mass.shape)
         inverse = np.divide(1.0, self.mass, out=np.zeros_like(self.mass), where=moves)
         self.loads = Loads(
             centroid=assembly.centroid,
-            dead=engine.loads.dead,
-            pattern=engine.loads.pattern,
+            dead=acting.dead,
+            pattern=acting.pattern,
             inverse_mass=inverse,
             extent=engine.extent,
         )
@@ -358,12 +385,6 @@ class DistinctEngine:
             self.laws = law_table(assembly)
         except ValueError as error:
             raise EngineError(str(error)) from None
-        self.loads = LoadArrays(
-            dead=dead_load(assembly),
-            pattern=problem.load.forces(assembly),
-            mass=np.where(assembly.fixed[:, None], 0.0, assembly.mass),
-            total=problem.load.total(assembly),
-        )
         self.extent = np.maximum(self.detector.extent, 1e-12)
         self.scale = assembly.heaviest_weight
         self.size = assembly.smallest_extent
@@ -393,6 +414,7 @@ class DistinctEngine:
             increment=np.zeros_like(pose),
             margin=np.full(n_slots, np.inf),
             due=np.zeros(0, np.int64),
+            gone=np.zeros(assembly.n_bodies, np.bool_),
         )
 
     def masses(self, slots: Slots, pairs: Pairs, *, real: bool) -> tuple[Array, float]:
@@ -453,7 +475,7 @@ class DistinctEngine:
         reaction, law = work.contacts.reaction[k], work.contacts.law[k]
         velocity = 0.5 * (before + work.motion.velocity)
         return Energy(
-            kinetic=0.5 * float(np.sum(self.loads.mass * velocity**2)),
+            kinetic=0.5 * float(np.sum(work.acting.mass * velocity**2)),
             elastic=0.5 * float(np.sum(reaction**2 / law[:, [explicit.L_KN, explicit.L_KS]])),
             friction=state.friction_work + float(work.meter[explicit.FRICTION_WORK]),
             damping=state.damping_work + 0.5 * float(work.meter[explicit.DAMPING_WORK]),
@@ -467,9 +489,13 @@ class DistinctEngine:
             return self._bond_steps(demand.increment).advance(state)
         if demand.increment is not None:
             return self._advance(state, demand.increment)
-        if demand.multiplier is None or not demand.time_step > 0.0:
-            raise ValueError("a step needs an increment, or a multiplier and a time step")
-        return self._move(self._broken(state, state.due), demand)
+        if demand.multiplier is None:
+            raise ValueError("a step needs an increment or a multiplier")
+        state = self._broken(state, state.due)
+        if demand.time_step > 0.0:
+            return self._move(state, demand)
+        work = self._at_rest(replace(state, multiplier=demand.multiplier))
+        return self._balance(state, work, guided=False)
 
     def _bond_steps(self, increment: float) -> BondSteps[DistinctState]:
         def solve(state: DistinctState, share: float) -> tuple[DistinctState, StepReport]:
@@ -492,15 +518,29 @@ class DistinctEngine:
         history[slots, joint.BROKEN], margin[slots] = 1.0, np.inf
         return replace(state, history=history, margin=margin, due=np.zeros(0, np.int64))
 
+    def _at_rest(self, state: DistinctState) -> Workspace:
+        """A workspace of quasi-static cycles."""
+        at_rest = replace(state, velocity=np.zeros_like(state.velocity))
+        farthest = self.settings.max_motion * self.span
+        return Workspace(self, at_rest, real_masses=False, farthest=farthest, may_lose=True)
+
     def _advance(self, state: DistinctState, increment: float) -> tuple[DistinctState, StepReport]:
         """Drive the control displacement on by an increment, then hold and balance."""
-        s = self.settings
-        at_rest = replace(state, velocity=np.zeros_like(state.velocity))
-        work = Workspace(self, at_rest, real_masses=False, farthest=s.max_motion * self.span)
+        work = self._at_rest(state)
         try:
             if increment:
                 self._drive(state, work, increment)
-            if work.run(s.max_cycles, guided=True, tolerance=s.tolerance * self.scale):
+        except RunAwayError as error:
+            return state, _failed(str(error), work)
+        return self._balance(state, work, guided=True)
+
+    def _balance(
+        self, state: DistinctState, work: Workspace, *, guided: bool
+    ) -> tuple[DistinctState, StepReport]:
+        """Cycles until all blocks rest, with F.x held where they are guided, else with the load."""
+        s = self.settings
+        try:
+            if work.run(s.max_cycles, guided=guided, tolerance=s.tolerance * self.scale):
                 return self._rest(state, work)
         except RunAwayError as error:
             return state, _failed(str(error), work)
@@ -517,7 +557,7 @@ class DistinctEngine:
         vibrations fade, and come to rest with their friction fully used.
         """
         control, assembly, s = self.problem.control_point, self.problem.assembly, self.settings
-        pattern, pose = self.loads.pattern, work.motion.pose
+        pattern, pose = work.acting.pattern, work.motion.pose
         duration = s.drive_cycles * work.dt
         sense = 1.0 if self.problem.load.direction @ control.direction >= 0.0 else -1.0
         begin = control.displacement(assembly, state.pose)
@@ -531,7 +571,7 @@ class DistinctEngine:
             work.motion.velocity[:] = share * last
             rate = share * pushed
         else:
-            rate = 0.5 * sense * self.loads.total * increment / duration
+            rate = 0.5 * sense * work.acting.total * increment / duration
             for stage in range(STAGES, 0, -1):  # from rest, begin as it will end
                 work.run(s.drive_cycles, guided=True, rate=rate * SLOWER**stage)
                 work.motion.velocity[:] /= SLOWER
@@ -560,7 +600,11 @@ class DistinctEngine:
         if demand.stop_blocks:
             begin = replace(begin, velocity=np.zeros_like(state.velocity))
         work = Workspace(
-            self, begin, real_masses=True, farthest=self.settings.max_motion * self.span
+            self,
+            begin,
+            real_masses=True,
+            farthest=self.settings.max_motion * self.span,
+            may_lose=True,
         )
         cycles, most = demand.time_step / work.dt, self.settings.max_cycles
         n = max(round(min(cycles, most)), 2)
@@ -578,8 +622,11 @@ class DistinctEngine:
                 f"engine, which takes from 2 to {most} at a time: choose another time_step",
                 work,
             )
+        if np.array_equal(work.searched, work.motion.pose):
+            work.cycle_once()  # contacts just found anew have no reactions yet
+            n += 1
         work.unpack()
-        motion, loads = work.motion, self.loads
+        motion, loads = work.motion, work.acting
         load = loads.dead + work.multiplier * loads.pattern
         contact, unbalanced = motion.mean / n - load, motion.mean / n
         forces = Forces(contact=contact, load=load, inertia=motion.opposed / n)
@@ -593,7 +640,7 @@ class DistinctEngine:
         contacts, contact_force = self._judged(work)
         forces = Forces(
             contact=contact_force,
-            load=self.loads.dead + work.multiplier * self.loads.pattern,
+            load=work.acting.dead + work.multiplier * work.acting.pattern,
             inertia=still,
         )
         new, figures = self._arrive(state, work, contacts, forces, work.motion.force, still)
@@ -654,7 +701,8 @@ class DistinctEngine:
     ) -> tuple[DistinctState, StepReport]:
         """The state at the end of the cycles, and its figures."""
         assembly, meter, pose = self.problem.assembly, work.meter, work.motion.pose
-        acceleration = np.where(assembly.fixed[:, None], 0.0, unbalanced / assembly.mass)
+        acting = work.acting
+        acceleration = np.where(acting.fixed[:, None], 0.0, unbalanced / assembly.mass)
         increment = pose - state.pose
         new = DistinctState(
             pose=pose,
@@ -666,9 +714,10 @@ class DistinctEngine:
             history=work.history,
             reaction=work.reaction,
             status=work.status,
-            increment=increment,
+            increment=np.where(work.lost[:, None], 0.0, increment),
             margin=self._margin(work, contacts),
             due=np.zeros(0, np.int64),
+            gone=work.lost,
             friction_work=state.friction_work + float(meter[explicit.FRICTION_WORK]),
             damping_work=state.damping_work + float(meter[explicit.DAMPING_WORK]),
             load_work=state.load_work + float(meter[explicit.LOAD_WORK]),
@@ -683,11 +732,11 @@ class DistinctEngine:
             contact_force=forces.contact,
             slots=work.slots,
             status=work.status,
-            certificate=certify(contacts, forces, self.extent, assembly.fixed),
+            certificate=certify(contacts, forces, self.extent, acting.fixed),
             motion=float(self.detector.motion(increment).max()),
             n_iterations=work.n_cycles,
         )
-        return new, report(self.problem, self.loads, outcome)
+        return new, report(self.problem, acting, outcome)
 
     def contacts(self, state: DistinctState) -> ContactForces:
         """Contact points and reactions of a state."""

@@ -31,11 +31,11 @@ from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.bonds import SLIGHT, BondSteps
+from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
 from drystone.kernels import joint, narrow
 from drystone.kernels.joint import N_HISTORY
 from drystone.kernels.narrow import Slots
-from drystone.loading import dead_load
 from drystone.solvers import piecewise
 from drystone.solvers.interior import InteriorPoint
 from drystone.solvers.linear_step import Loads, PointPace
@@ -44,6 +44,7 @@ from drystone.solvers.static_step import STATUS_OF, Constants, StaticStep
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 #: History of blocks that come to touch later: no shear yet, and no bond.
 NEW_CONTACT = np.zeros(N_HISTORY)
@@ -77,6 +78,7 @@ class EquilibriumState:
     last_increment: Array  # (n, n_dof) m, rad; zeros where there is nothing to predict from
     margin: Array  # (n_slots,) of bonds, see `contact.bonds`
     due: IntArray  # slots of the bonds that break next
+    gone: BoolArray  # (n,) blocks that have left
 
 
 class EquilibriumEngine:
@@ -107,31 +109,13 @@ class EquilibriumEngine:
             laws = law_table(assembly)
         except ValueError as error:
             raise EngineError(f"{error}: the equilibrium engine cannot do without") from None
-        free = ~assembly.fixed[:, None]
-        self.loads = LoadArrays(
-            dead=dead_load(assembly),
-            pattern=problem.load.forces(assembly),
-            mass=np.where(free, assembly.mass, 0.0),
-            total=problem.load.total(assembly),
-        )
-        self.constants = Constants(
-            detector=self.detector,
-            laws=laws,
-            thickness=assembly.thickness,
-            loads=Loads(
-                dead=self.loads.dead,
-                pattern=self.loads.pattern,
-                mass=self.loads.mass,
-                extent=np.maximum(self.detector.extent, 1e-12),
-                fixed=assembly.fixed,
-            ),
-        )
+        self.laws = laws
         #: Of designed gaps [m], which are differences of coordinates.
         self.rounding = 8.0 * np.finfo(float).eps * float(np.ptp(assembly.centroid, axis=0).max())
         self.brittle = brittle(laws)
         pose = assembly.rest_pose()
-        pairs = self.detector.pairs(pose)
-        self._write_equations(pairs)
+        pairs, gone = self.detector.pairs(pose), np.zeros(assembly.n_bodies, np.bool_)
+        self._write_equations(pairs, gone)
         slots = empty_slots(len(pairs.a))
         self.detector.fill(pairs, pose, slots)
         state = EquilibriumState(
@@ -145,6 +129,7 @@ class EquilibriumEngine:
             last_increment=np.zeros_like(pose),
             margin=np.full(len(slots.kind), np.inf),
             due=np.zeros(0, np.int64),
+            gone=gone,
         )
         return self._settle(state)
 
@@ -178,7 +163,7 @@ class EquilibriumEngine:
         """Whether blocks overlap that were no pair."""
         if not self.detector.outdated(state.pairs, state.pose):
             return False
-        pairs = self.detector.pairs(state.pose)
+        pairs = self.detector.pairs(state.pose, state.gone)
         new = carry(state.pairs, pairs) < 0
         slots = empty_slots(len(pairs.a))
         self.detector.fill(pairs, state.pose, slots)
@@ -204,13 +189,15 @@ class EquilibriumEngine:
     def step(self, state: EquilibriumState, demand: Demand) -> tuple[EquilibriumState, StepReport]:
         """One implicit step from rest; see `Engine.step`."""
         farthest = self.settings.max_motion * self.problem.assembly.smallest_extent
-        if not self.brittle:
-            return self._step(state, demand, farthest)
-        steps = self._bond_steps(demand, farthest)
-        state = self._refresh(state)
-        if demand.increment is None or demand.time_step > 0.0:
-            return steps.again(state)
-        return steps.advance(state)
+        if self.brittle:
+            steps, state = self._bond_steps(demand, farthest), self._refresh(state)
+            free = demand.increment is None or demand.time_step > 0.0
+            new, outcome = steps.again(state) if free else steps.advance(state)
+        else:
+            new, outcome = self._step(state, demand, farthest)
+        if outcome.converged and outcome.dynamic:
+            new = self._let_go(new)
+        return new, outcome
 
     def _bond_steps(self, demand: Demand, farthest: float) -> BondSteps[EquilibriumState]:
         def solve(state: EquilibriumState, share: float) -> tuple[EquilibriumState, StepReport]:
@@ -238,6 +225,14 @@ class EquilibriumEngine:
         branch[slots] = yielded(self.constants.laws, law, state.reaction[slots])
         nothing = np.zeros(0, np.int64)
         return replace(state, history=history, branch=branch, margin=margin, due=nothing)
+
+    def _let_go(self, state: EquilibriumState) -> EquilibriumState:
+        """Take out blocks that have left; the rest does not feel it."""
+        left = departing(
+            self.problem, self.detector, self.loads, state.pose, state.multiplier,
+            state.pairs, state.slots, state.reaction,
+        )  # fmt: skip
+        return self._paired(state, state.gone | left) if left.any() else state
 
     def _step(
         self, state: EquilibriumState, demand: Demand, farthest: float
@@ -316,25 +311,48 @@ class EquilibriumEngine:
     def _refresh(self, state: EquilibriumState) -> EquilibriumState:
         """New pairs where the blocks have moved far, and the equations that fit the state."""
         if self.detector.outdated(state.pairs, state.pose):
-            pairs = self.detector.pairs(state.pose)
-            row = carry(state.pairs, pairs)
-            slots = empty_slots(len(pairs.a))
-            self.detector.fill(pairs, state.pose, slots)
-            source = np.where(row[:, None] >= 0, 2 * row[:, None] + (0, 1), -1).ravel()
-            history, reaction, branch = _carried(
-                source, state.history, state.reaction, state.branch
-            )
-            margin, known = np.full(len(source), np.inf), source >= 0
-            margin[known] = state.margin[source[known]]
-            state = replace(
-                state, pairs=pairs, slots=slots, history=history, reaction=reaction, branch=branch,
-                margin=margin, due=np.flatnonzero(np.isin(source, state.due)),
-            )  # fmt: skip
+            state = self._paired(state, state.gone)
         if self.equations.pairs is not state.pairs:
-            self._write_equations(state.pairs)
+            self._write_equations(state.pairs, state.gone)
         return state
 
-    def _write_equations(self, pairs: Pairs) -> None:
+    def _paired(self, state: EquilibriumState, gone: BoolArray) -> EquilibriumState:
+        """The state with new pairs, without the blocks that are ``gone``."""
+        pairs = self.detector.pairs(state.pose, gone)
+        row = carry(state.pairs, pairs)
+        slots = empty_slots(len(pairs.a))
+        self.detector.fill(pairs, state.pose, slots)
+        source = np.where(row[:, None] >= 0, 2 * row[:, None] + (0, 1), -1).ravel()
+        history, reaction, branch = _carried(source, state.history, state.reaction, state.branch)
+        margin, known = np.full(len(source), np.inf), source >= 0
+        margin[known] = state.margin[source[known]]
+        return replace(
+            state,
+            pairs=pairs,
+            slots=slots,
+            history=history,
+            reaction=reaction,
+            branch=branch,
+            margin=margin,
+            due=np.flatnonzero(np.isin(source, state.due)),
+            last_increment=np.where(gone[:, None], 0.0, state.last_increment),
+            gone=gone,
+        )
+
+    def _write_equations(self, pairs: Pairs, gone: BoolArray) -> None:
+        loads = self.loads = LoadArrays.of(self.problem, gone)
+        self.constants = Constants(
+            detector=self.detector,
+            laws=self.laws,
+            thickness=self.problem.assembly.thickness,
+            loads=Loads(
+                dead=loads.dead,
+                pattern=loads.pattern,
+                mass=loads.mass,
+                extent=np.maximum(self.detector.extent, 1e-12),
+                fixed=loads.fixed,
+            ),
+        )
         self.equations = StaticStep(self.constants, pairs)
         self.interior = InteriorPoint(self.equations)
 
@@ -401,6 +419,7 @@ class EquilibriumEngine:
             last_increment=x,
             margin=margin,
             due=np.zeros(0, np.int64),
+            gone=state.gone,
         )
         acceleration = x / h**2
         certificate = certify(

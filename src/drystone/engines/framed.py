@@ -34,6 +34,7 @@ class FramedState:
 
     own: Any
     pose: Array  # (n, n_dof) m, rad
+    gone: Any = None  # (n,) blocks that have left, of engines that tell
 
 
 class FramedEngine:
@@ -66,13 +67,16 @@ class FramedEngine:
     def start(self, problem: Problem) -> tuple[FramedState, StepReport]:
         """See `Engine.start`."""
         self.frame, assembly = self._own(problem.assembly)
-        frame = self.frame
+        frame, ground = self.frame, problem.ground
         own, report = self.engine.start(
             replace(
                 problem,
                 assembly=assembly,
                 control_point=frame.control_point(problem.control_point),
                 length=frame.length,
+                ground=None
+                if ground is None
+                else plain((ground - float(frame.origin[-1])) / frame.length),
             )
         )
         return self._state(own), self._report(report)
@@ -106,7 +110,8 @@ class FramedEngine:
         return self.seen[1:]
 
     def _state(self, own: Any) -> FramedState:
-        return FramedState(own=own, pose=self.frame.pose_of(own.pose))
+        pose = self.frame.pose_of(own.pose)
+        return FramedState(own=own, pose=pose, gone=getattr(own, "gone", None))
 
     def _report(self, own: StepReport) -> StepReport:
         length = self.frame.length

@@ -12,6 +12,7 @@ from drystone.contact.certificate import Certificate
 from drystone.engines.base import Problem, StepReport
 from drystone.kernels import measures as kernels
 from drystone.kernels.narrow import Slots
+from drystone.loading import dead_load
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -39,12 +40,30 @@ class StepOutcome:
 
 @dataclass(frozen=True, kw_only=True)
 class LoadArrays:
-    """Loads and masses of a problem as arrays, (n, n_dof); zero on supports."""
+    """Loads and masses of a problem as arrays, (n, n_dof); zero on what is fixed."""
 
     dead: Array  # N, N m
     pattern: Array  # N, N m, at multiplier one
     mass: Array  # kg, kg m2
     total: float  # N, sum of the pattern along its direction
+    fixed: NDArray[np.bool_]  # (n,) supports, and blocks that have left
+
+    @classmethod
+    def of(cls, problem: Problem, gone: NDArray[np.bool_] | None = None) -> LoadArrays:
+        """Those of a problem, without the blocks that are ``gone`` (n,)."""
+        assembly, load = problem.assembly, problem.load
+        lost = np.zeros(assembly.n_bodies, np.bool_) if gone is None else gone
+        fixed = assembly.fixed | lost
+        dead, pattern = dead_load(assembly), load.forces(assembly)
+        taken = float((pattern[lost, : assembly.dimension] @ load.direction).sum())
+        dead[lost], pattern[lost] = 0.0, 0.0
+        return cls(
+            dead=dead,
+            pattern=pattern,
+            mass=np.where(fixed[:, None], 0.0, assembly.mass),
+            total=load.total(assembly) - taken,
+            fixed=fixed,
+        )
 
 
 def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepReport:
@@ -52,7 +71,7 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     assembly, multiplier, slots = problem.assembly, outcome.multiplier, outcome.slots
     carried, inertia, fastest, kinetic, work, push, strokes, resistance = kernels.sum_blocks(
         outcome.increment, outcome.acceleration, outcome.velocity, outcome.contact_force,
-        outcome.certificate.held, loads.dead, loads.pattern, loads.mass, assembly.fixed,
+        outcome.certificate.held, loads.dead, loads.pattern, loads.mass, loads.fixed,
         problem.load.direction, multiplier,
     )  # fmt: skip
     counts = np.zeros(3, np.int64)

@@ -22,18 +22,19 @@ from drystone.contact.certificate import Forces, JudgedContacts, certify
 from drystone.contact.detection import Detector, Pairs, carry, empty_slots
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
+from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
 from drystone.kernels import narrow
 from drystone.kernels.narrow import Slots
 from drystone.kernels.nlgs import ContactProblem, contact_velocities, map_contacts
 from drystone.kernels.residual import add_contact_forces
-from drystone.loading import dead_load
 from drystone.solvers import nlgs
 from drystone.solvers.linear import BlockSystem
 from drystone.solvers.nlgs import NlgsSettings
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,6 +58,7 @@ class NscdState:
     slots: Slots  # contacts in `pose`
     reaction: Array  # (n_slots, 2) N
     status: IntArray  # (n_slots,)
+    gone: BoolArray  # (n,) blocks that have left
 
 
 class NscdEngine:
@@ -84,13 +86,6 @@ class NscdEngine:
                 )
         self.problem = problem
         self.detector = Detector(assembly)
-        self.loads = LoadArrays(
-            dead=dead_load(assembly),
-            pattern=problem.load.forces(assembly),
-            mass=np.where(assembly.fixed[:, None], 0.0, assembly.mass),
-            total=problem.load.total(assembly),
-        )
-        self.inverse_mass = np.where(assembly.fixed[:, None], 0.0, 1.0 / assembly.mass)
         self.extent = np.maximum(self.detector.extent, 1e-12)
         self.stiffness = np.array([law.normal_stiffness for law in assembly.laws], float)
         self.friction = np.array([law.friction_coefficient for law in assembly.laws])
@@ -98,7 +93,8 @@ class NscdEngine:
         pairs = self.detector.pairs(pose)
         slots = empty_slots(len(pairs.a))
         self.detector.fill(pairs, pose, slots)
-        self.system = (pairs, BlockSystem(pairs.a, pairs.b, assembly.fixed, assembly.n_dof))
+        gone = np.zeros(assembly.n_bodies, np.bool_)
+        self._write_system(pairs, gone)
         state = NscdState(
             pose=pose,
             velocity=np.zeros_like(pose),
@@ -107,6 +103,7 @@ class NscdEngine:
             slots=slots,
             reaction=np.zeros((len(slots.kind), 2)),
             status=np.zeros(len(slots.kind), np.int64),
+            gone=gone,
         )
         return self._settle(state)
 
@@ -133,10 +130,20 @@ class NscdEngine:
 
     def step(self, state: NscdState, demand: Demand) -> tuple[NscdState, StepReport]:
         """One implicit step; see `Engine.step`."""
+        new, outcome = self._step(state, demand)
+        if outcome.converged and outcome.dynamic and demand.multiplier is not None:
+            left = departing(
+                self.problem, self.detector, self.loads, new.pose, demand.multiplier,
+                new.pairs, new.slots, new.reaction,
+            )  # fmt: skip
+            new = self._paired(new, new.gone | left) if left.any() else new
+        return new, outcome
+
+    def _step(self, state: NscdState, demand: Demand) -> tuple[NscdState, StepReport]:
         if demand.multiplier is None or not demand.time_step > 0.0:
             raise ValueError("the nscd engine steps under a multiplier, with a time step")
-        assembly, loads, h = self.problem.assembly, self.loads, demand.time_step
         state = self._refresh(state)
+        assembly, loads, h = self.problem.assembly, self.loads, demand.time_step
         pairs, slots = state.pairs, state.slots
         chosen = np.flatnonzero(slots.kind != narrow.NONE)
         mapping = np.zeros((len(chosen), 2, 6))
@@ -193,7 +200,7 @@ class NscdEngine:
             _judged(problem, solved.velocity, reaction[chosen], solved.natural, h),
             Forces(contact=force, load=load, inertia=loads.mass * acceleration),
             self.extent,
-            assembly.fixed,
+            loads.fixed,
         )
         return new, report(
             self.problem,
@@ -216,22 +223,40 @@ class NscdEngine:
     def _refresh(self, state: NscdState) -> NscdState:
         """New pairs where the blocks have moved far, and the linear system that fits them."""
         if self.detector.outdated(state.pairs, state.pose):
-            pairs = self.detector.pairs(state.pose)
-            row = carry(state.pairs, pairs)
-            source = np.where(row[:, None] >= 0, 2 * row[:, None] + (0, 1), -1).ravel()
-            slots = empty_slots(len(pairs.a))
-            self.detector.fill(pairs, state.pose, slots)
-            known = source >= 0
-            reaction = np.zeros((len(source), 2))
-            reaction[known] = state.reaction[source[known]]
-            status = np.zeros(len(source), np.int64)
-            status[known] = state.status[source[known]]
-            state = replace(state, pairs=pairs, slots=slots, reaction=reaction, status=status)
+            state = self._paired(state, state.gone)
         if self.system[0] is not state.pairs:
-            assembly = self.problem.assembly
-            system = BlockSystem(state.pairs.a, state.pairs.b, assembly.fixed, assembly.n_dof)
-            self.system = (state.pairs, system)
+            self._write_system(state.pairs, state.gone)
         return state
+
+    def _paired(self, state: NscdState, gone: BoolArray) -> NscdState:
+        """The state with new pairs, without the blocks that are ``gone``."""
+        pairs = self.detector.pairs(state.pose, gone)
+        row = carry(state.pairs, pairs)
+        source = np.where(row[:, None] >= 0, 2 * row[:, None] + (0, 1), -1).ravel()
+        slots = empty_slots(len(pairs.a))
+        self.detector.fill(pairs, state.pose, slots)
+        known = source >= 0
+        reaction = np.zeros((len(source), 2))
+        reaction[known] = state.reaction[source[known]]
+        status = np.zeros(len(source), np.int64)
+        status[known] = state.status[source[known]]
+        return replace(
+            state,
+            velocity=np.where(gone[:, None], 0.0, state.velocity),
+            increment=np.where(gone[:, None], 0.0, state.increment),
+            pairs=pairs,
+            slots=slots,
+            reaction=reaction,
+            status=status,
+            gone=gone,
+        )
+
+    def _write_system(self, pairs: Pairs, gone: BoolArray) -> None:
+        """Loads, masses and the linear system of the blocks that are there."""
+        assembly = self.problem.assembly
+        loads = self.loads = LoadArrays.of(self.problem, gone)
+        self.inverse_mass = np.where(loads.fixed[:, None], 0.0, 1.0 / assembly.mass)
+        self.system = (pairs, BlockSystem(pairs.a, pairs.b, loads.fixed, assembly.n_dof))
 
     def _arrive(
         self, state: NscdState, pose: Array, velocity: Array, chosen: IntArray, found: Array
@@ -260,6 +285,7 @@ class NscdEngine:
             slots=slots,
             reaction=carried,
             status=status,
+            gone=state.gone,
         )
         return new, reaction
 

@@ -187,6 +187,8 @@ class ResultsDirectory:
             wanted = float(model.analysis.options.get(MECHANISM_OPTION, MECHANISM_DISPLACEMENT))
         row = mechanism_row(curve, wanted)
         point, pose, settled = curve.points[row], results.pose(row), results.pose(0)
+        gone = curve.gone(model.assembly.ids, point.step)
+        pose = np.where(gone[:, None], settled, pose)  # they are shown as designed
         with whole_file(self.path / MECHANISM_FIGURE) as draft:
             draw_mechanism(
                 model.assembly,
@@ -194,6 +196,7 @@ class ResultsDirectory:
                 results.contacts(row),
                 draft,
                 settled=settled,
+                gone=gone,
                 title=mechanism_title(model.title, point),
                 load_direction=model.load.direction,
                 control_point=model.control_point,

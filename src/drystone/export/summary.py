@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,6 +52,7 @@ def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
         "ultimate_displacement": curve.ultimate_displacement,
         "stop_multiplier": curve.stop_multiplier,
         "settlement": curve.settlement,
+        "blocks_left": [asdict(block) for block in curve.blocks_left],
         "last_displacement": last.control_displacement,
         "last_multiplier": last.load_multiplier,
         "max_residual": _largest(curve, "residual"),

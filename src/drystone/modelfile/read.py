@@ -127,6 +127,8 @@ def _model(
             engine=engine,
             strategy=section.analysis.strategy,
             stop_multiplier=section.analysis.stop_multiplier,
+            ground=section.analysis.ground,
+            falling=section.analysis.falling,
             options=section.analysis.options,
         ),
         title=title if section.title is None else section.title,

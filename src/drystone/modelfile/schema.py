@@ -193,6 +193,8 @@ class AnalysisSection(Section):
     engine: str = Analysis.engine
     strategy: Literal["displacement", "published"] = "displacement"
     stop_multiplier: Annotated[float, ranged("stop_multiplier")] = Analysis.stop_multiplier
+    ground: Annotated[float, ranged("ground")] | None = None  # m
+    falling: Literal["remove", "stop"] = "remove"
     increment: Annotated[float, ranged("increment")] | None = None
     overshoot: Annotated[float, ranged("overshoot")] | None = None
     balance_tolerance: Annotated[float, ranged("balance_tolerance")] | None = None

@@ -42,6 +42,7 @@ class Mechanism:
     assembly: Assembly
     pose: Array  # (n, n_dof) m, rad
     settled: Array | None = None  # (n, n_dof) m, rad, where the load began; None: as designed
+    gone: NDArray[np.bool_] | None = None  # (n,) blocks that have left the structure
     contacts: ContactForces | None = None
     load_direction: Array | None = None  # (2,) unit vector
     control_point: ControlPoint | None = None
@@ -56,6 +57,7 @@ def draw_mechanism(
     path: Path | str,
     *,
     settled: Array | None = None,
+    gone: NDArray[np.bool_] | None = None,
     title: str = "",
     load_direction: Array | None = None,
     control_point: ControlPoint | None = None,
@@ -76,6 +78,8 @@ def draw_mechanism(
     settled
         Where the blocks were when the load began, (n, n_dof): what moves has moved since.
         None: as designed.
+    gone
+        Blocks that have left the structure, (n,): their designed outlines are dashed.
     title
         Above the picture; the magnification is added where it is not 1.
     load_direction
@@ -97,6 +101,7 @@ def draw_mechanism(
             assembly=assembly,
             pose=pose,
             settled=settled,
+            gone=gone,
             contacts=contacts,
             load_direction=load_direction,
             control_point=control_point,
@@ -137,12 +142,14 @@ def plot_mechanism(axes: Axes, mechanism: Mechanism) -> None:
     assembly = mechanism.assembly
     outlines = MovingOutlines.of(assembly, linear=mechanism.linear)
     settled = assembly.rest_pose() if mechanism.settled is None else mechanism.settled
-    pose = settled + (mechanism.pose - settled) * mechanism.magnification
+    gone = np.zeros(assembly.n_bodies, np.bool_) if mechanism.gone is None else mechanism.gone
+    present = np.where(gone[:, None], settled, mechanism.pose)
+    pose = settled + (present - settled) * mechanism.magnification
     displacement = outlines.displacement(pose, settled)
     moving = moving_blocks(displacement, assembly.fixed)
     visible = VISIBLE * float(displacement.max(initial=0.0))
 
-    _plot_blocks(axes, outlines, pose, moving, assembly.fixed)
+    _plot_blocks(axes, outlines, pose, moving, assembly.fixed, gone)
     if visible > 0.0:
         joints = designed_joints(assembly, linear=mechanism.linear)
         _plot_joints(axes, joints, pose, settled, visible, _line_width(assembly, 3.0))
@@ -161,6 +168,7 @@ def _plot_blocks(
     pose: Array,
     moving: NDArray[np.bool_],
     fixed: NDArray[np.bool_],
+    gone: NDArray[np.bool_],
 ) -> None:
     from matplotlib.collections import PolyCollection
 
@@ -174,7 +182,7 @@ def _plot_blocks(
             axes.add_collection(PolyCollection([shapes[i] for i in rows], **style), autolim=False)
 
     add(
-        moving,
+        moving | gone,
         designed,
         facecolors="none",
         edgecolors="#a8a8a8",
@@ -184,7 +192,7 @@ def _plot_blocks(
         zorder=1,
     )
     add(
-        ~moving & ~fixed,
+        ~moving & ~fixed & ~gone,
         moved,
         facecolors=RESTING,
         edgecolors="#555555",

@@ -35,7 +35,6 @@ from drystone.engines.measures import (
     report,
     unstable_sentence,
 )
-from drystone.loading import dead_load
 
 Array = NDArray[np.float64]
 
@@ -120,12 +119,8 @@ class Lmgc90Engine:
             [geometry.mass_properties(self.sharp.shapes.of(i)).centroid + assembly.centroid[i]
              for i in range(assembly.n_bodies)]
         )  # fmt: skip
-        self.loads = LoadArrays(
-            dead=dead_load(assembly),
-            pattern=problem.load.forces(assembly),
-            mass=np.where(assembly.fixed[:, None], 0.0, self._mass()),
-            total=problem.load.total(assembly),
-        )
+        mass = np.where(assembly.fixed[:, None], 0.0, self._mass())
+        self.loads = replace(LoadArrays.of(problem), mass=mass)
         self.extent = np.maximum(self.detector.extent, 1e-12)
         self.friction = assembly.joint.friction_coefficient
         self._numbers = itertools.count(1)

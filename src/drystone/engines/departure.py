@@ -1,0 +1,94 @@
+"""Which blocks have left the structure for good.
+
+A structure at rest does not feel them: nothing touches them, and they touch nothing on their way
+out.  An engine takes them out of the balance and goes on with what is left.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from drystone.contact.detection import Detector, Pairs
+from drystone.engines.base import Problem
+from drystone.engines.measures import LoadArrays
+from drystone.kernels import narrow
+from drystone.kernels.narrow import Slots
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
+
+
+def departing(
+    problem: Problem,
+    detector: Detector,
+    loads: LoadArrays,
+    pose: Array,
+    multiplier: float,
+    pairs: Pairs,
+    slots: Slots,
+    reaction: Array,
+) -> BoolArray:
+    """Blocks that leave, (n,), of those that are there.
+
+    They hang on to no support, be it through other blocks, and nothing of the rest lies on the
+    straight way that the loads take them, above the ground; or they are below it already.
+
+    Parameters
+    ----------
+    loads
+        Of the blocks that are there; zero, and fixed, for others.
+    pose
+        (n, n_dof) m, rad.
+    pairs, slots, reaction
+        Contacts in these poses, with normal reactions [N] in column 0 of ``reaction``.
+    """
+    closed = (slots.kind != narrow.NONE) & ((slots.gap <= 0.0) | (reaction[:, 0] != 0.0))
+    touching = np.unique(np.flatnonzero(closed) // 2)
+    part = _parts(len(pose), pairs.a[touching], pairs.b[touching])
+    loose = ~np.isin(part, part[problem.assembly.fixed]) & ~loads.fixed
+    if not loose.any():
+        return loose
+    up = np.eye(problem.assembly.dimension)[-1:]
+    top = detector.extents(pose, up)[1][:, 0]
+    there = ~loads.fixed | problem.assembly.fixed
+    obstacle = there & (top > problem.level)
+    force = (loads.dead + multiplier * loads.pattern)[:, : problem.assembly.dimension]
+    leaving = loose.copy()
+    blocked = True
+    while blocked:  # by blocks that seemed to leave themselves
+        blocked = False
+        for number in np.unique(part[leaving]):
+            members = part == number
+            rest = obstacle & ~leaving
+            if (obstacle & members).any() and not _way_is_clear(
+                detector, pose, members, rest, force[members].sum(axis=0)
+            ):
+                leaving &= ~members
+                blocked = True
+    return leaving
+
+
+def _parts(n: int, a: IntArray, b: IntArray) -> IntArray:
+    """Number of the connected part that each body belongs to, (n,)."""
+    graph = coo_array((np.ones(len(a)), (a, b)), shape=(n, n))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def _way_is_clear(
+    detector: Detector, pose: Array, members: BoolArray, rest: BoolArray, force: Array
+) -> bool:
+    """Whether bodies that go along a force meet none of the rest, judged by boxes along it."""
+    length = float(np.linalg.norm(force))
+    if length == 0.0:
+        return False
+    axes = np.linalg.qr(np.column_stack((force / length, np.eye(len(force)))))[0].T
+    axes[0] = force / length
+    lower, upper = detector.extents(pose, axes)
+    first, last = lower[members].min(axis=0), upper[members].max(axis=0)
+    beside = (upper[:, 1:] <= first[1:]) | (lower[:, 1:] >= last[1:])
+    behind = upper[:, 0] <= first[0]
+    return not bool((rest & ~behind & ~beside.any(axis=1)).any())
