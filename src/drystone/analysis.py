@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import fields, replace
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -31,6 +32,7 @@ from drystone.engines.framed import framed
 from drystone.frame import Frame
 from drystone.kernels.compilation import Compilation
 from drystone.model import REMOVE, STOP, Model
+from drystone.plausible import Plausibility
 from drystone.ranges import found, problem
 
 Array = NDArray[np.float64]
@@ -114,6 +116,7 @@ def pushover(
         control_point=model.control_point,
         ground=model.analysis.ground,
     )
+    plausibility = Plausibility(model)
     points: list[CurvePoint] = []
     poses: list[Array] = []
     contacts: list[ContactForces] = []
@@ -143,6 +146,7 @@ def pushover(
         report = obeyed(report, limit)
         if not report.converged:
             raise EngineError(f"at rest under its own weight, {report.reason}")
+        plausibility.check(report, 0.0, partial(solver.contacts, state))
         settlement = report.control_displacement
         report = replace(report, control_displacement=0.0)
         if recorder is not None:
@@ -157,6 +161,8 @@ def pushover(
             report = replace(report, control_displacement=moved)
             decision = control.decide(decision.state, demand, report)
             if decision.accept:
+                multiplier = decision.load_multiplier
+                plausibility.check(report, multiplier, partial(solver.contacts, new))
                 fallen = _fallen(state, new)
                 state = new
                 add(report, state, demand.time_step, decision)

@@ -29,6 +29,8 @@ class Analysis:
     stop_multiplier: float = 0.01  # load multiplier under which the curve ends, after the peak
     ground: float | None = None  # m; None: the supports' lowest point, see `Problem.level`
     falling: str = REMOVE  # or `STOP`: what to do where a block has left the structure
+    max_penetration: float = 0.05  # of two blocks, over the smallest block: the published walls'
+    # joints close by up to 0.01, and with 0.05 the block has another shape than the drawn one
     options: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -143,13 +145,14 @@ class Model:
         stop_multiplier: float | None = None,
         ground: float | None = None,
         falling: str | None = None,
+        max_penetration: float | None = None,
         **options: float | None,
     ) -> Model:
         """The model to be analysed otherwise.
 
         Parameters
         ----------
-        engine, strategy, stop_multiplier, ground, falling
+        engine, strategy, stop_multiplier, ground, falling, max_penetration
             As in `Analysis`; what is left out stays.
         options
             Settings by name, beside those there are; None takes one out.
@@ -162,6 +165,7 @@ class Model:
             stop_multiplier=now.stop_multiplier if stop_multiplier is None else stop_multiplier,
             ground=now.ground if ground is None else ground,
             falling=now.falling if falling is None else falling,
+            max_penetration=now.max_penetration if max_penetration is None else max_penetration,
             options={name: value for name, value in merged.items() if value is not None},
         )
         return replace(self, analysis=analysis)

@@ -69,6 +69,7 @@ RANGES = {
     "direction": Range(least=-1e9, most=1e9),
     "stop_multiplier": Range(least=1e-9, most=1e6),
     "ground": Range(least=-1e8, most=1e8, unit="m"),
+    "max_penetration": Range(least=1e-6, most=10.0),
     "increment": Range(least=1e-9, most=1e3),
     "overshoot": Range(least=1.0, most=100.0),
     "balance_tolerance": Range(least=1e-12, most=1e3),

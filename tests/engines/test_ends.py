@@ -11,7 +11,7 @@ from drystone.assembly import Block, JointLaw
 from drystone.builders import make_model
 from drystone.contact.detection import Detector, empty_slots
 from drystone.curve import STATIC
-from drystone.engines.base import Problem
+from drystone.engines.base import EngineError, Problem
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays
 from drystone.model import Analysis
@@ -135,6 +135,99 @@ def test_an_analysis_may_end_where_a_block_leaves(engine):
     assert curve.status == "stopped" and 'falling = "stop"' in curve.reason
     assert [block.block for block in curve.blocks_left] == ["small"]
     assert curve.blocks_left[0].step == curve.points[-1].step
+
+
+def against_a_support(gap=0.0, **analysis):
+    """A block, 0.4 m, on a plane with a fixed one beside it, to where the load pushes."""
+    outlines = {
+        "base": rectangle(-1.0, -1.0, 4.0, 1.0),
+        "pushed": rectangle(-0.2, 0.0, 0.4, 0.4),
+        "wall": rectangle(0.2 + gap, 0.0, 0.4, 0.4),
+    }
+    blocks = [
+        Block(id=name, vertices=outline, unit_weight=UNIT_WEIGHT, support=name != "pushed")
+        for name, outline in outlines.items()
+    ]
+    return make_model(
+        blocks,
+        joint=PUBLISHED_JOINT,
+        thickness=1.0,
+        load_direction=(1.0, 0.0),
+        analysis=Analysis(**analysis),
+    )
+
+
+STRATEGIES = pytest.mark.parametrize(
+    ("engine", "strategy"),
+    [
+        ("equilibrium", "displacement"),
+        ("nscd", "displacement"),
+        ("nscd", "published"),
+        ("distinct", "displacement"),
+        ("distinct", "published"),
+    ],
+)
+
+
+@STRATEGIES
+def test_a_load_that_locks_the_structure_is_said_so(engine, strategy):
+    """It was pressed half a metre into its support, with a peak of 50,000, "finished"."""
+    model = against_a_support(engine=engine, strategy=strategy)
+    curve = pushover(model, increment=0.1)
+    assert curve.status == "stopped"
+    assert curve.reason == "the load locks the structure: no multiple of it brings it down"
+    assert curve.load_multiplier.max() <= 5.0
+
+
+@STRATEGIES
+def test_blocks_pressed_into_each_other_end_the_run(engine, strategy):
+    """Behind a gap of 1 mm: limit analysis knows the structure as designed, which slides."""
+    share = 1e-3
+    model = against_a_support(1e-3, engine=engine, strategy=strategy, max_penetration=share)
+    curve = pushover(model, increment=0.1)
+    assert curve.status == "stopped"
+    assert '"pushed" and "wall" are pressed' in curve.reason
+    assert "max_penetration" in curve.reason
+    # The block slides at 0.65 until it is through the gap, but for roundings.
+    assert curve.control_displacement[-1] > 1e-3 * (1.0 - 1e-9)
+    assert curve.load_multiplier[-1] > 0.64
+    assert curve.column("penetration").max() <= share * 0.4
+
+
+@pytest.mark.parametrize("engine", ["equilibrium", "distinct"])
+def test_no_joint_closes_by_a_twentieth_of_a_block(engine):
+    """What nothing is said about: 0.05 of 0.4 m."""
+    curve = pushover(against_a_support(0.05), engine=engine)
+    assert curve.status == "stopped" and '"pushed" and "wall"' in curve.reason
+    assert 0.01 < curve.column("penetration").max() <= 0.02
+
+
+@ENGINES
+def test_joints_crushed_by_the_weight_alone_carry_no_analysis(engine):
+    """A joint of 0.4 m2 closes by 1e4 0.4^2 N / (1e5 Pa/m 0.4 m2) = 0.04 m."""
+    soft = JointLaw(friction_coefficient=0.65, normal_stiffness=1e5, shear_stiffness=1e5)
+    blocks = [
+        Block(id="base", vertices=rectangle(-1, -1, 4, 1), unit_weight=UNIT_WEIGHT, support=True),
+        Block(id="on", vertices=rectangle(0, 0, 0.4, 0.4), unit_weight=UNIT_WEIGHT),
+    ]
+    model = make_model(blocks, joint=soft, thickness=1.0, load_direction=(1.0, 0.0))
+    with pytest.raises(EngineError, match=r'"base" and "on" are pressed 0\.04'):
+        pushover(model, engine=engine)
+    assert pushover(model, engine=engine, max_penetration=0.2, max_steps=3).n_steps == 3
+
+
+def test_steep_but_finite_multipliers_are_no_lock():
+    """A block ten times as wide as high, rough as nothing is, topples at 10 about its toe."""
+    rough = JointLaw(friction_coefficient=20.0, normal_stiffness=1e9, shear_stiffness=1e9)
+    blocks = [
+        Block(id="base", vertices=rectangle(-1, -1, 9, 1), unit_weight=UNIT_WEIGHT, support=True),
+        Block(id="flat", vertices=rectangle(0, 0, 4, 0.4), unit_weight=UNIT_WEIGHT),
+    ]
+    model = make_model(blocks, joint=rough, thickness=1.0, load_direction=(1.0, 0.0))
+    curve = pushover(model)
+    assert curve.status == "finished"
+    # It peaks turned by 2e-4, 0.08 mm over its height: tan(arctan 10 - 2e-4) = 9.98.
+    assert curve.peak.load_multiplier == pytest.approx(10.0, abs=0.02)
 
 
 @pytest.mark.parametrize("level", [None, 0.3])

@@ -412,6 +412,7 @@ class TestBrokenKeys:
             ("stop_multiplier = 0.01", "time_step = 1e-300", "time_step: must be at least 1e-09"),
             ("stop_multiplier = 0.01", "increment = 1e30", "increment: must be at most 1000"),
             ("stop_multiplier = 0.01", "max_steps = 0.5", "max_steps: must be a whole number"),
+            ("stop_multiplier = 0.01", "max_penetration = 0", "max_penetration: must be greater"),
             ("stop_multiplier = 0.01", "patience = 1.5", "patience: must be a whole number"),
             ("stop_multiplier = 0.01", "displacement_step = 1e-300", "must be at least 1e-09, it"),
             (

@@ -11,7 +11,7 @@ from typing import Any
 
 from drystone.assembly import Assembly, Block, JointLaw
 from drystone.builders.errors import ModelError
-from drystone.model import REMOVE, Model
+from drystone.model import REMOVE, Analysis, Model
 
 
 def model_to_dict(model: Model) -> dict[str, Any]:
@@ -54,6 +54,11 @@ def model_to_dict(model: Model) -> dict[str, Any]:
         "stop_multiplier": float(analysis.stop_multiplier),
         **({} if analysis.ground is None else {"ground": float(analysis.ground)}),
         **({} if analysis.falling == REMOVE else {"falling": analysis.falling}),
+        **(
+            {}
+            if analysis.max_penetration == Analysis.max_penetration
+            else {"max_penetration": float(analysis.max_penetration)}
+        ),
         **{key: float(value) for key, value in analysis.options.items()},
     }
     return data

@@ -129,6 +129,7 @@ def _model(
             stop_multiplier=section.analysis.stop_multiplier,
             ground=section.analysis.ground,
             falling=section.analysis.falling,
+            max_penetration=section.analysis.max_penetration,
             options=section.analysis.options,
         ),
         title=title if section.title is None else section.title,

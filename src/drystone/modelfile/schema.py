@@ -195,6 +195,7 @@ class AnalysisSection(Section):
     stop_multiplier: Annotated[float, ranged("stop_multiplier")] = Analysis.stop_multiplier
     ground: Annotated[float, ranged("ground")] | None = None  # m
     falling: Literal["remove", "stop"] = "remove"
+    max_penetration: Annotated[float, ranged("max_penetration")] = Analysis.max_penetration
     increment: Annotated[float, ranged("increment")] | None = None
     overshoot: Annotated[float, ranged("overshoot")] | None = None
     balance_tolerance: Annotated[float, ranged("balance_tolerance")] | None = None
