@@ -34,6 +34,7 @@ from drystone.kernels.compilation import Compilation
 from drystone.model import REMOVE, STOP, Model
 from drystone.plausible import Plausibility
 from drystone.ranges import found, problem
+from drystone.records import changed
 
 Array = NDArray[np.float64]
 
@@ -158,7 +159,7 @@ def pushover(
             new, report = solver.step(state, demand)
             report = obeyed(report, limit)
             moved = report.control_displacement - settlement
-            report = replace(report, control_displacement=moved)
+            report = changed(report, control_displacement=moved)
             decision = control.decide(decision.state, demand, report)
             if decision.accept:
                 multiplier = decision.load_multiplier

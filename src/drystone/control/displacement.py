@@ -20,11 +20,12 @@ it.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from drystone.control.base import Decision, check_settings
 from drystone.control.ends import End, Progress, end_of_curve
 from drystone.engines.base import Demand, StepReport
+from drystone.records import changed
 
 #: How a step is tried: along the path of equilibria; up to where that turns back; over that place,
 #: to any equilibrium beyond.
@@ -127,14 +128,14 @@ class DisplacementControl:
         gone = report.reached * state.increment
         finer = None
         if not state.time_step and gone:
-            finer = self._finer(replace(state, increment=gone), report)
+            finer = self._finer(changed(state, increment=gone), report)
         if finer is not None:
-            state = replace(state, increment=finer)
+            state = changed(state, increment=finer)
             return Decision(accept=False, demand=self._demand(state), state=state)
         if multiplier > state.highest and not report.dynamic:
-            state = replace(state, highest=multiplier, highest_at=report.control_displacement)
+            state = changed(state, highest=multiplier, highest_at=report.control_displacement)
         back = multiplier < 0.0 and report.control_displacement < state.highest_at
-        state = replace(
+        state = changed(
             state,
             n_steps=state.n_steps + 1,
             n_jump_steps=state.n_jump_steps + 1 if state.time_step else 0,
@@ -163,7 +164,7 @@ class DisplacementControl:
         s = self.settings
         first = s.first_share * s.displacement_step
         n_steps = state.n_steps + 1
-        state = replace(
+        state = changed(
             state, n_steps=n_steps, last=0.0, slope=0.0, released=False, increment=first
         )
         return Decision(accept=True, demand=self._demand(state), state=state)
@@ -233,7 +234,7 @@ class DisplacementControl:
         if state.last == state.highest:
             floor = min(floor, 0.1 * state.closing)
         if state.time_step:
-            state = replace(state, time_step=0.5 * state.time_step)
+            state = changed(state, time_step=0.5 * state.time_step)
             if state.time_step < 1e-4 * s.time_step:
                 reason = f"a jump could not be followed to where it rests: {report.reason}"
                 if state.highest <= 0.0:
@@ -245,14 +246,14 @@ class DisplacementControl:
         elif state.stage == CROSSING:
             # A jump that seemed to be over was not: something moves slowly yet.
             time_step = max(s.time_step, 1.5 * state.rested)
-            state = replace(state, stage=FOLLOWING, time_step=time_step)
+            state = changed(state, stage=FOLLOWING, time_step=time_step)
         else:
             share = report.turn[0] if report.turn else 0.5
             nearer = (0.98 * share if share < 0.9 else 0.6) * state.increment
             if nearer >= floor:
-                state = replace(state, stage=NEARING, increment=nearer)
+                state = changed(state, stage=NEARING, increment=nearer)
             else:
-                state = replace(state, stage=CROSSING, increment=4.0 * floor)
+                state = changed(state, stage=CROSSING, increment=4.0 * floor)
         return Decision(accept=False, demand=self._demand(state), state=state)
 
     def _paced(self, state: _State, report: StepReport) -> _State:
@@ -261,21 +262,21 @@ class DisplacementControl:
             least = s.floor_share * s.displacement_step
             increment = max(2.0 * report.reached * state.increment, least)
             increment = min(increment, state.increment) if report.reached else state.increment
-            return replace(state, increment=increment, stage=FOLLOWING, rested=0.0)
+            return changed(state, increment=increment, stage=FOLLOWING, rested=0.0)
         if report.n_iterations <= s.easy_iterations:
             scale = 2.0
         else:
             scale = 1.0 if report.n_iterations <= s.hard_iterations else 0.7
         increment = min(scale * state.increment, s.displacement_step)
-        return replace(state, increment=increment, stage=FOLLOWING, rested=0.0)
+        return changed(state, increment=increment, stage=FOLLOWING, rested=0.0)
 
     def _jumping(self, state: _State, report: StepReport) -> _State:
         s = self.settings
         if self._rests(state, report):
             increment = 4.0 * s.floor_share * s.displacement_step
-            return replace(state, time_step=0.0, rested=state.time_step, increment=increment)
+            return changed(state, time_step=0.0, rested=state.time_step, increment=increment)
         if report.motion < s.jump_motion * s.displacement_step:
-            return replace(state, time_step=1.5 * state.time_step)
+            return changed(state, time_step=1.5 * state.time_step)
         return state
 
     def _fallen(self, state: _State, report: StepReport) -> float:

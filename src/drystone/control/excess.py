@@ -8,11 +8,12 @@ static multiplier owes nothing to it (see `engines.measures`).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from drystone.control.base import Decision, check_settings
 from drystone.control.ends import End, Progress, end_of_curve
 from drystone.engines.base import Demand, StepReport
+from drystone.records import changed
 
 #: Difference of applied and static multiplier that needs no explanation by excess and branch.
 LOOSE = 5e-4
@@ -69,7 +70,7 @@ class ExcessControl:
         """Adapt the excess to the motion; a step that fails or goes too far is tried with less."""
         s = self.settings
         if not report.converged or report.motion > 2.0 * s.displacement_step:
-            state = replace(
+            state = changed(
                 state,
                 excess=max(0.5 * state.excess, 1e-5 * s.increment),
                 time_step=0.6 * state.time_step,
@@ -91,16 +92,16 @@ class ExcessControl:
         inertia = report.inertia_ratio * max(abs(applied), 1e-3)  # over the whole load
         dynamic = loose or inertia > explained
         if static > state.highest:
-            state = replace(state, highest=static, highest_at=report.control_displacement)
-        state = replace(
+            state = changed(state, highest=static, highest_at=report.control_displacement)
+        state = changed(
             state,
             n_steps=state.n_steps + 1,
             static=static,
             drop=state.drop if loose else abs(static - state.static),
         )
-        state = replace(state, low_since=self._low_since(state, report, dynamic))
+        state = changed(state, low_since=self._low_since(state, report, dynamic))
         decision = self._go_on(state, report, dynamic)
-        return replace(decision, load_multiplier=static, dynamic=dynamic)
+        return changed(decision, load_multiplier=static, dynamic=dynamic)
 
     def _low_since(self, state: _State, report: StepReport, dynamic: bool) -> float | None:
         if not dynamic or state.static >= self.settings.stop_multiplier:
@@ -134,7 +135,7 @@ class ExcessControl:
             share = 2.0  # pushed too little to go on
         excess = min(state.excess * min(max(share, 0.5), 1.5), s.increment)
         time_step = min(1.4 * state.time_step, s.time_step)
-        state = replace(
+        state = changed(
             state, excess=excess, time_step=time_step, displacement=report.control_displacement
         )
         return Decision(accept=True, demand=self._demand(state), state=state)

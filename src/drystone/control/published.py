@@ -19,11 +19,12 @@ on theory.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from drystone.control.base import Decision, check_settings
 from drystone.control.ends import End, Progress, end_of_curve
 from drystone.engines.base import Demand, StepReport
+from drystone.records import changed
 
 #: Share by which what is missing must shrink for the carried multiplier to count as rising, and
 #: share by which it falls from its highest when the structure does.
@@ -78,7 +79,7 @@ class PublishedControl:
     def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
         """Ascend by increments, descend by the recursion on the carried multiplier."""
         decision = self._decide(state, demand, report)
-        return replace(decision, load_multiplier=report.applied_multiplier, dynamic=report.dynamic)
+        return changed(decision, load_multiplier=report.applied_multiplier, dynamic=report.dynamic)
 
     def _decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
         s = self.settings
@@ -86,11 +87,11 @@ class PublishedControl:
             report.converged and state.descending and report.motion > 2.0 * s.displacement_step
         )
         if not report.converged or too_far:
-            state = replace(state, time_step=0.5 * state.time_step)
+            state = changed(state, time_step=0.5 * state.time_step)
             if state.time_step < 1e-6 * s.time_step:
                 return Decision(accept=False, demand=None, state=state, reason=report.reason)
             return Decision(accept=False, demand=self._demand(state), state=state)
-        state = replace(state, n_steps=state.n_steps + 1)
+        state = changed(state, n_steps=state.n_steps + 1)
         if not state.descending:
             state = self._ascend(state, report)
         end = self._end(state, report)
@@ -99,12 +100,12 @@ class PublishedControl:
                 accept=True, demand=None, state=state, reason=end.reason, finished=end.finished
             )
         if not state.descending:
-            state = replace(state, time_step=s.time_step)
+            state = changed(state, time_step=s.time_step)
             return Decision(accept=True, demand=self._demand(state), state=state)
         multiplier = s.overshoot * report.carried_multiplier
         share = s.displacement_step / max(report.motion, 1e-3 * s.displacement_step)
         scale = min(max(share**0.5, 0.7), 1.2)
-        state = replace(state, multiplier=multiplier, time_step=state.time_step * scale)
+        state = changed(state, multiplier=multiplier, time_step=state.time_step * scale)
         return Decision(accept=True, demand=self._demand(state), state=state)
 
     def _ascend(self, state: _State, report: StepReport) -> _State:
@@ -113,7 +114,7 @@ class PublishedControl:
         carried = max(state.carried, report.carried_multiplier)
         missing = abs(applied - report.carried_multiplier)
         if missing <= s.balance_tolerance:
-            return replace(
+            return changed(
                 state,
                 multiplier=state.multiplier + s.increment,
                 waited=0,
@@ -122,10 +123,10 @@ class PublishedControl:
                 highest=max(state.highest, applied),
             )
         if missing < (1.0 - SHRUNK) * state.missing:
-            state = replace(state, missing=missing, waited=0)
+            state = changed(state, missing=missing, waited=0)
         waited = state.waited + 1
         falls = report.carried_multiplier < (1.0 - FALLEN) * carried - s.balance_tolerance
-        return replace(
+        return changed(
             state, waited=waited, carried=carried, descending=falls or waited > s.patience
         )
 

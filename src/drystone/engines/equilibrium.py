@@ -36,6 +36,7 @@ from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_
 from drystone.kernels import joint, narrow
 from drystone.kernels.joint import N_HISTORY
 from drystone.kernels.narrow import Slots
+from drystone.records import changed
 from drystone.solvers import piecewise
 from drystone.solvers.interior import InteriorPoint
 from drystone.solvers.linear_step import Loads, PointPace
@@ -449,7 +450,7 @@ class EquilibriumEngine:
                 n_iterations=solved.n_iterations,
             ),
         )
-        return new, replace(
+        return new, changed(
             outcome,
             static_multiplier=solved.multiplier if paced else outcome.static_multiplier,
             turn=solved.turn,

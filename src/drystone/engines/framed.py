@@ -16,6 +16,7 @@ from drystone.assembly import Assembly
 from drystone.contact.forces import ContactForces
 from drystone.engines.base import Demand, Problem, StepReport
 from drystone.frame import Frame, plain
+from drystone.records import changed
 
 Array = NDArray[np.float64]
 
@@ -86,7 +87,7 @@ class FramedEngine:
         frame, increment = self.frame, demand.increment
         own, report = self.engine.step(
             state.own,
-            replace(
+            changed(
                 demand,
                 increment=None if increment is None else plain(increment / frame.length),
                 time_step=plain(demand.time_step / frame.time),
@@ -115,7 +116,7 @@ class FramedEngine:
 
     def _report(self, own: StepReport) -> StepReport:
         length = self.frame.length
-        return replace(
+        return changed(
             own,
             control_displacement=length * own.control_displacement,
             penetration=length * own.penetration,
