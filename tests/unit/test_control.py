@@ -268,7 +268,7 @@ class TestPublished:
         assert ratio[-1] > 10.0
 
     def test_the_ascending_branch(self):
-        # Steps of the size of those after the peak: in longer ones it slides through 0.01 m at once.
+        # Steps of the size of those after the peak: longer ones slide through 0.01 m at once.
         options = {"increment": 0.01, "time_step": 0.05, "max_displacement": 0.01}
         curve = trace(SlidingStructure(), "published", **options)
         up = np.round(PEAK / 0.01).astype(int)

@@ -23,7 +23,13 @@ import math
 from dataclasses import dataclass
 
 from drystone.control.base import Decision, check_settings
-from drystone.control.ends import End, Progress, end_of_curve
+from drystone.control.ends import (
+    End,
+    Progress,
+    carries_nothing,
+    end_of_curve,
+    nothing_carried,
+)
 from drystone.engines.base import Demand, StepReport
 from drystone.records import changed
 
@@ -297,6 +303,8 @@ class DisplacementControl:
         """Whether and why the analysis is over."""
         s = self.settings
         if state.fallen > s.fall_motion * s.displacement_step:
+            if carries_nothing(s, state.highest):
+                return nothing_carried(s, state.n_steps)
             fell = state.highest > s.stop_multiplier
             return End(reason=f"{COLLAPSED}: it falls without any load", finished=fell)
         if state.n_jump_steps >= s.jump_steps:

@@ -68,7 +68,7 @@ def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
     if onwards and p.multiplier < s.stop_multiplier < p.highest:
         reason = f"the load multiplier fell below {s.stop_multiplier:g}"
         return End(reason=reason, finished=True)
-    nothing = p.highest < FALLEN * s.stop_multiplier
+    nothing = carries_nothing(s, p.highest)
     down = onwards and p.multiplier < FALLEN * p.highest <= FALLEN * s.stop_multiplier
     if down and not nothing:
         return End(
@@ -77,10 +77,20 @@ def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
             "stop_multiplier to end it earlier"
         )
     if nothing and p.n_steps >= (AT_ONCE if down else EARLY):
-        return End(
-            reason=f"the structure carries nothing along the load: in {p.n_steps} steps the "
-            f"multiplier did not rise above {FALLEN * s.stop_multiplier:g}"
-        )
+        return nothing_carried(s, p.n_steps)
     if p.n_steps >= s.max_steps:
         return End(reason=f"the limit of {s.max_steps} steps was reached")
     return None
+
+
+def carries_nothing(settings: EndSettings, highest: float) -> bool:
+    """Whether the highest multiplier so far is none to speak of."""
+    return highest < FALLEN * settings.stop_multiplier
+
+
+def nothing_carried(settings: EndSettings, n_steps: int) -> End:
+    """The end of a structure that carries nothing."""
+    return End(
+        reason=f"the structure carries nothing along the load: in {n_steps} steps the "
+        f"multiplier did not rise above {FALLEN * settings.stop_multiplier:g}"
+    )

@@ -243,9 +243,10 @@ class Workspace:
             engine.problem, engine.detector, self.acting, pose, self.multiplier,
             self.pairs, self.slots, self.reaction,
         )  # fmt: skip
-        if not left.any():
-            return
-        self.lost = self.lost | left
+        lost = self.lost | left
+        if not left.any() or (lost | engine.problem.assembly.fixed).all():
+            return  # where nothing would stay there is no rest to go on with
+        self.lost = lost
         self.acting = LoadArrays.of(engine.problem, self.lost)
         motion = self.motion
         for array in (motion.velocity, motion.force, motion.mean, motion.opposed):
@@ -514,6 +515,8 @@ class DistinctEngine:
 
     def _broken(self, state: DistinctState, slots: IntArray) -> DistinctState:
         """The state without the bonds of some slots."""
+        if not len(slots):
+            return state
         history, margin = state.history.copy(), state.margin.copy()
         history[slots, joint.BROKEN], margin[slots] = 1.0, np.inf
         return replace(state, history=history, margin=margin, due=np.zeros(0, np.int64))
