@@ -9,7 +9,7 @@ can only help.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import chain
 
@@ -34,7 +34,15 @@ class NlgsSettings:
     max_sweeps: int = 6000
     first_sweeps: int = 20  # before the accelerator is first tried
     corrections: int = 15  # of the branches, each with a linear solution
-    hold_factor: float = 1e3  # stiffness that holds a sticking contact, over the stiffest joint's
+    # How stiffly sticking contacts are held, move by move, over the stiffest joint or, in short
+    # steps, the largest mass at a contact.  Softer ones, tried where Newton's method does not
+    # converge with the last, forgive wrong branches; stiffer ones settle forces that next to no
+    # slip decides.
+    holds: tuple[tuple[float, ...], ...] = (
+        (1e3,) * 4 + (3e4,) * 2 + (1e6,) * 2,
+        (30.0,) * 12,
+        (1.0,) * 12,
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,10 +112,11 @@ def solve(
     impulse = impulse.copy()
     velocity = velocity_of(impulse)
     order = np.arange(n)
-    accelerator = _Accelerator(problem, pair, system, mass, free_velocity, h, settings)
+    accelerator = _Accelerator(problem, pair, system, mass, free_velocity, natural, h, settings)
     n_sweeps, chunk = 0, settings.first_sweeps
     residual = measure(impulse, velocity)
     while residual > settings.tolerance and n_sweeps < settings.max_sweeps:
+        chunk = min(chunk, settings.max_sweeps - n_sweeps)
         kernels.sweep(problem, blocks, h, order, chunk, impulse, velocity)
         n_sweeps += chunk
         velocity = velocity_of(impulse)  # rounding of the running sums does not pile up
@@ -122,7 +131,7 @@ def solve(
                 impulse, velocity, residual = trial.copy(), trial_velocity, trial_residual
                 if residual <= settings.tolerance:
                     break
-        chunk = min(2 * chunk, 400)
+        chunk *= 2
     return NlgsResult(
         impulse=impulse,
         velocity=velocity,
@@ -140,12 +149,16 @@ class _Accelerator:
     the law have settled, the spring is moved to the new impulse until nothing slips that sticks.
     """
 
-    def __init__(self, problem, pair, system, mass, free_velocity, h, settings) -> None:
+    def __init__(self, problem, pair, system, mass, free_velocity, natural, h, settings) -> None:
         self.problem, self.pair, self.system = problem, pair, system
         self.mass, self.free_velocity, self.h = mass, free_velocity, h
         self.inverse_mass = problem.inverse_mass
-        self.corrections = settings.corrections
-        self.penalty = settings.hold_factor * h * h * problem.normal_stiffness.max(initial=0.0)
+        self.corrections, self.holds = settings.corrections, settings.holds
+        # In short steps inertia is stiffer than joints, and a hold softer than it holds nothing.
+        self.stiffest = (
+            h * h * max(problem.normal_stiffness.max(initial=0.0), natural.max(initial=0.0))
+        )
+        self.penalty = 0.0  # kg
         # Momentum defect at which the branches count as settled, from the tolerance on forces.
         self.enough = 0.1 * settings.tolerance * h * np.sqrt(self.inverse_mass.max(initial=0.0))
         n, n_pairs = len(mass), system.n_pairs
@@ -159,10 +172,18 @@ class _Accelerator:
 
     def trials(self, impulse: Array, velocity: Array) -> Iterator[Array]:
         """Impulses after each move of the springs; the array is reused."""
-        n = len(impulse)
-        impulse, velocity = impulse.copy(), velocity.copy()
-        piece = np.zeros(n, np.int64)
-        for _ in range(4):
+        for holds in self.holds:
+            found = False
+            for trial in self._moves(impulse.copy(), velocity.copy(), holds):
+                found = True
+                yield trial
+            if found:
+                return
+
+    def _moves(self, impulse: Array, velocity: Array, holds: Iterable[float]) -> Iterator[Array]:
+        piece = np.zeros(len(impulse), np.int64)
+        for hold in holds:
+            self.penalty = hold * self.stiffest
             centre = impulse[:, 1].copy()
             if not self._newton(centre, velocity, impulse, piece):
                 return
