@@ -14,7 +14,8 @@ Where its text leaves room, it is read so:
 - The analysis ends at a multiplier below ``stop_multiplier`` only on the descending branch.
 
 The curve's load multiplier is the applied one, as the paper plots it.  It is biased: see the page
-on theory.
+on theory.  Points at which more is applied than was ever carried in balance are marked dynamic: the
+bias of the descent, of several times ``overshoot - 1``, is no part of the peak.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ class PublishedSettings:
 class _State:
     multiplier: float
     descending: bool = False
-    highest: float = 0.0  # multiplier applied and carried so far
+    highest: float = 0.0  # multiplier applied and carried in balance so far
     waited: int = 0
     missing: float = float("inf")  # of what is applied, when it last shrank by a tenth
     carried: float = 0.0  # most of what is applied
@@ -79,7 +80,10 @@ class PublishedControl:
     def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
         """Ascend by increments, descend by the recursion on the carried multiplier."""
         decision = self._decide(state, demand, report)
-        return changed(decision, load_multiplier=report.applied_multiplier, dynamic=report.dynamic)
+        applied = report.applied_multiplier
+        # More than was ever carried in balance moves the structure, and is no peak.
+        beyond = decision.accept and applied > decision.state.highest
+        return changed(decision, load_multiplier=applied, dynamic=report.dynamic or beyond)
 
     def _decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
         s = self.settings

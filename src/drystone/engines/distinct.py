@@ -82,7 +82,9 @@ class DistinctSettings:
     search_tolerance: float = 2e-3
     """Motion between two searches over the smallest block size; 0 searches at every cycle."""
     tolerance: float = 1e-5  # unbalanced force at rest over the heaviest weight, -
-    drive_cycles: int = 600  # in which an increment is driven
+    drive_cycles: int = 2400
+    """In which an increment is driven; in fewer, joints come to stick that would slide."""
+    stage_cycles: int = 600  # of each stage in which the driving ends
     max_cycles: int = 200_000  # of one step
     max_motion: float = 2.0  # motion in a step over the size of the whole structure, -
 
@@ -576,9 +578,10 @@ class DistinctEngine:
         else:
             rate = 0.5 * sense * work.acting.total * increment / duration
             for stage in range(STAGES, 0, -1):  # from rest, begin as it will end
-                work.run(s.drive_cycles, guided=True, rate=rate * SLOWER**stage)
+                work.run(s.stage_cycles, guided=True, rate=rate * SLOWER**stage)
                 work.motion.velocity[:] /= SLOWER
-        left = 1.0 - SLOWER / (1.0 - SLOWER)  # for the first stage, of the increment
+        # For the first stage, of the increment.
+        left = 1.0 - SLOWER / (1.0 - SLOWER) * s.stage_cycles / s.drive_cycles
         for _ in range(10 * CHUNKS):
             work.run(max(s.drive_cycles // CHUNKS, 1), guided=True, rate=rate)
             gone = control.displacement(assembly, pose) - begin
@@ -589,7 +592,7 @@ class DistinctEngine:
         for _ in range(STAGES):
             work.motion.velocity[:] *= SLOWER
             rate *= SLOWER
-            work.run(s.drive_cycles, guided=True, rate=rate)
+            work.run(s.stage_cycles, guided=True, rate=rate)
         work.motion.velocity[:] = 0.0
 
     def _move(self, state: DistinctState, demand: Demand) -> tuple[DistinctState, StepReport]:
