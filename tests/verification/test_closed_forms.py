@@ -239,7 +239,10 @@ def predicted(overshoot, c):
 
 
 class StaticToo(NscdEngine):
-    """Keeps the static multipliers, which the published strategy does not put on its curve."""
+    """Keeps the static multipliers, which the published strategy does not put on its curve.
+
+    By applied and carried multiplier, which are the same numbers in the engine's own frame.
+    """
 
     def __init__(self):
         super().__init__()
@@ -247,7 +250,7 @@ class StaticToo(NscdEngine):
 
     def step(self, state, demand):
         new, report = super().step(state, demand)
-        self.static[report.control_displacement] = report.static_multiplier
+        self.static[report.applied_multiplier, report.carried_multiplier] = report.static_multiplier
         return new, report
 
 
@@ -271,7 +274,8 @@ def biased(request):
         c = np.sum(mass[:, 0] * v[:, :, 0], axis=1) ** 2 / (
             mass[:, 0].sum() * np.sum(mass * v**2, axis=(1, 2))
         )
-    static = np.array([engine.static.get(x, np.nan) for x in curve.control_displacement])
+    multipliers = zip(curve.applied_multiplier, curve.carried_multiplier, strict=True)
+    static = np.array([engine.static.get(pair, np.nan) for pair in multipliers])
     d = curve.control_displacement
     here = (np.arange(len(d)) > curve.peak.step) & (d > 0.03) & (d < 0.1)
     return request.param, curve, static, c, here
