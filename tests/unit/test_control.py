@@ -210,6 +210,35 @@ class TestExcess:
         d, dynamic = curve.control_displacement, curve.column("status") == DYNAMIC
         np.testing.assert_array_equal(dynamic, (d > 0.1) & (d < 0.11))
 
+    def test_what_falls_on_without_load_has_collapsed_in_motion(self):
+        """In the words of the pacing of engines that prescribe displacements."""
+
+        class Falling(SlidingStructure):
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                if new.delta < 0.1:
+                    return new, report
+                new = SlidingState(state.delta + STEP)
+                report = replace(report, control_displacement=new.delta, motion=STEP)
+                return new, replace(report, carried_multiplier=-0.05, static_multiplier=-0.05)
+
+        curve = trace(Falling(), "displacement")
+        assert curve.status == "finished" and curve.points[-1].status == DYNAMIC
+        assert "or a part of it, collapsed in motion: it falls without any load" in curve.reason
+
+    def test_no_largest_displacement_is_reached_in_motion(self):
+        class Falling(SlidingStructure):
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                if new.delta < 0.1:
+                    return new, report
+                half = 0.5 * report.applied_multiplier
+                return new, replace(report, inertia_ratio=0.5, carried_multiplier=half)
+
+        for strategy in ("displacement", "published"):
+            curve = trace(Falling(), strategy, max_displacement=0.1)
+            assert curve.status == "stopped" and "0.1 m in motion" in curve.reason
+
     def test_a_structure_that_cannot_go_on_keeps_what_was_reached(self):
         structure = SlidingStructure(fails=lambda delta, motion: delta > 0.1 and motion > 0.0)
         curve = trace(structure, "displacement")
@@ -354,6 +383,40 @@ class TestPublished:
         assert curve.load_multiplier.max() > 1.02 * PEAK
         assert PEAK - 0.005 <= curve.peak.load_multiplier <= PEAK + 1e-3 / 0.173
         assert curve.peak.carried_multiplier == pytest.approx(curve.peak.load_multiplier, abs=1e-3)
+
+    def test_a_structure_that_stands_under_less_is_loaded_again(self):
+        """It carries nothing for a moment, by inertia, and the curve was "finished"."""
+
+        class Losing(SlidingStructure):
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                if state.delta < 0.1 <= new.delta:
+                    report = replace(report, carried_multiplier=-0.05, dynamic=True)
+                return new, report
+
+        curve = trace(Losing(), "published")
+        assert curve.status == "finished" and "fell below" in curve.reason
+        assert curve.points[-1].status == STATIC
+        assert curve.applied_multiplier.min() >= 0.0
+        # The branch goes on to its end, and so does the ultimate displacement.
+        assert curve.control_displacement[-1] > 0.9 * DELTA_END
+        assert curve.ultimate_displacement > 0.9 * DELTA_END
+
+    def test_what_falls_for_long_has_collapsed_in_motion(self):
+        class Falling(SlidingStructure):
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                if new.delta < 0.1:
+                    return new, report
+                new = SlidingState(state.delta + STEP)
+                report = replace(report, control_displacement=new.delta, motion=STEP)
+                return new, replace(report, carried_multiplier=-0.05, dynamic=True)
+
+        curve = trace(Falling(), "published")
+        assert curve.status == "finished" and "collapsed in motion" in curve.reason
+        # Of one step each, 25 to `fall_motion`, one beyond it, and one before less is applied.
+        late = curve.control_displacement > 0.1
+        assert 25 <= (curve.column("status") == DYNAMIC)[late].sum() <= 27
 
     def test_it_halves_the_step_where_none_is_found(self):
         structure = SlidingStructure(fails=lambda delta, motion: motion > 0.5 * STEP)

@@ -24,10 +24,12 @@ from dataclasses import dataclass
 
 from drystone.control.base import Decision, check_settings
 from drystone.control.ends import (
+    COLLAPSED,
     End,
     Progress,
     carries_nothing,
     end_of_curve,
+    fallen_freely,
     nothing_carried,
 )
 from drystone.engines.base import Demand, StepReport
@@ -43,9 +45,6 @@ KINK = 0.1
 
 #: Share of a step from which on it is not worth taking again to there.
 ALL_BUT = 0.98
-
-#: Why a curve ends in a jump.
-COLLAPSED = "the structure, or a part of it, collapsed in motion"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -305,8 +304,7 @@ class DisplacementControl:
         if state.fallen > s.fall_motion * s.displacement_step:
             if carries_nothing(s, state.highest):
                 return nothing_carried(s, state.n_steps)
-            fell = state.highest > s.stop_multiplier
-            return End(reason=f"{COLLAPSED}: it falls without any load", finished=fell)
+            return fallen_freely(state.highest, s.stop_multiplier)
         if state.n_jump_steps >= s.jump_steps:
             return End(reason=f"{COLLAPSED}: no rest within {s.jump_steps} steps of a jump")
         return end_of_curve(

@@ -13,6 +13,9 @@ EARLY = 100
 #: Likewise of a multiplier that does not rise at all, but for steps that move next to nothing.
 AT_ONCE = 3
 
+#: Why a curve ends in motion.
+COLLAPSED = "the structure, or a part of it, collapsed in motion"
+
 
 class EndSettings(Protocol):
     """What every strategy's settings say about the end."""
@@ -51,6 +54,11 @@ class End:
 
     reason: str
     finished: bool = False
+
+
+def fallen_freely(highest: float, stop_multiplier: float) -> End:
+    """The end of what has fallen for long without load: of a complete curve, if ever it carried."""
+    return End(reason=f"{COLLAPSED}: it falls without any load", finished=highest > stop_multiplier)
 
 
 def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:

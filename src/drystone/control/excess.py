@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drystone.control.base import Decision, check_settings
-from drystone.control.ends import End, Progress, end_of_curve
+from drystone.control.ends import Progress, end_of_curve, fallen_freely
 from drystone.engines.base import Demand, StepReport
 from drystone.records import changed
 
@@ -124,8 +124,7 @@ class ExcessControl:
         since = state.low_since
         fallen = 0.0 if since is None else report.control_displacement - since
         if fallen > s.fall * s.displacement_step and state.highest > s.stop_multiplier:
-            below = f"the load multiplier fell below {s.stop_multiplier:g}"
-            end = End(reason=f"{below}: the structure collapsed in motion", finished=True)
+            end = fallen_freely(state.highest, s.stop_multiplier)
         if end:
             return Decision(
                 accept=True, demand=None, state=state, reason=end.reason, finished=end.finished

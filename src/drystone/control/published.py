@@ -11,7 +11,10 @@ Where its text leaves room, it is read so:
   waiting for balance lets the wall run away.
 - The paper's time step is constant.  Here it adapts on the descending branch to a displacement
   per step; the recursion's fixed point does not depend on it.
-- The analysis ends at a multiplier below ``stop_multiplier`` only on the descending branch.
+- The analysis ends at a multiplier below ``stop_multiplier`` only on the descending branch, and
+  where the structure goes on under it without being carried by inertia.  One that stands under it
+  is loaded again, on points that are none of its branch; one that falls on for long has collapsed
+  in motion.
 
 The curve's load multiplier is the applied one, as the paper plots it.  It is biased: see the page
 on theory.  Points at which more is applied than was ever carried in balance are marked dynamic: the
@@ -23,13 +26,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drystone.control.base import Decision, check_settings
-from drystone.control.ends import End, Progress, end_of_curve
+from drystone.control.ends import FALLEN as FALLEN_TO
+from drystone.control.ends import End, Progress, end_of_curve, fallen_freely
 from drystone.engines.base import Demand, StepReport
 from drystone.records import changed
 
 #: Share by which what is missing must shrink for the carried multiplier to count as rising, and
 #: share by which it falls from its highest when the structure does.
 SHRUNK, FALLEN = 0.1, 0.1
+#: Share of the displacement step that what stands moves less than: its joints close by far less.
+GOES_ON = 0.1
+#: Share of the peak by which a branch may fall in a step.
+LAG = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,6 +51,8 @@ class PublishedSettings:
     patience: int = 20  # steps without balance, nor on the way to it, that mean the peak
     stop_multiplier: float = 0.01  # end of the descending branch
     time_step: float = 0.05  # s, ascending, and at first descending
+    fall_motion: float = 25.0  # of a block, over the displacement step, in motion and with
+    # next to nothing applied, after which the structure has collapsed
     max_steps: int = 100_000
     max_displacement: float = float("inf")  # m, of the control point
 
@@ -59,6 +69,8 @@ class _State:
     missing: float = float("inf")  # of what is applied, when it last shrank by a tenth
     carried: float = 0.0  # most of what is applied
     time_step: float = 0.0
+    displacement: float = 0.0  # m, of the control point at the last point
+    fallen: float = 0.0  # m, that a block has moved in motion with next to nothing applied
     n_steps: int = 0
 
 
@@ -83,7 +95,10 @@ class PublishedControl:
         applied = report.applied_multiplier
         # More than was ever carried in balance moves the structure, and is no peak.
         beyond = decision.accept and applied > decision.state.highest
-        return changed(decision, load_multiplier=applied, dynamic=report.dynamic or beyond)
+        low = state.descending and applied < self.settings.stop_multiplier
+        stands = low and not self._goes_on(state, report)
+        dynamic = report.dynamic or beyond or stands
+        return changed(decision, load_multiplier=applied, dynamic=dynamic)
 
     def _decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
         s = self.settings
@@ -98,7 +113,9 @@ class PublishedControl:
         state = changed(state, n_steps=state.n_steps + 1)
         if not state.descending:
             state = self._ascend(state, report)
+        state = changed(state, fallen=self._fallen(state, report))
         end = self._end(state, report)
+        state = changed(state, displacement=report.control_displacement)
         if end:
             return Decision(
                 accept=True, demand=None, state=state, reason=end.reason, finished=end.finished
@@ -106,7 +123,8 @@ class PublishedControl:
         if not state.descending:
             state = changed(state, time_step=s.time_step)
             return Decision(accept=True, demand=self._demand(state), state=state)
-        multiplier = s.overshoot * report.carried_multiplier
+        least = 0.5 * FALLEN_TO * min(s.stop_multiplier, state.highest)
+        multiplier = max(s.overshoot * report.carried_multiplier, least)
         share = s.displacement_step / max(report.motion, 1e-3 * s.displacement_step)
         scale = min(max(share**0.5, 0.7), 1.2)
         state = changed(state, multiplier=multiplier, time_step=state.time_step * scale)
@@ -134,11 +152,35 @@ class PublishedControl:
             state, waited=waited, carried=carried, descending=falls or waited > s.patience
         )
 
+    def _goes_on(self, state: _State, report: StepReport) -> bool:
+        """Whether the structure moves on, by more than its joints give way."""
+        moves = report.motion > GOES_ON * self.settings.displacement_step
+        return moves and report.control_displacement > state.displacement
+
+    def _steady(self, state: _State, report: StepReport) -> bool:
+        """Whether inertia takes no more of what is applied than the recursion leaves to it.
+
+        Twice its overshoot, and a hundredth of the peak, by which the branch may fall in a step.
+        """
+        s, applied = self.settings, report.applied_multiplier
+        left = 2.0 * (s.overshoot - 1.0) * abs(applied) + LAG * state.highest
+        return abs(applied - report.carried_multiplier) <= s.balance_tolerance + left
+
+    def _fallen(self, state: _State, report: StepReport) -> float:
+        nothing = FALLEN_TO * min(self.settings.stop_multiplier, state.highest)
+        falls = state.descending and report.applied_multiplier < nothing
+        return state.fallen + report.motion if falls and not self._steady(state, report) else 0.0
+
     def _end(self, state: _State, report: StepReport) -> End | None:
+        s = self.settings
+        if state.fallen > s.fall_motion * s.displacement_step:
+            return fallen_freely(state.highest, s.stop_multiplier)
+        goes_on = state.descending and self._goes_on(state, report)
         return end_of_curve(
-            self.settings,
+            s,
             Progress(
-                multiplier=report.applied_multiplier if state.descending else state.highest,
+                multiplier=report.applied_multiplier if goes_on else state.highest,
+                static=self._steady(state, report),
                 highest=state.highest,
                 displacement=report.control_displacement,
                 n_steps=state.n_steps,
