@@ -26,6 +26,9 @@ STATIC, DYNAMIC = "static", "dynamic"
 #: block comes loose, are smaller as a rule.
 PASSED = 0.99
 
+#: Decimals of a control displacement in metres that sentences show at most.
+PRINTED = 7
+
 #: Status of a curve that is complete.
 FINISHED = "finished"
 
@@ -74,9 +77,14 @@ class BlockLeft:
         """A block that left at a point."""
         return cls(block=block, step=point.step, control_displacement=point.control_displacement)
 
+    @property
+    def displacement_text(self) -> str:
+        """The control displacement for people, without what is a rounding of zero."""
+        return f"{round(self.control_displacement, PRINTED) + 0.0:.4g} m"
+
     def __str__(self) -> str:
         return (
-            f'the block "{self.block}" left the structure at {self.control_displacement:.4g} m '
+            f'the block "{self.block}" left the structure at {self.displacement_text} '
             f"(step {self.step})"
         )
 
@@ -198,6 +206,13 @@ class CapacityCurve:
                     point.control_displacement - before.control_displacement
                 )
         return None
+
+    @property
+    def highest_of_all(self) -> float:
+        """Highest static multiplier of the whole structure, before any block has left."""
+        first = min((block.step for block in self.blocks_left), default=len(self.points))
+        whole = self.points[: first + 1]
+        return max((p.load_multiplier for p in whole if p.status == STATIC), default=0.0)
 
     def gone(self, ids: Sequence[str], step: int) -> NDArray[np.bool_]:
         """Which of the blocks named have left after a step, (n,)."""

@@ -10,10 +10,11 @@ from drystone.analysis import pushover
 from drystone.assembly import Block, JointLaw
 from drystone.builders import make_model
 from drystone.contact.detection import Detector, empty_slots
-from drystone.curve import STATIC
+from drystone.curve import STATIC, BlockLeft
 from drystone.engines.base import EngineError, Problem
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays
+from drystone.limit import limits_beside
 from drystone.model import Analysis
 
 ENGINES = pytest.mark.parametrize("engine", ["equilibrium", "nscd", "distinct"])
@@ -119,6 +120,22 @@ def test_a_block_that_falls_off_is_told_and_the_rest_goes_on(engine):
     # What is applied is carried, by the blocks that are left, but for what accelerates.
     excess = np.abs(curve.applied_multiplier - multiplier)[branch]
     assert np.all(np.abs(curve.carried_multiplier - multiplier)[branch] <= excess + 1e-3)
+
+
+def test_a_bound_on_the_whole_structure_is_none_on_the_rest():
+    """The small block slides at 0.2, where the whole collapses; the tall one then carries 0.4."""
+    curve = fallen("equilibrium")
+    bound = limits_beside(falling())
+    assert bound.associative == pytest.approx(0.2, abs=1e-6)
+    assert curve.peak.load_multiplier > 0.39
+    assert 0.19 < curve.highest_of_all <= 0.2 + 1e-6  # the last point before it slides
+    assert bound.warning(curve.highest_of_all) is None
+
+
+@pytest.mark.parametrize(("at", "said"), [(-1.7e-8, "0 m"), (5.21e-5, "5.21e-05 m")])
+def test_no_rounding_is_named_as_the_place_where_a_block_left(at, said):
+    left = BlockLeft(block="small", step=92, control_displacement=at)
+    assert str(left) == f'the block "small" left the structure at {said} (step 92)'
 
 
 def test_a_fall_takes_no_more_points_than_a_slide():

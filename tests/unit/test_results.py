@@ -12,7 +12,7 @@ import synthetic
 import drystone as ds
 from builders import stack
 from drystone.contact.forces import ContactForces
-from drystone.curve import COLUMNS
+from drystone.curve import COLUMNS, BlockLeft
 from drystone.export.hdf5 import ResultsWriter
 from drystone.limit import limits_beside
 
@@ -80,6 +80,17 @@ def test_what_was_saved_is_loaded_to_the_bit(tmp_path, model, curve):
     assert loaded.summary["peak_multiplier"] == curve.peak.load_multiplier
     with pytest.raises(IndexError):
         loaded.contacts[len(curve.points)]
+
+
+def test_blocks_that_left_are_loaded(tmp_path, model, curve):
+    left = (
+        BlockLeft(block=model.assembly.ids[3], step=4, control_displacement=0.1),
+        BlockLeft(block=model.assembly.ids[2], step=6, control_displacement=0.2),
+    )
+    ds.save_results(replace(curve, blocks_left=left), model, tmp_path / "out")
+    loaded = ds.load_results(tmp_path / "out").curve
+    assert loaded.blocks_left == left
+    assert loaded.gone(model.assembly.ids, 5).sum() == 1
 
 
 def test_model_is_loaded_with_its_digest(tmp_path, model, curve):

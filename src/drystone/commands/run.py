@@ -88,7 +88,7 @@ def run(
             fail(exit_code(curve.status), [reason], as_json=as_json, status=curve.status)
         if curve.status != "finished":
             tell([f"{curve.status}: {curve.reason}"])
-        warning = beside.warning(curve.peak.load_multiplier)
+        warning = beside.warning(curve.highest_of_all)
         tell([warning] if warning else [])
         if as_json:
             emit({**(results.summary or {}), "directory": str(folder)})
@@ -99,6 +99,8 @@ def run(
 
 def report(title: str, curve: CapacityCurve, folder: Path, beside: Beside) -> str:
     """The few lines that a person wants to read first."""
+    from drystone.builders.words import printable
+
     peak, ultimate = curve.peak, curve.ultimate_displacement
     end = (
         f"{ultimate:.4f} m, where the multiplier falls to {curve.stop_multiplier:g}"
@@ -110,11 +112,12 @@ def report(title: str, curve: CapacityCurve, folder: Path, beside: Beside) -> st
         (highest, f"{peak.load_multiplier:.4f} at {peak.control_displacement:.5f} m"),
         ("limit analysis", _limits(beside)),
         ("ultimate displacement", end),
+        *[("without", f'"{b.block}", from {b.displacement_text} on') for b in curve.blocks_left],
         ("points", f"{len(curve.points)}, largest residual {curve.residual.max():.1e}"),
         ("time", f"{curve.wall_time:.1f} s ({curve.engine}, {curve.strategy})"),
         ("results", f"{folder}/"),
     )
-    return "\n".join([title, *(f"  {name:<22} {value}" for name, value in rows)])
+    return "\n".join([title, *(f"  {name:<22} {printable(value)}" for name, value in rows)])
 
 
 def _limits(beside: Beside) -> str:

@@ -8,6 +8,7 @@
     /contacts/offset        (n_points + 1,) rows of the contacts of point k: offset[k]:offset[k + 1]
     /contacts/<field>       every field of `ContactForces`, all points one after the other
     /blocks/id, offset, vertices, centroid, weight, support
+    /blocks_left/<field>    every field of `BlockLeft`, once the analysis has ended
 
 Points are gathered in memory and written about once a second: what is on the disk is a readable
 file at every moment but those of a write, so that a process that is killed or a disk that is full
@@ -17,6 +18,7 @@ leaves the points of up to a second ago.  The file is not locked: it can be read
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
 from types import TracebackType
@@ -27,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.forces import ContactForces
-from drystone.curve import CapacityCurve, CurvePoint
+from drystone.curve import BlockLeft, CapacityCurve, CurvePoint
 from drystone.export.diskfile import DiskFile
 from drystone.export.interrupts import uninterrupted
 from drystone.export.summary import package_version
@@ -66,6 +68,7 @@ UNITS = {
     "weight": "N",
 }
 STORED_AS = {"block_a": "i4", "block_b": "i4", "status": "i1"}
+LEFT_TYPES = {"block": h5py.string_dtype(), "step": "i8", "control_displacement": "f8"}
 CONTACT_FIELDS = tuple(f.name for f in fields(ContactForces))
 
 
@@ -131,10 +134,18 @@ class ResultsWriter:
                 attributes["status"], attributes["reason"] = curve.status, text_of(curve.reason)
                 for name in ("stop_multiplier", "settlement", "wall_time", "compile_time"):
                     attributes[name] = getattr(curve, name)
+                self._put_left(curve.blocks_left)
             if self.whole:
                 self.flush()
         finally:
             self._let_go()
+
+    def _put_left(self, left: Sequence[BlockLeft]) -> None:
+        group = self._file.create_group("blocks_left")
+        for name, kind in LEFT_TYPES.items():
+            values = [getattr(block, name) for block in left]
+            values = [text_of(v) if isinstance(v, str) else v for v in values]
+            group.create_dataset(name, data=np.array(values, dtype=kind))
 
     def _let_go(self) -> None:
         with uninterrupted():
@@ -273,6 +284,17 @@ class ResultsReader:
         columns["status"] = [status.decode() for status in columns["status"]]
         rows = zip(*columns.values(), strict=True)
         return tuple(CurvePoint(**dict(zip(columns, row, strict=True))) for row in rows)
+
+    def blocks_left(self) -> tuple[BlockLeft, ...]:
+        """Blocks that have left the structure; none are known while the analysis goes on."""
+        group = self._file.get("blocks_left")
+        if group is None:
+            return ()
+        names, steps, places = (group[name][:].tolist() for name in LEFT_TYPES)
+        return tuple(
+            BlockLeft(block=name.decode(), step=step, control_displacement=place)
+            for name, step, place in zip(names, steps, places, strict=True)
+        )
 
     def poses(self) -> Array:
         """Poses of the blocks at all points, (n_points, n, n_dof) [m, rad]."""

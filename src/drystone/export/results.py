@@ -163,6 +163,7 @@ def _curve_of(stored: ResultsReader, contacts: StoredContacts) -> CapacityCurve:
         status=status,
         reason=stored.attribute("reason") if ended else "the run goes on, or was killed",
         stop_multiplier=float(stored.attribute("stop_multiplier")),
+        blocks_left=stored.blocks_left(),
         settlement=float(stored.attribute("settlement")) if ended else math.nan,
         wall_time=float(stored.attribute("wall_time")) if ended else math.nan,
         compile_time=float(stored.attribute("compile_time")) if ended else math.nan,
