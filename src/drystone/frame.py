@@ -128,8 +128,9 @@ class Frame:
 
     def pose_of(self, own: Array) -> Array:
         """Poses (n, n_dof) in metres."""
-        dim = len(self.origin)
-        return np.column_stack((self.length * own[:, :dim], own[:, dim:]))
+        pose = own.copy()
+        pose[:, : len(self.origin)] *= self.length
+        return pose
 
     def contacts_of(self, own: ContactForces) -> ContactForces:
         """Contact points in the drawing's coordinates, forces in newtons."""

@@ -7,7 +7,8 @@ them does not matter here.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +21,7 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 
-@dataclass(frozen=True, kw_only=True)
-class JudgedContacts:
+class JudgedContacts(NamedTuple):
     """Contacts of a step as its formulation has them; see `kernels.residual` for their law."""
 
     body_a: IntArray  # (n_contacts,)
@@ -42,8 +42,7 @@ class JudgedContacts:
         return len(self.gap)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Forces:
+class Forces(NamedTuple):
     """What acts on the blocks at the end of a step, (n, n_dof) [N, N m] each."""
 
     contact: Array  # of all contacts, on supports too
@@ -51,8 +50,7 @@ class Forces:
     inertia: Array  # mass times acceleration
 
 
-@dataclass(frozen=True, kw_only=True)
-class Certificate:
+class Certificate(NamedTuple):
     """How far a step is from its equations [N], and which blocks a contact acts on.
 
     NaN where something is not a number.
@@ -67,7 +65,8 @@ class Certificate:
     @property
     def residual(self) -> float:
         """The largest of the three [N]."""
-        return float(np.max((self.balance, self.normal, self.tangential)))
+        parts = self.balance, self.normal, self.tangential
+        return math.nan if any(map(math.isnan, parts)) else max(parts)
 
 
 def certify(
