@@ -12,7 +12,7 @@ from drystone.analysis import pushover
 from drystone.assembly import Block, Corner, JointLaw
 from drystone.builders import ModelError, make_model
 from drystone.curve import STATIC
-from drystone.engines.base import UnstableError
+from drystone.engines.base import EngineError, UnstableError
 from drystone.engines.equilibrium import EquilibriumEngine
 
 MAX_STEPS = 25
@@ -139,6 +139,9 @@ def check(model, **options):
     except UnstableError as error:
         movable = [one.id for one in model.assembly.blocks if not one.support]
         assert any(f'"{name}"' in str(error) for name in movable)
+        return None
+    except EngineError as error:  # joints that the weight alone crushes
+        assert "pressed" in str(error) and model.assembly.joint.normal_stiffness < 1e9
         return None
     assert curve.reason
     assert curve.residual.max() <= 1e-6

@@ -97,7 +97,10 @@ class PublishedControl:
         beyond = decision.accept and applied > decision.state.highest
         low = state.descending and applied < self.settings.stop_multiplier
         stands = low and not self._goes_on(state, report)
-        dynamic = report.dynamic or beyond or stands
+        # What is applied is carried: the strategy's own measure of rest.
+        missing = abs(applied - report.carried_multiplier)
+        moves = report.dynamic and missing > self.settings.balance_tolerance
+        dynamic = moves or beyond or stands
         return changed(decision, load_multiplier=applied, dynamic=dynamic)
 
     def _decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
