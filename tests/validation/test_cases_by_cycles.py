@@ -17,17 +17,16 @@ CASES = Path(__file__).parents[1] / "cases"
 
 
 @cache
-def traced(name, engine, max_displacement):
+def traced(name, engine, **options):
     """A curve, once."""
-    model = ds.read_model(CASES / f"{name}.toml")
-    return ds.pushover(model, engine=engine, max_displacement=max_displacement)
+    return ds.pushover(ds.read_model(CASES / f"{name}.toml"), engine=engine, **options)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["wall101", "wall105", "wall113"])
 def test_distinct_goes_on_where_blocks_come_off(name):
     """To where the multiplier falls to a hundredth; every point at rest to the engine's 1e-5."""
-    curve = traced(name, "distinct", float("inf"))
+    curve = traced(name, "distinct")
     assert curve.status == "finished"
     assert "fell below" in curve.reason
     assert curve.residual.max() <= 1e-5
@@ -47,8 +46,8 @@ def test_distinct_goes_on_where_blocks_come_off(name):
 )
 def test_peaks_are_those_of_the_static_path(name, engine):
     """1 %: the steps of both, and friction, which remembers them.  No spike is taken for a peak."""
-    static = traced(name, "equilibrium", 0.08)
-    curve = traced(name, engine, 0.08)
+    static = traced(name, "equilibrium", max_displacement=0.08)
+    curve = traced(name, engine, max_displacement=0.08)
     assert curve.peak.load_multiplier == pytest.approx(static.peak.load_multiplier, rel=0.01)
 
 
@@ -62,7 +61,7 @@ def test_what_is_driven_takes_the_branch_of_slow_loading(share):
     where the joints of a step that stick are others; the branches lie 10 % apart.  Friction changed
     in its last decimals stands for any other rounding.
     """
-    static = traced("wall113", "equilibrium", 0.11)
+    static = traced("wall113", "equilibrium", max_displacement=0.11)
     model = ds.read_model(CASES / "wall113.toml")
     friction = share * model.assembly.joint.friction_coefficient
     model = model.with_joint(friction_coefficient=friction)
