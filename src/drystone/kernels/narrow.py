@@ -143,86 +143,11 @@ def _most_opposed(offset, tangent, edge, b):
     return found
 
 
-@njit(cache=True, inline="always")
-def _turned(world, body, x, y):
-    """What the rotation of a body adds to a vector of it."""
-    sine, versine = world.turn[body, 0], world.turn[body, 1]
-    return -versine * x - sine * y, sine * x - versine * y
-
-
-@njit(cache=True, inline="always")
-def _between(bodies, pose, world, a, b, va, vb):
-    """From vertex va of a to vertex vb of b [m]: as designed, and what motion has added."""
-    ax, ay = bodies.local[va, 0], bodies.local[va, 1]
-    bx, by = bodies.local[vb, 0], bodies.local[vb, 1]
-    turned_ax, turned_ay = _turned(world, a, ax, ay)
-    turned_bx, turned_by = _turned(world, b, bx, by)
-    return (
-        bodies.centroid[b, 0] - bodies.centroid[a, 0] + (bx - ax),
-        bodies.centroid[b, 1] - bodies.centroid[a, 1] + (by - ay),
-        pose[b, 0] - pose[a, 0] + (turned_bx - turned_ax),
-        pose[b, 1] - pose[a, 1] + (turned_by - turned_ay),
-    )
-
-
 @njit(cache=True)
 def _along(vertex, tangent, edge, v):
     """Coordinate of a vertex along an edge, from the edge's start [m]."""
     x = (vertex[v, 0] - vertex[edge, 0]) * tangent[edge, 0]
     return x + (vertex[v, 1] - vertex[edge, 1]) * tangent[edge, 1]
-
-
-@njit(cache=True, inline="always")
-def _vertex_on_edge(bodies, pose, world, slots, k, a, b, kind, fa, fb):
-    """Fill slot k with a vertex against an edge; ``fa`` and ``fb`` are the features of a and b."""
-    if kind == VERTEX_B:
-        other, owner, vertex, edge, sign, rolling = b, a, fb, fa, 1.0, bodies.radius[b]
-        slots.roll[k, 0] = -rolling
-        slots.roll[k, 1] = rolling
-    else:
-        other, owner, vertex, edge, sign, rolling = a, b, fa, fb, -1.0, bodies.radius[a]
-        slots.roll[k, 0] = rolling
-        slots.roll[k, 1] = -rolling
-    nx, ny = world.tangent[edge, 1], -world.tangent[edge, 0]
-    before_x, before_y = bodies.local_tangent[edge, 1], -bodies.local_tangent[edge, 0]
-    turned_x, turned_y = _turned(world, owner, before_x, before_y)
-    x, y, moved_x, moved_y = _between(bodies, pose, world, owner, other, edge, vertex)
-    designed = before_x * x + before_y * y - bodies.radius[a] - bodies.radius[b]
-    slots.gap[k] = designed + ((turned_x * x + turned_y * y) + (nx * moved_x + ny * moved_y))
-    slots.normal[k, 0] = sign * nx
-    slots.normal[k, 1] = sign * ny
-    slots.ratio[k] = 1.0
-    arm_x, arm_y = world.arm[vertex, 0], world.arm[vertex, 1]
-    apart_x = bodies.centroid[other, 0] - bodies.centroid[owner, 0]
-    apart_y = bodies.centroid[other, 1] - bodies.centroid[owner, 1]
-    far_x = apart_x + (pose[other, 0] - pose[owner, 0]) + arm_x
-    far_y = apart_y + (pose[other, 1] - pose[owner, 1]) + arm_y
-    if kind == VERTEX_B:
-        slots.arm_a[k, 0], slots.arm_a[k, 1] = far_x, far_y
-        slots.arm_b[k, 0], slots.arm_b[k, 1] = arm_x, arm_y
-    else:
-        slots.arm_a[k, 0], slots.arm_a[k, 1] = arm_x, arm_y
-        slots.arm_b[k, 0], slots.arm_b[k, 1] = far_x, far_y
-
-
-@njit(cache=True, inline="always")
-def _vertex_on_vertex(bodies, pose, world, slots, k, a, b, va, vb):
-    """Fill slot k with two rounded vertices."""
-    x, y, moved_x, moved_y = _between(bodies, pose, world, a, b, va, vb)
-    dx, dy = x + moved_x, y + moved_y
-    distance = np.sqrt(dx * dx + dy * dy)
-    before = np.sqrt(x * x + y * y)
-    grown = (moved_x * (x + dx) + moved_y * (y + dy)) / (distance + before)
-    slots.gap[k] = (before - bodies.radius[a] - bodies.radius[b]) + grown
-    slots.normal[k, 0] = dx / distance
-    slots.normal[k, 1] = dy / distance
-    slots.roll[k, 0] = bodies.radius[a]
-    slots.roll[k, 1] = bodies.radius[b]
-    slots.ratio[k] = (bodies.radius[a] + bodies.radius[b]) / distance
-    slots.arm_a[k, 0] = world.arm[va, 0]
-    slots.arm_a[k, 1] = world.arm[va, 1]
-    slots.arm_b[k, 0] = world.arm[vb, 0]
-    slots.arm_b[k, 1] = world.arm[vb, 1]
 
 
 @njit(cache=True)
@@ -313,21 +238,62 @@ def _interface(
 
 
 @njit(cache=True)
+def _turned(turn, body, x, y):
+    """What the rotation of a body adds to a vector of it."""
+    sine, versine = turn[body, 0], turn[body, 1]
+    return -versine * x - sine * y, sine * x - versine * y
+
+
+@njit(cache=True)
 def _measure(bodies, pose, world, pair_a, pair_b, slots):
     """Everything else about the contacts of all slots, whose features are given."""
-    for k in range(slots.kind.shape[0]):
-        kind = slots.kind[k]
+    # Fields read once: in the loop each reading would count references.
+    centroid, local, radius = bodies.centroid, bodies.local, bodies.radius
+    local_tangent, tangent, arm, turn = bodies.local_tangent, world.tangent, world.arm, world.turn
+    kinds, features, gap, normal = slots.kind, slots.feature, slots.gap, slots.normal
+    arm_a, arm_b, roll, ratio = slots.arm_a, slots.arm_b, slots.roll, slots.ratio
+    for k in range(kinds.shape[0]):
+        kind = kinds[k]
         if kind == NONE:
-            slots.gap[k] = np.inf
+            gap[k] = np.inf
             continue
-        a = pair_a[k // 2]
-        b = pair_b[k // 2]
-        fa = slots.feature[k, 0]
-        fb = slots.feature[k, 1]
+        a, b = pair_a[k // 2], pair_b[k // 2]
+        va, vb = features[k, 0], features[k, 1]
+        # From a vertex of a, or an edge's first, to one of b; the other way on an edge of b.
+        sign = -1.0 if kind == VERTEX_A else 1.0
+        between_x, between_y = centroid[b, 0] - centroid[a, 0], centroid[b, 1] - centroid[a, 1]
+        shift_x, shift_y = pose[b, 0] - pose[a, 0], pose[b, 1] - pose[a, 1]
+        ax, ay, bx, by = local[va, 0], local[va, 1], local[vb, 0], local[vb, 1]
+        turned_ax, turned_ay = _turned(turn, a, ax, ay)
+        turned_bx, turned_by = _turned(turn, b, bx, by)
+        x, y = sign * (between_x + (bx - ax)), sign * (between_y + (by - ay))  # as designed
+        moved_x = sign * (shift_x + (turned_bx - turned_ax))
+        moved_y = sign * (shift_y + (turned_by - turned_ay))
+        ra, rb = radius[a], radius[b]
         if kind == VERTICES:
-            _vertex_on_vertex(bodies, pose, world, slots, k, a, b, fa, fb)
+            dx, dy = x + moved_x, y + moved_y
+            distance, before = np.sqrt(dx * dx + dy * dy), np.sqrt(x * x + y * y)
+            grown = (moved_x * (x + dx) + moved_y * (y + dy)) / (distance + before)
+            gap[k] = (before - ra - rb) + grown
+            normal[k, 0], normal[k, 1] = dx / distance, dy / distance
+            roll[k, 0], roll[k, 1] = ra, rb
+            ratio[k] = (ra + rb) / distance
         else:
-            _vertex_on_edge(bodies, pose, world, slots, k, a, b, kind, fa, fb)
+            owner, edge, rolling = (a, va, rb) if kind == VERTEX_B else (b, vb, ra)
+            nx, ny = tangent[edge, 1], -tangent[edge, 0]
+            before_x, before_y = local_tangent[edge, 1], -local_tangent[edge, 0]
+            turned_x, turned_y = _turned(turn, owner, before_x, before_y)
+            designed = before_x * x + before_y * y - ra - rb
+            gap[k] = designed + ((turned_x * x + turned_y * y) + (nx * moved_x + ny * moved_y))
+            normal[k, 0], normal[k, 1] = sign * nx, sign * ny
+            roll[k, 0], roll[k, 1] = -sign * rolling, sign * rolling
+            ratio[k] = 1.0
+        ax, ay, bx, by = arm[va, 0], arm[va, 1], arm[vb, 0], arm[vb, 1]
+        if kind == VERTEX_B:
+            ax, ay = between_x + shift_x + bx, between_y + shift_y + by
+        elif kind == VERTEX_A:
+            bx, by = ax - (between_x + shift_x), ay - (between_y + shift_y)
+        arm_a[k, 0], arm_a[k, 1], arm_b[k, 0], arm_b[k, 1] = ax, ay, bx, by
 
 
 @njit(cache=True)
