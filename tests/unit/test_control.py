@@ -265,6 +265,22 @@ class TestExcess:
             falling(started_from(curve))[late], abs=ROUNDING
         )
 
+    def test_what_goes_on_steadily_after_a_fall_is_static_again(self):
+        """Carried multipliers kept pushing with too much: points stayed dynamic to the end."""
+
+        # From 0.1 m on a tenth of the resistance is gone for good; supports carry nearly all.
+        def static(delta):
+            return falling(delta) * (0.9 if delta > 0.1 else 1.0)
+
+        curve = trace(SlidingStructure(c=0.02, static=static), "displacement")
+        assert curve.status == "finished"
+        dynamic = curve.column("status") == DYNAMIC
+        assert dynamic.any()
+        # One step to see that something is loose, the next to see that the motion is steady.
+        assert curve.control_displacement[dynamic].max() < 0.1 + 4.0 * STEP
+        last = curve.points[-1]
+        assert last.status == STATIC and last.load_multiplier <= curve.stop_multiplier
+
 
 class TestPublished:
     @staticmethod

@@ -17,6 +17,10 @@ from drystone.records import changed
 
 #: Difference of applied and static multiplier that needs no explanation by excess and branch.
 LOOSE = 5e-4
+#: Share of the fastest block's motion by which the control point goes on where all of it moves.
+WITH_THE_REST = 0.25
+#: Change of the static multiplier within what is not explained that leaves it the same.
+SAME = 0.2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +46,7 @@ class _State:
     time_step: float
     static: float = 0.0  # multiplier of the last point
     drop: float = 0.0  # by which it differed from the one before
+    told: float | None = None  # what virtual work said of it, where something seemed to be loose
     highest: float = 0.0
     highest_at: float = 0.0  # m, control displacement there
     displacement: float = 0.0  # m, of the control point at the last point
@@ -85,6 +90,10 @@ class ExcessControl:
         applied = report.applied_multiplier
         explained = LOOSE + 2.0 * (state.excess + state.drop)
         loose = abs(applied - report.static_multiplier) > explained
+        if loose and self._steady(state, report):
+            # What was loose falls no more: the carried multiplier, kept, only pushes too much.
+            state = changed(state, excess=applied - report.static_multiplier)
+            explained, loose = LOOSE + 2.0 * (state.excess + state.drop), False
         # Nor does a structure from rest tell of more than it was pushed with: where the pattern
         # does next to no work on its motion, what virtual work says is noise.
         beyond = report.static_multiplier > applied + LOOSE
@@ -98,10 +107,27 @@ class ExcessControl:
             n_steps=state.n_steps + 1,
             static=static,
             drop=state.drop if loose else abs(static - state.static),
+            told=report.static_multiplier if loose else None,
         )
         state = changed(state, low_since=self._low_since(state, report, dynamic))
         decision = self._go_on(state, report, dynamic)
         return changed(decision, load_multiplier=static, dynamic=dynamic)
+
+    def _steady(self, state: _State, report: StepReport) -> bool:
+        """Whether the whole structure moves, and as it did in the step before.
+
+        Its control point goes with what moves, and virtual work says again what it said then.
+        What would have to be held back falls: it stands under no load.
+        """
+        if state.told is None or report.static_multiplier < 0.0:
+            return False
+        above = report.applied_multiplier - report.static_multiplier
+        onwards = report.control_displacement - state.displacement
+        return (
+            above > 0.0
+            and onwards > WITH_THE_REST * report.motion
+            and abs(report.static_multiplier - state.told) < SAME * above
+        )
 
     def _low_since(self, state: _State, report: StepReport, dynamic: bool) -> float | None:
         if not dynamic or state.static >= self.settings.stop_multiplier:
