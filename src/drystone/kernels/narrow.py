@@ -40,6 +40,11 @@ NONE, VERTEX_B, VERTEX_A, VERTICES = 0, 1, 2, 3
 #: Tributary length of a contact point is at least this share of the shorter facing edge.
 LEAST_SHARE = 0.01
 
+#: Where two edges of a block are opposed to a face almost alike, the tributary length passes from
+#: that of the one to that of the other, over this share of the turn from either to the corner on
+#: end: 0.2 of a square corner are the angles from 37 to 53 degrees.
+PASSAGE = 0.2
+
 #: Sharp corners nearer than this share of their edges' lengths count as one.
 SAME_CORNER = 1e-3
 
@@ -144,6 +149,34 @@ def _most_opposed(offset, tangent, edge, b):
 
 
 @njit(cache=True)
+def _nearly_as_opposed(first, end, tangent, edge, found):
+    """The edge beside ``found`` that is the more opposed to ``edge``, and its share of the length.
+
+    The share is a half where both edges of a corner are opposed alike, and falls smoothly to zero
+    where the corner has turned from there by PASSAGE of what lays one of them on ``edge``.
+    ``first`` and ``end`` bound the edges of their block.
+    """
+    tx, ty = tangent[edge, 0], tangent[edge, 1]
+    before = found - 1 if found > first else end - 1
+    after = found + 1 if found + 1 < end else first
+    d_before = tx * tangent[before, 0] + ty * tangent[before, 1]
+    d_after = tx * tangent[after, 0] + ty * tangent[after, 1]
+    beside = before if d_before < d_after else after
+    least = tx * tangent[found, 0] + ty * tangent[found, 1]
+    corner = tangent[found, 0] * tangent[beside, 0] + tangent[found, 1] * tangent[beside, 1]
+    away = (min(d_before, d_after) - least) / (PASSAGE * (1.0 - corner))
+    return beside, 0.5 * (1.0 - away) ** 2 if away < 1.0 else 0.0
+
+
+@njit(cache=True)
+def _overlap(length, setback, vertex, tangent, ea, eb, a1, b1):
+    """Half of what faces itself of the edges ``ea`` and ``eb``, which end at a1 and b1 [m]."""
+    start = max(_along(vertex, tangent, ea, b1) - setback[eb, 1], -setback[ea, 0])
+    end = min(_along(vertex, tangent, ea, eb) + setback[eb, 0], length[ea] + setback[ea, 1])
+    return max(0.5 * (end - start), LEAST_SHARE * min(length[ea], length[eb]))
+
+
+@njit(cache=True)
 def _along(vertex, tangent, edge, v):
     """Coordinate of a vertex along an edge, from the edge's start [m]."""
     x = (vertex[v, 0] - vertex[edge, 0]) * tangent[edge, 0]
@@ -210,11 +243,18 @@ def _interface(
     s1 = _along(vertex, tangent, ea, b1)
     s0 = _along(vertex, tangent, ea, b0)
     length_a = length[ea]
-    start = s1 - setback[eb, 1] if s1 > 0.0 else -setback[ea, 0]
-    end = s0 + setback[eb, 0] if s0 < length_a else length_a + setback[ea, 1]
-    least = LEAST_SHARE * min(length_a, length[eb])
+    tributary = _overlap(length, setback, vertex, tangent, ea, eb, a1, b1)
+    if reference_is_a:
+        beside, share = _nearly_as_opposed(offset[b], offset[b + 1], tangent, ea, eb)
+        pa, pb = ea, beside
+    else:
+        beside, share = _nearly_as_opposed(offset[a], offset[a + 1], tangent, eb, ea)
+        pa, pb = beside, eb
+    if share > 0.0:
+        other = _overlap(length, setback, vertex, tangent, pa, pb, following[pa], following[pb])
+        tributary += share * (other - tributary)
     for slot in range(k, k + 2):
-        lengths[slot] = max(0.5 * (end - start), least)
+        lengths[slot] = tributary
         edges[slot, 0] = ea
         edges[slot, 1] = eb
     if s1 > length_a or s0 < 0.0:  # b lies past an end of a's edge
