@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drystone.analysis import pushover
 from drystone.engines.base import Demand, Problem
 from drystone.engines.nscd import NscdEngine
 from structures import structure
@@ -46,3 +47,21 @@ def test_wrong_branches_are_forgiven():
     report = step_without_warm_start(0, 0.3, 0.1)
     # Sweeps and linear solutions; it took 6,934 to fail.
     assert report.n_iterations < 1000
+
+
+def median_of_iterations(seed):
+    """Sweeps and linear solutions of a step; the first 20 are sweeps."""
+    curve = pushover(structure(seed), engine="nscd", max_steps=120)
+    assert curve.reason == "the limit of 120 steps was reached"
+    return np.median([point.n_iterations for point in curve.points[60:]])
+
+
+def test_roundings_of_impulses_do_not_become_forces_in_stiff_joints():
+    """Velocities were made of impulses anew, and their last bits pressed joints of 1e11 Pa/m by
+    more than the tolerance: 204 iterations, stiffer and stiffer springs in vain."""
+    assert median_of_iterations(11) < 40
+
+
+def test_steps_of_stiff_joints_begin_on_the_branches_of_the_step_before():
+    """The curvature of a step's motion alone opened what stays shut: 300 iterations."""
+    assert median_of_iterations(5) < 40

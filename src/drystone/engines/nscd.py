@@ -165,7 +165,8 @@ class NscdEngine:
         before = np.zeros_like(state.velocity) if demand.stop_blocks else state.velocity
         load = loads.dead + demand.multiplier * loads.pattern
         solved = nlgs.solve(
-            problem, pair, self.system[1], loads.mass, before + h * self.inverse_mass * load,
+            problem, pair, self.system[1], loads.mass, self.extent,
+            before + h * self.inverse_mass * load,
             state.reaction[chosen] * h, state.increment / h, h,
             NlgsSettings(
                 tolerance=self.settings.tolerance * assembly.heaviest_weight,

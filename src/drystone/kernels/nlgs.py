@@ -222,6 +222,39 @@ def held_law(problem, h, penalty, centre, held, velocity, impulse, piece):
 
 
 @njit(cache=True)
+def branch_law(problem, h, penalty, centre, piece, velocity, impulse):
+    """Impulses of the branches in ``piece``, whether or not velocities lie on them: see `held_law`.
+
+    On known branches the law is linear, and one linear solution finds the velocities.
+    """
+    contact_velocities(problem, velocity, impulse)
+    for c in range(problem.gap.shape[0]):
+        ut = impulse[c, 1]
+        pn = -h * problem.normal_stiffness[c] * (problem.gap[c] + h * impulse[c, 0])
+        pt = centre[c] - penalty * ut
+        if piece[c] == OPEN:
+            pn = 0.0
+            pt = 0.0
+        elif piece[c] != STICKING:
+            pt = problem.friction[c] * pn if piece[c] == SLIDING else -problem.friction[c] * pn
+        impulse[c, 0] = pn
+        impulse[c, 1] = pt
+
+
+@njit(cache=True)
+def branches(problem, impulse, piece):
+    """The branches that impulses lie on, in place: see `held_law`."""
+    for c in range(problem.gap.shape[0]):
+        limit = problem.friction[c] * impulse[c, 0]
+        if impulse[c, 0] <= 0.0:
+            piece[c] = OPEN
+        elif abs(impulse[c, 1]) < limit * (1.0 - 1e-9) or limit == 0.0:
+            piece[c] = STICKING
+        else:
+            piece[c] = SLIDING if impulse[c, 1] > 0.0 else SLIDING + 1
+
+
+@njit(cache=True)
 def held_law_tangent(problem, pair, h, penalty, piece, diagonal, upper, lower):
     """Add -d(H^T p)/dv of the branches in ``piece`` to the block matrix [kg]."""
     for c in range(problem.gap.shape[0]):

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from drystone.kernels import nlgs as kernels
 from drystone.kernels.joint import Tangent
 from drystone.kernels.nlgs import ContactProblem
-from drystone.kernels.residual import joint_law_violation
+from drystone.kernels.residual import joint_law_violation, unbalanced_force
 from drystone.solvers.linear import BlockSystem, SingularMatrixError
 
 Array = NDArray[np.float64]
@@ -62,6 +62,7 @@ def solve(
     pair: IntArray,
     system: BlockSystem,
     mass: Array,
+    extent: Array,
     free_velocity: Array,
     impulse: Array,
     guess: Array,
@@ -78,6 +79,8 @@ def solve(
         Row of each contact's pair in the lists that ``system`` was made of, (n_contacts,).
     mass
         (n, 3) [kg, kg m2], zero on fixed bodies.
+    extent
+        (n,) m, by which moments are divided.
     free_velocity
         Velocities without contacts at the end of the step, (n, 3).
     impulse
@@ -94,22 +97,25 @@ def solve(
     natural = 1.0 / (np.maximum(blocks[:, 1, 1], 1e-300) * h * h)
     nothing = np.zeros(n)
     relative = np.zeros((n, 2))
+    defect, fixed = np.zeros_like(free_velocity), mass[:, 0] == 0.0
 
     def measure(p: Array, v: Array) -> float:
+        kernels.momentum_defect(problem, mass, problem.inverse_mass, free_velocity, v, p, defect)
+        unbalanced = unbalanced_force(defect / h, np.zeros_like(defect), extent, fixed)
         kernels.contact_velocities(problem, v, relative)
         reaction = p / h
         normal, tangential, _ = joint_law_violation(
             problem.gap + h * relative[:, 0], h * relative[:, 1], reaction, reaction[:, 1],
             problem.normal_stiffness, natural, problem.friction, nothing, nothing,
         )  # fmt: skip
-        return max(float(normal), float(tangential))
+        return max(float(unbalanced), float(normal), float(tangential))
 
     def velocity_of(p: Array) -> Array:
         v = free_velocity.copy()
         kernels.apply_impulses(problem, p, v)
         return v
 
-    impulse = impulse.copy()
+    before, impulse = impulse, impulse.copy()
     velocity = velocity_of(impulse)
     order = np.arange(n)
     accelerator = _Accelerator(problem, pair, system, mass, free_velocity, natural, h, settings)
@@ -117,18 +123,23 @@ def solve(
     residual = measure(impulse, velocity)
     while residual > settings.tolerance and n_sweeps < settings.max_sweeps:
         chunk = min(chunk, settings.max_sweeps - n_sweeps)
+        velocity = velocity_of(impulse)
         kernels.sweep(problem, blocks, h, order, chunk, impulse, velocity)
         n_sweeps += chunk
         velocity = velocity_of(impulse)  # rounding of the running sums does not pile up
         residual = measure(impulse, velocity)
         if residual <= settings.tolerance:
             break
-        starts = (guess, velocity) if n_sweeps == chunk else (velocity,)
+        starts = [velocity]
+        if n_sweeps == chunk:
+            starts = [accelerator.predicted(before, guess), guess, velocity]
+        # Of what is found, velocities are kept beside impulses: made of them anew they would turn
+        # the last bit of an impulse, times the joint's stiffness over the mass, into forces.
         for trial in chain.from_iterable(accelerator.trials(impulse, v) for v in starts):
-            trial_velocity = velocity_of(trial)
-            trial_residual = measure(trial, trial_velocity)
+            trial_residual = measure(*trial)
             if trial_residual < residual:
-                impulse, velocity, residual = trial.copy(), trial_velocity, trial_residual
+                impulse, velocity = trial[0].copy(), trial[1].copy()
+                residual = trial_residual
                 if residual <= settings.tolerance:
                     break
         chunk *= 2
@@ -170,8 +181,8 @@ class _Accelerator:
         self.defect = np.zeros((n, 3))
         self.n_solved = 0
 
-    def trials(self, impulse: Array, velocity: Array) -> Iterator[Array]:
-        """Impulses after each move of the springs; the array is reused."""
+    def trials(self, impulse: Array, velocity: Array) -> Iterator[tuple[Array, Array]]:
+        """Impulses and velocities after each move of the springs; the arrays are reused."""
         for holds in self.holds:
             found = False
             for trial in self._moves(impulse.copy(), velocity.copy(), holds):
@@ -180,17 +191,39 @@ class _Accelerator:
             if found:
                 return
 
-    def _moves(self, impulse: Array, velocity: Array, holds: Iterable[float]) -> Iterator[Array]:
+    def predicted(self, impulse: Array, velocity: Array) -> Array:
+        """Velocities on the branches that the impulses of a similar step lie on.
+
+        In stiff joints, the curvature of a step's motion alone opens what stays shut or presses it
+        many times as much: velocities of the step before are on other branches than its impulses.
+        """
+        piece, centre = np.zeros(len(impulse), np.int64), impulse[:, 1].copy()
+        kernels.branches(self.problem, impulse, piece)
+        self.penalty = self.holds[0][0] * self.stiffest
+        found = np.zeros_like(impulse)
+        kernels.branch_law(self.problem, self.h, self.penalty, centre, piece, velocity, found)
+        self._defect(velocity, found)
+        try:
+            return velocity + self._direction(piece)
+        except SingularMatrixError:
+            return velocity
+
+    def _moves(
+        self, impulse: Array, velocity: Array, holds: Iterable[float]
+    ) -> Iterator[tuple[Array, Array]]:
         piece = np.zeros(len(impulse), np.int64)
         for hold in holds:
             self.penalty = hold * self.stiffest
             centre = impulse[:, 1].copy()
             if not self._newton(centre, velocity, impulse, piece):
                 return
-            yield impulse
+            yield impulse, velocity
 
     def _law(self, centre, held, velocity, impulse, piece) -> float:
         kernels.held_law(self.problem, self.h, self.penalty, centre, held, velocity, impulse, piece)
+        return self._defect(velocity, impulse)
+
+    def _defect(self, velocity: Array, impulse: Array) -> float:
         return kernels.momentum_defect(
             self.problem, self.mass, self.inverse_mass, self.free_velocity, velocity, impulse,
             self.defect,
