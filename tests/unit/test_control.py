@@ -534,6 +534,29 @@ class TestJumps:
         at_rest = curve.control_displacement[rest].max()
         assert 0.0 <= curve.ultimate_displacement - at_rest <= STEP
 
+    def test_a_jump_below_the_stop_value_is_not_searched_for_it(self):
+        """No multiplier between its ends is at rest: to a hundredth of a step is near enough.
+
+        Each try has a quarter of the increment, which afterwards grows to twice as much at most:
+        five jumps from a step to less than a hundredth, and one or two more on the way.
+        """
+
+        class Falling(SlidingStructure):
+            jumps = 0
+
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                if new.delta < 0.1:
+                    return new, report
+                self.jumps += 1
+                return new, replace(report, static_multiplier=-0.05, motion=30.0 * STEP)
+
+        structure = Falling(prescribes=True)
+        curve = trace(structure, "displacement")
+        assert curve.status == "finished" and "fell below" in curve.reason
+        assert structure.jumps <= 8
+        assert np.diff(curve.control_displacement)[-1] <= 0.04 * STEP
+
     def test_a_jump_without_rest_is_not_followed_for_ever(self):
         curve = trace(JumpingStructure([0.1]), "displacement", jump_steps=50)
         assert curve.status == "stopped" and "collapsed in motion: no rest" in curve.reason

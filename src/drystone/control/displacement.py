@@ -180,9 +180,12 @@ class DisplacementControl:
         multiplier = report.static_multiplier
         least = s.refined_share * s.displacement_step
         if multiplier < s.stop_multiplier < state.last:
-            # Aim just below the stop value, along the chord.
+            # Aim just below the stop value, along the chord; that of a jump has nothing upon it.
             if s.stop_multiplier - multiplier <= s.refined_share * s.stop_multiplier:
                 return None
+            if report.motion > s.snap_motion * state.increment:
+                finer = 0.25 * state.increment
+                return finer if finer > s.floor_share * s.displacement_step else None
             aim = (1.0 - 0.5 * s.refined_share) * s.stop_multiplier
             finer = state.increment * (state.last - aim) / (state.last - multiplier)
             return finer if finer > 1e-3 * least else None

@@ -85,7 +85,9 @@ class DistinctSettings:
     drive_cycles: int = 2400
     """In which an increment is driven; in fewer, joints come to stick that would slide."""
     stage_cycles: int = 600  # of each stage in which the driving ends
-    max_cycles: int = 200_000  # of one step
+    hold_cycles: int = 100_000  # in which steps come to rest; what does not is a jump
+    jump_cycles: int = 1_000_000  # most cycles from there on
+    max_cycles: int = 200_000  # of a step under a given multiplier, for a given time
     max_motion: float = 2.0  # motion in a step over the size of the whole structure, -
 
 
@@ -188,7 +190,13 @@ class Workspace:
         return float(self.meter[explicit.MULTIPLIER])
 
     def run(
-        self, n_cycles: int, *, guided: bool = False, rate: float = 0.0, tolerance: float = -1.0
+        self,
+        n_cycles: int,
+        *,
+        guided: bool = False,
+        rate: float = 0.0,
+        combined: bool = False,
+        tolerance: float = -1.0,
     ) -> bool:
         """Cycles with searches between them; whether they ended because all is balanced.
 
@@ -200,7 +208,7 @@ class Workspace:
             why, used = explicit.cycle(
                 self.contacts, self.n_contacts, self.motion, self.loads, self.searched, self.dt,
                 min(last - self.n_cycles, ROUND), self.multiplier, not self.real_masses, guided,
-                rate, s.local_damping,
+                rate, combined, s.local_damping,
                 s.viscous_damping, tolerance, self.engine.search_reach, self.meter,
             )  # fmt: skip
             self.n_cycles += used
@@ -210,6 +218,18 @@ class Workspace:
             elif why == explicit.BALANCED:
                 return True
         return False
+
+    def relax(self, *, guided: bool) -> bool:
+        """Cycles until all is balanced; whether they got there.  Raises `RunAwayError`.
+
+        What does not come to rest soon moves on: it jumps to another shape, slowly at first, and
+        what vibrates upon this would have local damping hold it back.
+        """
+        s = self.engine.settings
+        tolerance = s.tolerance * self.engine.scale
+        if self.run(s.hold_cycles, guided=guided, tolerance=tolerance):
+            return True
+        return self.run(s.jump_cycles, guided=guided, combined=True, tolerance=tolerance)
 
     def gone(self) -> Array:
         """How far each block has moved since the step began [m], (n,)."""
@@ -232,8 +252,8 @@ class Workspace:
         s = self.engine.settings
         explicit.cycle(
             self.contacts, self.n_contacts, self.motion, self.loads, self.searched, self.dt, 1,
-            self.multiplier, False, False, 0.0, s.local_damping, s.viscous_damping, -1.0, np.inf,
-            self.meter,
+            self.multiplier, False, False, 0.0, False, s.local_damping, s.viscous_damping, -1.0,
+            np.inf, self.meter,
         )  # fmt: skip
         self.n_cycles += 1
 
@@ -366,10 +386,9 @@ class DistinctEngine:
 
     def _settle(self, state: DistinctState) -> tuple[DistinctState, StepReport]:
         """Cycles under the dead load from rest to rest, all bonds holding."""
-        s = self.settings
         work = Workspace(self, state, real_masses=False, farthest=self.size)
         try:
-            if work.run(s.max_cycles, tolerance=s.tolerance * self.scale):
+            if work.relax(guided=False):
                 return self._rest(state, work)
             motion = work.gone()
         except RunAwayError as error:
@@ -543,9 +562,8 @@ class DistinctEngine:
         self, state: DistinctState, work: Workspace, *, guided: bool
     ) -> tuple[DistinctState, StepReport]:
         """Cycles until all blocks rest, with F.x held where they are guided, else with the load."""
-        s = self.settings
         try:
-            if work.run(s.max_cycles, guided=guided, tolerance=s.tolerance * self.scale):
+            if work.relax(guided=guided):
                 return self._rest(state, work)
         except RunAwayError as error:
             return state, _failed(str(error), work)
@@ -578,12 +596,12 @@ class DistinctEngine:
         else:
             rate = 0.5 * sense * work.acting.total * increment / duration
             for stage in range(STAGES, 0, -1):  # from rest, begin as it will end
-                work.run(s.stage_cycles, guided=True, rate=rate * SLOWER**stage)
+                work.run(s.stage_cycles, guided=True, rate=rate * SLOWER**stage, combined=True)
                 work.motion.velocity[:] /= SLOWER
         # For the first stage, of the increment.
         left = 1.0 - SLOWER / (1.0 - SLOWER) * s.stage_cycles / s.drive_cycles
         for _ in range(10 * CHUNKS):
-            work.run(max(s.drive_cycles // CHUNKS, 1), guided=True, rate=rate)
+            work.run(max(s.drive_cycles // CHUNKS, 1), guided=True, rate=rate, combined=True)
             gone = control.displacement(assembly, pose) - begin
             if gone / increment > left - 0.5 / CHUNKS:
                 break
@@ -592,7 +610,7 @@ class DistinctEngine:
         for _ in range(STAGES):
             work.motion.velocity[:] *= SLOWER
             rate *= SLOWER
-            work.run(s.stage_cycles, guided=True, rate=rate)
+            work.run(s.stage_cycles, guided=True, rate=rate, combined=True)
         work.motion.velocity[:] = 0.0
 
     def _move(self, state: DistinctState, demand: Demand) -> tuple[DistinctState, StepReport]:

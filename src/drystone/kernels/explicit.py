@@ -231,7 +231,7 @@ def stiffness_blocks(slots, pair_a, pair_b, pair_law, laws, thickness, watched, 
 @njit(cache=True)
 def cycle(
     contacts, n_contacts, motion, loads, origin, dt, n_cycles, multiplier, bonds_hold, guided, rate,
-    local_damping, viscous_damping, tolerance, reach, meter,
+    combined, local_damping, viscous_damping, tolerance, reach, meter,
 ):  # fmt: skip
     """Run cycles in place until one of three things happens; returns what, and the cycles run.
 
@@ -258,8 +258,10 @@ def cycle(
     local_damping
         Share of the unbalanced force that is taken off where it drives the motion, and added
         where it brakes it (Cundall's damping), for every degree of freedom by itself:
-        - alpha |f| sgn(v).  Where a rate is given, alpha |f| (sgn(df) - sgn(v)) / 2 instead
-        (combined damping), which also damps what vibrates upon a steady motion.
+        - alpha |f| sgn(v).
+    combined
+        alpha |f| (sgn(df) - sgn(v)) / 2 instead (combined damping), which damps what vibrates upon
+        a steady motion, and brakes the motion itself less.
     viscous_damping
         [1/s] by which velocities are damped, in proportion to mass.
     tolerance
@@ -288,7 +290,6 @@ def cycle(
     friction_work = 0.0
     damping_work = 0.0
     load_work = 0.0
-    combined = guided and rate != 0.0
     applied = multiplier
     before = int(meter[CYCLES])
     for count in range(n_cycles):
