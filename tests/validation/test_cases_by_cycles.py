@@ -52,6 +52,22 @@ def test_peaks_are_those_of_the_static_path(name, engine):
 
 
 @pytest.mark.slow
+def test_wall105_ends_where_the_static_path_does():
+    """By `nscd`: static points alike until the first block comes loose, at 0.30 m, and the end to
+    5 %.  A block stands on end on the way; its corner's force jumped there, and `nscd` went on to
+    0.69 m.  `distinct` takes another branch, see `test_branches`."""
+    static, curve = traced("wall105", "equilibrium"), traced("wall105", "nscd")
+    at = np.linspace(0.01, 0.29, 57)
+    here, there = (
+        np.interp(at, c.control_displacement[rest], c.load_multiplier[rest])
+        for c in (curve, static)
+        for rest in [c.column("status") == "static"]
+    )
+    assert np.median(np.abs(here - there)) <= 5e-3 * static.peak.load_multiplier
+    assert curve.ultimate_displacement == pytest.approx(static.ultimate_displacement, rel=0.05)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [1.0, 1.0 - 1e-12])
 def test_what_is_driven_takes_the_branch_of_slow_loading(share):
     """From 0.04 m on wall113 has two branches, 0.46 and 0.52 at 0.1 m, and rests on both.
