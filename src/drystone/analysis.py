@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import fields, replace
 from functools import partial
@@ -25,10 +25,18 @@ from drystone.control import (
     PublishedControl,
     PublishedSettings,
 )
-from drystone.curve import DYNAMIC, STATIC, BlockLeft, CapacityCurve, CurvePoint, RecorderError
+from drystone.curve import (
+    DYNAMIC,
+    STATIC,
+    BlockLeft,
+    CapacityCurve,
+    CurvePoint,
+    KeptContacts,
+    RecorderError,
+)
 from drystone.engines import make_engine
 from drystone.engines.base import Engine, EngineError, Problem, StepReport
-from drystone.engines.framed import framed
+from drystone.engines.framed import FramedEngine, framed
 from drystone.frame import Frame
 from drystone.kernels.compilation import Compilation
 from drystone.model import REMOVE, STOP, Model
@@ -46,8 +54,8 @@ COARSEST_SHARE = 0.2
 
 STRATEGIES = ("displacement", "published")
 
-#: Blocks up to which states are kept in the result by default: at 1000, some 0.4 MB a point.
-MOST_KEPT = 1000
+#: Blocks up to which states are kept in the result by default: at 500, some 0.4 MB a point.
+MOST_KEPT = 500
 
 
 class Recorder(Protocol):
@@ -120,19 +128,19 @@ def pushover(
     plausibility = Plausibility(model)
     points: list[CurvePoint] = []
     poses: list[Array] = []
-    contacts: list[ContactForces] = []
+    contacts: list[Any] = []
+    later = named and isinstance(solver, FramedEngine)  # its contacts follow from the state alone
     left: list[BlockLeft] = []
 
     def add(report: StepReport, state: Any, time_step: float, decision: Decision) -> None:
         point = _point(len(points), report, time_step, decision)
-        touching = solver.contacts(state) if keep_contacts or recorder is not None else None
-        if recorder is not None and touching is not None:
-            recorder.point(point, state.pose, touching)  # first: the curve has no more than is kept
+        if recorder is not None:  # first: the curve has no more than is kept
+            recorder.point(point, state.pose, solver.contacts(state))
         points.append(point)
         if keep_poses:
             poses.append(state.pose.copy())
-        if keep_contacts and touching is not None:
-            contacts.append(touching)
+        if keep_contacts:
+            contacts.append(state if later else solver.contacts(state))
         if progress is not None:
             progress(point)
 
@@ -194,7 +202,7 @@ def pushover(
         wall_time=time.perf_counter() - begun - compilation.seconds,
         compile_time=compilation.seconds,
         poses=np.array(poses) if keep_poses else None,
-        contacts=tuple(contacts) if keep_contacts else None,
+        contacts=_kept(solver, contacts, later) if keep_contacts else None,
     )
     if recorder is not None:
         recorder.end(curve)
@@ -211,11 +219,16 @@ def _check(options: Mapping[str, Any]) -> None:
         raise EngineError(f"[analysis] {wrong[0]}")
 
 
+def _kept(solver: Engine, kept: list[Any], later: bool) -> Sequence[ContactForces]:
+    return KeptContacts(kept, solver.contacts) if later else tuple(kept)
+
+
 def _fallen(before: Any, after: Any) -> list[int]:
     """Rows of the blocks that have left in between, where the engine tells."""
-    if getattr(after, "gone", None) is None:
+    gone = getattr(after, "gone", None)
+    if gone is None or gone is before.gone:
         return []
-    return [int(i) for i in np.flatnonzero(after.gone & ~before.gone)]
+    return [int(i) for i in np.flatnonzero(gone & ~before.gone)]
 
 
 def _after_loss(model: Model, fallen: list[int], decision: Decision) -> Decision:

@@ -299,9 +299,7 @@ class Assembly:
 
     def displacement_at(self, i: int, point: Array, pose: Array) -> Array:
         """Displacement (dim,) [m] of the material ``point`` (as designed) of block ``i``."""
-        ux, uy, theta = pose[i]
-        arm = np.asarray(point) - self.centroid[i]
-        c, s = np.cos(theta), np.sin(theta)
-        return np.array(
-            [ux + (c - 1.0) * arm[0] - s * arm[1], uy + s * arm[0] + (c - 1.0) * arm[1]]
-        )
+        ux, uy, theta = pose[i].tolist()  # Python's numbers: this is asked for at every step
+        x, y = (np.asarray(point) - self.centroid[i]).tolist()
+        c, s = math.cos(theta), math.sin(theta)
+        return np.array([ux + (c - 1.0) * x - s * y, uy + s * x + (c - 1.0) * y])

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from html import escape
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,6 +90,39 @@ class BlockLeft:
 
 
 COLUMNS: tuple[str, ...] = tuple(f.name for f in fields(CurvePoint))
+
+
+class KeptContacts(Sequence[ContactForces]):
+    """Contact forces of every point, made from an engine's states when they are asked for.
+
+    Parameters
+    ----------
+    states
+        One per point, as the engine gave them.
+    contacts
+        Makes contact forces of a state; the engine is nobody else's.
+    """
+
+    def __init__(self, states: Sequence[Any], contacts: Callable[[Any], ContactForces]) -> None:
+        self._states, self._contacts = tuple(states), contacts
+
+    def __len__(self) -> int:
+        return len(self._states)
+
+    @overload
+    def __getitem__(self, index: int) -> ContactForces: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> list[ContactForces]: ...
+
+    def __getitem__(self, index: int | slice) -> ContactForces | list[ContactForces]:
+        if isinstance(index, slice):
+            return [self._contacts(state) for state in self._states[index]]
+        return self._contacts(self._states[index])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copies and pickles hold the forces, not the engine."""
+        return tuple, (tuple(self),)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

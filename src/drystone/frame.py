@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from drystone.assembly import Assembly, JointLaw
 from drystone.contact.forces import ContactForces
 from drystone.monitor import ControlPoint
+from drystone.records import changed
 
 Array = NDArray[np.float64]
 
@@ -50,8 +51,10 @@ class Frame:
         movable = [block for block in assembly.blocks if not block.support]
         if not scaled or not movable:
             return cls(origin=origin, place_noise=noise, length=1.0, depth=1.0, unit_weight=1.0)
-        sides = min(float(typed(np.ptp(block.vertices, axis=0), noise).min()) for block in movable)
-        length = sides / SIZE
+        outline = np.vstack([block.vertices for block in movable])
+        first = np.cumsum([0] + [len(block.vertices) for block in movable[:-1]])
+        sides = np.maximum.reduceat(outline, first) - np.minimum.reduceat(outline, first)
+        length = float(typed(sides, noise).min()) / SIZE
         return cls(
             origin=origin,
             place_noise=noise,
@@ -88,15 +91,17 @@ class Frame:
     def assembly(self, drawn: Assembly) -> Assembly:
         """The assembly in own coordinates and units."""
         corner = drawn.corner
+        last = np.cumsum([len(block.vertices) for block in drawn.blocks])[:-1]
+        outlines = np.split(self.place(np.vstack([b.vertices for b in drawn.blocks])), last)
         return replace(
             drawn,
             blocks=tuple(
                 replace(
                     block,
-                    vertices=self.place(block.vertices),
+                    vertices=outline,
                     unit_weight=plain(block.unit_weight / self.unit_weight),
                 )
-                for block in drawn.blocks
+                for block, outline in zip(drawn.blocks, outlines, strict=True)
             ),
             joint=self._law(drawn.joint),
             corner=replace(
@@ -134,7 +139,7 @@ class Frame:
 
     def contacts_of(self, own: ContactForces) -> ContactForces:
         """Contact points in the drawing's coordinates, forces in newtons."""
-        return replace(
+        return changed(
             own,
             position=self.origin + self.length * own.position,
             gap=self.length * own.gap,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,6 @@ from drystone.engines.base import Demand
 from drystone.engines.equilibrium import EquilibriumEngine
 from drystone.kernels import interior, joint
 from drystone.solvers.interior import InteriorPoint
-from drystone.solvers.piecewise import PathSettings
 
 KN, KT = 2e7, 2e10  # N/m
 
@@ -144,10 +145,6 @@ class Recorded(InteriorPoint):
         return told, multiplier
 
 
-def from_within_only(**options):
-    return PathSettings(**{"worth": 0, "many_blocks": 0, **options})
-
-
 @pytest.mark.parametrize("number", [1, 2, 3])
 def test_a_step_from_the_interior_ends_where_the_path_leads(number, monkeypatch):
     """Increments on the rising branch, each solved both ways from the state that is followed."""
@@ -161,7 +158,8 @@ def test_a_step_from_the_interior_ends_where_the_path_leads(number, monkeypatch)
         followed, by_path = engine.step(state, demand)
         engine.interior.told.clear()
         with monkeypatch.context() as patch:
-            patch.setattr("drystone.engines.equilibrium.PathSettings", from_within_only)
+            within = replace(engine.path_settings, worth=0, many_blocks=0)
+            patch.setattr(engine, "path_settings", within)
             leapt, from_within = engine.step(state, demand)
         assert by_path.converged and from_within.converged
         assert engine.interior.told and engine.interior.told[0]

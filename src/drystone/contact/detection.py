@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from drystone.assembly import Assembly
 from drystone.contact.broad import candidate_pairs
 from drystone.contact.forces import ContactForces
+from drystone.kernels import measures as kernels
 from drystone.kernels import narrow
 from drystone.kernels.narrow import Bodies, Slots, World
 
@@ -124,11 +125,15 @@ class Detector:
 
     def outdated(self, pairs: Pairs, pose: Array) -> bool:
         """Whether some block has moved so far that a pair may be missing."""
-        return bool(self.motion(pose - pairs.pose).max() > 0.5 * self.reach)
+        return self.farthest(pose - pairs.pose) > 0.5 * self.reach
 
     def motion(self, increment: Array) -> Array:
         """Bound on the displacement of any point of each block [m], (n,), for pose increments."""
         return np.hypot(increment[:, 0], increment[:, 1]) + self.extent * np.abs(increment[:, 2])
+
+    def farthest(self, increment: Array) -> float:
+        """The largest of these bounds [m]; not a number where an increment is none."""
+        return kernels.farthest(increment, self.extent)
 
     def fill(self, pairs: Pairs, pose: Array, slots: Slots) -> None:
         """Find all contacts of the pairs in the given poses, into ``slots``."""
@@ -142,23 +147,25 @@ class Detector:
         self, pairs: Pairs, pose: Array, slots: Slots, reaction: Array, status: IntArray
     ) -> ContactForces:
         """Used slots as results; ``reaction`` (n_slots, dim) holds normal and tangential [N]."""
-        k = np.flatnonzero(slots.kind)
-        a, b = pairs.a[k // 2], pairs.b[k // 2]
-        centre = self.assembly.centroid[a] + pose[a, :2]
-        reach = np.where(
-            slots.kind[k] == narrow.VERTEX_B, -self.bodies.radius[b], self.bodies.radius[a]
+        n, dim = int(np.count_nonzero(slots.kind)), pose.shape[1] - 1
+        forces = ContactForces(
+            block_a=np.empty(n, np.int64),
+            block_b=np.empty(n, np.int64),
+            position=np.empty((n, dim)),
+            normal=np.empty((n, dim)),
+            gap=np.empty(n),
+            area=np.empty(n),
+            normal_reaction=np.empty(n),
+            tangential_reaction=np.empty((n, dim - 1)),
+            status=np.empty(n, np.int64),
         )
-        return ContactForces(
-            block_a=a,
-            block_b=b,
-            position=centre + slots.arm_a[k] + reach[:, None] * slots.normal[k],
-            normal=slots.normal[k].copy(),
-            gap=slots.gap[k].copy(),
-            area=slots.length[k] * self.assembly.thickness,
-            normal_reaction=reaction[k, 0].copy(),
-            tangential_reaction=reaction[k, 1:].copy(),
-            status=status[k].copy(),
-        )
+        f, bodies = forces, self.bodies
+        kernels.collect_contacts(
+            slots, pairs.a, pairs.b, bodies.centroid, bodies.radius, pose, self.assembly.thickness,
+            reaction, status, f.block_a, f.block_b, f.position, f.normal, f.gap, f.area,
+            f.normal_reaction, f.tangential_reaction, f.status,
+        )  # fmt: skip
+        return forces
 
 
 def carry(previous: Pairs, current: Pairs) -> IntArray:

@@ -8,18 +8,15 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from drystone.contact.detection import Detector, Pairs
 from drystone.engines.base import Problem
 from drystone.engines.measures import LoadArrays
-from drystone.kernels import narrow
+from drystone.kernels import measures as kernels
 from drystone.kernels.narrow import Slots
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
 
 
 def departing(
@@ -46,15 +43,16 @@ def departing(
     pairs, slots, reaction
         Contacts in these poses, with normal reactions [N] in column 0 of ``reaction``.
     """
-    closed = (slots.kind != narrow.NONE) & ((slots.gap <= 0.0) | (reaction[:, 0] != 0.0))
-    touching = np.unique(np.flatnonzero(closed) // 2)
-    part = _parts(len(pose), pairs.a[touching], pairs.b[touching])
-    loose = ~np.isin(part, part[problem.assembly.fixed]) & ~loads.fixed
-    if not loose.any():
-        return loose
+    part = np.empty(len(pose), np.int64)
+    fixed = problem.assembly.fixed
+    if not kernels.mark_loose(
+        pairs.a, pairs.b, slots.kind, slots.gap, reaction, fixed | loads.fixed, part
+    ):
+        return np.zeros(len(pose), np.bool_)
+    loose = ~np.isin(part, part[fixed]) & ~loads.fixed
     up = np.eye(problem.assembly.dimension)[-1:]
     top = detector.extents(pose, up)[1][:, 0]
-    there = ~loads.fixed | problem.assembly.fixed
+    there = ~loads.fixed | fixed
     obstacle = there & (top > problem.level)
     force = (loads.dead + multiplier * loads.pattern)[:, : problem.assembly.dimension]
     leaving = loose.copy()
@@ -70,12 +68,6 @@ def departing(
                 leaving &= ~members
                 blocked = True
     return leaving
-
-
-def _parts(n: int, a: IntArray, b: IntArray) -> IntArray:
-    """Number of the connected part that each body belongs to, (n,)."""
-    graph = coo_array((np.ones(len(a)), (a, b)), shape=(n, n))
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
 def _way_is_clear(

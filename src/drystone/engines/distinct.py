@@ -296,7 +296,7 @@ class Workspace:
             self.search_work -= self.engine.elastic_energy(self.pairs, slots, history)
         self.n_searches += 1
         same = np.array_equal(old.feature, slots.feature) and np.array_equal(old.kind, slots.kind)
-        moved = detector.motion(pose - self.weighed).max() > WATCHED * self.engine.size
+        moved = detector.farthest(pose - self.weighed) > WATCHED * self.engine.size
         self._pack(weigh=moved or not same)
 
     def _new_pairs(self, pairs: Pairs) -> None:
@@ -587,7 +587,7 @@ class DistinctEngine:
         last = state.increment
         came = begin - control.displacement(assembly, state.pose - last)
         pushed, rate = float(np.sum(pattern * last)), 0.0
-        farthest = float(self.detector.motion(last).max())
+        farthest = self.detector.farthest(last)
         onwards = came * increment > 1e-9 * farthest * abs(increment)  # else it is rounding
         if onwards and pushed * increment * sense > 0.0:
             share = min(increment / came, 2.0 * abs(increment) / farthest) / duration
@@ -605,7 +605,7 @@ class DistinctEngine:
             gone = control.displacement(assembly, pose) - begin
             if gone / increment > left - 0.5 / CHUNKS:
                 break
-            if self.detector.motion(pose - state.pose).max() > 3.0 * abs(increment):
+            if self.detector.farthest(pose - state.pose) > 3.0 * abs(increment):
                 break  # something else moves, which the increment does not measure
         for _ in range(STAGES):
             work.motion.velocity[:] *= SLOWER
@@ -757,7 +757,7 @@ class DistinctEngine:
             slots=work.slots,
             status=work.status,
             certificate=certify(contacts, forces, self.extent, acting.fixed),
-            motion=float(self.detector.motion(increment).max()),
+            motion=self.detector.farthest(increment),
             n_iterations=work.n_cycles,
         )
         return new, report(self.problem, acting, outcome)

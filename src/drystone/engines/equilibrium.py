@@ -47,10 +47,6 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-#: History of blocks that come to touch later: no shear yet, and no bond.
-NEW_CONTACT = np.zeros(N_HISTORY)
-NEW_CONTACT[joint.BROKEN] = 1.0
-
 #: Margin of a bond at which a step ends for it.
 AT_STRENGTH = 1e-5
 
@@ -117,6 +113,7 @@ class EquilibriumEngine:
         pose = assembly.rest_pose()
         pairs, gone = self.detector.pairs(pose), np.zeros(assembly.n_bodies, np.bool_)
         self._write_equations(pairs, gone)
+        self.path_settings = self._path_settings()
         slots = empty_slots(len(pairs.a))
         self.detector.fill(pairs, pose, slots)
         state = EquilibriumState(
@@ -239,15 +236,12 @@ class EquilibriumEngine:
         self, state: EquilibriumState, demand: Demand, farthest: float
     ) -> tuple[EquilibriumState, StepReport]:
         """A step that fails where a block moves by more than ``farthest`` [m]."""
-        settings, scale = self.settings, self.problem.assembly.heaviest_weight
         state = self._refresh(state)
         pace = self._pace(state, demand)
-        h = demand.time_step or settings.static_time_step
+        h = demand.time_step or self.settings.static_time_step
         x, multiplier = self._predict(state, demand, pace)
         equations = self.equations
         equations.begin(state.pose, state.slots, state.history, state.branch, h, x)
-        tolerance, stiffest = settings.tolerance * scale, self._stiffest(joint.KN)
-        rounding = 4.0 * np.finfo(float).eps  # of a gap, over the motions that it is a sum of
         solved = piecewise.solve(
             equations,
             self.interior,
@@ -256,14 +250,7 @@ class EquilibriumEngine:
             multiplier,
             state.branch,
             state.reaction,
-            PathSettings(
-                tolerance=tolerance,
-                rounding=rounding * stiffest,
-                sliding_rounding=rounding * self._stiffest(joint.KS),
-                coarsest=self.residual_limit * scale,
-                depth=max(1e-3 * tolerance / stiffest, self.rounding),
-                farthest=farthest,
-            ),
+            changed(self.path_settings, farthest=farthest),
             whole=pace is None or demand.time_step > 0.0 or demand.over_fold,
         )
         if solved.reason == piecewise.TOO_STIFF:
@@ -284,6 +271,20 @@ class EquilibriumEngine:
                 turn=solved.turn,
             )
         return new, outcome
+
+    def _path_settings(self) -> PathSettings:
+        """When to stop a step, but for how far a block may move."""
+        scale = self.problem.assembly.heaviest_weight
+        tolerance, stiffest = self.settings.tolerance * scale, self._stiffest(joint.KN)
+        rounding = 4.0 * np.finfo(float).eps  # of a gap, over the motions that it is a sum of
+        return PathSettings(
+            tolerance=tolerance,
+            rounding=rounding * stiffest,
+            sliding_rounding=rounding * self._stiffest(joint.KS),
+            coarsest=self.residual_limit * scale,
+            depth=max(1e-3 * tolerance / stiffest, self.rounding),
+            farthest=np.inf,
+        )
 
     def _first_branches(self, pairs: Pairs, slots: Slots) -> IntArray:
         """Contacts that touch stick, by a bond where there is one."""
@@ -382,8 +383,7 @@ class EquilibriumEngine:
         if pace is None:
             assert demand.multiplier is not None
             return nothing, demand.multiplier
-        missing, _ = pace.measure(state.last_increment)
-        moved = pace.increment - missing
+        moved = pace.increment - pace.missing(state.last_increment)
         if moved * pace.increment <= 0.0:
             return nothing, state.multiplier
         share = pace.increment / moved
@@ -446,7 +446,7 @@ class EquilibriumEngine:
                 slots=slots,
                 status=STATUS_OF[branch],
                 certificate=certificate,
-                motion=float(self.detector.motion(x).max()),
+                motion=self.detector.farthest(x),
                 n_iterations=solved.n_iterations,
             ),
         )
@@ -464,9 +464,7 @@ def _carried(
     source: IntArray, history: Array, reaction: Array, branch: IntArray
 ) -> tuple[Array, Array, IntArray]:
     """History, reactions and branch of the slots they go on in; -1 marks contacts that are new."""
-    history, reaction, branch = history[source], reaction[source], branch[source]
-    lost = source < 0
-    history[lost] = NEW_CONTACT
-    reaction[lost] = 0.0
-    branch[lost] = joint.OPEN
-    return history, reaction, branch
+    n = len(source)
+    carried = np.empty((n, N_HISTORY)), np.empty((n, reaction.shape[1])), np.empty(n, np.int64)
+    joint.carry(source, history, reaction, branch, *carried)
+    return carried

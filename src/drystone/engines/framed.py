@@ -90,7 +90,7 @@ class FramedEngine:
             changed(
                 demand,
                 increment=None if increment is None else plain(increment / frame.length),
-                time_step=plain(demand.time_step / frame.time),
+                time_step=plain(demand.time_step / frame.time) if demand.time_step else 0.0,
             ),
         )
         return (state if own is state.own else self._state(own)), self._report(report)

@@ -121,7 +121,7 @@ class NscdEngine:
             # At rest: what a step from rest would move by is far below the joints' own closing.
             if outcome.motion < 1e-3 * max(outcome.penetration, 1e-9):
                 return state, outcome
-            if self.detector.motion(state.pose).max() > limit:
+            if self.detector.farthest(state.pose) > limit:
                 break
         motion = self.detector.motion(state.pose)
         raise UnstableError(
@@ -184,7 +184,7 @@ class NscdEngine:
                 n_iterations=iterations,
             )
         increment = h * solved.velocity
-        motion = float(self.detector.motion(increment).max())
+        motion = self.detector.farthest(increment)
         if motion > self.settings.max_motion * self.detector.reach:
             return state, StepReport(
                 converged=False,

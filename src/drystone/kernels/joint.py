@@ -373,6 +373,38 @@ def remember(table, count, used, memory):
 
 
 @njit(cache=True)
+def carry(source, history, reaction, branch, new_history, new_reaction, new_branch):
+    """Fill what slots have from those that they go on in, ``source``; -1 marks contacts that are
+    new: open, without shear, and never bonded."""
+    for k in range(source.shape[0]):
+        j = source[k]
+        for i in range(N_HISTORY):
+            new_history[k, i] = history[j, i] if j >= 0 else 0.0
+        if j < 0:
+            new_history[k, BROKEN] = 1.0
+        new_reaction[k, 0] = reaction[j, 0] if j >= 0 else 0.0
+        new_reaction[k, 1] = reaction[j, 1] if j >= 0 else 0.0
+        new_branch[k] = branch[j] if j >= 0 else OPEN
+
+
+@njit(cache=True)
+def judge(table, count, used, pair_a, pair_b, gap, reaction, state, bodies, judged, values):
+    """Contacts as `contact.certificate.JudgedContacts` has them: a row of ``bodies`` (2, count) and
+    ``values`` (8, count) for each of its fields, and the reactions ``judged`` (count, 2)."""
+    for c in range(count):
+        k = used[c]
+        bodies[0, c], bodies[1, c] = pair_a[k // 2], pair_b[k // 2]
+        whole = 1.0 if state[k, BROKEN] == 0.0 else 0.0
+        values[0, c] = gap[k] - state[k, DILATION]
+        values[1, c] = 0.0  # the slip is in the trial reaction
+        judged[c, 0], judged[c, 1] = reaction[k, 0], reaction[k, 1]
+        values[2, c] = table[c, TRIAL_T]
+        values[3, c], values[4, c] = table[c, STIFF_N], table[c, STIFF_T]
+        values[5, c] = table[c, FRICTION]
+        values[6, c], values[7, c] = table[c, BOND] * whole, table[c, TENSILE] * whole
+
+
+@njit(cache=True)
 def respond(table, count, used, branch, response):
     """Fill reactions and their derivatives by the trial reactions, (n_slots, N_RESPONSE)."""
     for c in range(count):

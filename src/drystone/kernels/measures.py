@@ -1,11 +1,11 @@
-"""Sums over the blocks and contacts of a converged step, in one pass: see `engines.measures`."""
+"""What is read off the blocks and contacts of a step, each in one pass: see `engines.measures`."""
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
 
-NONE = 0
+NONE, VERTEX_B, VERTEX_A, VERTICES = 0, 1, 2, 3
 
 
 @njit(cache=True)
@@ -82,3 +82,81 @@ def count_contacts(kind, gap, status, counts):
         if kind[k] != NONE:
             counts[status[k]] += 1
     return deepest
+
+
+@njit(cache=True)
+def collect_contacts(
+    slots, pair_a, pair_b, centroid, radius, pose, thickness, reaction, status, block_a, block_b,
+    position, normals, gaps, area, normal_reaction, tangential_reaction, statuses,
+):  # fmt: skip
+    """Used slots as the rows of `contact.forces.ContactForces`, filled from ``block_a`` on.
+
+    ``pose`` is (n, 3), ``reaction`` (n_slots, 2) [N], ``thickness`` in metres.
+    """
+    kind, normal, arm_a, gap, length = (
+        slots.kind,
+        slots.normal,
+        slots.arm_a,
+        slots.gap,
+        slots.length,
+    )
+    row = 0
+    for k in range(kind.shape[0]):
+        if kind[k] == NONE:
+            continue
+        a, b = pair_a[k // 2], pair_b[k // 2]
+        reach = -radius[b] if kind[k] == VERTEX_B else radius[a]
+        block_a[row], block_b[row] = a, b
+        for d in range(2):
+            place = centroid[a, d] + pose[a, d] + arm_a[k, d]
+            position[row, d] = place + reach * normal[k, d]
+            normals[row, d] = normal[k, d]
+        gaps[row], area[row] = gap[k], length[k] * thickness
+        normal_reaction[row], tangential_reaction[row, 0] = reaction[k, 0], reaction[k, 1]
+        statuses[row] = status[k]
+        row += 1
+
+
+@njit(cache=True)
+def farthest(increment, extent):
+    """Largest bound on the displacement of any point of a block [m] for increments (n, 3)."""
+    most = 0.0
+    for i in range(increment.shape[0]):
+        x, y = increment[i, 0], increment[i, 1]
+        moved = np.sqrt(x * x + y * y) + extent[i] * abs(increment[i, 2])
+        if not moved <= most:  # also where it is not a number
+            most = moved
+            if np.isnan(moved):
+                break
+    return most
+
+
+@njit(cache=True)
+def mark_loose(pair_a, pair_b, kind, gap, reaction, fixed, part):
+    """Whether a body hangs on to none that is ``fixed`` (n,), be it through others.
+
+    Bodies hold each other where a contact is closed or carries; ``part`` (n,) is filled with the
+    first body of each one's connected part.
+    """
+    n = fixed.shape[0]
+    for i in range(n):
+        part[i] = i
+    for k in range(kind.shape[0]):
+        if kind[k] == NONE or not (gap[k] <= 0.0 or reaction[k, 0] != 0.0):
+            continue
+        a, b = pair_a[k // 2], pair_b[k // 2]
+        while part[a] != a:
+            part[a] = part[part[a]]
+            a = part[a]
+        while part[b] != b:
+            part[b] = part[part[b]]
+            b = part[b]
+        part[max(a, b)] = min(a, b)
+    held = np.zeros(n, np.bool_)
+    for i in range(n):
+        part[i] = part[part[i]]  # which is the first: it has a smaller number
+        held[part[i]] |= fixed[i]
+    loose = False
+    for i in range(n):
+        loose |= not held[part[i]]
+    return loose

@@ -109,7 +109,7 @@ class InteriorPoint:
             return True, multiplier
         stiffness = float(step.table[: step.count, joint.STIFF_N].mean())
         unit = self.weight**2 / stiffness
-        lag = pace.measure(geometry)[0] if pace else 0.0
+        lag = pace.missing(geometry) if pace else 0.0
         missing = lag - float(np.vdot(gradient, x - geometry)) if pace else 0.0
         barrier = settings.start * unit + settings.reach * self.weight * abs(missing)
         interior.centre(*every, step.branch, barrier, self.inner)

@@ -41,8 +41,12 @@ class Pace(Protocol):
         """The one that a spring holds where the matrix may be singular."""
         ...
 
-    def measure(self, x: Array) -> tuple[float, Array]:
-        """What is missing of the increment [m], and the gradient of c, (n, n_dof)."""
+    def missing(self, x: Array) -> float:
+        """What is missing of the increment [m]."""
+        ...
+
+    def gradient(self, x: Array) -> Array:
+        """The gradient of c, (n, n_dof)."""
         ...
 
 
@@ -55,16 +59,26 @@ class PointPace:
     axis: Array  # (dim,) direction the displacement is read in
     increment: float  # m
 
-    def measure(self, x: Array) -> tuple[float, Array]:
-        """See `Pace.measure`."""
+    def missing(self, x: Array) -> float:
+        """See `Pace.missing`."""
         ux, uy, w = x[self.body].tolist()  # Python's numbers: this is asked for often
         (ax, ay), (dx, dy) = self.arm.tolist(), self.axis.tolist()
-        s, versine = math.sin(w), 2.0 * math.sin(0.5 * w) ** 2
-        turned_x, turned_y = ax * (1.0 - versine) - s * ay, ay * (1.0 - versine) + s * ax
-        moved = dx * (ux + turned_x - ax) + dy * (uy + turned_y - ay)
+        turned_x, turned_y = _turned(ax, ay, w)
+        return self.increment - (dx * (ux + turned_x - ax) + dy * (uy + turned_y - ay))
+
+    def gradient(self, x: Array) -> Array:
+        """See `Pace.gradient`."""
+        (ax, ay), (dx, dy) = self.arm.tolist(), self.axis.tolist()
+        turned_x, turned_y = _turned(ax, ay, float(x[self.body, 2]))
         gradient = np.zeros_like(x)
         gradient[self.body] = dx, dy, dy * turned_x - dx * turned_y
-        return self.increment - moved, gradient
+        return gradient
+
+
+def _turned(x: float, y: float, angle: float) -> tuple[float, float]:
+    """A vector turned by an angle."""
+    s, versine = math.sin(angle), 2.0 * math.sin(0.5 * angle) ** 2
+    return x * (1.0 - versine) - s * y, y * (1.0 - versine) + s * x
 
 
 @dataclass(frozen=True, kw_only=True)

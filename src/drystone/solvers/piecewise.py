@@ -139,7 +139,7 @@ def solve(
             break
         step.remember()
         geometry = x
-        moved = float(step.constants.detector.motion(x).max())
+        moved = step.constants.detector.farthest(x)
         if not moved <= settings.farthest:  # also where it is not a number
             reason = "a block moves too far in one step"
             break
@@ -147,7 +147,7 @@ def solve(
         if count == 1 and pace:
             # Within a leap there are no places on a path.
             shape = None if walk.leapt else _shape(step.bends(walk.changes), start, multiplier)
-        short = abs(pace.measure(x)[0]) if pace else 0.0
+        short = abs(pace.missing(x)) if pace else 0.0
         enough = _enough(step, moved, settings)
         if enough > settings.coarsest:
             reason = TOO_STIFF
@@ -181,7 +181,7 @@ def _enough(step: StaticStep, moved: float, settings: PathSettings) -> float:
     """
     if step.residual <= settings.tolerance:
         return settings.tolerance
-    far = float(step.constants.detector.motion(step.pose).max()) + moved
+    far = step.constants.detector.farthest(step.pose) + moved
     rounding = max(settings.rounding * far, settings.sliding_rounding * moved)
     return max(settings.tolerance, rounding)
 
@@ -202,7 +202,8 @@ class _Walk:
         self.step, self.interior, self.pace = step, interior, pace
         self.geometry, self.settings = geometry, settings
         self.whole = whole
-        self.lag, self.gradient = pace.measure(geometry) if pace else (0.0, step.force)
+        self.lag = pace.missing(geometry) if pace else 0.0
+        self.gradient = pace.gradient(geometry) if pace else step.force
         n = len(geometry)
         #: Of few blocks, every change is followed: that tells best where a structure snaps, and
         #: failing there is cheap.
@@ -291,11 +292,11 @@ def _shape(bends: Array, start: float, end: float) -> _Shape:
     """Excess and bend of a path from the multipliers at its changes, (n, 2)."""
     if len(bends) == 0:
         return _Shape()
-    share, multiplier = bends.T
-    top = int(multiplier.argmax())
-    off = np.abs(multiplier - start - share * (end - start))
-    far = int(off.argmax())
+    share, multiplier = bends.T.tolist()  # Python's numbers: there are few
+    top = max(range(len(share)), key=multiplier.__getitem__)
+    off = [abs(m - start - t * (end - start)) for t, m in zip(share, multiplier, strict=True)]
+    far = max(range(len(share)), key=off.__getitem__)
     return _Shape(
-        excess=(float(multiplier[top]) - max(start, end), float(share[top])),
-        bend=(float(off[far]), float(share[far])),
+        excess=(multiplier[top] - max(start, end), share[top]),
+        bend=(off[far], share[far]),
     )

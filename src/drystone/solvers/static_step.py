@@ -140,20 +140,25 @@ class StaticStep(LinearStep):
 
     def judged(self) -> JudgedContacts:
         """The contacts last evaluated, for what they are worth."""
-        k = self.used[: self.count]
-        row, whole = self.table[: self.count], self.state[k, joint.BROKEN] == 0.0
+        n = self.count
+        bodies, values = np.empty((2, n), np.int64), np.empty((8, n))
+        reaction = np.empty((n, 2))
+        joint.judge(
+            self.table, n, self.used, self.pair_a, self.pair_b, self.slots.gap, self.reaction,
+            self.state, bodies, reaction, values,
+        )  # fmt: skip
         return JudgedContacts(
-            body_a=self.pair_a[k // 2],
-            body_b=self.pair_b[k // 2],
-            gap=self.slots.gap[k] - self.state[k, joint.DILATION],
-            slip=np.zeros(self.count),
-            reaction=self.reaction[k],
-            shear_before=row[:, joint.TRIAL_T],
-            normal_stiffness=row[:, joint.STIFF_N],
-            shear_stiffness=row[:, joint.STIFF_T],
-            friction=row[:, joint.FRICTION],
-            bond=row[:, joint.BOND] * whole,
-            tension=row[:, joint.TENSILE] * whole,
+            body_a=bodies[0],
+            body_b=bodies[1],
+            gap=values[0],
+            slip=values[1],
+            reaction=reaction,
+            shear_before=values[2],
+            normal_stiffness=values[3],
+            shear_stiffness=values[4],
+            friction=values[5],
+            bond=values[6],
+            tension=values[7],
         )
 
     def find(self, x: Array) -> None:

@@ -198,7 +198,7 @@ class Lmgc90Engine:
             carried = -float(state.outcome.contact_force[assembly.fixed, 1].sum()) / weight
             if outcome.motion < 1e-2 * max(outcome.penetration, 1e-9):
                 break
-            if self.detector.motion(state.pose).max() > limit:
+            if self.detector.farthest(state.pose) > limit:
                 break
         if abs(carried - 1.0) > BALANCE:
             moved = self.detector.motion(state.pose)
@@ -260,7 +260,7 @@ class Lmgc90Engine:
         assert outcome is not None
         assembly = self.problem.assembly
         increment = new.pose - state.pose
-        motion = float(self.detector.motion(increment).max())
+        motion = self.detector.farthest(increment)
         if motion > self.settings.max_motion * self.detector.reach:
             reason = "a block moves too far in one step"
             return state, StepReport(
