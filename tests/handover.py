@@ -1,0 +1,81 @@
+"""A state of one engine taken over by another: whether what the one rests on is rest for the other.
+
+States of engines of ours hold the same: poses, pairs, contacts by their features, shears.  All are
+in the structure's own frame, see `drystone.frame`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from drystone.engines.distinct import DistinctEngine, DistinctState
+from drystone.engines.equilibrium import EquilibriumEngine, EquilibriumState
+from drystone.kernels import joint
+
+
+class KeptStates:
+    """Mixed into an engine: keeps the states that steps start from, which are those accepted."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.kept: list = []
+
+    def step(self, state, demand):
+        if not self.kept or self.kept[-1] is not state:
+            self.kept.append(state)
+        return super().step(state, demand)
+
+    def displacement(self, state) -> float:
+        """Control displacement since the load began [of the own frame's unit]."""
+        control, assembly = self.problem.control_point, self.problem.assembly
+        begin = control.displacement(assembly, self.kept[0].pose)
+        return control.displacement(assembly, state.pose) - begin
+
+
+class KeptDistinct(KeptStates, DistinctEngine):
+    """See `KeptStates`."""
+
+
+class KeptEquilibrium(KeptStates, EquilibriumEngine):
+    """See `KeptStates`."""
+
+
+def to_equilibrium(engine: EquilibriumEngine, state: DistinctState) -> EquilibriumState:
+    """For an engine that was started on the same problem."""
+    normal, tangential = state.reaction.T
+    friction = engine.laws[state.pairs.law.repeat(2), joint.MU]
+    sliding = np.where(tangential > 0.0, joint.FORWARD, joint.BACKWARD)
+    # On the cone to the millionth that the other engine's rest is known to.
+    sticks = np.abs(tangential) < friction * normal * (1.0 - 1e-6)
+    return EquilibriumState(
+        pose=state.pose,
+        multiplier=state.multiplier,
+        pairs=state.pairs,
+        slots=state.slots,
+        history=state.history,
+        reaction=state.reaction,
+        branch=np.where(normal <= 0.0, joint.OPEN, np.where(sticks, joint.STICKING, sliding)),
+        last_increment=np.zeros_like(state.pose),
+        margin=state.margin,
+        due=state.due,
+        gone=state.gone,
+    )
+
+
+def to_distinct(engine: DistinctEngine, problem, state: EquilibriumState) -> DistinctState:
+    """For an engine that has not been started."""
+    return replace(
+        engine.release(problem, state.pose),
+        multiplier=state.multiplier,
+        pairs=state.pairs,
+        slots=state.slots,
+        history=state.history,
+        reaction=state.reaction,
+        status=np.zeros(len(state.branch), np.int64),
+        increment=state.last_increment,
+        margin=state.margin,
+        due=state.due,
+        gone=state.gone,
+    )
