@@ -29,7 +29,7 @@ class ExcessSettings:
 
     displacement_step: float  # m, of the fastest block in a step
     time_step: float = 0.1  # s
-    increment: float = 0.01  # largest excess of the multiplier
+    increment: float = 0.01  # largest excess of the multiplier, over it where it is above one
     stop_multiplier: float = 0.01
     fall: float = 20.0  # displacement steps by which the control point goes on in motion, with less
     # than the stop value carried, when a structure has collapsed
@@ -158,7 +158,8 @@ class ExcessControl:
         share = s.displacement_step / max(report.motion, 1e-3 * s.displacement_step)
         if report.control_displacement < state.displacement:
             share = 2.0  # pushed too little to go on
-        excess = min(state.excess * min(max(share, 0.5), 1.5), s.increment)
+        largest = s.increment * max(1.0, state.static)
+        excess = min(state.excess * min(max(share, 0.5), 1.5), largest)
         time_step = min(1.4 * state.time_step, s.time_step)
         state = changed(
             state, excess=excess, time_step=time_step, displacement=report.control_displacement
