@@ -336,4 +336,5 @@ def _point(step: int, report: StepReport, time_step: float, decision: Decision) 
         time_step=time_step,
         n_iterations=report.n_iterations,
         status=DYNAMIC if decision.dynamic else STATIC,
+        jumped=decision.jumped,
     )

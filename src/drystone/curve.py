@@ -62,6 +62,7 @@ class CurvePoint:
     time_step: float  # s
     n_iterations: int
     status: str = STATIC
+    jumped: bool = False  # reached in a jump: none at rest lies between it and the point before
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -221,7 +222,9 @@ class CapacityCurve:
         """Control displacement [m] where the multiplier falls below the stop value, or None.
 
         Points at rest tell, and the collapse that ends the curve: in a jump that the structure
-        survives, inertia carries for a while what its joints do not.
+        survives, inertia carries for a while what its joints do not.  A jump from above the stop
+        value to below it begins where the curve ends: where the control point comes to rest
+        after it, further on or back, says nothing of what the structure stands.
         """
         top = self.peak.step
         rest = max((p.step for p in self.points if p.status == STATIC), default=0)
@@ -233,6 +236,8 @@ class CapacityCurve:
         ]
         for before, point in pairwise(after):
             if point.load_multiplier <= self.stop_multiplier < before.load_multiplier:
+                if point.jumped:
+                    return before.control_displacement
                 drop = before.load_multiplier - point.load_multiplier
                 share = (before.load_multiplier - self.stop_multiplier) / drop
                 return before.control_displacement + share * (

@@ -557,6 +557,27 @@ class TestJumps:
         assert structure.jumps <= 8
         assert np.diff(curve.control_displacement)[-1] <= 0.04 * STEP
 
+    @pytest.mark.parametrize("by", [-0.02, 0.02])
+    def test_a_curve_ends_where_its_last_jump_begins(self, by):
+        """Not on the chord to where the control point comes to rest after it, back or further on.
+
+        The jump begins at 0.1 m, to the increment down to which it is looked for: 0.04 of a step.
+        """
+
+        class Falling(SlidingStructure):
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                if new.delta < 0.1:
+                    return new, report
+                fallen = {"static_multiplier": -0.05, "motion": 30.0 * STEP}
+                at = report.control_displacement + by
+                return new, replace(report, control_displacement=at, **fallen)
+
+        curve = trace(Falling(prescribes=True), "displacement")
+        assert [p.jumped for p in curve.points[-2:]] == [False, True]
+        assert curve.points[-1].status == STATIC
+        assert curve.ultimate_displacement == pytest.approx(0.1, abs=0.04 * STEP)
+
     def test_a_jump_without_rest_is_not_followed_for_ever(self):
         curve = trace(JumpingStructure([0.1]), "displacement", jump_steps=50)
         assert curve.status == "stopped" and "collapsed in motion: no rest" in curve.reason

@@ -82,6 +82,14 @@ def test_what_was_saved_is_loaded_to_the_bit(tmp_path, model, curve):
         loaded.contacts[len(curve.points)]
 
 
+def test_files_without_a_later_column_are_loaded(tmp_path, model, curve):
+    """Whether points were reached in a jump was not kept once."""
+    ds.save_results(curve, model, tmp_path / "out")
+    with h5py.File(tmp_path / "out/results.h5", "a") as file:
+        del file["curve/jumped"]
+    assert ds.load_results(tmp_path / "out").curve.points == curve.points
+
+
 def test_blocks_that_left_are_loaded(tmp_path, model, curve):
     left = (
         BlockLeft(block=model.assembly.ids[3], step=4, control_displacement=0.1),

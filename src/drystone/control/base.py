@@ -37,6 +37,7 @@ class Decision:
     reason: str = ""
     load_multiplier: float = 0.0
     dynamic: bool = False
+    jumped: bool = False  # see `CurvePoint`
     finished: bool = False  # over because the curve is complete, not because it cannot go on
 
 

@@ -131,6 +131,7 @@ class DisplacementControl:
             return self._retry(state, report)
         multiplier = report.static_multiplier
         gone = report.reached * state.increment
+        jumped = bool(state.time_step) or self._leaps(state, report)
         finer = None
         if not state.time_step and gone:
             finer = self._finer(changed(state, increment=gone), report)
@@ -158,6 +159,7 @@ class DisplacementControl:
             state=state,
             load_multiplier=multiplier,
             dynamic=report.dynamic,
+            jumped=jumped,
             reason=over.reason if over else "",
             finished=over is not None and over.finished,
         )
@@ -183,7 +185,7 @@ class DisplacementControl:
             # Aim just below the stop value, along the chord; that of a jump has nothing upon it.
             if s.stop_multiplier - multiplier <= s.refined_share * s.stop_multiplier:
                 return None
-            if report.motion > s.snap_motion * state.increment:
+            if self._leaps(state, report):
                 finer = 0.25 * state.increment
                 return finer if finer > s.floor_share * s.displacement_step else None
             aim = (1.0 - 0.5 * s.refined_share) * s.stop_multiplier
@@ -220,12 +222,16 @@ class DisplacementControl:
             return None
         return max(0.4 * state.increment, least)
 
+    def _leaps(self, state: _State, report: StepReport) -> bool:
+        """Whether blocks have moved too far for a step of the increment, past no equilibria."""
+        return report.motion > self.settings.snap_motion * state.increment
+
     def _snaps(self, state: _State, report: StepReport) -> bool:
         """Whether a step has passed a jump worth showing, where the path turned back."""
         s = self.settings
         if state.time_step or (report.turn is None and state.stage != CROSSING):
             return False
-        if report.motion > s.snap_motion * state.increment:
+        if self._leaps(state, report):
             return True
         if report.turn is None or state.stage == CROSSING:
             return False

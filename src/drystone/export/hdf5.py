@@ -49,10 +49,8 @@ BYTES = 32_000_000
 #: States of more blocks than this are compressed: that takes little time beside their steps.
 LARGE = 1000
 
-COLUMN_TYPES = {
-    f.name: {"int": np.dtype("i8"), "float": np.dtype("f8"), "str": np.dtype("S8")}[str(f.type)]
-    for f in fields(CurvePoint)
-}
+TYPES = {"int": "i8", "float": "f8", "str": "S8", "bool": "?"}
+COLUMN_TYPES = {f.name: np.dtype(TYPES[str(f.type)]) for f in fields(CurvePoint)}
 UNITS = {
     "control_displacement": "m",
     "penetration": "m",
@@ -279,7 +277,9 @@ class ResultsReader:
     def points(self) -> tuple[CurvePoint, ...]:
         """All points of the curve."""
         columns = {
-            name: self._file["curve"][name][: self.n_points].tolist() for name in COLUMN_TYPES
+            name: self._file["curve"][name][: self.n_points].tolist()
+            for name in COLUMN_TYPES
+            if name in self._file["curve"]  # of those that came later, none in older files
         }
         columns["status"] = [status.decode() for status in columns["status"]]
         rows = zip(*columns.values(), strict=True)
