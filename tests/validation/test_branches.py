@@ -19,15 +19,21 @@ from drystone.engines.distinct import DistinctEngine
 from drystone.engines.equilibrium import EquilibriumEngine
 from drystone.frame import Frame
 from handover import KeptDistinct, KeptEquilibrium, to_distinct, to_equilibrium
+from structures import structure
 
 CASES = Path(__file__).parents[1] / "cases"
+
+
+def case(name):
+    """A model by the name of its file, or by the seed of a random structure."""
+    return structure(name) if isinstance(name, int) else ds.read_model(CASES / f"{name}.toml")
 
 
 @cache
 def traced(name, engine, **options):
     """A curve, and its engine with the states that were kept; once."""
     kept = engine()
-    return ds.pushover(ds.read_model(CASES / f"{name}.toml"), engine=kept, **options), kept
+    return ds.pushover(case(name), engine=kept, **options), kept
 
 
 def static(curve):
@@ -36,17 +42,21 @@ def static(curve):
     return np.maximum.accumulate(curve.control_displacement[rest]), curve.load_multiplier[rest]
 
 
-#: Where the states of `distinct` are taken over [m]: after the first block has come loose, at
-#: 0.30 m, and after the fall of another one, from 0.36 m on.
-TAKEN = [0.2, 0.34, 0.5]
+#: Where the states of `distinct` are taken over [m], by structure: on wall105 after the first block
+#: has come loose, at 0.30 m, and after the fall of another one, from 0.36 m on; in an opening
+#: where the other engine's control point has begun to overturn.
+TAKEN = [("wall105", 0.2), ("wall105", 0.34), ("wall105", 0.5), (156, 0.11), (156, 0.12)]
+
+#: As far as the states of `distinct` are needed [m], by structure.
+TRACED = {"wall105": 0.52, 156: 0.13}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("place", TAKEN)
-def test_what_distinct_rests_on_is_equilibrium_on_wall105(place):
+@pytest.mark.parametrize(("name", "place"), TAKEN)
+def test_what_distinct_rests_on_is_equilibrium(name, place):
     """The static path goes on from there, with the multipliers of `distinct` and no jump."""
-    curve, distinct = traced("wall105", KeptDistinct, max_displacement=0.52)
-    length = Frame.of(ds.read_model(CASES / "wall105.toml").assembly).length
+    curve, distinct = traced(name, KeptDistinct, max_displacement=TRACED[name])
+    length = Frame.of(case(name).assembly).length
     state = next(s for s in distinct.kept if length * distinct.displacement(s) >= place)
     engine = EquilibriumEngine()
     engine.start(distinct.problem)
@@ -92,3 +102,37 @@ def test_distinct_too_finds_no_rest_beyond_the_end_of_wall106():
     state = to_distinct(engine, path.problem, last)
     _, report = engine.step(state, Demand(increment=1e-5 / length))
     assert not report.converged or report.applied_multiplier < curve.stop_multiplier
+
+
+@pytest.mark.slow
+def test_what_equilibrium_descends_by_on_an_opening_is_one_block_that_overturns():
+    """Two joints of the same friction lie above each other, and nothing says which of them slides.
+
+    By `equilibrium` the upper one does, until the block of the control point overhangs so far that
+    it overturns alone, from 0.12 m on, and the rest goes back; by `distinct` the lower one does,
+    and both piers rock.  A block that turns about the edge it overhangs has, with its centroid at
+    *a* before that edge and *h* above it, the multiplier a / h.  A corner that is left alone, with
+    a hundredth of an edge of 0.17 m, at 10^10 Pa/m, sinks by 0.06 mm under the block's 1 kN: over
+    its height of 0.1 m that is less than 1e-3.
+    """
+    curve, _ = traced(156, KeptEquilibrium)
+    _, lower = traced(156, KeptDistinct, max_displacement=TRACED[156])
+    model = case(156)
+    ids = list(model.assembly.ids)
+    block, below = ids.index("right"), ids.index("p2c3u1")
+    edge = model.assembly.blocks[below].vertices.max(axis=0)
+    overturning = [
+        (point, pose)
+        for point, pose in zip(curve.points, curve.poses, strict=True)
+        if point.control_displacement > 0.12 and point.status == "static"
+    ]
+    assert len(overturning) > 10
+    for point, pose in overturning:
+        assert np.abs(pose[below, 2]) < 1e-3  # the pier is back: its edge has moved only
+        foot = edge + pose[below, :2]
+        arm = foot - (model.assembly.centroid[block] + pose[block, :2])
+        assert point.load_multiplier == pytest.approx(arm[0] / -arm[1], abs=1e-3)
+
+    length = Frame.of(model.assembly).length
+    slid = [pose[below, 0] - pose[ids.index("p2c2u1"), 0] for pose in (pose, lower.kept[-1].pose)]
+    assert slid[0] + 0.02 < length * slid[1]  # m, where at 0.05 m both had slid as far
