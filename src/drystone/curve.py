@@ -224,7 +224,8 @@ class CapacityCurve:
         Points at rest tell, and the collapse that ends the curve: in a jump that the structure
         survives, inertia carries for a while what its joints do not.  A jump from above the stop
         value to below it begins where the curve ends: where the control point comes to rest
-        after it, further on or back, says nothing of what the structure stands.
+        after it, further on or back, says nothing of what the structure stands.  So does a
+        collapse in which as much is carried to its last point.
         """
         top = self.peak.step
         rest = max((p.step for p in self.points if p.status == STATIC), default=0)
@@ -243,6 +244,8 @@ class CapacityCurve:
                 return before.control_displacement + share * (
                     point.control_displacement - before.control_displacement
                 )
+        if collapse and self.points[-1].status == DYNAMIC and after:
+            return self.points[rest].control_displacement
         return None
 
     @property

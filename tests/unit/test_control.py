@@ -281,6 +281,68 @@ class TestExcess:
         last = curve.points[-1]
         assert last.status == STATIC and last.load_multiplier <= curve.stop_multiplier
 
+    def test_rest_without_load_after_a_fall_is_no_end(self):
+        """A block fell for seconds, the load went with it, and its rest was taken for the end."""
+        curve = trace(Toppling(0.0), "displacement", increment=0.005)
+        assert curve.status == "finished" and curve.points[-1].status == STATIC
+        # Where the static curve ends, a step late and with the next one seen.
+        end = DELTA_END * (1.0 - curve.stop_multiplier / PEAK)
+        assert curve.ultimate_displacement == pytest.approx(end, abs=2.0 * STEP)
+        # The load begins again on the way to where the structure stood: no point of its curve.
+        static = curve.column("status") == STATIC
+        risen = static & (curve.control_displacement > STEP) & (curve.load_multiplier < 0.02)
+        assert curve.control_displacement[risen].min() > end - 20.0 * STEP
+
+    @pytest.mark.parametrize("moved", [-10.0, 30.0])
+    def test_what_rests_without_load_elsewhere_has_collapsed(self, moved):
+        """The curve ended at rest, half way between where it stood and where it lay."""
+        curve = trace(Toppling(moved * STEP), "displacement", increment=0.005)
+        assert curve.status == "finished" and curve.points[-1].status == DYNAMIC
+        assert "collapsed in motion: it rests without any load" in curve.reason
+        # It stood to within two steps of where it began to fall.
+        assert curve.ultimate_displacement == pytest.approx(0.1, abs=2.0 * STEP)
+
+    def test_a_control_point_that_goes_on_in_motion_for_long_has_collapsed(self):
+        """Inertia of what fell and the rest carried the load kept up, to the largest number of
+        steps."""
+
+        class Falling(SlidingStructure):
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                if new.delta < 0.1:
+                    return new, report
+                new = SlidingState(state.delta + STEP)
+                report = replace(report, control_displacement=new.delta, motion=STEP)
+                carried = {"carried_multiplier": 0.25, "static_multiplier": 0.25}
+                return new, replace(report, inertia_ratio=0.4, **carried)
+
+        curve = trace(Falling(), "displacement", max_steps=1000)
+        assert curve.status == "finished" and curve.points[-1].status == DYNAMIC
+        assert "collapsed in motion: it goes on in motion" in curve.reason
+        # Its last point at rest, before the step to 0.1 m.
+        assert 0.1 - 2.0 * STEP < curve.ultimate_displacement < 0.1
+
+
+class Toppling(SlidingStructure):
+    """A block falls at 0.1 m, in twenty steps, with which the control point moves so far.
+
+    The excess must be less than the stop value, for the rest to be one without load.
+    """
+
+    def __init__(self, moved):
+        super().__init__()
+        self.moved, self.to_fall = moved, 20
+
+    def step(self, state, demand):
+        new, report = super().step(state, demand)
+        if new.delta < 0.1 or self.to_fall == 0:
+            return new, report
+        self.to_fall -= 1
+        new = SlidingState(state.delta + (self.moved if self.to_fall == 0 else 0.0))
+        report = replace(report, control_displacement=new.delta, motion=STEP)
+        carried = {"carried_multiplier": -0.03, "static_multiplier": -0.03}
+        return new, replace(report, inertia_ratio=50.0, **carried)
+
 
 class TestPublished:
     @staticmethod

@@ -58,7 +58,12 @@ class End:
 
 def fallen_freely(highest: float, stop_multiplier: float) -> End:
     """The end of what has fallen for long without load: of a complete curve, if ever it carried."""
-    return End(reason=f"{COLLAPSED}: it falls without any load", finished=highest > stop_multiplier)
+    return collapsed("it falls without any load", highest, stop_multiplier)
+
+
+def collapsed(how: str, highest: float, stop_multiplier: float) -> End:
+    """The end in motion: of a complete curve, if ever it carried."""
+    return End(reason=f"{COLLAPSED}: {how}", finished=highest > stop_multiplier)
 
 
 def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drystone.control.base import Decision, check_settings
-from drystone.control.ends import Progress, end_of_curve, fallen_freely
+from drystone.control.ends import End, Progress, collapsed, end_of_curve, fallen_freely
 from drystone.engines.base import Demand, StepReport
 from drystone.records import changed
 
@@ -33,6 +33,7 @@ class ExcessSettings:
     stop_multiplier: float = 0.01
     fall: float = 20.0  # displacement steps by which the control point goes on in motion, with less
     # than the stop value carried, when a structure has collapsed
+    jump: float = 400.0  # likewise, whatever is carried; by default twice the smallest block
     max_steps: int = 100_000
     max_displacement: float = float("inf")  # m, of the control point
 
@@ -52,6 +53,10 @@ class _State:
     displacement: float = 0.0  # m, of the control point at the last point
     low_since: float | None = None  # m, control displacement where less than the stop value was
     # carried first, in motion, and ever since
+    moving: bool = False  # whether inertia helped to carry the last point
+    rest_at: float = 0.0  # m, control displacement of the last point at rest
+    begun_at: float | None = None  # m, where a motion came to rest with less than the stop value
+    # carried and the load begins again, until the control point goes on from there
     n_steps: int = 0
 
 
@@ -109,7 +114,13 @@ class ExcessControl:
             drop=state.drop if loose else abs(static - state.static),
             told=report.static_multiplier if loose else None,
         )
-        state = changed(state, low_since=self._low_since(state, report, dynamic))
+        state = self._begun(state, report, dynamic)
+        dynamic = dynamic or state.begun_at is not None
+        state = changed(
+            state,
+            low_since=self._low_since(state, report, dynamic),
+            rest_at=state.rest_at if dynamic else report.control_displacement,
+        )
         decision = self._go_on(state, report, dynamic)
         return changed(decision, load_multiplier=static, dynamic=dynamic)
 
@@ -134,9 +145,36 @@ class ExcessControl:
             return None
         return report.control_displacement if state.low_since is None else state.low_since
 
+    def _begun(self, state: _State, report: StepReport, dynamic: bool) -> _State:
+        """The state with what is known of a motion that came to rest."""
+        s, begun_at = self.settings, state.begun_at
+        if dynamic:
+            begun_at = None
+        elif state.moving and state.static < s.stop_multiplier:
+            begun_at = report.control_displacement
+        elif begun_at is not None and (
+            report.control_displacement > begun_at + s.displacement_step
+        ):
+            begun_at = None
+        return changed(state, moving=dynamic, begun_at=begun_at)
+
+    def _collapsed(self, state: _State, report: StepReport, dynamic: bool) -> End | None:
+        """The end of what has moved too far from where it stood to stand as it did, or None."""
+        s = self.settings
+        moved = (report.control_displacement - state.rest_at) / s.displacement_step
+        since = state.low_since
+        fallen = 0.0 if since is None else report.control_displacement - since
+        if fallen > s.fall * s.displacement_step and state.highest > s.stop_multiplier:
+            return fallen_freely(state.highest, s.stop_multiplier)
+        if dynamic and moved > s.jump:
+            return collapsed("it goes on in motion", state.highest, s.stop_multiplier)
+        if state.begun_at is not None and not -1.0 <= moved <= s.fall:
+            return collapsed("it rests without any load", state.highest, s.stop_multiplier)
+        return None
+
     def _go_on(self, state: _State, report: StepReport, dynamic: bool) -> Decision:
         s = self.settings
-        end = end_of_curve(
+        end = self._collapsed(state, report, dynamic) or end_of_curve(
             s,
             Progress(
                 multiplier=state.static,
@@ -147,10 +185,6 @@ class ExcessControl:
                 highest_at=state.highest_at,
             ),
         )
-        since = state.low_since
-        fallen = 0.0 if since is None else report.control_displacement - since
-        if fallen > s.fall * s.displacement_step and state.highest > s.stop_multiplier:
-            end = fallen_freely(state.highest, s.stop_multiplier)
         if end:
             return Decision(
                 accept=True, demand=None, state=state, reason=end.reason, finished=end.finished
