@@ -22,6 +22,13 @@ WITH_THE_REST = 0.25
 #: Change of the static multiplier within what is not explained that leaves it the same.
 SAME = 0.2
 
+#: Share of the highest multiplier so far above which an excess may hide a peak or a bend.
+HIDES = 1.0 / 30.0
+#: Likewise by which the multiplier may fall in a step, on the mean since its peak.
+STEEP = 0.005
+#: Share of the displacement step that a step on a steep branch is at least.
+LEAST_SHARE = 0.2
+
 
 @dataclass(frozen=True, kw_only=True)
 class ExcessSettings:
@@ -89,6 +96,10 @@ class ExcessControl:
                 reason = report.reason or "the blocks run away however little is applied"
                 return Decision(accept=False, demand=None, state=state, reason=reason)
             return Decision(accept=False, demand=self._demand(state), state=state)
+        finest = self._finest(max(state.highest, report.applied_multiplier))
+        if state.excess > finest and self._yields(state, report):
+            state = changed(state, excess=max(0.5 * state.excess, finest))
+            return Decision(accept=False, demand=self._demand(state), state=state)
         # A steady step differs from the static multiplier by little more than the excess.  Where it
         # is far more, a block has come loose, whose fall says nothing of the rest: the carried
         # multiplier, between static and applied, is then the safe one to go on from.
@@ -123,6 +134,21 @@ class ExcessControl:
         )
         decision = self._go_on(state, report, dynamic)
         return changed(decision, load_multiplier=static, dynamic=dynamic)
+
+    def _finest(self, highest: float) -> float:
+        """The excess that hides neither a peak of that height nor a bend after it."""
+        return max(HIDES * highest, 0.1 * self.settings.increment)
+
+    def _yields(self, state: _State, report: StepReport) -> bool:
+        """Whether a step begins where less than half of the excess is carried."""
+        return report.static_multiplier < report.applied_multiplier - 0.5 * state.excess
+
+    def _step(self, state: _State, report: StepReport) -> float:
+        """The motion to aim at [m]: less where the multiplier, since its peak, falls steeply."""
+        largest = self.settings.displacement_step
+        gone = max(report.control_displacement - state.highest_at, largest)
+        fallen = (state.highest - state.static) * largest / gone  # in a displacement step
+        return largest * min(1.0, max(STEEP * state.highest / max(fallen, 1e-12), LEAST_SHARE))
 
     def _steady(self, state: _State, report: StepReport) -> bool:
         """Whether the whole structure moves, and as it did in the step before.
@@ -189,10 +215,13 @@ class ExcessControl:
             return Decision(
                 accept=True, demand=None, state=state, reason=end.reason, finished=end.finished
             )
-        share = s.displacement_step / max(report.motion, 1e-3 * s.displacement_step)
+        step = self._step(state, report)
+        share = step / max(report.motion, 1e-3 * s.displacement_step)
         if report.control_displacement < state.displacement:
             share = 2.0  # pushed too little to go on
         largest = s.increment * max(1.0, state.static)
+        if state.static < state.highest:
+            largest = min(largest, self._finest(state.highest))
         excess = min(state.excess * min(max(share, 0.5), 1.5), largest)
         time_step = min(1.4 * state.time_step, s.time_step)
         state = changed(
