@@ -222,10 +222,10 @@ class CapacityCurve:
         """Control displacement [m] where the multiplier falls below the stop value, or None.
 
         Points at rest tell, and the collapse that ends the curve: in a jump that the structure
-        survives, inertia carries for a while what its joints do not.  A jump from above the stop
-        value to below it begins where the curve ends: where the control point comes to rest
-        after it, further on or back, says nothing of what the structure stands.  So does a
-        collapse in which as much is carried to its last point.
+        survives, inertia carries for a while what its joints do not.  A jump that takes the control
+        point back, and the multiplier below the stop value, begins where the curve ends; where it
+        takes it on, the shape that it leads to may have carried on the way.  A collapse in which
+        as much is carried to its last point begins where the curve ends, too.
         """
         top = self.peak.step
         rest = max((p.step for p in self.points if p.status == STATIC), default=0)
@@ -237,7 +237,7 @@ class CapacityCurve:
         ]
         for before, point in pairwise(after):
             if point.load_multiplier <= self.stop_multiplier < before.load_multiplier:
-                if point.jumped:
+                if point.jumped and point.control_displacement < before.control_displacement:
                     return before.control_displacement
                 drop = before.load_multiplier - point.load_multiplier
                 share = (before.load_multiplier - self.stop_multiplier) / drop
