@@ -255,16 +255,23 @@ def run_fish(text: str, wall) -> list[tuple[float, float]]:
 
 
 @pytest.mark.parametrize("target", ["udec", "3dec"])
-def test_the_strategy_in_fish_is_the_published_one(target):
+@pytest.mark.parametrize(
+    ("softening", "waited"),
+    [
+        (0.002, 21),  # the first and twenty more
+        (0.01, 11),  # until a tenth less is carried, and what counts as equal
+    ],
+)
+def test_the_strategy_in_fish_is_the_published_one(target, softening, waited):
     """On a wall of one degree of freedom whose supports carry up to 0.3 (1 - u): the curve climbs
-    by increments to the first multiplier that is not carried, waits out its patience, then follows
-    the recursion down to the stop value."""
+    by increments to the first multiplier that is not carried, waits out its patience or until the
+    wall falls, then follows the recursion down to the stop value."""
     state = {"u": 0.0}
 
     def wall(multiplier: float) -> tuple[float, float]:
         capacity = 0.3 * (1.0 - state["u"])
         if multiplier > capacity:
-            state["u"] = min(state["u"] + 0.01, 1.0)
+            state["u"] = min(state["u"] + softening, 1.0)
         return min(multiplier, capacity), state["u"]
 
     curve = run_fish(written(published_wall(1), target)[0], wall)
@@ -272,8 +279,7 @@ def test_the_strategy_in_fish_is_the_published_one(target):
     peak = int(np.argmax(applied))
     np.testing.assert_allclose(applied[:60], 0.005 * np.arange(1, 61))
     assert applied[peak] == pytest.approx(0.305 if applied[peak] < 0.31 else 1.05 * 0.3, abs=1e-9)
-    waited = int(np.sum(np.isclose(applied, 0.305)))
-    assert waited == 21  # the first and twenty more
+    assert int(np.sum(np.isclose(applied, 0.305))) == waited
     descent = applied[peak:]
     assert np.all(np.diff(descent)[1:] <= 0.0)
     assert applied[-1] < 0.01 <= applied[-2]
@@ -294,9 +300,12 @@ def test_the_script_for_lmgc90_runs_the_strategy(monkeypatch, tmp_path):
     moved, applied, carried = curve.T
     peak = int(np.argmax(applied))
     assert applied[peak] == pytest.approx(0.105, abs=1e-9)  # the first that is not carried
-    assert np.count_nonzero(np.isclose(applied, 0.105)) >= 21  # and twenty more, of patience
+    waited = np.isclose(applied, 0.105)
+    assert waited.sum() >= 11
+    # Until it has fallen by a tenth, and by what counts as equal.
+    assert carried[waited][-1] < 0.9 * carried.max() - 1e-3 <= carried[waited][-2]
     assert applied[-1] < 0.01 <= applied[-2]
-    below = slice(peak + 25, -1)
+    below = slice(peak + 15, -1)
     np.testing.assert_allclose(applied[below][1:], 1.05 * carried[below][:-1])
     assert moved[-1] > 0.85
     # Each joint of 0.4 m2 at 1e8 Pa/m is shared over its two points; the pair that does not touch

@@ -23,7 +23,7 @@ STRATEGY = {
     "increment": "of the load multiplier, ascending",
     "overshoot": "applied over carried multiplier, descending",
     "balance_tolerance": "difference of multipliers that counts as equal",
-    "patience": "steps without balance that mean the peak",
+    "patience": "steps neither in nor nearing balance that mean the peak",
 }
 
 

@@ -102,8 +102,10 @@ def pushover() -> list[str]:
     """
     return """\
 ; The strategy of Bouckaert, Godio and de Almeida (2022): the multiplier goes
-; up by increments as long as the supports carry what is applied; from the
-; peak on it is the carried one times the overshoot.  Over the control
+; up by increments as long as the supports carry what is applied; the peak
+; has passed when what is missing no longer shrinks by a tenth within a few
+; steps, or a tenth less is carried than before; from there on the multiplier
+; is the carried one times the overshoot.  Over the control
 ; displacement table 1 has the applied, table 2 the carried multiplier.
 def look
   put_loads
@@ -124,6 +126,8 @@ def pushover
   lam = increment
   n_point = 0
   waited = 0
+  least = 1e30
+  most = 0.0
   descending = 0
   going = 1
   loop while going = 1
@@ -134,12 +138,22 @@ def pushover
     xtable(2, n_point) = ctl_u
     ytable(2, n_point) = lam_c
     if descending = 0 then
-      if abs(lam - lam_c) <= balance_tolerance then
+      missing = abs(lam - lam_c)
+      most = max(most, lam_c)
+      if missing <= balance_tolerance then
         lam = lam + increment
         waited = 0
+        least = 1e30
       else
+        if missing < 0.9 * least then
+          least = missing
+          waited = 0
+        end_if
         waited = waited + 1
         if waited > patience then
+          descending = 1
+        end_if
+        if lam_c < 0.9 * most - balance_tolerance then
           descending = 1
         end_if
       end_if
