@@ -61,7 +61,7 @@ class Corner:
         return geometry.sharp_core(vertices)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Block:
     """One block as designed: a convex outline of one material, movable or a support."""
 
@@ -72,7 +72,7 @@ class Block:
     support: bool = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Shapes:
     """Contact shapes of all blocks, packed: block ``i`` owns rows ``offset[i]:offset[i + 1]``."""
 
@@ -86,7 +86,7 @@ class Shapes:
         return self.vertices[self.offset[i] : self.offset[i + 1]]
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Assembly:
     """Blocks, supports and joint laws.  Constant during an analysis.
 

@@ -126,7 +126,7 @@ class KeptContacts(Sequence[ContactForces]):
         return tuple, (tuple(self),)
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class CapacityCurve:
     """Load multiplier against control displacement, over the peak and down.
 

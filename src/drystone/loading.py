@@ -12,7 +12,7 @@ from drystone.assembly import Assembly
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class LoadPattern:
     """Forces proportional to the weight of each movable block, along one direction."""
 

@@ -43,7 +43,7 @@ class Origin:
     contents: tuple[Any, ...]  # `Model.contents` as read
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Model:
     """Assembly, load, control point and analysis, with where they came from.
 

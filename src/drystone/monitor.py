@@ -12,7 +12,7 @@ from drystone.assembly import Assembly
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ControlPoint:
     """A material point of one movable block and the direction its displacement is read in."""
 

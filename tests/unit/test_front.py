@@ -168,3 +168,11 @@ def test_states_are_kept_unless_a_recorder_has_them():
 
     curve = ds.pushover(model, max_steps=2, recorder=Recorder())
     assert curve.poses is None and curve.contacts is None
+
+
+def test_models_compare_as_what_they_are():
+    """Each is itself and nothing else: comparing their arrays raised an error."""
+    first, second = stack((0.4, 0.5)), stack((0.4, 0.5))
+    assert first == first and first != second
+    assert first.assembly == first.assembly and first.assembly != second.assembly
+    assert len({first, second, first}) == 2

@@ -13,7 +13,7 @@ IntArray = NDArray[np.int64]
 OPEN, STICKING, SLIDING = 0, 1, 2
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ContactForces:
     """One row per contact point that is near enough to be watched.
 
