@@ -1,8 +1,7 @@
 """Everything compiled: arrays and floats only, no objects, nothing allocated that a caller could.
 
-Functions that call each other stay in one file, because the compiler's on-disk cache does not
-notice when a function in another file changes.  The one exception is `path`, which solves with the
-factors of `block_lu` at every change: who edits `block_lu` deletes the cache, `__pycache__`.
+A function stands in the file of its subject and is called from the others: `cache` sees to it that
+nothing compiled outlives a change of what it calls.
 """
 
 from drystone.kernels import cache

@@ -1,10 +1,16 @@
-"""Where compiled kernels are kept, where neither the package's folder nor home can be written."""
+"""Where compiled kernels are kept, and when they are thrown away.
+
+The compiler notices when the file of a kernel changes, but not when one that it calls does, in
+another file.  So all of them go when any of their sources has changed.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import os
 import stat
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 
 from numba.core import config
@@ -12,6 +18,9 @@ from numba.core.caching import CompileResultCacheImpl
 
 #: What a user should know of it; None where the compiler finds a place by itself.
 note: str | None = None
+
+#: File beside the compiled kernels that tells what sources they were made from.
+STAMP = "kernels.sha256"
 
 
 def provide() -> None:
@@ -21,7 +30,7 @@ def provide() -> None:
     """
     global note
     try:
-        CompileResultCacheImpl(provide)
+        folder = Path(CompileResultCacheImpl(provide).locator.get_cache_path())
     except RuntimeError:
         folder = _own_folder()
         os.environ["NUMBA_CACHE_DIR"] = config.CACHE_DIR = str(folder)
@@ -29,6 +38,22 @@ def provide() -> None:
             f"compiled kernels are kept in {folder}, as neither the package's folder nor home can "
             "be written: set NUMBA_CACHE_DIR to keep them elsewhere"
         )
+        folder = Path(CompileResultCacheImpl(provide).locator.get_cache_path())
+    discard_outdated(folder, sorted(Path(__file__).parent.glob("*.py")))
+
+
+def discard_outdated(folder: Path, sources: list[Path]) -> None:
+    """Delete the kernels compiled into a folder where they were made from other sources."""
+    digest = hashlib.sha256()
+    for source in sources:
+        digest.update(source.name.encode() + b"\0" + source.read_bytes())
+    stamp = folder / STAMP
+    with suppress(OSError):  # what cannot be written cannot be out of date either
+        if stamp.is_file() and stamp.read_text() == digest.hexdigest():
+            return
+        for compiled in folder.glob("*.nb[ic]"):
+            compiled.unlink(missing_ok=True)
+        stamp.write_text(digest.hexdigest())
 
 
 def _own_folder() -> Path:
