@@ -12,7 +12,7 @@ import numpy as np
 
 from drystone.engines.distinct import DistinctEngine, DistinctState
 from drystone.engines.equilibrium import EquilibriumEngine, EquilibriumState
-from drystone.kernels import joint
+from drystone.kernels import law as joint_law
 
 
 class KeptStates:
@@ -45,10 +45,11 @@ class KeptEquilibrium(KeptStates, EquilibriumEngine):
 def to_equilibrium(engine: EquilibriumEngine, state: DistinctState) -> EquilibriumState:
     """For an engine that was started on the same problem."""
     normal, tangential = state.reaction.T
-    friction = engine.laws[state.pairs.law.repeat(2), joint.MU]
-    sliding = np.where(tangential > 0.0, joint.FORWARD, joint.BACKWARD)
+    friction = engine.laws[state.pairs.law.repeat(2), joint_law.MU]
+    sliding = np.where(tangential > 0.0, joint_law.FORWARD, joint_law.BACKWARD)
     # On the cone to the millionth that the other engine's rest is known to.
     sticks = np.abs(tangential) < friction * normal * (1.0 - 1e-6)
+    branch = np.where(sticks, joint_law.STICKING, sliding)
     return EquilibriumState(
         pose=state.pose,
         multiplier=state.multiplier,
@@ -56,7 +57,7 @@ def to_equilibrium(engine: EquilibriumEngine, state: DistinctState) -> Equilibri
         slots=state.slots,
         history=state.history,
         reaction=state.reaction,
-        branch=np.where(normal <= 0.0, joint.OPEN, np.where(sticks, joint.STICKING, sliding)),
+        branch=np.where(normal <= 0.0, joint_law.OPEN, branch),
         last_increment=np.zeros_like(state.pose),
         margin=state.margin,
         due=state.due,

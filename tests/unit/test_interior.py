@@ -12,7 +12,8 @@ from drystone.assembly import Corner
 from drystone.builders import published_wall
 from drystone.engines.base import Demand
 from drystone.engines.equilibrium import EquilibriumEngine
-from drystone.kernels import interior, joint
+from drystone.kernels import interior
+from drystone.kernels import law as joint_law
 from drystone.solvers.interior import InteriorPoint
 
 KN, KT = 2e7, 2e10  # N/m
@@ -21,14 +22,14 @@ KN, KT = 2e7, 2e10  # N/m
 def contacts(n, *, mu=0.65, dilation=0.0, seed=0):
     """A table of contacts with random trial reactions of all kinds, and memory for the rest."""
     random = np.random.default_rng(seed)
-    table = np.zeros((n, joint.N_TABLE))
-    table[:, : joint.STIFF_N] = random.normal(size=(n, joint.STIFF_N))
-    table[:, joint.STIFF_N], table[:, joint.STIFF_T] = KN, KT
-    table[:, joint.FRICTION], table[:, joint.LIFT] = mu, KN * dilation
-    table[:, joint.TRIAL_N] = random.normal(size=n) * 1e3
-    table[:, joint.TRIAL_T] = random.normal(size=n) * 1e4
+    table = np.zeros((n, joint_law.N_TABLE))
+    table[:, : joint_law.STIFF_N] = random.normal(size=(n, joint_law.STIFF_N))
+    table[:, joint_law.STIFF_N], table[:, joint_law.STIFF_T] = KN, KT
+    table[:, joint_law.FRICTION], table[:, joint_law.LIFT] = mu, KN * dilation
+    table[:, joint_law.TRIAL_N] = random.normal(size=n) * 1e3
+    table[:, joint_law.TRIAL_T] = random.normal(size=n) * 1e4
     used = np.arange(n)
-    branch = np.full(n, joint.STICKING)
+    branch = np.full(n, joint_law.STICKING)
     return table, n, used, branch
 
 
@@ -45,7 +46,7 @@ def test_central_contacts_obey_the_law_with_its_products_at_the_barrier(barrier)
     rn, rt, w, p, q, near, far = v.T
     assert (v[:, [interior.RN, interior.W, interior.P, interior.Q]] > 0.0).all()
     # To the rounding of the larger of the terms.
-    tn, tt = table[:, joint.TRIAL_N], table[:, joint.TRIAL_T]
+    tn, tt = table[:, joint_law.TRIAL_N], table[:, joint_law.TRIAL_T]
     np.testing.assert_allclose(rn - w, tn, atol=1e-12 * np.abs(tn).max())
     np.testing.assert_allclose(rt + p - q, tt, atol=1e-7 * np.abs(tt).max())
     np.testing.assert_allclose(rn * w, KN * barrier, rtol=1e-12)
@@ -57,10 +58,10 @@ def test_without_a_barrier_the_branches_are_those_of_the_law():
     table, n, used, branch = contacts(500)
     v = centred((table, n, used, branch), 1e-24)
     interior.choose(table, n, used, v, branch)
-    tn, tt = table[:, joint.TRIAL_N], table[:, joint.TRIAL_T]
-    sliding = np.where(tt > 0.0, joint.FORWARD, joint.BACKWARD)
-    sticks = np.abs(tt) <= table[:, joint.FRICTION] * tn
-    expected = np.where(tn <= 0.0, joint.OPEN, np.where(sticks, joint.STICKING, sliding))
+    tn, tt = table[:, joint_law.TRIAL_N], table[:, joint_law.TRIAL_T]
+    sliding = np.where(tt > 0.0, joint_law.FORWARD, joint_law.BACKWARD)
+    sticks = np.abs(tt) <= table[:, joint_law.FRICTION] * tn
+    expected = np.where(tn <= 0.0, joint_law.OPEN, np.where(sticks, joint_law.STICKING, sliding))
     assert branch.tolist() == expected.tolist()
     assert len(set(expected)) == 4
 
@@ -70,12 +71,12 @@ def test_response_is_the_derivative_of_central_reactions(mu):
     every = contacts(100, mu=mu)
     table, barrier = every[0], 1e-3
     v = centred(every, barrier)
-    response = np.zeros((100, joint.N_RESPONSE))
+    response = np.zeros((100, joint_law.N_RESPONSE))
     energy = interior.respond(*every, v, response)
     assert energy == pytest.approx(barrier, rel=1e-9)
     for trial, columns, step in (
-        (joint.TRIAL_N, [joint.NN, joint.TN], 1e-3),
-        (joint.TRIAL_T, [joint.NT, joint.TT], 1e-1),
+        (joint_law.TRIAL_N, [joint_law.NN, joint_law.TN], 1e-3),
+        (joint_law.TRIAL_T, [joint_law.NT, joint_law.TT], 1e-1),
     ):
         there = table[:, trial].copy()
         table[:, trial] = there + step
@@ -96,12 +97,12 @@ def test_changes_solve_the_equations_linearised(dilation, second):
     table, n, used, branch = every
     pair = np.zeros(n, np.int64), np.ones(n, np.int64)
     v = centred(every, 1e-2)
-    response, b = np.zeros((n, joint.N_RESPONSE)), np.zeros((n, 2))
+    response, b = np.zeros((n, joint_law.N_RESPONSE)), np.zeros((n, 2))
     change, force = np.zeros((n, interior.N_CHANGE)), np.zeros((2, 3))
     interior.respond(*every, v, response)
     direction = np.random.default_rng(1).normal(size=(2, 3)) * 1e-6
     used *= 2  # one contact to a pair
-    branch = np.full(2 * n, joint.STICKING)
+    branch = np.full(2 * n, joint_law.STICKING)
     barrier = 1e-3
     for again in (False, True)[: 1 + second]:
         interior.offset(
@@ -112,8 +113,8 @@ def test_changes_solve_the_equations_linearised(dilation, second):
             table, n, used, *pair, branch, v, barrier, again, response, b, direction, change
         )
     moved, d = v + change[:, : interior.N_INNER], change
-    tn = table[:, joint.TRIAL_N] + d[:, interior.D_TRIAL_N]
-    tt = table[:, joint.TRIAL_T] + d[:, interior.D_TRIAL_T]
+    tn = table[:, joint_law.TRIAL_N] + d[:, interior.D_TRIAL_N]
+    tt = table[:, joint_law.TRIAL_T] + d[:, interior.D_TRIAL_T]
     rn, rt, w, p, q, _, _ = moved.T
     np.testing.assert_allclose(rn, tn + w + KN * dilation / KT * (p + q), rtol=1e-9, atol=1e-6)
     np.testing.assert_allclose(rt, tt - p + q, rtol=1e-9, atol=1e-6)

@@ -27,10 +27,11 @@ from drystone.builders import published_wall
 from drystone.contact.broad import candidate_pairs
 from drystone.contact.detection import carry, empty_slots
 from drystone.geometry import GeometryError
-from drystone.kernels import joint, narrow
-from drystone.kernels.joint import Tangent
+from drystone.kernels import forces, narrow, rows
+from drystone.kernels import law as joint_law
+from drystone.kernels.forces import Tangent
 from drystone.kernels.narrow import NONE, VERTEX_A, VERTEX_B, VERTICES
-from drystone.kernels.nlgs import map_contacts
+from drystone.kernels.rows import map_contacts
 
 # Sums of products of lengths below 10 m: a few rounding errors of 1e-15.
 ROUNDING = 1e-12
@@ -234,29 +235,29 @@ class JointOfPair:
         n_pairs, n = len(self.pairs.a), len(self.known.kind)
         self.slots = empty_slots(n_pairs)
         self.known.length[:] = 0.1  # fixed within a step, as engines do
-        self.laws = np.zeros((1, joint.N_LAW))
+        self.laws = np.zeros((1, joint_law.N_LAW))
         law = assembly.joint
-        self.laws[0, : joint.TAN_PSI + 1] = (
+        self.laws[0, : joint_law.TAN_PSI + 1] = (
             friction, law.normal_stiffness, law.shear_stiffness, tan_psi,
         )  # fmt: skip
-        self.laws[0, [joint.COHESION, joint.TENSION]] = bond
-        self.laws[0, joint.DILATANCY_END] = np.inf
-        self.history = np.zeros((n, joint.N_HISTORY))
-        self.history[:, joint.SHEAR] = shear
+        self.laws[0, [joint_law.COHESION, joint_law.TENSION]] = bond
+        self.laws[0, joint_law.DILATANCY_END] = np.inf
+        self.history = np.zeros((n, joint_law.N_HISTORY))
+        self.history[:, joint_law.SHEAR] = shear
         self.start_length, self.start_slip = np.zeros(n), np.zeros((n, 6))
         if linear is not None:
             self.start_length[:] = 0.1
             half = empty_slots(n_pairs)
             self.detector.follow(self.pairs, pose + 0.5 * linear, self.known, half)
-            joint.slip_gradients(half, self.start_slip)
+            rows.slip_gradients(half, self.start_slip)
 
     def at(self, increment):
         n = len(self.slots.kind)
         self.detector.follow(self.pairs, self.pose + increment, self.known, self.slots)
         self.force, self.reaction = np.zeros((2, 3)), np.zeros((n, 2))
         self.branch = np.full(n, -1)
-        self.table, self.used = np.zeros((n, joint.N_TABLE)), np.zeros(n, np.int64)
-        self.count = joint.joint_forces(
+        self.table, self.used = np.zeros((n, joint_law.N_TABLE)), np.zeros(n, np.int64)
+        self.count = forces.joint_forces(
             self.slots, self.pairs.a, self.pairs.b, self.pairs.law, self.laws, 1.0,
             self.start_length, self.start_slip, np.ones(len(self.slots.kind), np.bool_),
             self.history, increment, self.force,
@@ -271,11 +272,13 @@ class JointOfPair:
             Tangent(*(np.full((n, 3, 3), np.nan) for n in (2, n_pairs, n_pairs))) for _ in range(2)
         )
         bodies = self.pairs.a, self.pairs.b
-        joint.move_trial(table, self.count, self.used, *bodies, motion)
-        response = np.zeros((len(table), joint.N_RESPONSE))
-        joint.respond(table, self.count, self.used, self.branch, response)
-        joint.geometric_stiffness(self.slots, self.count, self.used, *bodies, self.reaction, bent)
-        joint.assemble(table, self.count, self.used, *bodies, response, bent, motion, force, blocks)
+        forces.move_trial(table, self.count, self.used, *bodies, motion)
+        response = np.zeros((len(table), joint_law.N_RESPONSE))
+        joint_law.respond(table, self.count, self.used, self.branch, response)
+        forces.geometric_stiffness(self.slots, self.count, self.used, *bodies, self.reaction, bent)
+        forces.assemble(
+            table, self.count, self.used, *bodies, response, bent, motion, force, blocks
+        )
         diagonal, upper, lower = blocks
         top, bottom = np.hstack((diagonal[0], upper[0])), np.hstack((lower[0], diagonal[1]))
         return force, np.vstack((top, bottom))
@@ -324,7 +327,7 @@ class TestDerivatives:
             if not self.smooth(pair, increment):
                 continue
             used, rows = pair.at(increment).mapping()
-            pressed = pair.branch[used] != joint.OPEN
+            pressed = pair.branch[used] != joint_law.OPEN
             kinds = pair.slots.kind[used]
             stiffness = assembly.joint.shear_stiffness * 0.1
 
@@ -370,9 +373,9 @@ class TestDerivatives:
             assert tangent == pytest.approx(numerical, abs=1e-6 * np.abs(numerical).max())
             seen.update(zip(pair.slots.kind.tolist(), branch.tolist(), strict=True))
         for kind in {VERTEX_A, VERTEX_B, VERTICES} if radius else {VERTEX_A, VERTEX_B}:
-            assert seen[kind, joint.STICKING] >= 1
-            assert seen[kind, joint.FORWARD] + seen[kind, joint.BACKWARD] >= 1
-        for branch in (joint.OPEN, joint.STICKING, joint.FORWARD, joint.BACKWARD):
+            assert seen[kind, joint_law.STICKING] >= 1
+            assert seen[kind, joint_law.FORWARD] + seen[kind, joint_law.BACKWARD] >= 1
+        for branch in (joint_law.OPEN, joint_law.STICKING, joint_law.FORWARD, joint_law.BACKWARD):
             assert sum(n for (kind, b), n in seen.items() if kind and b == branch) >= 2
 
     @pytest.mark.parametrize("linear", [False, True], ids=["exact slip", "linear slip"])
@@ -381,7 +384,7 @@ class TestDerivatives:
         """Reactions of a bond are held beyond friction's limit and in tension."""
         beyond = pulled = 0
         for pair, increment in self.pressed(radius, 0.2, linear, bond=2e4):
-            bonded, (rn, rt) = pair.branch == joint.BONDED, pair.reaction.T
+            bonded, (rn, rt) = pair.branch == joint_law.BONDED, pair.reaction.T
             beyond += np.sum(bonded & (np.abs(rt) > 0.3 * rn))
             pulled += np.sum(bonded & (rn < 0.0))
             _, tangent = pair.linearised(np.zeros((2, 3)))
@@ -418,7 +421,7 @@ class TestDerivatives:
                 exact = JointOfPair(assembly, pose, friction=1e9).at(size * motion)
                 linear = JointOfPair(assembly, pose, friction=1e9, linear=size * motion)
                 linear.at(size * motion)
-                pressed &= exact.branch != joint.OPEN
+                pressed &= exact.branch != joint_law.OPEN
                 errors.append(np.abs(exact.reaction[:, 1] - linear.reaction[:, 1]) / stiffness)
             # 64 times less at a quarter; of second order it would be 16 times.  Rounding aside.
             assert np.all(errors[1][pressed] <= errors[0][pressed] / 32.0 + 1e-14)

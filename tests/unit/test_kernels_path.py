@@ -17,7 +17,8 @@ from drystone.assembly import Block, Corner, JointLaw
 from drystone.builders import make_model
 from drystone.engines.base import Demand
 from drystone.engines.equilibrium import EquilibriumEngine, EquilibriumState
-from drystone.kernels import joint, path
+from drystone.kernels import law as joint_law
+from drystone.kernels import path
 from drystone.kernels.narrow import VERTEX_B, VERTICES
 from drystone.model import Model
 from drystone.solvers import piecewise
@@ -169,7 +170,7 @@ def reference(taken):
         limit = law.friction_coefficient * normal
         bonded = law.cohesion + law.tensile_strength > 0.0 and not broken
         if not bonded:  # within a step a bond holds whatever it carries
-            dilates = slid < law.dilatancy_end and state.branch[k] != joint.OPEN
+            dilates = slid < law.dilatancy_end and state.branch[k] != joint_law.OPEN
             lift = np.tan(np.radians(law.dilatancy_angle)) * dilates
             if normal + kn / ks * lift * abs(tangential) <= 0.0:  # what it slides does not close it
                 normal = tangential = 0.0
@@ -215,7 +216,7 @@ def check(taken, *, whole):
     normal, tangential = reaction.T
     friction = np.array([law.friction_coefficient for law in laws])
     stiffness = np.array([law.shear_stiffness for law in laws]) * state.slots.length
-    bonded = step.branch == joint.BONDED
+    bonded = step.branch == joint_law.BONDED
     loose = ~bonded
     assert normal[loose].min(initial=0.0) >= 0.0
     assert (np.abs(tangential) - friction * normal)[loose].max(initial=0.0) <= accuracy
@@ -228,17 +229,17 @@ def check(taken, *, whole):
     # What contacts bring along: the implicit law changes nothing.  On a path, sliding that has
     # ended is added; it goes back by what the gradients change over the step, no more.
     brought, now = state.history[touching], step.memory[touching]
-    assert np.all(now[:, joint.BROKEN] >= brought[:, joint.BROKEN])
+    assert np.all(now[:, joint_law.BROKEN] >= brought[:, joint_law.BROKEN])
     if whole:
-        assert np.array_equal(now[:, : joint.BROKEN], brought[:, : joint.BROKEN])
-    slid = now[:, joint.SLID] - brought[:, joint.SLID]
+        assert np.array_equal(now[:, : joint_law.BROKEN], brought[:, : joint_law.BROKEN])
+    slid = now[:, joint_law.SLID] - brought[:, joint_law.SLID]
     motion = np.abs(x[:, :2]).max()
     back = 2.0 * path.SLOW * motion + motion**2 / assembly.smallest_extent
     assert slid.min(initial=0.0) >= -back
     angle = np.array([law.dilatancy_angle for law in laws])[touching]
-    ended = [law.dilatancy_end for law in laws] <= state.history[:, joint.SLID]
+    ended = [law.dilatancy_end for law in laws] <= state.history[:, joint_law.SLID]
     lift = np.where(ended[touching], 0.0, np.tan(np.radians(angle)))
-    raised = now[:, joint.DILATION] - brought[:, joint.DILATION]
+    raised = now[:, joint_law.DILATION] - brought[:, joint_law.DILATION]
     assert raised == pytest.approx(lift * slid, abs=1e-14)
     return Counter(step.branch[touching].tolist())
 
@@ -330,9 +331,9 @@ class TestRandomAssemblies:
         # Where all is glued no contact changes: bonds hold while a step is solved.
         few = 0 if law == "glued" else 3
         assert bent >= few
-        assert seen[joint.OPEN] >= 100
-        assert seen[joint.FORWARD] + seen[joint.BACKWARD] >= few
-        assert seen[joint.BONDED if "cohesion" in LAWS[law] else joint.STICKING] >= 100
+        assert seen[joint_law.OPEN] >= 100
+        assert seen[joint_law.FORWARD] + seen[joint_law.BACKWARD] >= few
+        assert seen[joint_law.BONDED if "cohesion" in LAWS[law] else joint_law.STICKING] >= 100
 
     @pytest.mark.parametrize("whole", [True, False], ids=["implicit law", "path"])
     def test_so_is_one_in_which_many_contacts_change_together(self, whole):
@@ -455,13 +456,13 @@ class TestPeakWithinAStep:
         assert report.static_multiplier == pytest.approx(
             self.multiplier(self.rotation(pull), pull), rel=3e-3
         )
-        assert sorted(tip.branch) == [joint.BONDED, joint.BONDED] and len(tip.due) == 1
+        assert sorted(tip.branch) == [joint_law.BONDED, joint_law.BONDED] and len(tip.due) == 1
         broken, report = engine.step(tip, demand)
         assert report.reached == 0.0
         assert report.control_displacement == pytest.approx(at_peak, rel=1e-3)
         theta = solve_for(self.displacement, at_peak, 0.0, 3.0 * self.rotation(pull))
         assert report.static_multiplier == pytest.approx(self.multiplier(theta), rel=1e-3)
-        assert sorted(broken.branch) == [joint.OPEN, joint.BONDED]
+        assert sorted(broken.branch) == [joint_law.OPEN, joint_law.BONDED]
 
     def test_none_before_it(self):
         joints = JointLaw(
@@ -570,14 +571,14 @@ class TestSliding:
         engine, state = settled(stack((1.0, 0.2), joint=law))
         state, _ = engine.step(state, Demand(increment=1e-3))
         for increment, branch, sense in (
-            (1e-3, joint.BACKWARD, 1.0),
-            (-1e-3, joint.FORWARD, -1.0),
+            (1e-3, joint_law.BACKWARD, 1.0),
+            (-1e-3, joint_law.FORWARD, -1.0),
         ):
             taken = take(engine, state, increment, whole=whole)
             check(taken, whole=whole)
             assert taken.solved.multiplier == pytest.approx(sense * 0.5, rel=1e-5)
             assert taken.step.branch.tolist() == [branch, branch]
-            slid = taken.step.state[:, joint.SLID] - taken.state.history[:, joint.SLID]
+            slid = taken.step.state[:, joint_law.SLID] - taken.state.history[:, joint_law.SLID]
             # Turning round, the springs first give back what they had taken.
             elastic = 2e3 * 0.5 / 1e9 * (1.0 - sense)
             assert slid == pytest.approx(1e-3 - elastic, abs=3e-7)  # and the block its tilt

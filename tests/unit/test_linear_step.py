@@ -9,7 +9,7 @@ from builders import problem_of
 from drystone.builders import published_wall
 from drystone.engines.base import Demand
 from drystone.engines.equilibrium import EquilibriumEngine
-from drystone.kernels import joint
+from drystone.kernels import law as joint_law
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def test_a_part_has_the_forces_and_tangents_of_the_whole(step, rings):
     whole = np.zeros_like(step.force)
     whole[part.bodies] = away
     for equations, x in ((step, whole), (part.step, away)):
-        joint.respond(
+        joint_law.respond(
             equations.table, equations.count, equations.used, equations.branch, equations.response
         )
         equations.assemble(x, 0.3, x)

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drystone.kernels.law import joint_law_violation
 from drystone.kernels.residual import (
     add_contact_forces,
-    joint_law_violation,
     mark_held,
     unbalanced_force,
 )

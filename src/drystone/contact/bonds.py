@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.certificate import JudgedContacts
-from drystone.kernels import joint, narrow
+from drystone.kernels import law as joint_law
+from drystone.kernels import narrow
+from drystone.kernels.law import BOND_TIE
 from drystone.kernels.narrow import Slots
-from drystone.kernels.residual import BOND_TIE
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -32,7 +33,7 @@ LEAST_SCALE = 0.1
 
 def brittle(laws: Array) -> bool:
     """Whether any joint law has a bond, by the table of `contact.law`."""
-    return bool((laws[:, [joint.COHESION, joint.TENSION]] > 0.0).any())
+    return bool((laws[:, [joint_law.COHESION, joint_law.TENSION]] > 0.0).any())
 
 
 def apart(slots: Slots, slack: float) -> BoolArray:
@@ -78,13 +79,13 @@ def crossing(first: float, before: Array, second: float, after: Array, aim: floa
 def yielded(laws: Array, law: IntArray, reaction: Array) -> IntArray:
     """Branch of the joint law (n,) of contacts whose bond breaks at a reaction (n, 2) [N]."""
     normal, tangential = reaction.T
-    sliding = np.where(tangential > 0.0, joint.FORWARD, joint.BACKWARD)
-    sticks = np.abs(tangential) <= laws[law, joint.MU] * normal
-    return np.where(normal <= 0.0, joint.OPEN, np.where(sticks, joint.STICKING, sliding))
+    sliding = np.where(tangential > 0.0, joint_law.FORWARD, joint_law.BACKWARD)
+    sticks = np.abs(tangential) <= laws[law, joint_law.MU] * normal
+    return np.where(normal <= 0.0, joint_law.OPEN, np.where(sticks, joint_law.STICKING, sliding))
 
 
 def release(laws: Array, law: IntArray, reaction: Array) -> Array:
     """What contacts let go at once when their bond breaks at a reaction (n, 2), (n,) [N]."""
     normal, tangential = reaction.T
-    limit = laws[law, joint.MU] * np.maximum(normal, 0.0)
+    limit = laws[law, joint_law.MU] * np.maximum(normal, 0.0)
     return np.hypot(np.minimum(normal, 0.0), np.maximum(np.abs(tangential) - limit, 0.0))

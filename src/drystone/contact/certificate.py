@@ -13,8 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.kernels import joint
-from drystone.kernels.residual import joint_law_violation, mark_held, unbalanced_force
+from drystone.kernels import law as joint_law
+from drystone.kernels.law import joint_law_violation
+from drystone.kernels.residual import mark_held, unbalanced_force
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -111,7 +112,7 @@ def strengths(laws: Array, law: IntArray, area: Array, history: Array) -> tuple[
     law, area
         Of each contact, (n_contacts,); areas in m2.
     history
-        (n_contacts, N_HISTORY), see `kernels.joint`.
+        (n_contacts, N_HISTORY), see `kernels.law`.
     """
-    whole = area * (history[:, joint.BROKEN] == 0.0)
-    return laws[law, joint.COHESION] * whole, laws[law, joint.TENSION] * whole
+    whole = area * (history[:, joint_law.BROKEN] == 0.0)
+    return laws[law, joint_law.COHESION] * whole, laws[law, joint_law.TENSION] * whole

@@ -8,25 +8,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
-from drystone.kernels import joint
+from drystone.kernels import law as joint_law
 
 Array = NDArray[np.float64]
 
 
 def law_table(assembly: Assembly) -> Array:
-    """One row per joint law, (n_laws, N_LAW); see the columns in `kernels.joint`.
+    """One row per joint law, (n_laws, N_LAW); see the columns in `kernels.law`.
 
     Raises `ValueError` where a stiffness is missing (a model read for limit analysis only).
     """
-    table = np.zeros((len(assembly.laws), joint.N_LAW))
+    table = np.zeros((len(assembly.laws), joint_law.N_LAW))
     for row, law in zip(table, assembly.laws, strict=True):
         if law.normal_stiffness is None or law.shear_stiffness is None:
             raise ValueError("[joint] normal_stiffness and shear_stiffness are needed here")
-        row[joint.MU] = law.friction_coefficient
-        row[joint.KN] = law.normal_stiffness
-        row[joint.KS] = law.shear_stiffness
-        row[joint.TAN_PSI] = math.tan(math.radians(law.dilatancy_angle))
-        row[joint.COHESION] = law.cohesion
-        row[joint.TENSION] = law.tensile_strength
-        row[joint.DILATANCY_END] = law.dilatancy_end
+        row[joint_law.MU] = law.friction_coefficient
+        row[joint_law.KN] = law.normal_stiffness
+        row[joint_law.KS] = law.shear_stiffness
+        row[joint_law.TAN_PSI] = math.tan(math.radians(law.dilatancy_angle))
+        row[joint_law.COHESION] = law.cohesion
+        row[joint_law.TENSION] = law.tensile_strength
+        row[joint_law.DILATANCY_END] = law.dilatancy_end
     return table

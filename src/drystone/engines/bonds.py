@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from drystone.contact.bonds import crossing, release, weakest
 from drystone.engines.base import StepReport
-from drystone.kernels.residual import BOND_TIE
+from drystone.kernels.law import BOND_TIE
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -33,12 +33,13 @@ from drystone.engines.base import Demand, EngineError, Problem, StepReport, Unst
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
-from drystone.kernels import explicit, joint, narrow
+from drystone.kernels import explicit, narrow
+from drystone.kernels import law as joint_law
 from drystone.kernels.explicit import Contacts, Loads, Motion
-from drystone.kernels.joint import N_HISTORY
+from drystone.kernels.law import N_HISTORY
 from drystone.kernels.narrow import Slots
-from drystone.kernels.nlgs import map_contacts
 from drystone.kernels.residual import add_contact_forces
+from drystone.kernels.rows import map_contacts
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -290,7 +291,7 @@ class Workspace:
         old = self.slots
         narrow.carry_history(old.kind, old.feature, old.edges, slots, source)
         history = np.where(source[:, None] >= 0, self.history[source], 0.0)
-        history[source < 0, joint.BROKEN] = 1.0  # blocks that come to touch later are not bonded
+        history[source < 0, joint_law.BROKEN] = 1.0  # what comes to touch later is not bonded
         self.slots, self.history, self.searched = slots, history, pose.copy()
         if self.real_masses:
             self.search_work -= self.engine.elastic_energy(self.pairs, slots, history)
@@ -421,7 +422,7 @@ class DistinctEngine:
         self.detector.fill(pairs, pose, slots)
         n_slots = len(slots.kind)
         history = np.zeros((n_slots, N_HISTORY))
-        history[apart(slots, 1e-9 * self.size), joint.BROKEN] = 1.0  # open when built
+        history[apart(slots, 1e-9 * self.size), joint_law.BROKEN] = 1.0  # open when built
         self.brittle = brittle(self.laws)
         return DistinctState(
             pose=pose,
@@ -477,11 +478,11 @@ class DistinctEngine:
         """Energy that the joints store [J]."""
         law = self.laws[pairs.law].repeat(2, axis=0)
         area = slots.length * self.problem.assembly.thickness
-        overlap = history[:, joint.DILATION] - slots.gap
-        bonded = (history[:, joint.BROKEN] == 0.0) & (law[:, joint.TENSION] > 0.0)
+        overlap = history[:, joint_law.DILATION] - slots.gap
+        bonded = (history[:, joint_law.BROKEN] == 0.0) & (law[:, joint_law.TENSION] > 0.0)
         used = (slots.kind != narrow.NONE) & ((overlap > 0.0) | bonded)
-        normal = law[used, joint.KN] * area[used] * overlap[used] ** 2
-        shear = history[used, joint.SHEAR] ** 2 / (law[used, joint.KS] * area[used])
+        normal = law[used, joint_law.KN] * area[used] * overlap[used] ** 2
+        shear = history[used, joint_law.SHEAR] ** 2 / (law[used, joint_law.KS] * area[used])
         return 0.5 * float(np.sum(normal + shear))
 
     def energy(self, state: DistinctState) -> Energy:
@@ -539,7 +540,7 @@ class DistinctEngine:
         if not len(slots):
             return state
         history, margin = state.history.copy(), state.margin.copy()
-        history[slots, joint.BROKEN], margin[slots] = 1.0, np.inf
+        history[slots, joint_law.BROKEN], margin[slots] = 1.0, np.inf
         return replace(state, history=history, margin=margin, due=np.zeros(0, np.int64))
 
     def _at_rest(self, state: DistinctState) -> Workspace:
@@ -689,18 +690,19 @@ class DistinctEngine:
         history, reaction = work.history[k], work.reaction[k]
         add_contact_forces(a, b, mapping, reaction, force)
         moved = work.dt * np.column_stack((velocity[a], velocity[b]))
+        gap = slots.gap[k] - np.sum(mapping[:, 0] * moved, axis=1)
         area = slots.length[k] * self.problem.assembly.thickness
         bond, tension = strengths(self.laws, law, area, history)
         contacts = JudgedContacts(
             body_a=a,
             body_b=b,
-            gap=slots.gap[k] - np.sum(mapping[:, 0] * moved, axis=1) - history[:, joint.DILATION],
+            gap=gap - history[:, joint_law.DILATION],
             slip=np.zeros(len(k)),
             reaction=reaction,
             shear_before=reaction[:, 1],
-            normal_stiffness=self.laws[law, joint.KN] * area,
-            shear_stiffness=self.laws[law, joint.KS] * area,
-            friction=self.laws[law, joint.MU],
+            normal_stiffness=self.laws[law, joint_law.KN] * area,
+            shear_stiffness=self.laws[law, joint_law.KS] * area,
+            friction=self.laws[law, joint_law.MU],
             bond=bond,
             tension=tension,
         )

@@ -33,8 +33,9 @@ from drystone.engines.base import Demand, EngineError, Problem, StepReport, Unst
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
-from drystone.kernels import joint, narrow
-from drystone.kernels.joint import N_HISTORY
+from drystone.kernels import law as joint_law
+from drystone.kernels import narrow
+from drystone.kernels.law import N_HISTORY
 from drystone.kernels.narrow import Slots
 from drystone.records import changed
 from drystone.solvers import piecewise
@@ -71,7 +72,7 @@ class EquilibriumState:
     slots: Slots  # contacts in `pose`
     history: Array  # (n_slots, N_HISTORY)
     reaction: Array  # (n_slots, dim) N
-    branch: IntArray  # (n_slots,) of the joint law, see `kernels.joint`
+    branch: IntArray  # (n_slots,) of the joint law, see `kernels.law`
     last_increment: Array  # (n, n_dof) m, rad; zeros where there is nothing to predict from
     margin: Array  # (n_slots,) of bonds, see `contact.bonds`
     due: IntArray  # slots of the bonds that break next
@@ -174,7 +175,7 @@ class EquilibriumEngine:
         area = assembly.smallest_extent * assembly.thickness
         heaviest = float(np.abs(self.loads.dead[free, :-1]).max())
         n = 1.0 + float(np.ptp(assembly.centroid[free, 1])) / assembly.smallest_extent
-        return 0.5 * n**2 * heaviest / (float(self.constants.laws[:, joint.KN].min()) * area)
+        return 0.5 * n**2 * heaviest / (float(self.constants.laws[:, joint_law.KN].min()) * area)
 
     def contacts(self, state: EquilibriumState) -> ContactForces:
         """Contact points and reactions of a state."""
@@ -219,7 +220,7 @@ class EquilibriumEngine:
         """The state without the bonds of some slots."""
         history, branch, margin = state.history.copy(), state.branch.copy(), state.margin.copy()
         law = state.pairs.law[slots // 2]
-        history[slots, joint.BROKEN], margin[slots] = 1.0, np.inf
+        history[slots, joint_law.BROKEN], margin[slots] = 1.0, np.inf
         branch[slots] = yielded(self.constants.laws, law, state.reaction[slots])
         nothing = np.zeros(0, np.int64)
         return replace(state, history=history, branch=branch, margin=margin, due=nothing)
@@ -275,12 +276,12 @@ class EquilibriumEngine:
     def _path_settings(self) -> PathSettings:
         """When to stop a step, but for how far a block may move."""
         scale = self.problem.assembly.heaviest_weight
-        tolerance, stiffest = self.settings.tolerance * scale, self._stiffest(joint.KN)
+        tolerance, stiffest = self.settings.tolerance * scale, self._stiffest(joint_law.KN)
         rounding = 4.0 * np.finfo(float).eps  # of a gap, over the motions that it is a sum of
         return PathSettings(
             tolerance=tolerance,
             rounding=rounding * stiffest,
-            sliding_rounding=rounding * self._stiffest(joint.KS),
+            sliding_rounding=rounding * self._stiffest(joint_law.KS),
             coarsest=self.residual_limit * scale,
             depth=max(1e-3 * tolerance / stiffest, self.rounding),
             farthest=np.inf,
@@ -289,16 +290,16 @@ class EquilibriumEngine:
     def _first_branches(self, pairs: Pairs, slots: Slots) -> IntArray:
         """Contacts that touch stick, by a bond where there is one."""
         laws = self.constants.laws[pairs.law]
-        bonded = (laws[:, joint.COHESION] > 0.0) | (laws[:, joint.TENSION] > 0.0)
-        touching = np.where(bonded, joint.BONDED, joint.STICKING).repeat(2)
+        bonded = (laws[:, joint_law.COHESION] > 0.0) | (laws[:, joint_law.TENSION] > 0.0)
+        touching = np.where(bonded, joint_law.BONDED, joint_law.STICKING).repeat(2)
         # Weight presses on joints that lie; those that stand are shut, but hold by a bond only.
         held = (np.abs(slots.normal[:, 1]) > 0.7) | bonded.repeat(2)
-        return np.where(held & ~self._apart(slots), touching, joint.OPEN)
+        return np.where(held & ~self._apart(slots), touching, joint_law.OPEN)
 
     def _first_history(self, slots: Slots) -> Array:
         """Nothing but that joints which are open when built have no bond."""
         history = np.zeros((len(slots.kind), N_HISTORY))
-        history[self._apart(slots), joint.BROKEN] = 1.0
+        history[self._apart(slots), joint_law.BROKEN] = 1.0
         return history
 
     def _apart(self, slots: Slots) -> NDArray[np.bool_]:
@@ -466,5 +467,5 @@ def _carried(
     """History, reactions and branch of the slots they go on in; -1 marks contacts that are new."""
     n = len(source)
     carried = np.empty((n, N_HISTORY)), np.empty((n, reaction.shape[1])), np.empty(n, np.int64)
-    joint.carry(source, history, reaction, branch, *carried)
+    joint_law.carry(source, history, reaction, branch, *carried)
     return carried

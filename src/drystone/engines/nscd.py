@@ -26,8 +26,9 @@ from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
 from drystone.kernels import narrow
 from drystone.kernels.narrow import Slots
-from drystone.kernels.nlgs import ContactProblem, contact_velocities, map_contacts
+from drystone.kernels.nlgs import ContactProblem, contact_velocities
 from drystone.kernels.residual import add_contact_forces
+from drystone.kernels.rows import map_contacts
 from drystone.solvers import nlgs
 from drystone.solvers.linear import BlockSystem
 from drystone.solvers.nlgs import NlgsSettings

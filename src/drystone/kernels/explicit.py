@@ -11,7 +11,7 @@ and the shear force grows with the sliding velocity,
     r_n = k_n (d - g)          r_t <- r_t - k_s dt (grad slip . v)
 
 with dilation d; it is kept in the axes of the contact and turns with them.  The joint law is that
-of `kernels.joint`.  For all kinds of contact one of the two bodies, the *edge body* e, owns the
+of `kernels.law`.  For all kinds of contact one of the two bodies, the *edge body* e, owns the
 normal, which points to the *other body* o; with arms from the centroids, t = (n_y, -n_x), S the
 quarter turn, q = 1 but between two vertices, and rolling terms as in `kernels.narrow`,
 
@@ -27,12 +27,24 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-NONE, VERTEX_B, VERTEX_A, VERTICES = 0, 1, 2, 3
-OPEN, STICKING, SLIDING = 0, 1, 2
-
-#: Columns of the joint-law table, and of the history of a contact, as in `kernels.joint`.
-MU, KN, KS, TAN_PSI, COHESION, TENSION, DILATANCY_END = 0, 1, 2, 3, 4, 5, 6
-SHEAR, DILATION, SLID, BROKEN = 0, 1, 2, 3
+from drystone.kernels.law import (
+    BROKEN,
+    COHESION,
+    DILATANCY_END,
+    DILATION,
+    KN,
+    KS,
+    MU,
+    OPEN,
+    SHEAR,
+    SLID,
+    SLIDING,
+    STICKING,
+    TAN_PSI,
+    TENSION,
+    slide,
+)  # fmt: skip
+from drystone.kernels.narrow import NONE, VERTEX_A, VERTICES
 
 #: A contact this near to its cone slides.
 TIE = 1e-9
@@ -371,7 +383,7 @@ def cycle(
                     continue
                 now = SLIDING
                 tan_psi = law[c, L_TAN_PSI] if history[c, SLID] < law[c, L_END] else 0.0
-                gamma = (abs(rt) - mu * rn) / (ks + mu * kn * tan_psi)
+                gamma = slide(rn, abs(rt), ks, mu, kn * tan_psi)
                 rn += kn * tan_psi * gamma
                 rt = mu * rn if rt > 0.0 else -mu * rn
                 history[c, DILATION] += tan_psi * gamma

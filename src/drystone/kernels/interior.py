@@ -1,7 +1,7 @@
 """The joint law of all contacts at once, by an interior point method.
 
 With the trial reactions T_n, T_t linear in the increments (gradients held fast), the implicit law
-of `kernels.joint` is a set of products that vanish, of factors that are not negative:
+of `kernels.law` is a set of products that vanish, of factors that are not negative:
 
     r_n = T_n + w + (k_n tan psi / k_s) (p + q)          r_n w = 0
     r_t = T_t - p + q         (mu r_n - r_t) p = 0,  (mu r_n + r_t) q = 0
@@ -23,12 +23,24 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-OPEN, STICKING, FORWARD, BACKWARD, BONDED = 0, 1, 2, 3, 4
-
-#: Columns of the table of contacts and of their response, see `kernels.joint`.
-GAP, SLIP, MEASURED = 0, 6, 12
-STIFF_N, STIFF_T, FRICTION, LIFT, BOND, TENSILE, TRIAL_N, TRIAL_T = 18, 19, 20, 21, 22, 23, 24, 25
-NN, NT, TN, TT = 2, 3, 4, 5
+from drystone.kernels.law import (
+    BACKWARD,
+    BONDED,
+    FORWARD,
+    FRICTION,
+    LIFT,
+    NN,
+    NT,
+    OPEN,
+    STICKING,
+    STIFF_N,
+    STIFF_T,
+    TN,
+    TRIAL_N,
+    TRIAL_T,
+    TT,
+)  # fmt: skip
+from drystone.kernels.rows import GAP, MEASURED, add_force
 
 #: Columns of a contact's variables, and of their changes, which have those of T_n and T_t as well.
 #: The room that the shear has to either side is kept apart: its end is lost in rounding.
@@ -94,7 +106,7 @@ def centre(table, count, used, branch, barrier, inner):
 
 @njit(cache=True, error_model="numpy")
 def respond(table, count, used, branch, inner, response):
-    """Fill reactions and A of every contact, (n_slots, N_RESPONSE); see `kernels.joint.respond`.
+    """Fill reactions and A of every contact, (n_slots, N_RESPONSE); see `kernels.law.respond`.
 
     Returns the mean of the products, as energies [J].
     """
@@ -160,9 +172,7 @@ def offset(
         rt = response[c, TN] * bn + response[c, TT] * bt
         body_a = pair_a[used[c] // 2]
         body_b = pair_b[used[c] // 2]
-        for i in range(3):
-            force[body_a, i] += rn * table[c, GAP + i] + rt * table[c, SLIP + i]
-            force[body_b, i] += rn * table[c, GAP + 3 + i] + rt * table[c, SLIP + 3 + i]
+        add_force(table, c, rn, rt, body_a, body_b, force)
 
 
 @njit(cache=True, error_model="numpy")

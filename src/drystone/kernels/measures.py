@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-NONE, VERTEX_B, VERTEX_A, VERTICES = 0, 1, 2, 3
+from drystone.kernels.narrow import NONE, VERTEX_B
 
 
 @njit(cache=True)

@@ -17,11 +17,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from drystone.kernels.law import OPEN, SLIDING, STICKING
+from drystone.kernels.rows import add_force
+
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-
-OPEN, STICKING, SLIDING = 0, 1, 2
 
 
 class ContactProblem(NamedTuple):
@@ -34,28 +34,6 @@ class ContactProblem(NamedTuple):
     gap: Array  # (n_contacts,) m, at the start of the step
     normal_stiffness: Array  # (n_contacts,) N/m
     friction: Array  # (n_contacts,)
-
-
-@njit(cache=True)
-def map_contacts(kind, normal, arm_a, arm_b, roll, ratio, chosen, mapping):
-    """Rows of the contact mapping for the chosen slots; see `kernels.narrow` for the formulas."""
-    for c in range(chosen.shape[0]):
-        k = chosen[c]
-        nx = normal[k, 0]
-        ny = normal[k, 1]
-        q = ratio[k]
-        mapping[c, 0, 0] = -nx
-        mapping[c, 0, 1] = -ny
-        mapping[c, 0, 2] = nx * arm_a[k, 1] - ny * arm_a[k, 0]
-        mapping[c, 0, 3] = nx
-        mapping[c, 0, 4] = ny
-        mapping[c, 0, 5] = -nx * arm_b[k, 1] + ny * arm_b[k, 0]
-        mapping[c, 1, 0] = -q * ny
-        mapping[c, 1, 1] = q * nx
-        mapping[c, 1, 2] = q * (ny * arm_a[k, 1] + nx * arm_a[k, 0]) + roll[k, 0]
-        mapping[c, 1, 3] = q * ny
-        mapping[c, 1, 4] = -q * nx
-        mapping[c, 1, 5] = -q * (ny * arm_b[k, 1] + nx * arm_b[k, 0]) + roll[k, 1]
 
 
 @njit(cache=True)
@@ -290,17 +268,11 @@ def momentum_defect(problem, mass, inverse_mass, free_velocity, velocity, impuls
     for i in range(mass.shape[0]):
         for d in range(3):
             defect[i, d] = -mass[i, d] * (velocity[i, d] - free_velocity[i, d])
+    rows = problem.mapping.reshape(problem.gap.shape[0], 12)
     for c in range(problem.gap.shape[0]):
         a = problem.body_a[c]
         b = problem.body_b[c]
-        for d in range(3):
-            defect[a, d] += (
-                problem.mapping[c, 0, d] * impulse[c, 0] + problem.mapping[c, 1, d] * impulse[c, 1]
-            )
-            defect[b, d] += (
-                problem.mapping[c, 0, 3 + d] * impulse[c, 0]
-                + problem.mapping[c, 1, 3 + d] * impulse[c, 1]
-            )
+        add_force(rows, c, impulse[c, 0], impulse[c, 1], a, b, defect)
     norm = 0.0
     for i in range(mass.shape[0]):
         for d in range(3):

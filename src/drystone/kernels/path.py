@@ -21,13 +21,22 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drystone.kernels.block_lu import solve
-
-OPEN, STICKING, FORWARD, BACKWARD, BONDED = 0, 1, 2, 3, 4
-
-#: Columns of the table of contacts, see `kernels.joint`.
-GAP, SLIP, MEASURED = 0, 6, 12
-STIFF_N, STIFF_T, FRICTION, LIFT, BOND, TENSILE, TRIAL_N, TRIAL_T = 18, 19, 20, 21, 22, 23, 24, 25
-ADD_N, ADD_T, PLASTIC = 26, 27, 28
+from drystone.kernels.law import (
+    BACKWARD,
+    FORWARD,
+    FRICTION,
+    OPEN,
+    STICKING,
+    STIFF_N,
+    STIFF_T,
+    TRIAL_N,
+    TRIAL_T,
+    change,
+    commit,
+    distance,
+    landing,
+)  # fmt: skip
+from drystone.kernels.rows import GAP, MEASURED, along
 
 #: How a path ends: where it should; before it, as it turns back; at a change after which the
 #: matrix must be made anew; after too many changes; where there is no direction; with more
@@ -93,66 +102,10 @@ def border(frame, x, lag):
 
 
 @njit(cache=True)
-def _along(rows, k, field, a, b):
-    """Row k of ``rows`` (n_rows, 2 n_dof) times the motion of its two bodies."""
-    n_dof = field.shape[1]
-    total = 0.0
-    for i in range(n_dof):
-        total += rows[k, i] * field[a, i] + rows[k, n_dof + i] * field[b, i]
-    return total
-
-
-@njit(cache=True)
 def _rates(table, c, field, a, b):
     """Rates of the trial reactions of contact c along a field of the bodies' motion."""
-    n_dof = field.shape[1]
-    gap = 0.0
-    slip = 0.0
-    for i in range(n_dof):
-        gap += table[c, GAP + i] * field[a, i] + table[c, GAP + n_dof + i] * field[b, i]
-        slip += table[c, MEASURED + i] * field[a, i] + table[c, MEASURED + n_dof + i] * field[b, i]
+    gap, slip = along(table, c, GAP, field, a, b), along(table, c, MEASURED, field, a, b)
     return -table[c, STIFF_N] * gap, -table[c, STIFF_T] * slip
-
-
-@njit(cache=True)
-def _distance(table, c, now, rate_n, rate_t, whole):
-    """How far along the direction a contact leaves its branch, and for which one."""
-    rn, rt = table[c, TRIAL_N], table[c, TRIAL_T]
-    kt, mu, lift = table[c, STIFF_T], table[c, FRICTION], table[c, LIFT]
-    nearest = np.inf
-    following = now
-    if now == BONDED:
-        return nearest, following
-    if now == FORWARD or now == BACKWARD:
-        sign = 1.0 if now == FORWARD else -1.0
-        speed = mu * rate_n - sign * rate_t
-        if speed > 0.0 and whole:
-            nearest = max(sign * rt - mu * rn, 0.0) / speed
-            following = STICKING
-        speed = -(kt * rate_n + lift * sign * rate_t)
-        if speed > 0.0:
-            far = max(kt * rn + lift * sign * rt, 0.0) / speed
-            if far < nearest:
-                nearest = far
-                following = OPEN
-        return nearest, following
-    for sliding in range(FORWARD, BACKWARD + 1):
-        sign = 1.0 if sliding == FORWARD else -1.0
-        if now == OPEN:
-            speed = kt * rate_n + lift * sign * rate_t
-            far = max(-kt * rn - lift * sign * rt, 0.0)
-        else:
-            speed = sign * rate_t - mu * rate_n
-            far = max(mu * rn - sign * rt, 0.0)
-        if not speed > 0.0:
-            continue
-        far /= speed
-        if now == OPEN and sign * (rt + far * rate_t if whole else rate_t) < 0.0:
-            continue
-        if far < nearest:
-            nearest = far
-            following = sliding
-    return nearest, following
 
 
 @njit(cache=True)
@@ -164,7 +117,7 @@ def _ahead(table, count, used, pair_a, pair_b, direction, branch, whole):
         b = pair_b[used[c] // 2]
         rate_n, rate_t = _rates(table, c, direction, a, b)
         now = branch[used[c]]
-        far, _ = _distance(table, c, now, rate_n, rate_t, whole)
+        far, _ = distance(table, c, now, rate_n, rate_t, whole)
         back = 0.0
         if not whole and (now == FORWARD or now == BACKWARD):
             sign = 1.0 if now == FORWARD else -1.0
@@ -172,24 +125,6 @@ def _ahead(table, count, used, pair_a, pair_b, direction, branch, whole):
         if far < 1.0 or back < -SLOW_BACK:
             changed += 1
     return changed
-
-
-@njit(cache=True)
-def _landing(table, c, now):
-    """Branch of the law for trial reactions.
-
-    A contact that would slide the other way has passed the band in which it sticks, narrow where
-    the shear stiffness is high; it is taken to stick.
-    """
-    rn, rt, mu = table[c, TRIAL_N], table[c, TRIAL_T], table[c, FRICTION]
-    if now == BONDED:
-        return BONDED
-    if table[c, STIFF_T] * rn + table[c, LIFT] * abs(rt) <= 0.0:
-        return OPEN
-    if abs(rt) <= mu * rn:
-        return STICKING
-    sliding = FORWARD if rt > 0.0 else BACKWARD
-    return STICKING if now == FORWARD + BACKWARD - sliding else sliding
 
 
 @njit(cache=True)
@@ -201,48 +136,7 @@ def _leap(table, count, used, pair_a, pair_b, direction, branch):
         rate_n, rate_t = _rates(table, c, direction, a, b)
         table[c, TRIAL_N] += rate_n
         table[c, TRIAL_T] += rate_t
-        branch[used[c]] = _landing(table, c, branch[used[c]])
-
-
-@njit(cache=True)
-def _change(table, c, before, after, u, rows, k):
-    """Fill u (2 n_dof,) and row k of ``rows`` with the u and v by whose product the matrix changes
-    with the branch of contact c."""
-    n_dof = (u.shape[0]) // 2
-    sliding = before if before >= FORWARD else after
-    sign = 1.0 if sliding == FORWARD else -1.0
-    kn, kt, mu, lift = table[c, STIFF_N], table[c, STIFF_T], table[c, FRICTION], table[c, LIFT]
-    along = kt + mu * lift
-    if before == OPEN or after == OPEN:
-        turn = -1.0 if before == OPEN else 1.0
-        for i in range(2 * n_dof):
-            u[i] = turn * (table[c, GAP + i] + sign * mu * table[c, SLIP + i])
-            slid = mu * kn * table[c, GAP + i] - sign * kt * table[c, MEASURED + i]
-            rows[k, i] = lift * slid / along - kn * table[c, GAP + i]
-        return
-    turn = 1.0 if before == STICKING else -1.0
-    for i in range(2 * n_dof):
-        u[i] = turn * (sign * kt * table[c, SLIP + i] - lift * table[c, GAP + i])
-        slid = mu * kn * table[c, GAP + i] - sign * kt * table[c, MEASURED + i]
-        rows[k, i] = slid / along
-
-
-@njit(cache=True)
-def _commit(table, c, before):
-    """Make the sliding of a contact part of its history, where it sticks or opens; and forget
-    the shear of one that was open."""
-    if before == OPEN:
-        table[c, ADD_T] -= table[c, TRIAL_T]
-        table[c, TRIAL_T] = 0.0
-    elif before == FORWARD or before == BACKWARD:
-        sign = 1.0 if before == FORWARD else -1.0
-        along = table[c, STIFF_T] + table[c, FRICTION] * table[c, LIFT]
-        gamma = (sign * table[c, TRIAL_T] - table[c, FRICTION] * table[c, TRIAL_N]) / along
-        table[c, TRIAL_N] += table[c, LIFT] * gamma
-        table[c, ADD_N] += table[c, LIFT] * gamma
-        table[c, ADD_T] -= sign * table[c, STIFF_T] * gamma
-        table[c, TRIAL_T] -= sign * table[c, STIFF_T] * gamma
-        table[c, PLASTIC] += gamma
+        branch[used[c]] = landing(table, c, branch[used[c]])
 
 
 @njit(cache=True)
@@ -253,7 +147,7 @@ def _keep_slow(table, count, used, branch):
         if now == FORWARD or now == BACKWARD:
             sign = 1.0 if now == FORWARD else -1.0
             if sign * table[c, TRIAL_T] < table[c, FRICTION] * table[c, TRIAL_N]:
-                _commit(table, c, now)
+                commit(table, c, now)
 
 
 @njit(cache=True)
@@ -276,7 +170,7 @@ def follow_path(
         ends, and is kept, as soon as a contact would slide back: the path that a slow loading
         takes, which no structure follows beyond where it turns.
     table, count, used
-        Contacts, see `kernels.joint`; trial reactions are moved on.
+        Contacts, see `kernels.law`; trial reactions are moved on.
     pair_a, pair_b
         Bodies of each pair, (n_pairs,).
     branch
@@ -363,7 +257,7 @@ def follow_path(
                     nearest = 0.0
             if nearest == 0.0 and following == STICKING:
                 continue
-            far, other = _distance(table, c, now, rate_n, rate_t, whole)
+            far, other = distance(table, c, now, rate_n, rate_t, whole)
             if c == last and other == left_behind:
                 continue
             if far < nearest:
@@ -396,7 +290,7 @@ def follow_path(
         changes += 1
         new += 1
         if not whole:
-            _commit(table, chosen, before)
+            commit(table, chosen, before)
         if changes > patience:
             return LOST, multiplier, left, changes
         if new == capacity:
@@ -404,7 +298,7 @@ def follow_path(
         # The new direction.
         a = pair_a[used[chosen] // 2]
         b = pair_b[used[chosen] // 2]
-        _change(table, chosen, before, following, u, rows, new)
+        change(table, chosen, before, following, u, rows, new)
         bodies[new, 0] = a
         bodies[new, 1] = b
         w = past[new]
@@ -415,18 +309,18 @@ def follow_path(
         solve(structure, factors, w.reshape((1, n, n_dof)))
         by_w = border(frame, w, 0.0) if paced else 0.0
         for old in range(new):
-            share = _along(rows, old, w, bodies[old, 0], bodies[old, 1]) / pivots[old]
+            share = along(rows, old, 0, w, bodies[old, 0], bodies[old, 1]) / pivots[old]
             for i in range(n):
                 for d in range(n_dof):
                     w[i, d] -= share * past[old, i, d]
             by_w -= share * change_of_multiplier[old]
         change_of_multiplier[new] = by_w
-        pivot = 1.0 + _along(rows, new, w, a, b)
+        pivot = 1.0 + along(rows, new, 0, w, a, b)
         pivots[new] = pivot
         if pivot == 0.0 or not np.isfinite(pivot):
             return SINGULAR, multiplier, left, changes
         scale = 1.0 - ahead * length
-        share = scale * _along(rows, new, direction, a, b) / pivot
+        share = scale * along(rows, new, 0, direction, a, b) / pivot
         for i in range(n):
             for d in range(n_dof):
                 direction[i, d] = scale * direction[i, d] - share * w[i, d]

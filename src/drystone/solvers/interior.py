@@ -22,7 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.kernels import block_lu, interior, joint, path
+from drystone.kernels import block_lu, interior, path
+from drystone.kernels import law as joint_law
 from drystone.solvers.linear_step import LinearStep, Pace
 
 Array = NDArray[np.float64]
@@ -107,7 +108,7 @@ class InteriorPoint:
         every = step.table, step.count, step.used
         if step.count == 0:
             return True, multiplier
-        stiffness = float(step.table[: step.count, joint.STIFF_N].mean())
+        stiffness = float(step.table[: step.count, joint_law.STIFF_N].mean())
         unit = self.weight**2 / stiffness
         lag = pace.missing(geometry) if pace else 0.0
         missing = lag - float(np.vdot(gradient, x - geometry)) if pace else 0.0
@@ -259,7 +260,7 @@ class InteriorPoint:
         step = self.step
         every = step.table, step.count, step.used
         interior.choose(*every, self.inner, step.branch)
-        joint.respond(*every, step.branch, step.response)
+        joint_law.respond(*every, step.branch, step.response)
         step.assemble(x, multiplier, x - geometry)
         if step.residual <= tolerance:
             return True

@@ -14,7 +14,7 @@ from scipy.linalg import lapack
 from scipy.sparse import coo_matrix, csc_matrix
 from scipy.sparse.linalg import splu
 
-from drystone.kernels.joint import Tangent
+from drystone.kernels.forces import Tangent
 from drystone.kernels.step import fill_dense
 
 Array = NDArray[np.float64]

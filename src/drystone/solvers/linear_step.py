@@ -2,7 +2,7 @@
 
     R(x, l) = G + l F + sum over contacts (r_n grad g + r_t grad s) - M x / h^2 = 0
 
-linear but for the joint law, of which a response is given for every contact; see `kernels.joint`
+linear but for the joint law, of which a response is given for every contact; see `kernels.law`
 for the tangent, `kernels.path` for what borders it.
 """
 
@@ -15,8 +15,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.kernels import block_lu, joint, path, step
-from drystone.kernels.joint import N_TABLE, Tangent
+from drystone.kernels import block_lu, forces, path, step
+from drystone.kernels import law as joint_law
+from drystone.kernels.forces import Tangent
+from drystone.kernels.law import N_TABLE
 from drystone.kernels.narrow import Slots
 
 Array = NDArray[np.float64]
@@ -132,7 +134,7 @@ class LinearStep:
         self.reaction = np.zeros((n_slots, 2))
         self.branch = np.zeros(n_slots, np.int64)
         self.table = np.zeros((n_slots, N_TABLE))
-        self.response = np.zeros((n_slots, joint.N_RESPONSE))
+        self.response = np.zeros((n_slots, joint_law.N_RESPONSE))
         self.used = np.zeros(n_slots, np.int64)
         self.count = 0
         self.tangent, self.geometric = (
@@ -166,7 +168,7 @@ class LinearStep:
 
     def move_trial(self, motion: Array) -> None:
         """Trial reactions where the blocks have moved on by ``motion`` (n, n_dof)."""
-        joint.move_trial(self.table, self.count, self.used, self.pair_a, self.pair_b, motion)
+        forces.move_trial(self.table, self.count, self.used, self.pair_a, self.pair_b, motion)
 
     def linearise(
         self, x: Array, multiplier: float, away: Array, pace: Pace | None, gradient: Array
@@ -176,7 +178,7 @@ class LinearStep:
         The unbalanced forces, and the ``residual``, are made those at ``x``, which is ``away`` (n,
         n_dof) from there.
         """
-        joint.respond(self.table, self.count, self.used, self.branch, self.response)
+        joint_law.respond(self.table, self.count, self.used, self.branch, self.response)
         self.assemble(x, multiplier, away)
         self.damping[:] = 0.0
         return self.factorise(pace, gradient, 0.0)
@@ -184,12 +186,12 @@ class LinearStep:
     def assemble(self, x: Array, multiplier: float, away: Array) -> None:
         """Unbalanced forces, ``residual`` and tangent of the contacts' ``response``."""
         if not self.bent:
-            joint.geometric_stiffness(
+            forces.geometric_stiffness(
                 self.slots, self.count, self.used, self.pair_a, self.pair_b, self.reaction,
                 self.geometric,
             )  # fmt: skip
             self.bent = True
-        joint.assemble(
+        forces.assemble(
             self.table, self.count, self.used, self.pair_a, self.pair_b, self.response,
             self.geometric, away, self.contact_force, self.tangent,
         )  # fmt: skip

@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.kernels import nlgs as kernels
-from drystone.kernels.joint import Tangent
+from drystone.kernels.forces import Tangent
+from drystone.kernels.law import joint_law_violation
 from drystone.kernels.nlgs import ContactProblem
-from drystone.kernels.residual import joint_law_violation, unbalanced_force
+from drystone.kernels.residual import unbalanced_force
 from drystone.solvers.linear import BlockSystem, SingularMatrixError
 
 Array = NDArray[np.float64]

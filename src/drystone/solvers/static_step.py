@@ -1,7 +1,7 @@
 """The equations of one step of static equilibrium, on arrays that are made once per pair list.
 
 Those of `solvers.linear_step`, with gaps and gradients in the places at the end of the step; see
-`kernels.joint` for the reactions, `kernels.path` for how the linear equations are solved.
+`kernels.law` for the reactions, `kernels.path` for how the linear equations are solved.
 """
 
 from __future__ import annotations
@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from drystone.contact.certificate import JudgedContacts
 from drystone.contact.detection import Detector, Pairs, empty_slots
 from drystone.contact.forces import OPEN, SLIDING, STICKING
-from drystone.kernels import joint, narrow, path
-from drystone.kernels.joint import N_HISTORY
+from drystone.kernels import forces, narrow, path, rows
+from drystone.kernels import law as joint_law
+from drystone.kernels.law import N_HISTORY
 from drystone.kernels.narrow import Slots
 from drystone.solvers.linear_step import BENDS, LinearStep, Loads
 
@@ -79,7 +80,7 @@ class StaticStep(LinearStep):
         self.start_length[:] = np.where(slots.kind != narrow.NONE, slots.length, 0.0)
         half = self.slots
         self.constants.detector.follow(self.pairs, pose + 0.5 * guess, self.known, half)
-        joint.slip_gradients(half, self.start_slip)
+        rows.slip_gradients(half, self.start_slip)
 
     def follow(self, slots: Slots) -> None:
         """Go on with the features of these contacts; each brings along what its forerunner had."""
@@ -89,7 +90,7 @@ class StaticStep(LinearStep):
         for array in (self.memory, self.closed, self.start_length, self.start_slip, self.branch):
             array[:] = array[source]
             array[new] = 0
-        self.memory[new, joint.BROKEN] = 1.0  # blocks that come to touch later are not bonded
+        self.memory[new, joint_law.BROKEN] = 1.0  # blocks that come to touch later are not bonded
         for mine, theirs in zip(known, slots, strict=True):
             mine[:] = theirs
 
@@ -98,7 +99,7 @@ class StaticStep(LinearStep):
         c, pairs = self.constants, self.pairs
         c.detector.follow(pairs, self.pose + x, self.known, self.slots)
         self.bent = False
-        self.count = joint.joint_forces(
+        self.count = forces.joint_forces(
             self.slots, pairs.a, pairs.b, pairs.law, c.laws, c.thickness, self.start_length,
             self.start_slip, self.closed, self.memory, x, self.contact_force, self.table, self.used,
             self.branch, self.reaction, self.state,
@@ -132,7 +133,7 @@ class StaticStep(LinearStep):
 
     def remember(self) -> None:
         """Make sliding that has ended on the path part of the step's history."""
-        joint.remember(self.table, self.count, self.used, self.memory)
+        joint_law.remember(self.table, self.count, self.used, self.memory)
 
     def status(self) -> IntArray:
         """Status of every slot, (n_slots,)."""
@@ -143,7 +144,7 @@ class StaticStep(LinearStep):
         n = self.count
         bodies, values = np.empty((2, n), np.int64), np.empty((8, n))
         reaction = np.empty((n, 2))
-        joint.judge(
+        forces.judge(
             self.table, n, self.used, self.pair_a, self.pair_b, self.slots.gap, self.reaction,
             self.state, bodies, reaction, values,
         )  # fmt: skip

@@ -1,0 +1,304 @@
+"""The joint law: what a contact's reactions are, in every form that a solver needs.
+
+With the stiffnesses times the contact's tributary area k_n, k_s [N/m], gap g, accumulated
+dilation d, slip increment s and shear t_0 at the start of the step, the trial reactions are
+
+    r_n = k_n (d - g)          r_t = t_0 - k_s s
+
+Without tension k_s r_n + k_n tan(psi) |r_t| <= 0 means open, which without dilatancy is r_n <= 0.
+|r_t| <= mu r_n sticks.  Otherwise the joint slides by
+
+    gamma = (|r_t| - mu r_n) / (k_s + mu k_n tan psi)
+
+against the trial shear, which raises the normal reaction by k_n tan(psi) gamma (return mapping;
+non-associative unless tan psi = mu).  A bond holds whatever it carries: when it is lost is decided
+between steps (see `contact.bonds`).  In each of these branches the reactions are linear in the
+trial reactions, and they are continuous.
+
+`kernels.interior` has the same law as products that vanish, `kernels.nlgs` as impulses without
+shear stiffness.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from drystone.kernels.rows import GAP, MEASURED, N_ROWS, SLIP
+
+#: Branches: open, sticking, sliding under positive and under negative shear, held by a bond.
+OPEN, STICKING, FORWARD, BACKWARD, BONDED = 0, 1, 2, 3, 4
+
+#: What contacts are called in results; the sense of sliding is that of the reaction.
+SLIDING = 2
+
+#: A contact stays in the branch it came from when another is nearer by this share of its reactions
+#: only: one that slides starts the next step on its cone to rounding.
+TIE = 1e-7
+
+#: A bond holds beyond its strength by this share of it: what is at its limit has not broken.
+BOND_TIE = 1e-6
+
+#: Columns of the history of a contact: shear [N], dilation [m], slid distance [m], broken bond.
+SHEAR, DILATION, SLID, BROKEN = 0, 1, 2, 3
+N_HISTORY = 4
+
+#: Columns of the table of joint laws: mu, k_n, k_s [Pa/m], tan psi, c, f_t [Pa], slide at which
+#: dilatancy ends [m].
+MU, KN, KS, TAN_PSI, COHESION, TENSION, DILATANCY_END = 0, 1, 2, 3, 4, 5, 6
+N_LAW = 7
+
+#: Columns of the table of contacts after its gradients (see `kernels.rows`): k_n, k_s [N/m], mu,
+#: k_n tan psi [N/m], c A, f_t A [N], trial reactions [N], and what sliding that has ended within
+#: the step adds to them [N], with its length [m].
+STIFF_N, STIFF_T, FRICTION, LIFT = N_ROWS, N_ROWS + 1, N_ROWS + 2, N_ROWS + 3
+BOND, TENSILE, TRIAL_N, TRIAL_T = N_ROWS + 4, N_ROWS + 5, N_ROWS + 6, N_ROWS + 7
+ADD_N, ADD_T, PLASTIC = N_ROWS + 8, N_ROWS + 9, N_ROWS + 10
+N_TABLE = N_ROWS + 11
+
+#: Columns of the response of a contact: reactions, and their derivatives by the trial reactions,
+#: the first by the normal one.
+RN, RT, NN, NT, TN, TT = 0, 1, 2, 3, 4, 5
+N_RESPONSE = 6
+
+
+@njit(cache=True)
+def slide(rn, rt, stiffness, friction, lift):
+    """How far a joint has slid under trial reactions beyond the cone, shear taken positive [m]."""
+    return (rt - friction * rn) / (stiffness + friction * lift)
+
+
+@njit(cache=True)
+def branch_of(table, c, hint):
+    """Branch of the law for the trial reactions of a row of the table."""
+    rn = table[c, TRIAL_N]
+    rt = table[c, TRIAL_T]
+    mu = table[c, FRICTION]
+    if hint == BONDED:
+        return BONDED
+    over = abs(rt) - mu * rn
+    near = TIE * (abs(rt) + mu * abs(rn))
+    # A joint that dilates is held closed by what it slides.
+    held = table[c, STIFF_T] * rn + table[c, LIFT] * abs(rt)
+    if held < 0.0 or (held == 0.0 and hint != STICKING):
+        return OPEN
+    sliding = FORWARD if rt > 0.0 else BACKWARD
+    if abs(over) <= near and (hint == STICKING or hint == sliding):
+        return hint
+    return STICKING if over <= 0.0 else sliding
+
+
+@njit(cache=True)
+def reactions(table, c, branch):
+    """Normal and tangential reaction [N] in a branch of the law, and the sliding in it [m]."""
+    rn = table[c, TRIAL_N]
+    rt = table[c, TRIAL_T]
+    if branch == OPEN:
+        return 0.0, 0.0, 0.0
+    if branch == STICKING or branch == BONDED:
+        return rn, rt, 0.0
+    sign = 1.0 if branch == FORWARD else -1.0
+    mu, lift = table[c, FRICTION], table[c, LIFT]
+    gamma = slide(rn, sign * rt, table[c, STIFF_T], mu, lift)
+    rn += lift * gamma
+    return rn, sign * mu * rn, gamma
+
+
+@njit(cache=True)
+def respond(table, count, used, branch, response):
+    """Fill reactions and their derivatives by the trial reactions, (n_slots, N_RESPONSE)."""
+    for c in range(count):
+        now = branch[used[c]]
+        response[c, RN], response[c, RT], _ = reactions(table, c, now)
+        nn, nt, tn, tt = 0.0, 0.0, 0.0, 0.0
+        if now == STICKING or now == BONDED:
+            nn, tt = 1.0, 1.0
+        elif now != OPEN:
+            sign = 1.0 if now == FORWARD else -1.0
+            mu, lift = table[c, FRICTION], table[c, LIFT]
+            raised = lift / (table[c, STIFF_T] + mu * lift)
+            nn, nt = 1.0 - raised * mu, raised * sign
+            tn, tt = sign * mu * nn, sign * mu * nt
+        response[c, NN], response[c, NT] = nn, nt
+        response[c, TN], response[c, TT] = tn, tt
+
+
+@njit(cache=True)
+def distance(table, c, now, rate_n, rate_t, whole):
+    """How far along the direction a contact leaves its branch, and for which one."""
+    rn, rt = table[c, TRIAL_N], table[c, TRIAL_T]
+    kt, mu, lift = table[c, STIFF_T], table[c, FRICTION], table[c, LIFT]
+    nearest = np.inf
+    following = now
+    if now == BONDED:
+        return nearest, following
+    if now == FORWARD or now == BACKWARD:
+        sign = 1.0 if now == FORWARD else -1.0
+        speed = mu * rate_n - sign * rate_t
+        if speed > 0.0 and whole:
+            nearest = max(sign * rt - mu * rn, 0.0) / speed
+            following = STICKING
+        speed = -(kt * rate_n + lift * sign * rate_t)
+        if speed > 0.0:
+            far = max(kt * rn + lift * sign * rt, 0.0) / speed
+            if far < nearest:
+                nearest = far
+                following = OPEN
+        return nearest, following
+    for sliding in range(FORWARD, BACKWARD + 1):
+        sign = 1.0 if sliding == FORWARD else -1.0
+        if now == OPEN:
+            speed = kt * rate_n + lift * sign * rate_t
+            far = max(-kt * rn - lift * sign * rt, 0.0)
+        else:
+            speed = sign * rate_t - mu * rate_n
+            far = max(mu * rn - sign * rt, 0.0)
+        if not speed > 0.0:
+            continue
+        far /= speed
+        if now == OPEN and sign * (rt + far * rate_t if whole else rate_t) < 0.0:
+            continue
+        if far < nearest:
+            nearest = far
+            following = sliding
+    return nearest, following
+
+
+@njit(cache=True)
+def landing(table, c, now):
+    """Branch of the law for trial reactions.
+
+    A contact that would slide the other way has passed the band in which it sticks, narrow where
+    the shear stiffness is high; it is taken to stick.
+    """
+    rn, rt, mu = table[c, TRIAL_N], table[c, TRIAL_T], table[c, FRICTION]
+    if now == BONDED:
+        return BONDED
+    if table[c, STIFF_T] * rn + table[c, LIFT] * abs(rt) <= 0.0:
+        return OPEN
+    if abs(rt) <= mu * rn:
+        return STICKING
+    sliding = FORWARD if rt > 0.0 else BACKWARD
+    return STICKING if now == FORWARD + BACKWARD - sliding else sliding
+
+
+@njit(cache=True)
+def change(table, c, before, after, u, rows, k):
+    """Fill u (2 n_dof,) and row k of ``rows`` with the u and v by whose product the matrix changes
+    with the branch of contact c."""
+    n_dof = (u.shape[0]) // 2
+    sliding = before if before >= FORWARD else after
+    sign = 1.0 if sliding == FORWARD else -1.0
+    kn, kt, mu, lift = table[c, STIFF_N], table[c, STIFF_T], table[c, FRICTION], table[c, LIFT]
+    along = kt + mu * lift
+    if before == OPEN or after == OPEN:
+        turn = -1.0 if before == OPEN else 1.0
+        for i in range(2 * n_dof):
+            u[i] = turn * (table[c, GAP + i] + sign * mu * table[c, SLIP + i])
+            slid = mu * kn * table[c, GAP + i] - sign * kt * table[c, MEASURED + i]
+            rows[k, i] = lift * slid / along - kn * table[c, GAP + i]
+        return
+    turn = 1.0 if before == STICKING else -1.0
+    for i in range(2 * n_dof):
+        u[i] = turn * (sign * kt * table[c, SLIP + i] - lift * table[c, GAP + i])
+        slid = mu * kn * table[c, GAP + i] - sign * kt * table[c, MEASURED + i]
+        rows[k, i] = slid / along
+
+
+@njit(cache=True)
+def commit(table, c, before):
+    """Make the sliding of a contact part of its history, where it sticks or opens; and forget
+    the shear of one that was open."""
+    if before == OPEN:
+        table[c, ADD_T] -= table[c, TRIAL_T]
+        table[c, TRIAL_T] = 0.0
+    elif before == FORWARD or before == BACKWARD:
+        sign = 1.0 if before == FORWARD else -1.0
+        rn, rt = table[c, TRIAL_N], table[c, TRIAL_T]
+        gamma = slide(rn, sign * rt, table[c, STIFF_T], table[c, FRICTION], table[c, LIFT])
+        table[c, TRIAL_N] += table[c, LIFT] * gamma
+        table[c, ADD_N] += table[c, LIFT] * gamma
+        table[c, ADD_T] -= sign * table[c, STIFF_T] * gamma
+        table[c, TRIAL_T] -= sign * table[c, STIFF_T] * gamma
+        table[c, PLASTIC] += gamma
+
+
+@njit(cache=True)
+def joint_law_violation(
+    gap, slip, reaction, shear_before, normal_stiffness, shear_stiffness, friction, bond, tension
+):
+    """Largest distances [N] of reactions from those that the joint law gives.
+
+    The law's reaction is r_n = k_n <-g> and r_t = clip(t_0 - k_s s, +-(mu r_n + bond)); a bond
+    also pulls, r_n = -k_n g, up to its tensile strength.  For friction without shear stiffness,
+    pass the reaction itself as ``shear_before`` and any positive stiffness: the distance is then
+    zero only where the law holds (natural map).  Without a slip, what is left of it is the cone.
+
+    Parameters
+    ----------
+    gap
+        At the end of the step, less dilation, (n_contacts,) [m].
+    slip
+        Sliding distance in the step, (n_contacts,) [m].
+    reaction
+        (n_contacts, 2) [N], normal and tangential.
+    shear_before
+        (n_contacts,) [N], tangential reaction at the start of the step.
+    normal_stiffness, shear_stiffness
+        (n_contacts,) [N/m].
+    friction
+        (n_contacts,)
+    bond, tension
+        (n_contacts,) [N], cohesion and tensile strength of joints that still have them.
+
+    Returns
+    -------
+    normal, tangential
+        Of normal and of tangential reactions [N].
+    cone
+        Excess of tangential reactions over what friction and cohesion hold [N].
+    """
+    normal, tangential, cone = 0.0, 0.0, 0.0
+    for c in range(gap.shape[0]):
+        strength = bond[c] + tension[c]
+        law_n = -normal_stiffness[c] * gap[c]
+        if law_n < -tension[c] - BOND_TIE * strength or (law_n < 0.0 and strength == 0.0):
+            law_n = 0.0
+        limit = max(friction[c] * reaction[c, 0] + bond[c], 0.0)
+        law_t = shear_before[c] - shear_stiffness[c] * slip[c]
+        law_t = min(max(law_t, -limit), limit)
+        normal = max(normal, abs(reaction[c, 0] - law_n))
+        tangential = max(tangential, abs(reaction[c, 1] - law_t))
+        cone = max(cone, abs(reaction[c, 1]) - limit)
+        # Comparisons lose what is not a number.
+        if not np.isfinite(law_n + law_t + reaction[c, 0] + reaction[c, 1]):
+            return np.nan, np.nan, np.nan
+    return normal, tangential, cone
+
+
+@njit(cache=True)
+def remember(table, count, used, memory):
+    """Sliding that has ended becomes part of what contacts bring along (n_slots, N_HISTORY)."""
+    for c in range(count):
+        k = used[c]
+        memory[k, SHEAR] += table[c, ADD_T]
+        memory[k, DILATION] += table[c, ADD_N] / table[c, STIFF_N]
+        memory[k, SLID] += table[c, PLASTIC]
+        table[c, ADD_N] = 0.0
+        table[c, ADD_T] = 0.0
+        table[c, PLASTIC] = 0.0
+
+
+@njit(cache=True)
+def carry(source, history, reaction, branch, new_history, new_reaction, new_branch):
+    """Fill what slots have from those that they go on in, ``source``; -1 marks contacts that are
+    new: open, without shear, and never bonded."""
+    for k in range(source.shape[0]):
+        j = source[k]
+        for i in range(N_HISTORY):
+            new_history[k, i] = history[j, i] if j >= 0 else 0.0
+        if j < 0:
+            new_history[k, BROKEN] = 1.0
+        new_reaction[k, 0] = reaction[j, 0] if j >= 0 else 0.0
+        new_reaction[k, 1] = reaction[j, 1] if j >= 0 else 0.0
+        new_branch[k] = branch[j] if j >= 0 else OPEN

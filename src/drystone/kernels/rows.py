@@ -1,0 +1,181 @@
+"""Gradients of gap and slip: how a contact's gap and sliding distance go with the blocks' motion.
+
+A row of an array has the gradient of the gap by the motions of both bodies, q = (x_a, theta_a, x_b,
+theta_b), then that of the slip, and, where slip is measured by another, that one; their formulas
+stand in `kernels.narrow`.  Reactions along the first two balance in force and in moment.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from drystone.kernels.narrow import NONE, VERTEX_A, VERTEX_B, VERTICES
+
+#: Where the gradients of gap and slip begin in a row, and the one by which slip is measured.
+GAP, SLIP, MEASURED = 0, 6, 12
+N_ROWS = 18
+
+
+@njit(cache=True)
+def gradients(kind, normal, arm_a, arm_b, roll, ratio, k, table, c):
+    """Gradients of gap and slip of contact k into a row of the table; see `kernels.narrow`."""
+    nx = normal[k, 0]
+    ny = normal[k, 1]
+    table[c, GAP + 0] = -nx
+    table[c, GAP + 1] = -ny
+    table[c, GAP + 2] = nx * arm_a[k, 1] - ny * arm_a[k, 0]
+    table[c, GAP + 3] = nx
+    table[c, GAP + 4] = ny
+    table[c, GAP + 5] = -nx * arm_b[k, 1] + ny * arm_b[k, 0]
+    q = ratio[k]
+    table[c, SLIP + 0] = -q * ny
+    table[c, SLIP + 1] = q * nx
+    table[c, SLIP + 2] = q * (ny * arm_a[k, 1] + nx * arm_a[k, 0]) + roll[k, 0]
+    table[c, SLIP + 3] = q * ny
+    table[c, SLIP + 4] = -q * nx
+    table[c, SLIP + 5] = -q * (ny * arm_b[k, 1] + nx * arm_b[k, 0]) + roll[k, 1]
+
+
+@njit(cache=True)
+def slip_gradients(slots, rows):
+    """Gradients of the slip of all contacts in use, (n_slots, 6); see `kernels.narrow`."""
+    kind, normal, arm_a, arm_b = slots.kind, slots.normal, slots.arm_a, slots.arm_b
+    roll, ratio = slots.roll, slots.ratio
+    row = np.zeros((1, 12))
+    for k in range(kind.shape[0]):
+        if kind[k] != NONE:
+            gradients(kind, normal, arm_a, arm_b, roll, ratio, k, row, 0)
+            for i in range(6):
+                rows[k, i] = row[0, SLIP + i]
+
+
+@njit(cache=True)
+def map_contacts(kind, normal, arm_a, arm_b, roll, ratio, chosen, mapping):
+    """Gradients of gap and slip of the chosen slots, (n_contacts, 2, 6)."""
+    rows = mapping.reshape(mapping.shape[0], 12)
+    for c in range(chosen.shape[0]):
+        gradients(kind, normal, arm_a, arm_b, roll, ratio, chosen[c], rows, c)
+
+
+@njit(cache=True)
+def slip(kind, normal, arm_a, arm_b, roll, ratio, k, a, b, increment):
+    """Sliding distance of b over a along the tangent since the start of the step [m].
+
+    Written in differences from the present place backwards, so that it is as precise as the
+    increments themselves: shear stiffness times the rounding of coordinates would be felt.
+    """
+    tx = normal[k, 1]
+    ty = -normal[k, 0]
+    wa = increment[a, 2]
+    wb = increment[b, 2]
+    sa = np.sin(wa)
+    ca = 2.0 * np.sin(0.5 * wa) ** 2
+    sb = np.sin(wb)
+    cb = 2.0 * np.sin(0.5 * wb) ** 2
+    # (I - R(-w)) v = [(1 - cos) v_x - sin v_y, sin v_x + (1 - cos) v_y]
+    ax = ca * arm_a[k, 0] - sa * arm_a[k, 1]
+    ay = sa * arm_a[k, 0] + ca * arm_a[k, 1]
+    bx = cb * arm_b[k, 0] - sb * arm_b[k, 1]
+    by = sb * arm_b[k, 0] + cb * arm_b[k, 1]
+    ux = increment[b, 0] - increment[a, 0]
+    uy = increment[b, 1] - increment[a, 1]
+    rolled = roll[k, 0] * wa + roll[k, 1] * wb
+    if kind[k] == VERTEX_B:
+        ux += bx
+        uy += by
+        turned_x = ca * tx - sa * ty
+        turned_y = sa * tx + ca * ty
+        before_x = arm_a[k, 0] - ux
+        before_y = arm_a[k, 1] - uy
+        return tx * ux + ty * uy + turned_x * before_x + turned_y * before_y + rolled
+    if kind[k] == VERTEX_A:
+        ux -= ax
+        uy -= ay
+        turned_x = cb * tx - sb * ty
+        turned_y = sb * tx + cb * ty
+        before_x = arm_b[k, 0] + ux
+        before_y = arm_b[k, 1] + uy
+        return tx * ux + ty * uy - turned_x * before_x - turned_y * before_y + rolled
+    ux += bx - ax
+    uy += by - ay
+    radii = roll[k, 0] + roll[k, 1]
+    dx = normal[k, 0] * radii / ratio[k]
+    dy = normal[k, 1] * radii / ratio[k]
+    swept = np.arctan2(dx * uy - dy * ux, (dx - ux) * dx + (dy - uy) * dy)
+    return rolled - radii * swept
+
+
+@njit(cache=True)
+def second_derivatives(kind, normal, arm_a, arm_b, roll, ratio, k, rn, rt, hess):
+    """Add -(r_n hess(g) + r_t hess(s)) to the 6 x 6 ``hess``, in the order (a, b)."""
+    nx = normal[k, 0]
+    ny = normal[k, 1]
+    tx = ny
+    ty = -nx
+    # A force f = r_n n + r_t t that turns with the block that owns the edge, at a fixed line.
+    fx = rn * nx + rt * tx
+    fy = rn * ny + rt * ty
+    if kind[k] == VERTEX_B:
+        e, o = 0, 3
+        along_e = fx * arm_a[k, 0] + fy * arm_a[k, 1]
+        along_o = fx * arm_b[k, 0] + fy * arm_b[k, 1]
+        sign = 1.0
+    elif kind[k] == VERTEX_A:
+        e, o = 3, 0
+        along_e = -(fx * arm_b[k, 0] + fy * arm_b[k, 1])
+        along_o = -(fx * arm_a[k, 0] + fy * arm_a[k, 1])
+        sign = -1.0
+    else:
+        e, o, sign, along_e, along_o = 0, 3, 1.0, 0.0, 0.0
+    if kind[k] != VERTICES:
+        # hess(theta_e, x_o) = S f, hess(theta_e, x_e) = -S f, and three rotation terms.
+        sx = -sign * fy
+        sy = sign * fx
+        hess[e + 2, o] -= sx
+        hess[e + 2, o + 1] -= sy
+        hess[o, e + 2] -= sx
+        hess[o + 1, e + 2] -= sy
+        hess[e + 2, e] += sx
+        hess[e + 2, e + 1] += sy
+        hess[e, e + 2] += sx
+        hess[e + 1, e + 2] += sy
+        hess[e + 2, e + 2] += along_e
+        hess[e + 2, o + 2] -= along_o
+        hess[o + 2, e + 2] -= along_o
+        hess[o + 2, o + 2] += along_o
+        return
+    radii = roll[k, 0] + roll[k, 1]
+    distance = radii / ratio[k]
+    n_a = nx * arm_a[k, 0] + ny * arm_a[k, 1]
+    n_b = nx * arm_b[k, 0] + ny * arm_b[k, 1]
+    t_a = tx * arm_a[k, 0] + ty * arm_a[k, 1]
+    t_b = tx * arm_b[k, 0] + ty * arm_b[k, 1]
+    # n.J and t.J, with J the Jacobian of the vector from vertex to vertex; S n = -t, S t = n.
+    nj = (-nx, -ny, -t_a, nx, ny, t_b)
+    tj = (-tx, -ty, n_a, tx, ty, -n_b)
+    for i in range(6):
+        for j in range(6):
+            hess[i, j] -= rn / distance * tj[i] * tj[j]
+            hess[i, j] -= rt * radii / distance**2 * -(nj[i] * tj[j] + tj[i] * nj[j])
+    hess[2, 2] -= rn * n_a + rt * ratio[k] * t_a
+    hess[5, 5] += rn * n_b + rt * ratio[k] * t_b
+
+
+@njit(cache=True)
+def along(rows, c, start, field, a, b):
+    """The gradient that begins at column ``start`` of row c, times the motion of bodies a and b."""
+    n_dof = field.shape[1]
+    total = 0.0
+    for i in range(n_dof):
+        total += rows[c, start + i] * field[a, i] + rows[c, start + n_dof + i] * field[b, i]
+    return total
+
+
+@njit(cache=True)
+def add_force(rows, c, rn, rt, a, b, force):
+    """Add what the reactions of row c do to bodies a and b to ``force`` (n, n_dof)."""
+    n_dof = force.shape[1]
+    for i in range(n_dof):
+        force[a, i] += rn * rows[c, GAP + i] + rt * rows[c, SLIP + i]
+        force[b, i] += rn * rows[c, GAP + n_dof + i] + rt * rows[c, SLIP + n_dof + i]
