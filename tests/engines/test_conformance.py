@@ -330,7 +330,7 @@ def digest(curve: CapacityCurve) -> str:
     sha = hashlib.sha256()
     for name in COLUMNS:
         column = curve.column(name)
-        sha.update(column.tobytes() if column.dtype.kind in "fi" else "".join(column).encode())
+        sha.update(column.tobytes() if column.dtype.kind in "fib" else "".join(column).encode())
     return sha.hexdigest()
 
 
