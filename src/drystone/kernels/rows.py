@@ -12,9 +12,12 @@ from numba import njit
 
 from drystone.kernels.narrow import NONE, VERTEX_A, VERTEX_B, VERTICES
 
+#: Degrees of freedom of a body: a constant, so that loops over them are unrolled.
+N_DOF = 3
+
 #: Where the gradients of gap and slip begin in a row, and the one by which slip is measured.
-GAP, SLIP, MEASURED = 0, 6, 12
-N_ROWS = 18
+GAP, SLIP, MEASURED = 0, 2 * N_DOF, 4 * N_DOF
+N_ROWS = 6 * N_DOF
 
 
 @njit(cache=True)
@@ -165,17 +168,15 @@ def second_derivatives(kind, normal, arm_a, arm_b, roll, ratio, k, rn, rt, hess)
 @njit(cache=True)
 def along(rows, c, start, field, a, b):
     """The gradient that begins at column ``start`` of row c, times the motion of bodies a and b."""
-    n_dof = field.shape[1]
     total = 0.0
-    for i in range(n_dof):
-        total += rows[c, start + i] * field[a, i] + rows[c, start + n_dof + i] * field[b, i]
+    for i in range(N_DOF):
+        total += rows[c, start + i] * field[a, i] + rows[c, start + N_DOF + i] * field[b, i]
     return total
 
 
 @njit(cache=True)
 def add_force(rows, c, rn, rt, a, b, force):
     """Add what the reactions of row c do to bodies a and b to ``force`` (n, n_dof)."""
-    n_dof = force.shape[1]
-    for i in range(n_dof):
+    for i in range(N_DOF):
         force[a, i] += rn * rows[c, GAP + i] + rt * rows[c, SLIP + i]
-        force[b, i] += rn * rows[c, GAP + n_dof + i] + rt * rows[c, SLIP + n_dof + i]
+        force[b, i] += rn * rows[c, GAP + N_DOF + i] + rt * rows[c, SLIP + N_DOF + i]
