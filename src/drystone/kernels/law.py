@@ -34,7 +34,7 @@ SLIDING = 2
 
 #: A contact stays in the branch it came from when another is nearer by this share of its reactions
 #: only: one that slides starts the next step on its cone to rounding.
-TIE = 1e-7
+TIE = 1e-8
 
 #: A bond holds beyond its strength by this share of it: what is at its limit has not broken.
 BOND_TIE = 1e-6
