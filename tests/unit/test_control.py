@@ -112,6 +112,23 @@ class SlidingStructure:
         self.closed = True
 
 
+class FallingFreely(SlidingStructure):
+    """From 0.1 m on it goes on by itself, a step of the settings at a time, and would have to be
+    held back; ``said`` are the figures by which its engine reports that."""
+
+    def __init__(self, **said):
+        super().__init__()
+        self.said = said
+
+    def step(self, state, demand):
+        new, report = super().step(state, demand)
+        if new.delta < 0.1:
+            return new, report
+        new = SlidingState(state.delta + STEP)
+        report = replace(report, control_displacement=new.delta, motion=STEP)
+        return new, replace(report, carried_multiplier=-0.05, **self.said)
+
+
 def trace(engine, strategy, **options):
     return pushover(
         MODEL,
@@ -213,17 +230,7 @@ class TestExcess:
 
     def test_what_falls_on_without_load_has_collapsed_in_motion(self):
         """In the words of the pacing of engines that prescribe displacements."""
-
-        class Falling(SlidingStructure):
-            def step(self, state, demand):
-                new, report = super().step(state, demand)
-                if new.delta < 0.1:
-                    return new, report
-                new = SlidingState(state.delta + STEP)
-                report = replace(report, control_displacement=new.delta, motion=STEP)
-                return new, replace(report, carried_multiplier=-0.05, static_multiplier=-0.05)
-
-        curve = trace(Falling(), "displacement")
+        curve = trace(FallingFreely(static_multiplier=-0.05), "displacement")
         assert curve.status == "finished" and curve.points[-1].status == DYNAMIC
         assert "or a part of it, collapsed in motion: it falls without any load" in curve.reason
 
@@ -494,16 +501,7 @@ class TestPublished:
         assert curve.ultimate_displacement > 0.9 * DELTA_END
 
     def test_what_falls_for_long_has_collapsed_in_motion(self):
-        class Falling(SlidingStructure):
-            def step(self, state, demand):
-                new, report = super().step(state, demand)
-                if new.delta < 0.1:
-                    return new, report
-                new = SlidingState(state.delta + STEP)
-                report = replace(report, control_displacement=new.delta, motion=STEP)
-                return new, replace(report, carried_multiplier=-0.05, dynamic=True)
-
-        curve = trace(Falling(), "published")
+        curve = trace(FallingFreely(dynamic=True), "published")
         assert curve.status == "finished" and "collapsed in motion" in curve.reason
         # Of one step each, 25 to `fall_motion`, one beyond it, and one before less is applied.
         late = curve.control_displacement > 0.1
