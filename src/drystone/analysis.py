@@ -134,13 +134,15 @@ def pushover(
 
     def add(report: StepReport, state: Any, time_step: float, decision: Decision) -> None:
         point = _point(len(points), report, time_step, decision)
-        if recorder is not None:  # first: the curve has no more than is kept
-            recorder.point(point, state.pose, solver.contacts(state))
+        needed = recorder is not None or (keep_contacts and not later)
+        touching = solver.contacts(state) if needed else None
+        if recorder is not None and touching is not None:  # first: no more than is kept
+            recorder.point(point, state.pose, touching)
         points.append(point)
         if keep_poses:
             poses.append(state.pose.copy())
         if keep_contacts:
-            contacts.append(state if later else solver.contacts(state))
+            contacts.append(state if later else touching)
         if progress is not None:
             progress(point)
 

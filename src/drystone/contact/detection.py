@@ -176,3 +176,9 @@ def carry(previous: Pairs, current: Pairs) -> IntArray:
         return np.full(len(new), -1, np.int64)
     row = np.minimum(np.searchsorted(old, new), len(old) - 1)
     return np.where(old[row] == new, row, -1).astype(np.int64)
+
+
+def carried_slots(previous: Pairs, current: Pairs) -> IntArray:
+    """Slot of each current slot in the previous list, or -1, (n_slots,)."""
+    row = carry(previous, current)
+    return np.where(row[:, None] >= 0, 2 * row[:, None] + (0, 1), -1).ravel()

@@ -26,7 +26,7 @@ from drystone.contact.certificate import (
     certify,
     strengths,
 )
-from drystone.contact.detection import Detector, Pairs, carry, copied, empty_slots
+from drystone.contact.detection import Detector, Pairs, carried_slots, copied, empty_slots
 from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
@@ -302,8 +302,7 @@ class Workspace:
 
     def _new_pairs(self, pairs: Pairs) -> None:
         """Go over to another list of pairs, with the slots and histories of those that stay."""
-        row = carry(self.pairs, pairs)
-        source = np.where(row[:, None] >= 0, 2 * row[:, None] + (0, 1), -1).ravel()
+        source = carried_slots(self.pairs, pairs)
         known = source >= 0
         slots = empty_slots(len(pairs.a))
         for new, old in zip(slots, self.slots, strict=True):

@@ -23,6 +23,7 @@ from drystone.contact.certificate import Forces, certify
 from drystone.contact.detection import (
     Detector,
     Pairs,
+    carried_slots,
     carry,
     copied,
     empty_slots,
@@ -322,10 +323,9 @@ class EquilibriumEngine:
     def _paired(self, state: EquilibriumState, gone: BoolArray) -> EquilibriumState:
         """The state with new pairs, without the blocks that are ``gone``."""
         pairs = self.detector.pairs(state.pose, gone)
-        row = carry(state.pairs, pairs)
         slots = empty_slots(len(pairs.a))
         self.detector.fill(pairs, state.pose, slots)
-        source = np.where(row[:, None] >= 0, 2 * row[:, None] + (0, 1), -1).ravel()
+        source = carried_slots(state.pairs, pairs)
         history, reaction, branch = _carried(source, state.history, state.reaction, state.branch)
         margin, known = np.full(len(source), np.inf), source >= 0
         margin[known] = state.margin[source[known]]

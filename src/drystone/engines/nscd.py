@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.certificate import Forces, JudgedContacts, certify
-from drystone.contact.detection import Detector, Pairs, carry, empty_slots
+from drystone.contact.detection import Detector, Pairs, carried_slots, empty_slots
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.departure import departing
@@ -233,8 +233,7 @@ class NscdEngine:
     def _paired(self, state: NscdState, gone: BoolArray) -> NscdState:
         """The state with new pairs, without the blocks that are ``gone``."""
         pairs = self.detector.pairs(state.pose, gone)
-        row = carry(state.pairs, pairs)
-        source = np.where(row[:, None] >= 0, 2 * row[:, None] + (0, 1), -1).ravel()
+        source = carried_slots(state.pairs, pairs)
         slots = empty_slots(len(pairs.a))
         self.detector.fill(pairs, state.pose, slots)
         known = source >= 0
