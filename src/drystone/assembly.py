@@ -15,8 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone import geometry
-from drystone.geometry import Core, GeometryError
+from drystone.geometry import GeometryError, polygon
+from drystone.geometry.interfaces import Interfaces
+from drystone.geometry.outlines import Outlines
+from drystone.geometry.polygon import Core
 
 #: Standard acceleration of gravity in this project [m/s2], the value the published runs used.
 GRAVITY = 9.81
@@ -55,10 +57,10 @@ class Corner:
     def core(self, vertices: Array) -> Core:
         """The contact shape of an outline; raises `GeometryError` where nothing is left."""
         if self.radius:
-            return geometry.rounded_core(vertices, self.radius)
+            return polygon.rounded_core(vertices, self.radius)
         if self.chamfer:
-            return geometry.chamfered_core(vertices, self.chamfer)
-        return geometry.sharp_core(vertices)
+            return polygon.chamfered_core(vertices, self.chamfer)
+        return polygon.sharp_core(vertices)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -78,7 +80,7 @@ class Shapes:
 
     offset: IntArray  # (n + 1,)
     vertices: Array  # (n_vertices, dim) m, core vertices relative to the centroid
-    setback: Array  # (n_vertices, 2) m, see `geometry.Core`
+    setback: Array  # (n_vertices, 2) m, see `polygon.Core`
     radius: Array  # (n,) m
 
     def of(self, i: int) -> Array:
@@ -145,11 +147,11 @@ class Assembly:
         cores = []
         for i, block in enumerate(self.blocks):
             try:
-                geometry.check_convex(block.vertices)
+                polygon.check_convex(block.vertices)
                 core = self.corner.core(block.vertices)
             except GeometryError as error:
                 raise GeometryError(f'block "{block.id}": {error}') from None
-            properties = geometry.mass_properties(block.vertices)
+            properties = polygon.mass_properties(block.vertices)
             centroid[i] = properties.centroid
             volume[i] = properties.area * self.thickness
             inertia[i] = properties.polar_moment * self.thickness
@@ -286,6 +288,16 @@ class Assembly:
             np.array(order, dtype=np.int64),
             np.array([pairs[k] for k in order], dtype=np.int64),
         )
+
+    @cached_property
+    def outlines(self) -> Outlines:
+        """Outlines of all blocks as designed, packed."""
+        return Outlines.pack([block.vertices for block in self.blocks])
+
+    @cached_property
+    def interfaces(self) -> Interfaces:
+        """Joints as designed, those between two supports included."""
+        return Interfaces.of(self.outlines)
 
     def outline(self, i: int, pose: Array | None = None) -> Array:
         """Outline of block ``i`` [m] as designed, or moved to ``pose`` (n, n_dof)."""

@@ -10,8 +10,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from drystone.assembly import GRAVITY, Assembly
-from drystone.builders.neighbours import TOUCHING, Array, IntArray, Outlines
 from drystone.builders.words import listed, millimetres
+from drystone.geometry.outlines import Array, IntArray, Outlines
 from drystone.model import Model
 
 #: Beyond these a unit has been mistaken: m, N/m3 (cork weighs 1200, lead 111e3).
@@ -54,11 +54,13 @@ class Inspection:
 def inspect(model: Model) -> Inspection:
     """Count the blocks, joints and contacts of a model, and say what is worth knowing."""
     assembly = model.assembly
-    outlines = Outlines.of(assembly)
+    outlines, joints = assembly.outlines, assembly.interfaces
     a, b = outlines.near_pairs()
     keep = ~(assembly.fixed[a] & assembly.fixed[b])
     a, b = a[keep], b[keep]
-    n_joints = int(np.count_nonzero(outlines.shared_lengths(a, b)))
+    loose = ~(assembly.fixed[joints.block_a] & assembly.fixed[joints.block_b])
+    # Once each: next to a block as thin as the tolerance, one may have a joint at either face.
+    n_joints = len(set(zip(joints.block_a[loose], joints.block_b[loose], strict=True)))
     movable = ~assembly.fixed
     x, y = model.control_point.point
     problems = (*model.notes, *doubts(model, outlines, a, b))
@@ -109,7 +111,7 @@ def _law_notes(assembly: Assembly) -> list[str]:
 
 def _floating(assembly: Assembly, outlines: Outlines, a: IntArray, b: IntArray) -> list[str]:
     """Blocks that no chain of touching blocks connects to a support, supports that bear nothing."""
-    touching = outlines.overlap_depths(a, b) >= -TOUCHING * outlines.pair_size(a, b)
+    touching = outlines.touching(a, b)
     a, b = a[touching], b[touching]
     n = assembly.n_bodies
     links = coo_array((np.ones(len(a)), (a, b)), shape=(n, n))
@@ -129,7 +131,7 @@ def _floating(assembly: Assembly, outlines: Outlines, a: IntArray, b: IntArray) 
 def _unit_doubts(assembly: Assembly, outlines: Outlines) -> list[str]:
     """Sizes and weights so far from masonry that a unit may have been mistaken."""
     found = []
-    largest = float(outlines.size[~assembly.fixed].max())
+    largest = float(outlines.sizes[~assembly.fixed].max())
     if largest > LONGEST_BLOCK:
         found.append(f"block: the largest is {largest:g} m long: are the coordinates in metres?")
     weights = [block.unit_weight for block in assembly.blocks if not block.support]

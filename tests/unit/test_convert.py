@@ -16,7 +16,6 @@ import fake_pylmgc90
 from builders import PUBLISHED_JOINT, convex_polygons, rectangle, stack, turned
 from drystone.assembly import Block, Corner, JointLaw
 from drystone.builders import ModelError, make_model, published_wall
-from drystone.builders.neighbours import Outlines
 from drystone.cli import app
 from drystone.convert import TARGETS, common, convert, itasca, read, target_of
 from drystone.model import Analysis, Model
@@ -54,7 +53,7 @@ def assert_same(a: Model, b: Model, *, shear: bool = True) -> None:
     np.testing.assert_allclose(q.weight, p.weight, rtol=CLOSE)
     assert q.thickness == p.thickness
     assert_same_law(p.joint, q.joint, shear=shear)
-    first, second = Outlines.of(p).near_pairs()
+    first, second = p.outlines.near_pairs()
     for i, j in zip(p.law_index(first, second), q.law_index(first, second), strict=True):
         assert_same_law(p.laws[i], q.laws[j], shear=shear)
     assert b.title == a.title

@@ -9,7 +9,6 @@ import drystone as ds
 from builders import UNIT_WEIGHT, rectangle, stiff_joint, turned
 from drystone.assembly import Block
 from drystone.builders import ModelError, circular_arch, make_model
-from drystone.builders.neighbours import Outlines
 from drystone.limit import collapse_load
 
 #: Of coordinates of metres that were computed along two ways.
@@ -40,7 +39,7 @@ def drawn(number, seed, tilt=0.0, origin=(0.0, 0.0)):
 
 def misfits(model):
     """Overlap (negative: gap) of all blocks that lie near each other."""
-    outlines = Outlines.of(model.assembly)
+    outlines = model.assembly.outlines
     a, b = outlines.near_pairs()
     depth = outlines.overlap_depths(a, b)
     return depth[depth > -10.0 * HAIR]

@@ -7,13 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drystone.builders.neighbours import Outlines
-from drystone.geometry import (
-    GeometryError,
+from drystone.geometry import GeometryError
+from drystone.geometry.outlines import Outlines
+from drystone.geometry.polygon import (
     chamfered_core,
     check_convex,
     mass_properties,
-    overlap_depth,
     rounded_core,
     sharp_core,
     signed_area,
@@ -34,6 +33,11 @@ def convex_polygons(draw):
     angle = np.radians(5.0 * np.sort(steps))
     half_axes = draw(st.tuples(st.floats(0.1, 10.0), st.floats(0.1, 10.0)))
     return np.column_stack((np.cos(angle), np.sin(angle))) * half_axes
+
+
+def overlap_depth(a, b):
+    (depth,) = Outlines.pack([a, b]).overlap_depths(np.array([0]), np.array([1]))
+    return depth
 
 
 def moved(vertices, angle, shift):
@@ -190,13 +194,7 @@ class TestOverlapDepth:
     @given(st.lists(convex_polygons(), min_size=2, max_size=6), angles, shifts)
     def test_many_at_once_are_the_same_as_one_by_one(self, polygons, angle, shift):
         polygons = [moved(p, angle * i, np.array(shift) * 0.01 * i) for i, p in enumerate(polygons)]
-        offset = np.cumsum([0] + [len(p) for p in polygons])
-        outlines = Outlines(
-            vertices=np.vstack(polygons),
-            offset=offset,
-            lower=np.array([p.min(axis=0) for p in polygons]),
-            upper=np.array([p.max(axis=0) for p in polygons]),
-        )
+        outlines = Outlines.pack(polygons)
         a, b = np.triu_indices(len(polygons), k=1)
         one_by_one = [overlap_depth(polygons[i], polygons[j]) for i, j in zip(a, b, strict=True)]
         assert outlines.overlap_depths(a, b) == pytest.approx(one_by_one, abs=1e-10)

@@ -24,9 +24,9 @@ from builders import (
 )
 from drystone.assembly import Assembly, Block, Corner, JointLaw
 from drystone.builders import published_wall
-from drystone.contact.broad import candidate_pairs
 from drystone.contact.detection import carry, empty_slots
 from drystone.geometry import GeometryError
+from drystone.geometry.broad import candidate_pairs
 from drystone.kernels import forces, narrow, rows
 from drystone.kernels import law as joint_law
 from drystone.kernels.forces import Tangent

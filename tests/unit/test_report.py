@@ -11,13 +11,12 @@ import synthetic
 from matplotlib.collections import LineCollection
 from matplotlib.image import imread
 
-from drystone.assembly import Assembly
 from drystone.commands.run import report
 from drystone.export.summary import summarise
 from drystone.limit.beside import Beside
 from drystone.report import canvas, draw_benchmark_wall, draw_curve, draw_mechanism
 from drystone.report.curve_figure import plot_curves
-from drystone.report.joints import designed_joints
+from drystone.report.joints import Joints
 from drystone.report.mechanism_figure import Mechanism, plot_mechanism, readable_magnification
 from drystone.report.outlines import MovingOutlines, moving_blocks
 
@@ -74,9 +73,9 @@ def test_blocks_that_only_settled_do_not_move():
     outlines = MovingOutlines.of(model.assembly)
     moving = moving_blocks(outlines.displacement(pose, sunk), model.assembly.fixed)
     assert np.flatnonzero(moving).tolist() == [row]
-    joints = designed_joints(model.assembly)
+    joints = Joints.of(model.assembly)
     opening, slip = joints.opening_and_slip(pose, sunk)
-    others = (joints.block_a != row) & (joints.block_b != row)
+    others = (joints.designed.block_a != row) & (joints.designed.block_b != row)
     # Differences of coordinates of the order of 1 m.
     assert opening[others] == pytest.approx(0.0, abs=1e-14)
     assert slip[others] == pytest.approx(0.0, abs=1e-14)
@@ -89,36 +88,12 @@ def test_blocks_that_only_settled_do_not_move():
     assert readable_magnification(model.assembly, pose, sunk) == alone > 1.0
 
 
-def test_joints_of_a_running_bond():
-    # Four courses of three blocks: 2 head joints in each; 3 bed joints on the base, and 5 between
-    # two courses, whose three and three edges start and end together.
-    joints = designed_joints(synthetic.wall_model().assembly)
-    assert len(joints.block_a) == 4 * 2 + 3 + 3 * 5
-
-
-def test_joints_with_edges_of_other_lengths_and_directions():
-    """A triangle leaning on a rectangle: the joint is the part that both edges cover."""
-    model = synthetic.wall_model()
-    block = model.assembly.blocks[1]
-    blocks = [
-        replace(block, id="rectangle", vertices=np.array([[0, 0], [2, 0], [2, 1], [0, 1.0]])),
-        replace(block, id="triangle", vertices=np.array([[1.5, 1], [3, 1], [3, 2.0]])),
-        replace(block, id="away", vertices=np.array([[5, 1], [6, 1], [6, 2.0]])),
-    ]
-    joints = designed_joints(Assembly.build(blocks, joint=model.assembly.joint))
-    assert [(int(a), int(b)) for a, b in zip(joints.block_a, joints.block_b, strict=True)] == [
-        (0, 1)
-    ]
-    ends = np.sort([joints.start[0, 0], joints.end[0, 0]])
-    np.testing.assert_allclose(ends, [1.5, 2.0], atol=1e-12)
-
-
 def test_opening_of_the_rocking_joint():
     model = synthetic.wall_model()
     pose = synthetic.pose_at(model, 0.1)
-    joints = designed_joints(model.assembly)
+    joints = Joints.of(model.assembly)
     opening, slip = joints.opening_and_slip(pose)
-    crossing = (joints.block_a <= 3) & (joints.block_b >= 4)
+    crossing = (joints.designed.block_a <= 3) & (joints.designed.block_b >= 4)
     # The joint turns about its right end by asin(0.1 / 0.525), and is 1 m long.
     assert opening[crossing].max() == pytest.approx(np.sin(np.arcsin(0.1 / 0.525)), rel=1e-12)
     assert np.abs(opening[~crossing]).max() < 1e-12  # rigid within each part

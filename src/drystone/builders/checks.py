@@ -7,11 +7,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 
-from drystone import geometry
 from drystone.assembly import Assembly, Block, Corner, JointLaw
-from drystone.builders.neighbours import TOUCHING, Outlines
 from drystone.builders.words import millimetres
-from drystone.geometry import GeometryError
+from drystone.geometry import GeometryError, polygon
+from drystone.geometry.outlines import TOUCHING, Outlines
 from drystone.ranges import problem
 
 #: Overlap, relative to the smaller block, that is taken for rounding of the coordinates.
@@ -58,7 +57,7 @@ def block_problems(blocks: Sequence[Block], corner: Corner, place: Place) -> lis
         if wrong:
             problems.append(f"{place(i)} {wrong}")
         try:
-            geometry.check_convex(block.vertices)
+            polygon.check_convex(block.vertices)
         except GeometryError as error:
             problems.append(f"{place(i)} vertices: {error}")
             continue
@@ -94,7 +93,7 @@ def layout_problems(assembly: Assembly, place: Place) -> list[str]:
         )
     if assembly.n_blocks == 0:
         problems.append("block: every block is a support, nothing can move: add a block")
-    outlines = Outlines.of(assembly)
+    outlines = assembly.outlines
     a, b = outlines.near_pairs()
     depth = outlines.overlap_depths(a, b)
     size = outlines.pair_size(a, b)

@@ -18,10 +18,11 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from drystone import geometry
 from drystone.assembly import Block
-from drystone.builders.neighbours import Outlines
 from drystone.builders.words import listed, millimetres
+from drystone.geometry import polygon
+from drystone.geometry.interfaces import Interfaces
+from drystone.geometry.outlines import Outlines
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -36,7 +37,7 @@ STRAIGHT = 1e-2
 
 def turned_round(blocks: Sequence[Block]) -> tuple[list[Block], tuple[str, ...]]:
     """The blocks with clockwise outlines the other way round, and a sentence on which they were."""
-    clockwise = [geometry.is_clockwise(block.vertices) for block in blocks]
+    clockwise = [polygon.is_clockwise(block.vertices) for block in blocks]
     turned = [
         replace(block, vertices=block.vertices[::-1].copy()) if wrong else block
         for block, wrong in zip(blocks, clockwise, strict=True)
@@ -61,7 +62,7 @@ def fitted(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], tupl
         moved further than that.
     """
     outlines = Outlines.pack([block.vertices for block in blocks])
-    distance = tolerance * float(_edge_lengths(outlines).min())
+    distance = tolerance * float(outlines.edges[1].min())
     if not distance > 0.0:
         return list(blocks), ()
     fixed = np.array([block.support for block in blocks])
@@ -84,28 +85,15 @@ def fitted(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], tupl
     ], (note,)
 
 
-def _following(outlines: Outlines) -> IntArray:
-    """Row of the vertex after each vertex of the same outline."""
-    following = np.arange(1, len(outlines.vertices) + 1)
-    following[outlines.offset[1:] - 1] = outlines.offset[:-1]
-    return following
-
-
-def _edge_lengths(outlines: Outlines) -> Array:
-    edges = outlines.vertices[_following(outlines)] - outlines.vertices
-    return np.hypot(edges[:, 0], edges[:, 1])
-
-
 def _closed(outlines: Outlines, fixed: NDArray[np.bool_], distance: float) -> tuple[Array, int]:
     """Vertices with all joints closed that are open or overlap by up to ``distance`` [m].
 
     And how many joints there were of that kind.
     """
-    shared = outlines.shared_edges(*outlines.near_pairs(distance), distance)
-    e, f = shared.edge_a, shared.edge_b
-    vertices, following = outlines.vertices, _following(outlines)
-    owner = np.repeat(np.arange(len(fixed)), np.diff(outlines.offset))
-    still = fixed[owner]
+    shared = Interfaces.of(outlines, distance)
+    e, f = shared.face_a, shared.face_b
+    vertices, following = outlines.vertices, outlines.following
+    still = fixed[outlines.owner]
     origin = vertices.mean(axis=0)
     start, end = vertices - origin, vertices[following] - origin
     tangent = end - start

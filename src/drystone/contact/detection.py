@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
-from drystone.contact.broad import candidate_pairs
 from drystone.contact.forces import ContactForces
+from drystone.geometry.broad import candidate_pairs
 from drystone.kernels import measures as kernels
 from drystone.kernels import narrow
 from drystone.kernels.narrow import Bodies, Slots, World

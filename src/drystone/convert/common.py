@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone import geometry
 from drystone.assembly import GRAVITY, Assembly, JointLaw
 from drystone.builders.errors import ModelError
 from drystone.control import PublishedSettings
+from drystone.geometry import GeometryError, polygon
 from drystone.model import Model
 
 Array = NDArray[np.float64]
@@ -93,7 +93,7 @@ def materials(assembly: Assembly, outlines: list[Array] | None = None) -> Materi
     for i, block in enumerate(assembly.blocks):
         density = block.unit_weight / GRAVITY
         if outlines is not None:
-            density *= geometry.signed_area(block.vertices) / geometry.signed_area(outlines[i])
+            density *= polygon.signed_area(block.vertices) / polygon.signed_area(outlines[i])
             density = float(f"{density:.14g}")  # blocks of one shape get one number
         of_block.append(numbers.setdefault((block.material, density), len(numbers) + 1))
     return Materials(
@@ -131,8 +131,8 @@ def chamfered(assembly: Assembly) -> list[Array]:
     outlines = []
     for block in assembly.blocks:
         try:
-            outlines.append(geometry.chamfered_core(block.vertices, leg).vertices)
-        except geometry.GeometryError as error:
+            outlines.append(polygon.chamfered_core(block.vertices, leg).vertices)
+        except GeometryError as error:
             raise ModelError(
                 [f'corner, at block "{block.id}": corners become chamfers, and {error}']
             ) from None
@@ -140,7 +140,7 @@ def chamfered(assembly: Assembly) -> list[Array]:
 
 
 def unchamfered(outline: Array) -> Array:
-    """Outline that `geometry.chamfered_core` was given, from what it made of it."""
+    """Outline that `polygon.chamfered_core` was given, from what it made of it."""
     start, end = outline[0::2], outline[1::2]
     direction = end - start
     before, along = np.roll(start, 1, axis=0), np.roll(direction, 1, axis=0)

@@ -16,11 +16,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone import geometry
 from drystone.assembly import GRAVITY, Assembly, Block, Corner, JointLaw
 from drystone.builders.errors import ModelError
 from drystone.builders.model import make_model
-from drystone.builders.neighbours import Outlines
 from drystone.convert.common import (
     STRATEGY,
     file_name,
@@ -30,6 +28,7 @@ from drystone.convert.common import (
     strategy,
     wrapped,
 )
+from drystone.geometry import polygon
 from drystone.model import Analysis, Model
 
 Array = NDArray[np.float64]
@@ -263,8 +262,8 @@ def law_of(values: Mapping[str, float]) -> JointLaw:
 
 
 def pair_laws(assembly: Assembly) -> list[tuple[int, int, int]]:
-    """Number of the law, and rows of the two blocks, of every pair that touches and has its own."""
-    a, b = Outlines.of(assembly).near_pairs()
+    """Number of the law and rows of the two blocks, of pairs that lie near and have their own."""
+    a, b = assembly.outlines.near_pairs()
     index = assembly.law_index(a, b)
     return [(int(k) + 1, int(i), int(j)) for k, i, j in zip(index, a, b, strict=True) if k > 0]
 
@@ -333,5 +332,5 @@ def assemble(
 
 def nearest(outlines: list[Array], point: Array) -> int:
     """Row of the outline whose centroid is nearest to a point."""
-    centres = [geometry.mass_properties(outline).centroid for outline in outlines]
+    centres = [polygon.mass_properties(outline).centroid for outline in outlines]
     return int(np.argmin([np.hypot(*(centre - point)) for centre in centres]))

@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone import geometry
 from drystone.assembly import GRAVITY, Assembly, Corner, JointLaw
 from drystone.convert import itasca
 from drystone.convert.common import (
@@ -23,6 +22,7 @@ from drystone.convert.common import (
     strategy_notes,
     unchamfered,
 )
+from drystone.geometry import polygon
 from drystone.model import Model
 
 Array = NDArray[np.float64]
@@ -218,7 +218,7 @@ def _model(parsed: itasca.Parsed) -> Model:
     leg = parsed.values["leg"]
     outlines = [unchamfered(outline) for outline in cut] if leg else cut
     ratio = [
-        geometry.signed_area(part) / geometry.signed_area(whole)
+        polygon.signed_area(part) / polygon.signed_area(whole)
         for part, whole in zip(cut, outlines, strict=True)
     ]
     n = len(outlines)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone import geometry
 from drystone.assembly import GRAVITY, Assembly, Corner, JointLaw
 from drystone.convert import itasca
 from drystone.convert.common import (
@@ -19,6 +18,7 @@ from drystone.convert.common import (
     number,
     strategy_notes,
 )
+from drystone.geometry import polygon
 from drystone.model import Model
 
 Array = NDArray[np.float64]
@@ -252,7 +252,7 @@ def _model(parsed: itasca.Parsed) -> Model:
             between.append((int(words[1]), values[:2], values[2:]))
     if not outlines or not laws or rounding is None:
         raise ValueError("it lacks block, prop or round")
-    centres = [geometry.mass_properties(outline).centroid for outline in outlines]
+    centres = [polygon.mass_properties(outline).centroid for outline in outlines]
     return itasca.assemble(
         parsed, ids, outlines, density, names, laws,
         material=[next((k for k, box in kinds if _inside(c, box)), 1) for c in centres],

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
-from drystone.builders.neighbours import Outlines
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -49,30 +48,13 @@ def contact_points(assembly: Assembly) -> ContactPoints:
 
     A joint so short that the treated corners leave nothing of it has none.
     """
-    outlines = Outlines.of(assembly)
-    a, b = outlines.near_pairs()
-    keep = ~(assembly.fixed[a] & assembly.fixed[b])
-    a, b = a[keep], b[keep]
-    shared = outlines.shared_edges(a, b)
-    setback = outline_setbacks(assembly)
-    back_a, back_b = setback[shared.edge_a], setback[shared.edge_b]
-
-    following = np.arange(1, len(outlines.vertices) + 1)
-    following[outlines.offset[1:] - 1] = outlines.offset[:-1]
-    start = outlines.vertices[shared.edge_a]
-    tangent = outlines.vertices[following[shared.edge_a]] - start
-    length = np.linalg.norm(tangent, axis=1)
-    tangent = tangent / length[:, None]
-    # The edge of b runs backwards: it ends, with its own second setback, where the part begins.
-    low = np.maximum(back_a[:, 0], shared.extent_b[:, 0] + back_b[:, 1])
-    high = np.minimum(length - back_a[:, 1], shared.extent_b[:, 1] - back_b[:, 0])
-    joint = np.flatnonzero(high > low)
-
-    two = np.repeat(joint, 2)
-    along = np.column_stack((low[joint], high[joint])).ravel()
-    pair = shared.pair[two]
-    normal = np.column_stack((tangent[two, 1], -tangent[two, 0]))
-    area = 0.5 * assembly.thickness * (shared.extent[two, 1] - shared.extent[two, 0])
+    joints = assembly.interfaces
+    ends, left = joints.between_corners(assembly.outlines, outline_setbacks(assembly))
+    still = assembly.fixed[joints.block_a] & assembly.fixed[joints.block_b]
+    two = np.repeat(np.flatnonzero(~still & (left > 0.0)), 2)
+    a, b, normal = joints.block_a[two], joints.block_b[two], joints.normal[two]
+    tangent = np.column_stack((normal[:, 1], -normal[:, 0]))
+    area = 0.5 * assembly.thickness * joints.size[two]
     laws = [
         (
             law.friction_coefficient,
@@ -82,12 +64,12 @@ def contact_points(assembly: Assembly) -> ContactPoints:
         )
         for law in assembly.laws
     ]
-    friction, dilatancy, cohesion, tension = np.array(laws)[assembly.law_index(a, b)[pair]].T
+    friction, dilatancy, cohesion, tension = np.array(laws)[assembly.law_index(a, b)].T
     return ContactPoints(
-        block_a=a[pair],
-        block_b=b[pair],
-        position=start[two] + along[:, None] * tangent[two],
-        frame=np.stack((normal, -tangent[two]), axis=1),
+        block_a=a,
+        block_b=b,
+        position=ends[two[::2]].reshape(-1, 2),
+        frame=np.stack((normal, tangent), axis=1),
         area=area,
         friction=friction,
         dilatancy=np.minimum(dilatancy, friction),
@@ -99,7 +81,7 @@ def contact_points(assembly: Assembly) -> ContactPoints:
 def outline_setbacks(assembly: Assembly) -> Array:
     """By how much the contact shape is shorter than each edge of the outlines at its two ends.
 
-    (n_vertices, 2) [m], in the order of `Outlines.vertices`; a chamfer puts an edge of its own
+    (n_vertices, 2) [m], in the order of the outlines' vertices; a chamfer puts an edge of its own
     after each edge of the outline, which is left out.
     """
     shapes = assembly.shapes

@@ -13,7 +13,7 @@ from drystone.assembly import Assembly
 from drystone.contact.forces import SLIDING, ContactForces
 from drystone.monitor import ControlPoint
 from drystone.report import canvas
-from drystone.report.joints import Joints, designed_joints
+from drystone.report.joints import Joints
 from drystone.report.outlines import MovingOutlines, moved_points, moving_blocks
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ def plot_mechanism(axes: Axes, mechanism: Mechanism) -> None:
 
     _plot_blocks(axes, outlines, pose, moving, assembly.fixed, gone)
     if visible > 0.0:
-        joints = designed_joints(assembly, linear=mechanism.linear)
+        joints = Joints.of(assembly, linear=mechanism.linear)
         _plot_joints(axes, joints, pose, settled, visible, _line_width(assembly, 3.0))
     if mechanism.contacts is not None and mechanism.magnification == 1.0:
         _plot_contacts(axes, mechanism.contacts)

@@ -1,4 +1,4 @@
-"""MovingOutlines of all blocks, packed, so that ten thousand of them are moved in one go."""
+"""Outlines of all blocks, packed, so that ten thousand of them are moved in one go."""
 
 from __future__ import annotations
 
@@ -8,32 +8,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
+from drystone.geometry.outlines import Outlines
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class MovingOutlines:
-    """Vertices of plane blocks as designed; block ``i`` owns rows ``offset[i]:offset[i + 1]``.
+class MovingOutlines(Outlines):
+    """Outlines as designed, to be moved.
 
     With ``linear`` poses are increments of a velocity field, see `moved_points`.
     """
 
-    offset: IntArray  # (n + 1,)
-    owner: IntArray  # (n_vertices,) row of the block in the assembly
-    vertices: Array  # (n_vertices, 2) m
     centroid: Array  # (n, 2) m
     linear: bool = False
 
     @classmethod
     def of(cls, assembly: Assembly, *, linear: bool = False) -> MovingOutlines:
-        """Pack the outlines of an assembly."""
-        counts = [len(block.vertices) for block in assembly.blocks]
+        """The outlines of an assembly."""
+        designed = assembly.outlines
         return cls(
-            offset=np.cumsum([0, *counts]).astype(np.int64),
-            owner=np.repeat(np.arange(len(counts)), counts),
-            vertices=np.vstack([block.vertices for block in assembly.blocks]),
+            vertices=designed.vertices,
+            offset=designed.offset,
             centroid=assembly.centroid,
             linear=linear,
         )

@@ -21,7 +21,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone import geometry
 from drystone.assembly import Assembly, Corner
 from drystone.contact.certificate import Forces, JudgedContacts, certify
 from drystone.contact.detection import Detector, empty_slots
@@ -35,6 +34,7 @@ from drystone.engines.measures import (
     report,
     unstable_sentence,
 )
+from drystone.geometry import polygon
 
 Array = NDArray[np.float64]
 
@@ -116,7 +116,7 @@ class Lmgc90Engine:
         self.sharp = without_radius(assembly)
         self.detector = Detector(self.sharp)
         self.reference = np.array(
-            [geometry.mass_properties(self.sharp.shapes.of(i)).centroid + assembly.centroid[i]
+            [polygon.mass_properties(self.sharp.shapes.of(i)).centroid + assembly.centroid[i]
              for i in range(assembly.n_bodies)]
         )  # fmt: skip
         mass = np.where(assembly.fixed[:, None], 0.0, self._mass())
@@ -144,7 +144,7 @@ class Lmgc90Engine:
         assembly = self.problem.assembly
         mass = assembly.mass.copy()
         for i in range(assembly.n_bodies):
-            properties = geometry.mass_properties(self.sharp.shapes.of(i))
+            properties = polygon.mass_properties(self.sharp.shapes.of(i))
             mass[i, 2] = mass[i, 0] * properties.polar_moment / properties.area
         return mass
 
@@ -153,7 +153,7 @@ class Lmgc90Engine:
         polygons = tuple(
             self.sharp.shapes.of(i) + assembly.centroid[i] for i in range(assembly.n_bodies)
         )
-        area = np.array([abs(geometry.signed_area(polygon)) for polygon in polygons])
+        area = np.array([abs(polygon.signed_area(outline)) for outline in polygons])
         slots = empty_slots(len(self._pairs.a))
         self.detector.fill(self._pairs, rest, slots)
         stiffness = np.array([law.normal_stiffness for law in assembly.laws], dtype=float)

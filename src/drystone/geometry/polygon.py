@@ -11,14 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.geometry import GeometryError
+
 Array = NDArray[np.float64]
 
 #: Relative size under which an area, a length or a turn counts as nothing.
 DEGENERATE = 1e-9
-
-
-class GeometryError(ValueError):
-    """A polygon that cannot be a block; the message says what is wrong and how to mend it."""
 
 
 def _following(rows: Array) -> Array:
@@ -171,15 +169,3 @@ def chamfered_core(vertices: Array, leg: float) -> Core:
     setback = np.zeros((2 * n, 2))
     setback[0::2] = leg  # the edges of the outline; the cuts between them have none
     return Core(vertices=core, setback=setback, radius=0.0)
-
-
-def overlap_depth(a: Array, b: Array) -> float:
-    """Depth [m] by which two convex polygons overlap, by separating axes; <= 0 when apart."""
-    depth = np.inf
-    for p, q in ((a, b), (b, a)):
-        edges = _following(p) - p
-        normal = np.column_stack((edges[:, 1], -edges[:, 0]))
-        normal /= np.linalg.norm(normal, axis=1)[:, None]
-        separation = (normal @ q.T - np.sum(normal * p, axis=1)[:, None]).min(axis=1)
-        depth = min(depth, -float(separation.max()))
-    return depth
