@@ -22,7 +22,7 @@ import drystone as ds
 from drystone.assembly import Assembly
 from drystone.curve import DYNAMIC, CapacityCurve
 from drystone.engines.equilibrium import EquilibriumEngine
-from drystone.kernels import block_lu
+from drystone.kernels import lu_numeric
 from drystone.solvers.static_step import StaticStep
 
 Array = NDArray[np.float64]
@@ -124,10 +124,10 @@ def one_solution(model: ds.Model) -> tuple[float, float]:
     fields = np.ones((2, n, n_dof))
 
     def own() -> None:
-        block_lu.factorise(
+        lu_numeric.factorise(
             step.structure, diagonal, upper, lower, step.factors, step.loads.mass, step.damping, 0.0
         )
-        block_lu.solve(step.structure, step.factors, fields)
+        lu_numeric.solve(step.structure, step.factors, fields)
 
     superlu = harness.median_seconds(lambda: splu(matrix).solve(right), 301)
     return superlu, harness.median_seconds(own, 301)

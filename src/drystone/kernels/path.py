@@ -20,7 +20,6 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drystone.kernels.block_lu import solve
 from drystone.kernels.law import (
     BACKWARD,
     FORWARD,
@@ -36,6 +35,7 @@ from drystone.kernels.law import (
     distance,
     landing,
 )  # fmt: skip
+from drystone.kernels.lu_numeric import solve
 from drystone.kernels.rows import GAP, MEASURED, along
 
 #: How a path ends: where it should; before it, as it turns back; at a change after which the
@@ -160,7 +160,7 @@ def follow_path(
     Parameters
     ----------
     structure, factors
-        Of the matrix K', see `kernels.block_lu`.
+        Of the matrix K', see `kernels.lu_numeric`.
     frame
         See `Frame`.
     paced

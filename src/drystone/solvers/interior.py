@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.kernels import block_lu, interior, path
+from drystone.kernels import interior, lu_numeric, path
 from drystone.kernels import law as joint_law
 from drystone.solvers.linear_step import LinearStep, Pace
 
@@ -283,7 +283,7 @@ class InteriorPoint:
         interior.offset(
             *every, barrier, second, self.change, step.response, self.offset, columns[0]
         )
-        block_lu.solve(step.structure, step.factors, columns)
+        lu_numeric.solve(step.structure, step.factors, columns)
         by_direction = path.border(step.frame, columns[0], missing) if pace else 0.0
         room, limiting, by_way, by_square = interior.changes(
             *every, barrier, second, step.response, self.offset, columns[0], self.change

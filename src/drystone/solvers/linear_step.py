@@ -15,7 +15,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.kernels import block_lu, forces, path, step
+from drystone.kernels import forces, lu_numeric, lu_symbolic, path, step
 from drystone.kernels import law as joint_law
 from drystone.kernels.forces import Tangent
 from drystone.kernels.law import N_TABLE
@@ -146,8 +146,8 @@ class LinearStep:
             for _ in range(2)
         )
         self.bent = False  # whether the geometric stiffness is that of the slots
-        self.structure = block_lu.analyse(pair_a, pair_b, loads.fixed, place, n_dof)
-        self.factors = block_lu.allocate(self.structure)
+        self.structure = lu_symbolic.analyse(pair_a, pair_b, loads.fixed, place, n_dof)
+        self.factors = lu_numeric.allocate(self.structure)
         self.frame = path.Frame(
             load=loads.pattern,
             pace=np.zeros((n, n_dof)),
@@ -221,7 +221,7 @@ class LinearStep:
         self.spring = step.stiffen(
             self.tangent.diagonal, c.mass, self.weight, self.damping, body, frame.axis
         )
-        pivot = block_lu.factorise(
+        pivot = lu_numeric.factorise(
             self.structure, *self.tangent, self.factors, c.mass, self.damping, least_damping
         )
         frame.sign[0] = np.sign(pivot)

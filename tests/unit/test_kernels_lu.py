@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from drystone.kernels import block_lu
-from drystone.kernels.block_lu import BORDER, ENTRY, FIRST, PANEL
+from drystone.kernels import lu_numeric, lu_symbolic
+from drystone.kernels.lu_symbolic import BORDER, CHILD, ENTRY, FIRST, N_RUNS, PANEL, SIBLING
 
 
 def wall(rows, columns, n_dof=3):
@@ -58,25 +58,22 @@ def dense(a, b, fixed, diagonal, upper, lower):
 
 def check(a, b, fixed, place, n_dof=3, n_sides=2, seed=0):
     rng = np.random.default_rng(seed)
-    structure = block_lu.analyse(a, b, fixed, place, n_dof)
-    factors = block_lu.allocate(structure)
+    structure = lu_symbolic.analyse(a, b, fixed, place, n_dof)
+    factors = lu_numeric.allocate(structure)
     factors.panels[:] = factors.work[:] = np.nan  # whatever was there before
     for _ in range(2):  # the second time with other numbers in the same memory
         matrix = blocks(rng, a, b, len(fixed), n_dof)
-        pivot = block_lu.factorise(structure, *matrix, factors, *NO_HOLD)
+        pivot = lu_numeric.factorise(structure, *matrix, factors, *NO_HOLD)
         assert 1e-3 < abs(pivot) <= 1.0
         assert np.sign(pivot) == np.linalg.slogdet(dense(a, b, fixed, *matrix)).sign
         rhs = rng.normal(size=(n_sides, len(fixed), n_dof))
         x = rhs.copy()
-        block_lu.solve(structure, factors, x)
+        lu_numeric.solve(structure, factors, x)
         expected = np.linalg.solve(
             dense(a, b, fixed, *matrix), rhs[:, ~fixed].reshape(n_sides, -1, 1)
         )
         assert x[:, ~fixed].ravel() == pytest.approx(expected.ravel(), rel=1e-9, abs=1e-12)
         assert not x[:, fixed].any()
-        rhs[:, fixed] = 0.0
-        block_lu.residual(structure, a, b, fixed, *matrix, x, rhs)
-        assert np.abs(rhs).max(initial=0.0) < 1e-12
 
 
 #: No body is held.
@@ -127,8 +124,8 @@ class TestPivots:
         a, b, fixed, place = wall(4, 5)
         matrix = blocks(np.random.default_rng(0), a, b, len(fixed))
         change(a, b, *matrix)
-        structure = block_lu.analyse(a, b, fixed, place)
-        return block_lu.factorise(structure, *matrix, block_lu.allocate(structure), *NO_HOLD)
+        structure = lu_symbolic.analyse(a, b, fixed, place)
+        return lu_numeric.factorise(structure, *matrix, lu_numeric.allocate(structure), *NO_HOLD)
 
     def test_bodies_with_negative_pivots_are_held(self):
         """Of a symmetric matrix, as many as it has negative eigenvalues; with what is added to
@@ -143,15 +140,15 @@ class TestPivots:
         matrix = diagonal, upper, upper
         eigenvalues = np.linalg.eigvalsh(dense(a, b, fixed, *matrix))
         assert (eigenvalues < 0.0).sum() == 3
-        structure = block_lu.analyse(a, b, fixed, place)
-        factors, hold = block_lu.allocate(structure), np.zeros(n)
+        structure = lu_symbolic.analyse(a, b, fixed, place)
+        factors, hold = lu_numeric.allocate(structure), np.zeros(n)
         weight = np.linspace(1.0, 2.0, 3 * n).reshape(n, 3)
-        pivot = block_lu.factorise(structure, *matrix, factors, weight, hold, 0.5)
+        pivot = lu_numeric.factorise(structure, *matrix, factors, weight, hold, 0.5)
         assert pivot > 0.0
         assert np.flatnonzero(hold).tolist() == loose.tolist()
         rhs = np.random.default_rng(0).normal(size=(1, n, 3))
         x = rhs.copy()
-        block_lu.solve(structure, factors, x)
+        lu_numeric.solve(structure, factors, x)
         held = diagonal + hold[:, None, None] * weight[:, :, None] * np.eye(3)
         expected = np.linalg.solve(dense(a, b, fixed, held, upper, upper), rhs[0, ~fixed].ravel())
         assert x[0, ~fixed].ravel() == pytest.approx(expected, rel=1e-9)
@@ -198,7 +195,7 @@ class TestStructure:
     @pytest.mark.parametrize("case", [wall(6, 5), wall(12, 12), *map(random_graph, range(5))])
     def test_holds_every_body_and_every_pair_once(self, case):
         a, b, fixed, place = case
-        structure = block_lu.analyse(a, b, fixed, place)
+        structure = lu_symbolic.analyse(a, b, fixed, place)
         order, fronts = structure.order, structure.fronts
         assert sorted(order) == list(range(len(fixed)))
         assert fixed[order[fronts[-1, FIRST] :]].all()
@@ -216,20 +213,20 @@ class TestStructure:
             for pair, i, j, first in structure.entries[front[ENTRY] : end[ENTRY]]:
                 ends = (a[pair], b[pair]) if first else (b[pair], a[pair])
                 assert ends == (bodies[i], members[j])
-            child = front[block_lu.CHILD]
+            child = front[CHILD]
             while child != -1:
                 below = fronts[child]
                 assert child < s
                 kept = structure.border[below[BORDER] : fronts[child + 1, BORDER]]
-                n_runs = below[block_lu.N_RUNS]
+                n_runs = below[N_RUNS]
                 runs = structure.runs[below[BORDER] : below[BORDER] + n_runs]
                 placed = np.concatenate([members[t : t + n] for _, t, n in runs])
                 assert (placed == kept).all()
-                child = below[block_lu.SIBLING]
+                child = below[SIBLING]
 
     def test_fill_stays_near_that_of_the_best_orders(self):
         """Blocks of the factors per body; nested dissection of a square has some 8 log2(n) / 2."""
         a, b, fixed, place = wall(40, 40)
         n = len(fixed)
-        structure = block_lu.analyse(a, b, fixed, place)
+        structure = lu_symbolic.analyse(a, b, fixed, place)
         assert structure.fronts[-1, PANEL] / 9 < 8 * n * np.log2(n) / 2
