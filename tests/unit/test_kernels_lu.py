@@ -74,6 +74,9 @@ def check(a, b, fixed, place, n_dof=3, n_sides=2, seed=0):
         )
         assert x[:, ~fixed].ravel() == pytest.approx(expected.ravel(), rel=1e-9, abs=1e-12)
         assert not x[:, fixed].any()
+        rhs[:, fixed] = 0.0
+        lu_numeric.residual(structure, a, b, fixed, *matrix, x, rhs)
+        assert np.abs(rhs).max(initial=0.0) < 1e-12
 
 
 #: No body is held.

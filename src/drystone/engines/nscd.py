@@ -30,8 +30,7 @@ from drystone.kernels.nlgs import ContactProblem, contact_velocities
 from drystone.kernels.residual import add_contact_forces
 from drystone.kernels.rows import map_contacts
 from drystone.solvers import nlgs
-from drystone.solvers.linear import BlockSystem
-from drystone.solvers.nlgs import NlgsSettings
+from drystone.solvers.nlgs import BlockSystem, NlgsSettings
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -166,7 +165,7 @@ class NscdEngine:
         before = np.zeros_like(state.velocity) if demand.stop_blocks else state.velocity
         load = loads.dead + demand.multiplier * loads.pattern
         solved = nlgs.solve(
-            problem, pair, self.system[1], loads.mass, self.extent,
+            problem, pair, self.system[1], self.extent,
             before + h * self.inverse_mass * load,
             state.reaction[chosen] * h, state.increment / h, h,
             NlgsSettings(
@@ -257,7 +256,8 @@ class NscdEngine:
         assembly = self.problem.assembly
         loads = self.loads = LoadArrays.of(self.problem, gone)
         self.inverse_mass = np.where(loads.fixed[:, None], 0.0, 1.0 / assembly.mass)
-        self.system = (pairs, BlockSystem(pairs.a, pairs.b, loads.fixed, assembly.n_dof))
+        place = self.detector.bodies.centroid + pairs.pose[:, :-1]
+        self.system = (pairs, BlockSystem(pairs.a, pairs.b, loads.mass, loads.fixed, place))
 
     def _arrive(
         self, state: NscdState, pose: Array, velocity: Array, chosen: IntArray, found: Array

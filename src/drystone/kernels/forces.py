@@ -68,9 +68,14 @@ Array = NDArray[np.float64]
 class Tangent(NamedTuple):
     """Block form of the stiffness matrix: diagonal blocks, and both of every pair."""
 
-    diagonal: Array  # (n, 3, 3)
-    upper: Array  # (n_pairs, 3, 3) rows of a, columns of b
-    lower: Array  # (n_pairs, 3, 3) rows of b, columns of a
+    diagonal: Array  # (n, n_dof, n_dof)
+    upper: Array  # (n_pairs, n_dof, n_dof) rows of a, columns of b
+    lower: Array  # (n_pairs, n_dof, n_dof) rows of b, columns of a
+
+    @classmethod
+    def zeros(cls, n: int, n_pairs: int, n_dof: int) -> Tangent:
+        """That of nothing."""
+        return cls(*(np.zeros((count, n_dof, n_dof)) for count in (n, n_pairs, n_pairs)))
 
 
 @njit(cache=True)

@@ -370,3 +370,24 @@ def solve(structure, factors, rhs):
                     x[order[first + i], d] = y[nd * i + d]
     for body in order[fronts[n_fronts, FIRST] :]:
         rhs[:, body] = 0.0
+
+
+@njit(cache=True)
+def residual(structure, a, b, fixed, diagonal, upper, lower, x, rhs):
+    """Subtract A x from ``rhs``, both (k, n, n_dof) and zero on fixed bodies.
+
+    It tells how good a solution is; solved for, it is what the solution lacks.
+    """
+    nd = len(structure.dof)
+    for side in range(rhs.shape[0]):
+        for i in range(fixed.shape[0]):
+            for d in range(nd):
+                for e in range(nd):
+                    rhs[side, i, d] -= diagonal[i, d, e] * x[side, i, e]
+        for p in range(a.shape[0]):
+            i, j = a[p], b[p]
+            if not (fixed[i] or fixed[j]):
+                for d in range(nd):
+                    for e in range(nd):
+                        rhs[side, i, d] -= upper[p, d, e] * x[side, j, e]
+                        rhs[side, j, d] -= lower[p, d, e] * x[side, i, e]

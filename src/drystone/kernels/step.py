@@ -50,25 +50,3 @@ def stiffen(diagonal, mass, weight, damping, body, axis):
         for j in range(n_dof):
             diagonal[body, i, j] += spring * axis[body, i] * axis[body, j]
     return spring
-
-
-@njit(cache=True)
-def fill_dense(diagonal, upper, lower, row, pair_a, pair_b, matrix):
-    """Blocks into a dense matrix (size, size); ``row`` (n,) numbers the movable bodies, or -1."""
-    matrix[:, :] = 0.0
-    for body in range(row.shape[0]):
-        r = 3 * row[body]
-        if r < 0:
-            continue
-        for i in range(3):
-            for j in range(3):
-                matrix[r + i, r + j] = diagonal[body, i, j]
-    for p in range(pair_a.shape[0]):
-        ra = 3 * row[pair_a[p]]
-        rb = 3 * row[pair_b[p]]
-        if ra < 0 or rb < 0:
-            continue
-        for i in range(3):
-            for j in range(3):
-                matrix[ra + i, rb + j] = upper[p, i, j]
-                matrix[rb + i, ra + j] = lower[p, i, j]

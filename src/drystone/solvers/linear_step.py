@@ -137,14 +137,7 @@ class LinearStep:
         self.response = np.zeros((n_slots, joint_law.N_RESPONSE))
         self.used = np.zeros(n_slots, np.int64)
         self.count = 0
-        self.tangent, self.geometric = (
-            Tangent(
-                diagonal=np.zeros((n, n_dof, n_dof)),
-                upper=np.zeros((n_pairs, n_dof, n_dof)),
-                lower=np.zeros((n_pairs, n_dof, n_dof)),
-            )
-            for _ in range(2)
-        )
+        self.tangent, self.geometric = (Tangent.zeros(n, n_pairs, n_dof) for _ in range(2))
         self.bent = False  # whether the geometric stiffness is that of the slots
         self.structure = lu_symbolic.analyse(pair_a, pair_b, loads.fixed, place, n_dof)
         self.factors = lu_numeric.allocate(self.structure)
