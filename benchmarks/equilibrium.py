@@ -115,7 +115,7 @@ def one_solution(model: ds.Model) -> tuple[float, float]:
     n, n_dof = step.loads.mass.shape
     full = np.zeros((n, n_dof, n, n_dof))
     full[np.arange(n), :, np.arange(n), :] = diagonal
-    for k, (a, b) in enumerate(zip(step.pair_a, step.pair_b, strict=True)):
+    for k, (a, b) in enumerate(zip(step.pairs.a, step.pairs.b, strict=True)):
         full[a, :, b, :] = upper[k]
         full[b, :, a, :] = lower[k]
     free = np.repeat(~step.loads.fixed, n_dof)

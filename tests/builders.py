@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from drystone.assembly import Assembly, Block, Corner, JointLaw
 from drystone.builders import make_model
-from drystone.contact.detection import Detector, Pairs, empty_slots
+from drystone.contact.detection import Detector, empty_slots
 from drystone.engines.base import Problem
-from drystone.kernels.narrow import Slots
+from drystone.kernels.contacts import Pairs, Slots
 from drystone.model import Model
 
 UNIT_WEIGHT = 10e3  # N/m3
@@ -212,6 +212,6 @@ def contacts_of(assembly: Assembly, pose: np.ndarray) -> tuple[Detector, Pairs, 
     """Pairs and contacts found from nothing in the given poses."""
     detector = Detector(assembly)
     pairs = detector.pairs(pose)
-    slots = empty_slots(len(pairs.a))
+    slots = empty_slots(pairs)
     detector.fill(pairs, pose, slots)
     return detector, pairs, slots

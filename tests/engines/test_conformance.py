@@ -428,8 +428,8 @@ class TestOneResidual:
         """Reactions a thousandth too small everywhere: 1e-3 of a weight, above every limit."""
         real = certificate.joint_law_violation
 
-        def with_less(gap, slip, reaction, *rest):
-            return real(gap, slip, reaction * (1.0 - 1e-3), *rest)
+        def with_less(table, gap, slip, reaction, *rest):
+            return real(table, gap, slip, reaction * (1.0 - 1e-3), *rest)
 
         monkeypatch.setattr(certificate, "joint_law_violation", with_less)
         with pytest.raises(EngineError, match="at rest under its own weight, the step leaves"):

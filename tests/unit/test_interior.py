@@ -14,23 +14,32 @@ from drystone.engines.base import Demand
 from drystone.engines.equilibrium import EquilibriumEngine
 from drystone.kernels import interior
 from drystone.kernels import law as joint_law
+from drystone.kernels.contacts import (
+    FRICTION,
+    LIFT,
+    STIFF_N,
+    STIFF_T,
+    TRIAL_N,
+    TRIAL_T,
+    Contacts,
+)
 from drystone.solvers.interior import InteriorPoint
 
 KN, KT = 2e7, 2e10  # N/m
 
 
 def contacts(n, *, mu=0.65, dilation=0.0, seed=0):
-    """A table of contacts with random trial reactions of all kinds, and memory for the rest."""
+    """Contacts of two bodies with random trial reactions of all kinds, and their branches."""
     random = np.random.default_rng(seed)
-    table = np.zeros((n, joint_law.N_TABLE))
-    table[:, : joint_law.STIFF_N] = random.normal(size=(n, joint_law.STIFF_N))
-    table[:, joint_law.STIFF_N], table[:, joint_law.STIFF_T] = KN, KT
-    table[:, joint_law.FRICTION], table[:, joint_law.LIFT] = mu, KN * dilation
-    table[:, joint_law.TRIAL_N] = random.normal(size=n) * 1e3
-    table[:, joint_law.TRIAL_T] = random.normal(size=n) * 1e4
-    used = np.arange(n)
-    branch = np.full(n, joint_law.STICKING)
-    return table, n, used, branch
+    contacts = Contacts.empty(n, 2, 3)
+    contacts.rows[:], contacts.measured[:] = (random.normal(size=(n, k, 6)) for k in (2, 1))
+    contacts.slot[:], contacts.body_b[:] = np.arange(n), 1
+    table = contacts.table
+    table[:, STIFF_N], table[:, STIFF_T] = KN, KT
+    table[:, FRICTION], table[:, LIFT] = mu, KN * dilation
+    table[:, TRIAL_N] = random.normal(size=n) * 1e3
+    table[:, TRIAL_T] = random.normal(size=n) * 1e4
+    return contacts, n, np.full(n, joint_law.STICKING)
 
 
 def centred(every, barrier):
@@ -41,12 +50,12 @@ def centred(every, barrier):
 
 @pytest.mark.parametrize("barrier", [1e-20, 1e-12, 1e-6, 1.0])
 def test_central_contacts_obey_the_law_with_its_products_at_the_barrier(barrier):
-    table, n, used, branch = contacts(200)
-    v = centred((table, n, used, branch), barrier)
+    every = contacts(200)
+    table, v = every[0].table, centred(every, barrier)
     rn, rt, w, p, q, near, far = v.T
     assert (v[:, [interior.RN, interior.W, interior.P, interior.Q]] > 0.0).all()
     # To the rounding of the larger of the terms.
-    tn, tt = table[:, joint_law.TRIAL_N], table[:, joint_law.TRIAL_T]
+    tn, tt = table[:, TRIAL_N], table[:, TRIAL_T]
     np.testing.assert_allclose(rn - w, tn, atol=1e-12 * np.abs(tn).max())
     np.testing.assert_allclose(rt + p - q, tt, atol=1e-7 * np.abs(tt).max())
     np.testing.assert_allclose(rn * w, KN * barrier, rtol=1e-12)
@@ -55,12 +64,12 @@ def test_central_contacts_obey_the_law_with_its_products_at_the_barrier(barrier)
 
 
 def test_without_a_barrier_the_branches_are_those_of_the_law():
-    table, n, used, branch = contacts(500)
-    v = centred((table, n, used, branch), 1e-24)
-    interior.choose(table, n, used, v, branch)
-    tn, tt = table[:, joint_law.TRIAL_N], table[:, joint_law.TRIAL_T]
+    packed, n, branch = every = contacts(500)
+    table, v = packed.table, centred(every, 1e-24)
+    interior.choose(packed, n, v, branch)
+    tn, tt = table[:, TRIAL_N], table[:, TRIAL_T]
     sliding = np.where(tt > 0.0, joint_law.FORWARD, joint_law.BACKWARD)
-    sticks = np.abs(tt) <= table[:, joint_law.FRICTION] * tn
+    sticks = np.abs(tt) <= table[:, FRICTION] * tn
     expected = np.where(tn <= 0.0, joint_law.OPEN, np.where(sticks, joint_law.STICKING, sliding))
     assert branch.tolist() == expected.tolist()
     assert len(set(expected)) == 4
@@ -69,14 +78,14 @@ def test_without_a_barrier_the_branches_are_those_of_the_law():
 @pytest.mark.parametrize("mu", [0.0, 0.65])
 def test_response_is_the_derivative_of_central_reactions(mu):
     every = contacts(100, mu=mu)
-    table, barrier = every[0], 1e-3
+    table, barrier = every[0].table, 1e-3
     v = centred(every, barrier)
     response = np.zeros((100, joint_law.N_RESPONSE))
     energy = interior.respond(*every, v, response)
     assert energy == pytest.approx(barrier, rel=1e-9)
     for trial, columns, step in (
-        (joint_law.TRIAL_N, [joint_law.NN, joint_law.TN], 1e-3),
-        (joint_law.TRIAL_T, [joint_law.NT, joint_law.TT], 1e-1),
+        (TRIAL_N, [joint_law.NN, joint_law.TN], 1e-3),
+        (TRIAL_T, [joint_law.NT, joint_law.TT], 1e-1),
     ):
         there = table[:, trial].copy()
         table[:, trial] = there + step
@@ -94,27 +103,22 @@ def test_response_is_the_derivative_of_central_reactions(mu):
 def test_changes_solve_the_equations_linearised(dilation, second):
     """A full step along them leaves of the products what is of second order, and nothing else."""
     every = contacts(100, dilation=dilation)
-    table, n, used, branch = every
-    pair = np.zeros(n, np.int64), np.ones(n, np.int64)
+    table, n = every[0].table, every[1]
     v = centred(every, 1e-2)
     response, b = np.zeros((n, joint_law.N_RESPONSE)), np.zeros((n, 2))
     change, force = np.zeros((n, interior.N_CHANGE)), np.zeros((2, 3))
     interior.respond(*every, v, response)
     direction = np.random.default_rng(1).normal(size=(2, 3)) * 1e-6
-    used *= 2  # one contact to a pair
-    branch = np.full(2 * n, joint_law.STICKING)
     barrier = 1e-3
     for again in (False, True)[: 1 + second]:
-        interior.offset(
-            table, n, used, *pair, branch, v, barrier, again, change, response, b, force
-        )
+        interior.offset(*every, v, barrier, again, change, response, b, force)
         first = change.copy()
         room, limiting, by_way, by_square = interior.changes(
-            table, n, used, *pair, branch, v, barrier, again, response, b, direction, change
+            *every, v, barrier, again, response, b, direction, change
         )
     moved, d = v + change[:, : interior.N_INNER], change
-    tn = table[:, joint_law.TRIAL_N] + d[:, interior.D_TRIAL_N]
-    tt = table[:, joint_law.TRIAL_T] + d[:, interior.D_TRIAL_T]
+    tn = table[:, TRIAL_N] + d[:, interior.D_TRIAL_N]
+    tt = table[:, TRIAL_T] + d[:, interior.D_TRIAL_T]
     rn, rt, w, p, q, _, _ = moved.T
     np.testing.assert_allclose(rn, tn + w + KN * dilation / KT * (p + q), rtol=1e-9, atol=1e-6)
     np.testing.assert_allclose(rt, tt - p + q, rtol=1e-9, atol=1e-6)
@@ -128,8 +132,8 @@ def test_changes_solve_the_equations_linearised(dilation, second):
     falling = np.where(d[:, positive] < 0.0, -v[:, positive] / d[:, positive], np.inf)
     assert room == falling.min()
     assert limiting == falling.min(axis=1).argmin()
-    after = interior.respond(table, n, used, branch, moved, response)
-    before = interior.respond(table, n, used, branch, v, response)
+    after = interior.respond(*every, moved, response)
+    before = interior.respond(*every, v, response)
     assert after == pytest.approx(before + by_way + by_square, rel=1e-9)
 
 

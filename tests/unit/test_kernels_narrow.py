@@ -29,9 +29,8 @@ from drystone.geometry import GeometryError
 from drystone.geometry.broad import candidate_pairs
 from drystone.kernels import forces, narrow, rows
 from drystone.kernels import law as joint_law
-from drystone.kernels.forces import Tangent
-from drystone.kernels.narrow import NONE, VERTEX_A, VERTEX_B, VERTICES
-from drystone.kernels.rows import map_contacts
+from drystone.kernels.contacts import NONE, VERTEX_A, VERTEX_B, VERTICES, Contacts
+from drystone.kernels.forces import Start, Tangent
 
 # Sums of products of lengths below 10 m: a few rounding errors of 1e-15.
 ROUNDING = 1e-12
@@ -232,8 +231,8 @@ class JointOfPair:
     ):
         self.assembly, self.pose = assembly, pose
         self.detector, self.pairs, self.known = contacts_of(assembly, pose)
-        n_pairs, n = len(self.pairs.a), len(self.known.kind)
-        self.slots = empty_slots(n_pairs)
+        n = len(self.known.kind)
+        self.slots = empty_slots(self.pairs)
         self.known.length[:] = 0.1  # fixed within a step, as engines do
         self.laws = np.zeros((1, joint_law.N_LAW))
         law = assembly.joint
@@ -244,50 +243,47 @@ class JointOfPair:
         self.laws[0, joint_law.DILATANCY_END] = np.inf
         self.history = np.zeros((n, joint_law.N_HISTORY))
         self.history[:, joint_law.SHEAR] = shear
-        self.start_length, self.start_slip = np.zeros(n), np.zeros((n, 6))
+        self.start = Start(
+            length=np.zeros(n), rows=np.zeros((n, 2, 6)), closed=np.ones(n, np.bool_)
+        )
         if linear is not None:
-            self.start_length[:] = 0.1
-            half = empty_slots(n_pairs)
+            self.start.length[:] = 0.1
+            half = empty_slots(self.pairs)
             self.detector.follow(self.pairs, pose + 0.5 * linear, self.known, half)
-            rows.slip_gradients(half, self.start_slip)
+            rows.slot_rows(half, self.start.rows)
 
     def at(self, increment):
         n = len(self.slots.kind)
         self.detector.follow(self.pairs, self.pose + increment, self.known, self.slots)
         self.force, self.reaction = np.zeros((2, 3)), np.zeros((n, 2))
         self.branch = np.full(n, -1)
-        self.table, self.used = np.zeros((n, joint_law.N_TABLE)), np.zeros(n, np.int64)
+        self.contacts = Contacts.empty(n, 2, 3)
         self.count = forces.joint_forces(
-            self.slots, self.pairs.a, self.pairs.b, self.pairs.law, self.laws, 1.0,
-            self.start_length, self.start_slip, np.ones(len(self.slots.kind), np.bool_),
-            self.history, increment, self.force,
-            self.table, self.used, self.branch, self.reaction, np.zeros_like(self.history),
+            self.slots, self.pairs, self.laws, 1.0, self.start, self.history, increment,
+            self.contacts, self.force, self.branch, self.reaction, np.zeros_like(self.history),
         )  # fmt: skip
         return self
 
     def linearised(self, motion):
         """Forces at ``motion`` from where the pair is, to first order, and the tangent (6, 6)."""
-        table, n_pairs, force = self.table.copy(), len(self.pairs.a), np.full((2, 3), np.nan)
+        contacts = Contacts._make(array.copy() for array in self.contacts)
+        n_pairs, force = len(self.pairs.a), np.full((2, 3), np.nan)
         blocks, bent = (
             Tangent(*(np.full((n, 3, 3), np.nan) for n in (2, n_pairs, n_pairs))) for _ in range(2)
         )
-        bodies = self.pairs.a, self.pairs.b
-        forces.move_trial(table, self.count, self.used, *bodies, motion)
-        response = np.zeros((len(table), joint_law.N_RESPONSE))
-        joint_law.respond(table, self.count, self.used, self.branch, response)
-        forces.geometric_stiffness(self.slots, self.count, self.used, *bodies, self.reaction, bent)
-        forces.assemble(
-            table, self.count, self.used, *bodies, response, bent, motion, force, blocks
-        )
+        every = contacts, self.count
+        forces.move_trial(*every, motion)
+        response = np.zeros((len(contacts.slot), joint_law.N_RESPONSE))
+        joint_law.respond(*every, self.branch, response)
+        forces.geometric_stiffness(self.slots, *every, self.reaction, bent)
+        forces.assemble(*every, self.pairs, response, bent, motion, force, blocks)
         diagonal, upper, lower = blocks
         top, bottom = np.hstack((diagonal[0], upper[0])), np.hstack((lower[0], diagonal[1]))
         return force, np.vstack((top, bottom))
 
     def mapping(self):
-        s, used = self.slots, np.flatnonzero(self.slots.kind)
-        rows = np.zeros((len(used), 2, 6))
-        map_contacts(s.kind, s.normal, s.arm_a, s.arm_b, s.roll, s.ratio, used, rows)
-        return used, rows
+        packed = self.contacts.of(slice(self.count))
+        return packed.slot, packed.rows
 
 
 def central_differences(evaluate, at, step=1e-6):
@@ -472,19 +468,16 @@ class TestKinematics:
         for assembly, pose in configurations(radius, pressed=False):
             _, pairs, slots = contacts_of(assembly, pose)
             used = np.flatnonzero(slots.kind)
-            rows = np.zeros((len(used), 2, 6))
-            map_contacts(
-                slots.kind, slots.normal, slots.arm_a, slots.arm_b, slots.roll, slots.ratio,
-                used, rows,
-            )  # fmt: skip
-            for row, k in zip(rows, used, strict=True):
+            gradients = np.zeros((len(slots.kind), 2, 6))
+            rows.slot_rows(slots, gradients)
+            for row, k in zip(gradients[used], used, strict=True):
                 kind, n = slots.kind[k], slots.normal[k]
                 if abs(slots.gap[k]) > 1e-8:
                     continue
                 # From the vertex that touches, or the two, to the surface of its disc.
                 from_a = slots.arm_a[k] + radius * n * (-1.0 if kind == VERTEX_B else 1.0)
                 from_b = slots.arm_b[k] + radius * n * (1.0 if kind == VERTEX_A else -1.0)
-                assert (pairs.a[k // 2], pairs.b[k // 2]) == (0, 1)
+                assert (pairs.a[slots.pair[k]], pairs.b[slots.pair[k]]) == (0, 1)
                 for found, direction in zip(row, (n, np.array([n[1], -n[0]])), strict=True):
                     turn_a = from_a[0] * direction[1] - from_a[1] * direction[0]
                     turn_b = from_b[0] * direction[1] - from_b[1] * direction[0]
@@ -581,12 +574,12 @@ class TestPublishedWalls:
     @pytest.mark.parametrize("wall", [1, 2, 3])
     def test_areas_add_up_to_the_designed_joints(self, wall, corner):
         assembly, pairs, slots, k = self.touching(wall, corner)
-        for p in np.unique(k // 2):
+        for p in np.unique(slots.pair[k]):
             a, b = (assembly.blocks[i].vertices for i in (pairs.a[p], pairs.b[p]))
             # Boxes that touch: one side of their intersection is nothing, the other the joint.
             low, high = np.maximum(a.min(0), b.min(0)), np.minimum(a.max(0), b.max(0))
             designed = (high - low).max()
-            found = slots.length[k[k // 2 == p]].sum()
+            found = slots.length[k[slots.pair[k] == p]].sum()
             assert found == pytest.approx(designed, abs=ROUNDING)
 
 
@@ -614,15 +607,15 @@ class TestLaterContacts:
             pose = pose + 0.2 * detector.reach * move / detector.motion(move)[:, None]
             if detector.outdated(pairs, pose):
                 pairs = detector.pairs(pose)
-                slots = empty_slots(len(pairs.a))
+                slots = empty_slots(pairs)
             detector.fill(pairs, pose, slots)
             _, fresh_pairs, fresh = contacts_of(assembly, pose)
             found = {
-                (int(pairs.a[k // 2]), int(pairs.b[k // 2]), slots.gap[k])
+                (int(pairs.a[slots.pair[k]]), int(pairs.b[slots.pair[k]]), slots.gap[k])
                 for k in np.flatnonzero(slots.kind)
             }
             expected = {
-                (int(fresh_pairs.a[k // 2]), int(fresh_pairs.b[k // 2]), fresh.gap[k])
+                (int(fresh_pairs.a[fresh.pair[k]]), int(fresh_pairs.b[fresh.pair[k]]), fresh.gap[k])
                 for k in np.flatnonzero(fresh.kind)
             }
             assert found == expected
@@ -646,9 +639,9 @@ class TestIdentity:
         for angle in np.radians(np.arange(1.0, 90.0, 2.0)):
             pose = np.zeros((2, 3))
             pose[1] = 0.0, radius - turned(corner, -angle)[1] - 0.1, -angle
-            new, source = empty_slots(len(pairs.a)), np.full(2, -1)
+            new, source = empty_slots(pairs), np.full(2, -1)
             detector.fill(pairs, pose, new)
-            narrow.carry_history(slots.kind, slots.feature, slots.edges, new, source)
+            narrow.carry_history(slots, new, source)
             here = [k for k in np.flatnonzero(new.kind) if abs(new.gap[k]) < ROUNDING]
             assert len(here) == 1
             assert source[here[0]] == slot, f"lost at {np.degrees(angle):.0f} degrees"
@@ -665,9 +658,9 @@ class TestIdentity:
         for x in np.arange(0.0, 0.398, 0.006):
             pose = np.zeros((2, 3))
             pose[1, 0] = x
-            new, source = empty_slots(1), np.full(2, -1)
+            new, source = empty_slots(pairs), np.full(2, -1)
             detector.fill(pairs, pose, new)
-            narrow.carry_history(slots.kind, slots.feature, slots.edges, new, source)
+            narrow.carry_history(slots, new, source)
             for k in np.flatnonzero(new.kind & (new.gap < ROUNDING)):
                 assert source[k] == k
             kinds |= set(new.kind.tolist())
@@ -676,9 +669,9 @@ class TestIdentity:
 
     def test_a_new_contact_has_no_past(self):
         assembly = pair_of(self.unit, self.unit + (0.0, 0.2), radius=0.02)
-        _, _, slots = contacts_of(assembly, assembly.rest_pose())
-        before, source = empty_slots(1), np.zeros(2, np.int64)
-        narrow.carry_history(before.kind, before.feature, before.edges, slots, source)
+        _, pairs, slots = contacts_of(assembly, assembly.rest_pose())
+        before, source = empty_slots(pairs), np.zeros(2, np.int64)
+        narrow.carry_history(before, slots, source)
         assert source.tolist() == [-1, -1]
 
     def test_pairs_are_found_again_in_a_new_list(self):

@@ -19,7 +19,7 @@ from drystone.engines.base import Demand
 from drystone.engines.equilibrium import EquilibriumEngine, EquilibriumState
 from drystone.kernels import law as joint_law
 from drystone.kernels import path
-from drystone.kernels.narrow import VERTEX_B, VERTICES
+from drystone.kernels.contacts import VERTEX_B, VERTICES
 from drystone.model import Model
 from drystone.solvers import piecewise
 from drystone.solvers.interior import InteriorPoint
@@ -154,9 +154,9 @@ def reference(taken):
     x = taken.solved.increment
     n = len(step.known.kind)
     force = np.zeros_like(x)
-    reaction, history, sliding = np.zeros((n, 2)), step.memory.copy(), np.zeros(n)
+    reaction, history, sliding = np.zeros((n, 2)), step.history_before.copy(), np.zeros(n)
     for k in np.flatnonzero(step.known.kind):
-        pair = k // 2
+        pair = state.slots.pair[k]
         ends = [int(state.pairs.a[pair]), int(state.pairs.b[pair])]
         law = assembly.laws[state.pairs.law[pair]]
         area = state.slots.length[k] * assembly.thickness
@@ -194,11 +194,11 @@ def check(taken, *, whole):
     assert solved.reason == ""
     force, reaction, history, sliding = reference(taken)
     touching = np.flatnonzero(step.known.kind)
-    laws = [assembly.laws[i] for i in state.pairs.law.repeat(2)]
+    laws = [assembly.laws[i] for i in state.pairs.law[state.slots.pair]]
     accuracy = 0.1 * taken.tolerance
     assert step.reaction == pytest.approx(reaction, abs=accuracy)
-    assert step.state[touching, 0] == pytest.approx(history[touching, 0], abs=accuracy)
-    assert step.state[touching, 1:] == pytest.approx(history[touching, 1:], abs=1e-14)
+    assert step.history[touching, 0] == pytest.approx(history[touching, 0], abs=accuracy)
+    assert step.history[touching, 1:] == pytest.approx(history[touching, 1:], abs=1e-14)
 
     # Equilibrium, with the inertia of so long a step, and the increment that was asked for.
     down = np.column_stack((0.0 * assembly.weight, -assembly.weight, 0.0 * assembly.weight))
@@ -228,7 +228,7 @@ def check(taken, *, whole):
 
     # What contacts bring along: the implicit law changes nothing.  On a path, sliding that has
     # ended is added; it goes back by what the gradients change over the step, no more.
-    brought, now = state.history[touching], step.memory[touching]
+    brought, now = state.history[touching], step.history_before[touching]
     assert np.all(now[:, joint_law.BROKEN] >= brought[:, joint_law.BROKEN])
     if whole:
         assert np.array_equal(now[:, : joint_law.BROKEN], brought[:, : joint_law.BROKEN])
@@ -578,7 +578,7 @@ class TestSliding:
             check(taken, whole=whole)
             assert taken.solved.multiplier == pytest.approx(sense * 0.5, rel=1e-5)
             assert taken.step.branch.tolist() == [branch, branch]
-            slid = taken.step.state[:, joint_law.SLID] - taken.state.history[:, joint_law.SLID]
+            slid = taken.step.history[:, joint_law.SLID] - taken.state.history[:, joint_law.SLID]
             # Turning round, the springs first give back what they had taken.
             elastic = 2e3 * 0.5 / 1e9 * (1.0 - sense)
             assert slid == pytest.approx(1e-3 - elastic, abs=3e-7)  # and the block its tilt

@@ -40,9 +40,7 @@ def test_a_part_has_the_forces_and_tangents_of_the_whole(step, rings):
     whole = np.zeros_like(step.force)
     whole[part.bodies] = away
     for equations, x in ((step, whole), (part.step, away)):
-        joint_law.respond(
-            equations.table, equations.count, equations.used, equations.branch, equations.response
-        )
+        joint_law.respond(equations.contacts, equations.count, equations.branch, equations.response)
         equations.assemble(x, 0.3, x)
     movable = ~part.step.loads.fixed
     np.testing.assert_allclose(
@@ -57,8 +55,8 @@ def test_a_part_has_the_forces_and_tangents_of_the_whole(step, rings):
 def test_a_part_is_a_copy(step):
     bodies = np.zeros(len(step.loads.fixed), np.bool_)
     bodies[20] = True
-    before = step.table.copy()
+    before = step.contacts.table.copy()
     part = step.part(bodies, 1)
-    part.step.table[:] = np.nan
-    assert np.array_equal(step.table, before)
+    part.step.contacts.table[:] = np.nan
+    assert np.array_equal(step.contacts.table, before)
     assert np.array_equal(part.rows, np.unique(part.rows))

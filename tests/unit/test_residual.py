@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drystone.kernels.contacts import BOND, FRICTION, N_TABLE, STIFF_N, STIFF_T, TENSILE, Contacts
 from drystone.kernels.law import joint_law_violation
 from drystone.kernels.residual import (
     add_contact_forces,
@@ -28,17 +29,16 @@ def violation(gap, slip, reaction, before, shear_stiffness=1e6, bond=0.0, tensio
     """Normal, tangential and over the cone, of a single contact."""
     reaction = np.array([reaction], float)
     one = np.ones(1)
-    return joint_law_violation(
-        gap * one,
-        slip * one,
-        reaction,
-        reaction[:, 1].copy() if before is None else before * one,
-        KN * one,
-        shear_stiffness * one,
-        MU * one,
-        bond * one,
-        tension * one,
-    )
+    table = joints(1, shear_stiffness, bond, tension)
+    before = reaction[:, 1].copy() if before is None else before * one
+    return joint_law_violation(table, gap * one, slip * one, reaction, before, one)
+
+
+def joints(n, shear_stiffness=1.0, bond=0.0, tension=0.0):
+    """A table of contacts that are all alike."""
+    table = np.zeros((n, N_TABLE))
+    table[:, [STIFF_N, STIFF_T, FRICTION, BOND, TENSILE]] = KN, shear_stiffness, MU, bond, tension
+    return table
 
 
 class TestJointLaw:
@@ -99,17 +99,13 @@ class TestJointLaw:
     def test_the_worst_contact_counts(self):
         one = np.ones(3)
         reaction = np.array([[0.0, 0.0], [10.0, 0.0], [3.0, 0.0]])
-        found = joint_law_violation(
-            one, 0 * one, reaction, reaction[:, 1], KN * one, one, MU * one, 0 * one, 0 * one
-        )
+        found = joint_law_violation(joints(3), one, 0 * one, reaction, reaction[:, 1], one)
         assert found == pytest.approx((10.0, 0.0, 0.0))
 
     def test_no_contacts(self):
         nothing = np.zeros(0)
         two = np.zeros((0, 2))
-        found = joint_law_violation(
-            nothing, nothing, two, nothing, nothing, nothing, nothing, nothing, nothing
-        )
+        found = joint_law_violation(joints(0), nothing, nothing, two, nothing, nothing)
         assert found == (0.0, 0.0, 0.0)
 
     def test_cohesion_belongs_to_the_cone(self):
@@ -151,12 +147,19 @@ class TestUnbalancedForce:
         assert np.isnan(unbalanced_force(force, rest, one, free))
 
 
+def contacts_between(body_a, body_b, rows=0.0):
+    """Contacts of these bodies, with these gradients (n_contacts, 2, 6)."""
+    contacts = Contacts.empty(len(body_a), 2, 3)
+    contacts.body_a[:], contacts.body_b[:], contacts.rows[:] = body_a, body_b, rows
+    return contacts
+
+
 def test_a_block_is_held_by_contacts_that_push_it():
     """Whatever their sum is: two that hold a block between them add up to next to nothing."""
     body_a, body_b = np.array([0, 1, 3]), np.array([1, 2, 4])
     reaction = np.array([[5.0, 0.0], [5.0, 0.0], [0.0, 0.0]])
     held = np.zeros(6, bool)
-    mark_held(body_a, body_b, reaction, held)
+    mark_held(contacts_between(body_a, body_b), reaction, held)
     assert held.tolist() == [True, True, True, False, False, False]
 
 
@@ -171,5 +174,5 @@ def test_contact_forces_are_the_transposed_mapping():
         dense[rows, 3 * body_a[c] : 3 * body_a[c] + 3] += mapping[c, :, :3]
         dense[rows, 3 * body_b[c] : 3 * body_b[c] + 3] += mapping[c, :, 3:]
     force = np.ones((3, 3))  # added to what is there
-    add_contact_forces(body_a, body_b, mapping, reaction, force)
+    add_contact_forces(contacts_between(body_a, body_b, mapping), reaction, force)
     assert force.ravel() == pytest.approx(1.0 + dense.T @ reaction.ravel(), rel=1e-13)

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from drystone.contact.certificate import JudgedContacts
 from drystone.kernels import law as joint_law
-from drystone.kernels import narrow
+from drystone.kernels.contacts import FRICTION, NONE, Slots
 from drystone.kernels.law import BOND_TIE
-from drystone.kernels.narrow import Slots
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -38,18 +37,18 @@ def brittle(laws: Array) -> bool:
 
 def apart(slots: Slots, slack: float) -> BoolArray:
     """Contacts (n_slots,) that no bond spans, as they are not shut to ``slack`` [m] when built."""
-    return (slots.kind == narrow.NONE) | (slots.gap > slack)
+    return (slots.kind == NONE) | (slots.gap > slack)
 
 
-def margins(contacts: JudgedContacts, slack: float) -> Array:
+def margins(judged: JudgedContacts, slack: float) -> Array:
     """Margins of contacts, (n_contacts,); infinite where nothing is bonded.
 
     ``slack`` [N] is how well reactions are known: none breaks for less.
     """
-    normal, tangential = contacts.reaction.T
-    bond, tension = contacts.bond, contacts.tension
+    normal, tangential = judged.reaction.T
+    bond, tension = judged.strength
     bonded = bond + tension > 0.0
-    along = contacts.friction * normal + bond + slack - np.abs(tangential)
+    along = judged.contacts.table[:, FRICTION] * normal + bond + slack - np.abs(tangential)
     along = np.divide(along, np.maximum(bond, LEAST_SCALE * tension), where=bonded, out=along)
     across = normal + tension + slack
     across = np.divide(across, np.maximum(tension, LEAST_SCALE * bond), where=bonded, out=across)

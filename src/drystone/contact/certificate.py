@@ -13,34 +13,29 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.kernels import law as joint_law
+from drystone.kernels.contacts import BOND, TENSILE, Contacts
 from drystone.kernels.law import joint_law_violation
 from drystone.kernels.residual import mark_held, unbalanced_force
 
 Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 
 class JudgedContacts(NamedTuple):
-    """Contacts of a step as its formulation has them; see `kernels.residual` for their law."""
+    """Contacts of a step as its formulation has them; see `kernels.law` for their law."""
 
-    body_a: IntArray  # (n_contacts,)
-    body_b: IntArray  # (n_contacts,)
+    contacts: Contacts  # bodies, stiffnesses, friction and strengths, (n_contacts,)
     gap: Array  # (n_contacts,) m, at the end of the step, less dilation
     slip: Array  # (n_contacts,) m, since the shear before; zero where it has entered that already
     reaction: Array  # (n_contacts, dim) N
     shear_before: Array  # (n_contacts,) N
-    normal_stiffness: Array  # (n_contacts,) N/m
-    shear_stiffness: Array  # (n_contacts,) N/m
-    friction: Array  # (n_contacts,)
-    bond: Array  # (n_contacts,) N, cohesion that is not broken
-    tension: Array  # (n_contacts,) N, likewise
+    whole: Array  # (n_contacts,) 1 where a bond has not broken, else 0
 
     @property
-    def n_contacts(self) -> int:
-        """Number of contacts."""
-        return len(self.gap)
+    def strength(self) -> tuple[Array, Array]:
+        """Cohesion and tensile strength [N] that contacts still have, (n_contacts,) each."""
+        table = self.contacts.table
+        return table[:, BOND] * self.whole, table[:, TENSILE] * self.whole
 
 
 class Forces(NamedTuple):
@@ -86,11 +81,10 @@ def certify(
     """
     c = contacts
     normal, tangential, cone = joint_law_violation(
-        c.gap, c.slip, c.reaction, c.shear_before, c.normal_stiffness, c.shear_stiffness,
-        c.friction, c.bond, c.tension,
-    )  # fmt: skip
+        c.contacts.table, c.gap, c.slip, c.reaction, c.shear_before, c.whole
+    )
     held = np.zeros(len(fixed), np.bool_)
-    mark_held(c.body_a, c.body_b, c.reaction, held)
+    mark_held(c.contacts, c.reaction, held)
     return Certificate(
         balance=float(
             unbalanced_force(forces.contact + forces.load, forces.inertia, extent, fixed)
@@ -100,19 +94,3 @@ def certify(
         cone=float(cone),
         held=held,
     )
-
-
-def strengths(laws: Array, law: IntArray, area: Array, history: Array) -> tuple[Array, Array]:
-    """Cohesion and tensile strength [N] that contacts still have, (n_contacts,) each.
-
-    Parameters
-    ----------
-    laws
-        (n_laws, N_LAW), see `contact.law`.
-    law, area
-        Of each contact, (n_contacts,); areas in m2.
-    history
-        (n_contacts, N_HISTORY), see `kernels.law`.
-    """
-    whole = area * (history[:, joint_law.BROKEN] == 0.0)
-    return laws[law, joint_law.COHESION] * whole, laws[law, joint_law.TENSION] * whole

@@ -6,8 +6,6 @@ half of that since; blocks that come to touch later are therefore always found.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,7 +14,8 @@ from drystone.contact.forces import ContactForces
 from drystone.geometry.broad import candidate_pairs
 from drystone.kernels import measures as kernels
 from drystone.kernels import narrow
-from drystone.kernels.narrow import Bodies, Slots, World
+from drystone.kernels.contacts import Pairs, Slots
+from drystone.kernels.narrow import POINTS, Bodies, World
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -47,17 +46,18 @@ def bodies_of(assembly: Assembly) -> Bodies:
     )
 
 
-def empty_slots(n_pairs: int) -> Slots:
-    """Unused slots for a number of pairs."""
-    n = 2 * n_pairs
+def empty_slots(pairs: Pairs) -> Slots:
+    """Unused slots of pairs."""
+    n, dim = pairs.n_slots, pairs.pose.shape[1] - 1
     return Slots(
+        pair=np.repeat(np.arange(len(pairs.a)), np.diff(pairs.first)),
         kind=np.zeros(n, np.int64),
         feature=np.full((n, 2), -1, np.int64),
         edges=np.full((n, 2), -1, np.int64),
         gap=np.full(n, np.inf),
-        normal=np.zeros((n, 2)),
-        arm_a=np.zeros((n, 2)),
-        arm_b=np.zeros((n, 2)),
+        normal=np.zeros((n, dim)),
+        arm_a=np.zeros((n, dim)),
+        arm_b=np.zeros((n, dim)),
         roll=np.zeros((n, 2)),
         ratio=np.ones(n),
         length=np.zeros(n),
@@ -67,16 +67,6 @@ def empty_slots(n_pairs: int) -> Slots:
 def copied(slots: Slots) -> Slots:
     """Slots of one's own, which later contact detection does not touch."""
     return Slots._make(array.copy() for array in slots)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Pairs:
-    """Candidate pairs, with where they were made and which joint law each has."""
-
-    a: IntArray  # (n_pairs,)
-    b: IntArray  # (n_pairs,)
-    law: IntArray  # (n_pairs,) index into `Assembly.laws`
-    pose: Array  # (n, n_dof) poses they were found in
 
 
 class Detector:
@@ -121,7 +111,13 @@ class Detector:
         if gone is not None and gone.any():
             there = ~(gone[a] | gone[b])
             a, b = a[there], b[there]
-        return Pairs(a=a, b=b, law=self.assembly.law_index(a, b), pose=pose.copy())
+        return Pairs(
+            a=a,
+            b=b,
+            law=self.assembly.law_index(a, b),
+            first=POINTS * np.arange(len(a) + 1),
+            pose=pose.copy(),
+        )
 
     def outdated(self, pairs: Pairs, pose: Array) -> bool:
         """Whether some block has moved so far that a pair may be missing."""
@@ -137,11 +133,11 @@ class Detector:
 
     def fill(self, pairs: Pairs, pose: Array, slots: Slots) -> None:
         """Find all contacts of the pairs in the given poses, into ``slots``."""
-        narrow.find_contacts(self.bodies, pose, self.world, pairs.a, pairs.b, self.reach, slots)
+        narrow.find_contacts(self.bodies, pose, self.world, pairs, self.reach, slots)
 
     def follow(self, pairs: Pairs, pose: Array, known: Slots, slots: Slots) -> None:
         """The contacts in ``known``, by their features, in the given poses, into ``slots``."""
-        narrow.follow_contacts(self.bodies, pose, self.world, pairs.a, pairs.b, known, slots)
+        narrow.follow_contacts(self.bodies, pose, self.world, pairs, known, slots)
 
     def forces(
         self, pairs: Pairs, pose: Array, slots: Slots, reaction: Array, status: IntArray
@@ -161,7 +157,7 @@ class Detector:
         )
         f, bodies = forces, self.bodies
         kernels.collect_contacts(
-            slots, pairs.a, pairs.b, bodies.centroid, bodies.radius, pose, self.assembly.thickness,
+            slots, pairs, bodies.centroid, bodies.radius, pose, self.assembly.thickness,
             reaction, status, f.block_a, f.block_b, f.position, f.normal, f.gap, f.area,
             f.normal_reaction, f.tangential_reaction, f.status,
         )  # fmt: skip
@@ -180,5 +176,6 @@ def carry(previous: Pairs, current: Pairs) -> IntArray:
 
 def carried_slots(previous: Pairs, current: Pairs) -> IntArray:
     """Slot of each current slot in the previous list, or -1, (n_slots,)."""
-    row = carry(previous, current)
-    return np.where(row[:, None] >= 0, 2 * row[:, None] + (0, 1), -1).ravel()
+    row, n_slots = carry(previous, current), np.diff(current.first)
+    source = np.repeat(previous.first[row] - current.first[:-1], n_slots) + np.arange(n_slots.sum())
+    return np.where(np.repeat(row, n_slots) >= 0, source, -1)

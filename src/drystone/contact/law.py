@@ -13,18 +13,20 @@ from drystone.kernels import law as joint_law
 Array = NDArray[np.float64]
 
 
-def law_table(assembly: Assembly) -> Array:
+def law_table(assembly: Assembly, *, shear: bool = True) -> Array:
     """One row per joint law, (n_laws, N_LAW); see the columns in `kernels.law`.
 
-    Raises `ValueError` where a stiffness is missing (a model read for limit analysis only).
+    Raises `ValueError` where a stiffness is missing (a model read for limit analysis only); that in
+    ``shear`` is not asked for by a formulation without it.
     """
+    keys = ("normal_stiffness", "shear_stiffness") if shear else ("normal_stiffness",)
     table = np.zeros((len(assembly.laws), joint_law.N_LAW))
     for row, law in zip(table, assembly.laws, strict=True):
-        if law.normal_stiffness is None or law.shear_stiffness is None:
-            raise ValueError("[joint] normal_stiffness and shear_stiffness are needed here")
+        if any(getattr(law, key) is None for key in keys):
+            raise ValueError(f"[joint] {' and '.join(keys)} {'are' if shear else 'is'} needed here")
         row[joint_law.MU] = law.friction_coefficient
         row[joint_law.KN] = law.normal_stiffness
-        row[joint_law.KS] = law.shear_stiffness
+        row[joint_law.KS] = law.shear_stiffness if shear else 0.0
         row[joint_law.TAN_PSI] = math.tan(math.radians(law.dilatancy_angle))
         row[joint_law.COHESION] = law.cohesion
         row[joint_law.TENSION] = law.tensile_strength

@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.contact.detection import Detector, Pairs
+from drystone.contact.detection import Detector
 from drystone.engines.base import Problem
 from drystone.engines.measures import LoadArrays
 from drystone.kernels import measures as kernels
-from drystone.kernels.narrow import Slots
+from drystone.kernels.contacts import Pairs, Slots
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -45,9 +45,7 @@ def departing(
     """
     part = np.empty(len(pose), np.int64)
     fixed = problem.assembly.fixed
-    if not kernels.mark_loose(
-        pairs.a, pairs.b, slots.kind, slots.gap, reaction, fixed | loads.fixed, part
-    ):
+    if not kernels.mark_loose(pairs, slots, reaction, fixed | loads.fixed, part):
         return np.zeros(len(pose), np.bool_)
     loose = ~np.isin(part, part[fixed]) & ~loads.fixed
     up = np.eye(problem.assembly.dimension)[-1:]

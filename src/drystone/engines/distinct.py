@@ -24,9 +24,8 @@ from drystone.contact.certificate import (
     Forces,
     JudgedContacts,
     certify,
-    strengths,
 )
-from drystone.contact.detection import Detector, Pairs, carried_slots, copied, empty_slots
+from drystone.contact.detection import Detector, carried_slots, copied, empty_slots
 from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
@@ -35,11 +34,12 @@ from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
 from drystone.kernels import explicit, narrow
 from drystone.kernels import law as joint_law
-from drystone.kernels.explicit import Contacts, Loads, Motion
+from drystone.kernels.contacts import NONE, Contacts, Pairs, Slots
+from drystone.kernels.explicit import FrozenContacts, Loads, Motion
+from drystone.kernels.forces import pack
 from drystone.kernels.law import N_HISTORY
-from drystone.kernels.narrow import Slots
 from drystone.kernels.residual import add_contact_forces
-from drystone.kernels.rows import map_contacts
+from drystone.kernels.rows import GAP
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -285,11 +285,11 @@ class Workspace:
             self.search_work += self.engine.elastic_energy(self.pairs, self.slots, self.history)
         if detector.outdated(self.pairs, pose):
             self._new_pairs(detector.pairs(pose, self.lost))
-        slots = empty_slots(len(self.pairs.a))
+        slots = empty_slots(self.pairs)
         detector.fill(self.pairs, pose, slots)
         source = np.zeros(len(slots.kind), np.int64)
         old = self.slots
-        narrow.carry_history(old.kind, old.feature, old.edges, slots, source)
+        narrow.carry_history(old, slots, source)
         history = np.where(source[:, None] >= 0, self.history[source], 0.0)
         history[source < 0, joint_law.BROKEN] = 1.0  # what comes to touch later is not bonded
         self.slots, self.history, self.searched = slots, history, pose.copy()
@@ -304,8 +304,8 @@ class Workspace:
         """Go over to another list of pairs, with the slots and histories of those that stay."""
         source = carried_slots(self.pairs, pairs)
         known = source >= 0
-        slots = empty_slots(len(pairs.a))
-        for new, old in zip(slots, self.slots, strict=True):
+        slots = empty_slots(pairs)
+        for new, old in zip(slots[1:], self.slots[1:], strict=True):  # their pairs are other ones
             new[known] = old[source[known]]
         history = np.zeros((len(source), N_HISTORY))
         history[known] = self.history[source[known]]
@@ -317,7 +317,7 @@ class Workspace:
     def unpack(self) -> None:
         """Bring slots, histories and reactions up to date."""
         explicit.unpack(
-            self.contacts, self.n_contacts, self.loads, self.motion, self.slots, self.pairs.a,
+            self.contacts, self.n_contacts, self.loads, self.motion, self.slots, self.pairs,
             self.history, self.reaction, self.status,
         )  # fmt: skip
 
@@ -325,7 +325,7 @@ class Workspace:
         """Contacts of the slots as the cycles take them, and masses where they may have changed."""
         engine, assembly, acting = self.engine, self.engine.problem.assembly, self.acting
         n_slots = len(self.slots.kind)
-        self.contacts = Contacts(
+        self.contacts = FrozenContacts(
             slot=np.zeros(n_slots, np.int64),
             edge=np.zeros(n_slots, np.int64),
             other=np.zeros(n_slots, np.int64),
@@ -336,8 +336,8 @@ class Workspace:
             status=np.zeros(n_slots, np.int64),
         )
         self.n_contacts = explicit.pack(
-            self.slots, engine.detector.bodies, self.pairs.a, self.pairs.b, self.pairs.law,
-            engine.laws, assembly.thickness, self.history, self.contacts,
+            self.slots, engine.detector.bodies, self.pairs, engine.laws,
+            assembly.thickness, self.history, self.contacts,
         )  # fmt: skip
         rotation = self.motion.pose[:, 2]
         self.motion.turn[:, 0] = np.cos(rotation)
@@ -417,7 +417,7 @@ class DistinctEngine:
         self.search_reach = self.settings.search_tolerance * self.size
         pose = assembly.rest_pose() if pose is None else np.array(pose, float)
         pairs = self.detector.pairs(pose)
-        slots = empty_slots(len(pairs.a))
+        slots = empty_slots(pairs)
         self.detector.fill(pairs, pose, slots)
         n_slots = len(slots.kind)
         history = np.zeros((n_slots, N_HISTORY))
@@ -457,7 +457,7 @@ class DistinctEngine:
         assembly, s = self.problem.assembly, self.settings
         blocks = np.zeros((assembly.n_bodies, 3, 3))
         explicit.stiffness_blocks(
-            slots, pairs.a, pairs.b, pairs.law, self.laws, assembly.thickness,
+            slots, pairs, self.laws, assembly.thickness,
             np.inf if real else 3.0 * max(self.search_reach, WATCHED * self.size), blocks,
         )  # fmt: skip
         blocks *= 0.25 * (1.0 + s.local_damping) / s.safety**2
@@ -475,11 +475,11 @@ class DistinctEngine:
 
     def elastic_energy(self, pairs: Pairs, slots: Slots, history: Array) -> float:
         """Energy that the joints store [J]."""
-        law = self.laws[pairs.law].repeat(2, axis=0)
+        law = self.laws[pairs.law[slots.pair]]
         area = slots.length * self.problem.assembly.thickness
         overlap = history[:, joint_law.DILATION] - slots.gap
         bonded = (history[:, joint_law.BROKEN] == 0.0) & (law[:, joint_law.TENSION] > 0.0)
-        used = (slots.kind != narrow.NONE) & ((overlap > 0.0) | bonded)
+        used = (slots.kind != NONE) & ((overlap > 0.0) | bonded)
         normal = law[used, joint_law.KN] * area[used] * overlap[used] ** 2
         shear = history[used, joint_law.SHEAR] ** 2 / (law[used, joint_law.KS] * area[used])
         return 0.5 * float(np.sum(normal + shear))
@@ -679,40 +679,32 @@ class DistinctEngine:
         The gaps are those of the poses that the cycle began with; all slips have entered the shear.
         """
         slots, pairs, velocity = work.slots, work.pairs, work.motion.velocity
-        k = np.flatnonzero(slots.kind != narrow.NONE)
-        a, b, law = pairs.a[k // 2], pairs.b[k // 2], pairs.law[k // 2]
-        mapping = np.zeros((len(k), 2, 2 * velocity.shape[1]))
-        map_contacts(
-            slots.kind, slots.normal, slots.arm_a, slots.arm_b, slots.roll, slots.ratio, k, mapping
-        )
+        assembly = self.problem.assembly
+        contacts = Contacts.empty(len(slots.kind), assembly.dimension, assembly.n_dof)
+        count = pack(slots, pairs, self.laws, assembly.thickness, contacts)
+        contacts = contacts.of(slice(count))
+        k, a, b = contacts.slot, contacts.body_a, contacts.body_b
         force = np.zeros_like(velocity)
         history, reaction = work.history[k], work.reaction[k]
-        add_contact_forces(a, b, mapping, reaction, force)
+        add_contact_forces(contacts, reaction, force)
         moved = work.dt * np.column_stack((velocity[a], velocity[b]))
-        gap = slots.gap[k] - np.sum(mapping[:, 0] * moved, axis=1)
-        area = slots.length[k] * self.problem.assembly.thickness
-        bond, tension = strengths(self.laws, law, area, history)
-        contacts = JudgedContacts(
-            body_a=a,
-            body_b=b,
+        gap = slots.gap[k] - np.sum(contacts.rows[:, GAP] * moved, axis=1)
+        judged = JudgedContacts(
+            contacts=contacts,
             gap=gap - history[:, joint_law.DILATION],
-            slip=np.zeros(len(k)),
+            slip=np.zeros(count),
             reaction=reaction,
             shear_before=reaction[:, 1],
-            normal_stiffness=self.laws[law, joint_law.KN] * area,
-            shear_stiffness=self.laws[law, joint_law.KS] * area,
-            friction=self.laws[law, joint_law.MU],
-            bond=bond,
-            tension=tension,
+            whole=np.where(history[:, joint_law.BROKEN] == 0.0, 1.0, 0.0),
         )
-        return contacts, force
+        return judged, force
 
     def _margin(self, work: Workspace, contacts: JudgedContacts) -> Array:
         """Of the bonds, by slots."""
         margin = np.full(len(work.slots.kind), np.inf)
         if self.brittle:
             slack = NOISE * self.settings.tolerance * self.scale
-            margin[work.slots.kind != narrow.NONE] = margins(contacts, slack)
+            margin[contacts.contacts.slot] = margins(contacts, slack)
         return margin
 
     def _arrive(

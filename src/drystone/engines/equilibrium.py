@@ -22,7 +22,6 @@ from drystone.contact.bonds import apart, brittle, margins, yielded
 from drystone.contact.certificate import Forces, certify
 from drystone.contact.detection import (
     Detector,
-    Pairs,
     carried_slots,
     carry,
     copied,
@@ -36,8 +35,8 @@ from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
 from drystone.kernels import law as joint_law
 from drystone.kernels import narrow
+from drystone.kernels.contacts import Pairs, Slots
 from drystone.kernels.law import N_HISTORY
-from drystone.kernels.narrow import Slots
 from drystone.records import changed
 from drystone.solvers import piecewise
 from drystone.solvers.interior import InteriorPoint
@@ -116,7 +115,7 @@ class EquilibriumEngine:
         pairs, gone = self.detector.pairs(pose), np.zeros(assembly.n_bodies, np.bool_)
         self._write_equations(pairs, gone)
         self.path_settings = self._path_settings()
-        slots = empty_slots(len(pairs.a))
+        slots = empty_slots(pairs)
         self.detector.fill(pairs, pose, slots)
         state = EquilibriumState(
             pose=pose,
@@ -124,7 +123,7 @@ class EquilibriumEngine:
             pairs=pairs,
             slots=slots,
             history=self._first_history(slots),
-            reaction=np.zeros((len(slots.kind), 2)),
+            reaction=np.zeros_like(slots.normal),
             branch=self._first_branches(pairs, slots),
             last_increment=np.zeros_like(pose),
             margin=np.full(len(slots.kind), np.inf),
@@ -165,9 +164,9 @@ class EquilibriumEngine:
             return False
         pairs = self.detector.pairs(state.pose, state.gone)
         new = carry(state.pairs, pairs) < 0
-        slots = empty_slots(len(pairs.a))
+        slots = empty_slots(pairs)
         self.detector.fill(pairs, state.pose, slots)
-        return bool((slots.gap.reshape(-1, 2).min(axis=1)[new] < 0.0).any())
+        return bool((slots.gap[new[slots.pair]] < 0.0).any())
 
     def _settlement(self) -> float:
         """By how much the top of a column as high as the structure sinks in its soft joints [m]."""
@@ -220,7 +219,7 @@ class EquilibriumEngine:
     def _broken(self, state: EquilibriumState, slots: IntArray) -> EquilibriumState:
         """The state without the bonds of some slots."""
         history, branch, margin = state.history.copy(), state.branch.copy(), state.margin.copy()
-        law = state.pairs.law[slots // 2]
+        law = state.pairs.law[state.slots.pair[slots]]
         history[slots, joint_law.BROKEN], margin[slots] = 1.0, np.inf
         branch[slots] = yielded(self.constants.laws, law, state.reaction[slots])
         nothing = np.zeros(0, np.int64)
@@ -290,11 +289,11 @@ class EquilibriumEngine:
 
     def _first_branches(self, pairs: Pairs, slots: Slots) -> IntArray:
         """Contacts that touch stick, by a bond where there is one."""
-        laws = self.constants.laws[pairs.law]
+        laws = self.constants.laws[pairs.law[slots.pair]]
         bonded = (laws[:, joint_law.COHESION] > 0.0) | (laws[:, joint_law.TENSION] > 0.0)
-        touching = np.where(bonded, joint_law.BONDED, joint_law.STICKING).repeat(2)
+        touching = np.where(bonded, joint_law.BONDED, joint_law.STICKING)
         # Weight presses on joints that lie; those that stand are shut, but hold by a bond only.
-        held = (np.abs(slots.normal[:, 1]) > 0.7) | bonded.repeat(2)
+        held = (np.abs(slots.normal[:, 1]) > 0.7) | bonded
         return np.where(held & ~self._apart(slots), touching, joint_law.OPEN)
 
     def _first_history(self, slots: Slots) -> Array:
@@ -323,7 +322,7 @@ class EquilibriumEngine:
     def _paired(self, state: EquilibriumState, gone: BoolArray) -> EquilibriumState:
         """The state with new pairs, without the blocks that are ``gone``."""
         pairs = self.detector.pairs(state.pose, gone)
-        slots = empty_slots(len(pairs.a))
+        slots = empty_slots(pairs)
         self.detector.fill(pairs, state.pose, slots)
         source = carried_slots(state.pairs, pairs)
         history, reaction, branch = _carried(source, state.history, state.reaction, state.branch)
@@ -400,15 +399,15 @@ class EquilibriumEngine:
     ) -> tuple[EquilibriumState, StepReport]:
         equations, x = self.equations, solved.increment
         slots = copied(equations.found)
-        known, source = equations.known, np.zeros(len(slots.kind), np.int64)
-        narrow.carry_history(known.kind, known.feature, known.edges, slots, source)
+        source = np.zeros(len(slots.kind), np.int64)
+        narrow.carry_history(equations.known, slots, source)
         history, reaction, branch = _carried(
-            source, equations.state, equations.reaction, equations.branch
+            source, equations.history, equations.reaction, equations.branch
         )
         judged = equations.judged()
         margin = np.full(len(source), np.inf)
         if self.brittle:
-            margin[equations.used[: equations.count]] = margins(judged, 0.0)
+            margin[judged.contacts.slot] = margins(judged, 0.0)
             margin = np.where(source >= 0, margin[source], np.inf)
         new = EquilibriumState(
             pose=state.pose + x,

@@ -11,7 +11,7 @@ from drystone.assembly import GRAVITY
 from drystone.contact.certificate import Certificate
 from drystone.engines.base import Problem, StepReport
 from drystone.kernels import measures as kernels
-from drystone.kernels.narrow import Slots
+from drystone.kernels.contacts import Slots
 from drystone.loading import dead_load
 
 Array = NDArray[np.float64]

@@ -19,16 +19,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.certificate import Forces, JudgedContacts, certify
-from drystone.contact.detection import Detector, Pairs, carried_slots, empty_slots
+from drystone.contact.detection import Detector, carried_slots, empty_slots
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
+from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
-from drystone.kernels import narrow
-from drystone.kernels.narrow import Slots
+from drystone.kernels import forces, narrow
+from drystone.kernels.contacts import Contacts, Pairs, Slots
+from drystone.kernels.law import MU
 from drystone.kernels.nlgs import ContactProblem, contact_velocities
 from drystone.kernels.residual import add_contact_forces
-from drystone.kernels.rows import map_contacts
 from drystone.solvers import nlgs
 from drystone.solvers.nlgs import BlockSystem, NlgsSettings
 
@@ -76,22 +77,23 @@ class NscdEngine:
         """Settle under the dead load; raises `UnstableError`, or `EngineError` for a joint law
         that this formulation does not have."""
         assembly = problem.assembly
-        for law in assembly.laws:
-            if law.normal_stiffness is None:
-                raise EngineError("[joint] normal_stiffness is missing: the nscd engine needs it")
-            if law.dilatancy_angle or law.cohesion or law.tensile_strength:
-                raise EngineError(
-                    "the nscd engine has no dilatancy, cohesion or tensile strength: set them to "
-                    "zero, or take the equilibrium or the distinct engine"
-                )
+        if any(
+            law.dilatancy_angle or law.cohesion or law.tensile_strength for law in assembly.laws
+        ):
+            raise EngineError(
+                "the nscd engine has no dilatancy, cohesion or tensile strength: set them to "
+                "zero, or take the equilibrium or the distinct engine"
+            )
+        try:
+            self.laws = law_table(assembly, shear=False)
+        except ValueError as error:
+            raise EngineError(f"{error}: the nscd engine cannot do without") from None
         self.problem = problem
         self.detector = Detector(assembly)
         self.extent = np.maximum(self.detector.extent, 1e-12)
-        self.stiffness = np.array([law.normal_stiffness for law in assembly.laws], float)
-        self.friction = np.array([law.friction_coefficient for law in assembly.laws])
         pose = assembly.rest_pose()
         pairs = self.detector.pairs(pose)
-        slots = empty_slots(len(pairs.a))
+        slots = empty_slots(pairs)
         self.detector.fill(pairs, pose, slots)
         gone = np.zeros(assembly.n_bodies, np.bool_)
         self._write_system(pairs, gone)
@@ -101,7 +103,7 @@ class NscdEngine:
             increment=np.zeros_like(pose),
             pairs=pairs,
             slots=slots,
-            reaction=np.zeros((len(slots.kind), 2)),
+            reaction=np.zeros_like(slots.normal),
             status=np.zeros(len(slots.kind), np.int64),
             gone=gone,
         )
@@ -145,27 +147,15 @@ class NscdEngine:
         state = self._refresh(state)
         assembly, loads, h = self.problem.assembly, self.loads, demand.time_step
         pairs, slots = state.pairs, state.slots
-        chosen = np.flatnonzero(slots.kind != narrow.NONE)
-        mapping = np.zeros((len(chosen), 2, 6))
-        map_contacts(
-            slots.kind, slots.normal, slots.arm_a, slots.arm_b, slots.roll, slots.ratio,
-            chosen, mapping,
-        )  # fmt: skip
-        pair = chosen // 2
-        law = pairs.law[pair]
-        problem = ContactProblem(
-            body_a=pairs.a[pair],
-            body_b=pairs.b[pair],
-            mapping=mapping,
-            inverse_mass=self.inverse_mass,
-            gap=slots.gap[chosen],
-            normal_stiffness=self.stiffness[law] * slots.length[chosen] * assembly.thickness,
-            friction=self.friction[law],
-        )
+        contacts = Contacts.empty(len(slots.kind), assembly.dimension, assembly.n_dof)
+        count = forces.pack(slots, pairs, self.laws, assembly.thickness, contacts)
+        contacts = contacts.of(slice(count))
+        chosen = contacts.slot
+        problem = ContactProblem(contacts, slots.gap[chosen], self.inverse_mass)
         before = np.zeros_like(state.velocity) if demand.stop_blocks else state.velocity
         load = loads.dead + demand.multiplier * loads.pattern
         solved = nlgs.solve(
-            problem, pair, self.system[1], self.extent,
+            problem, self.system[1], self.extent,
             before + h * self.inverse_mass * load,
             state.reaction[chosen] * h, state.increment / h, h,
             NlgsSettings(
@@ -195,10 +185,10 @@ class NscdEngine:
         pose = state.pose + increment
         new, reaction = self._arrive(state, pose, solved.velocity, chosen, solved.impulse / h)
         force = np.zeros_like(pose)
-        add_contact_forces(problem.body_a, problem.body_b, mapping, reaction[chosen], force)
+        add_contact_forces(contacts, reaction[chosen], force)
         acceleration = (solved.velocity - before) / h
         certificate = certify(
-            _judged(problem, solved.velocity, reaction[chosen], solved.natural, h),
+            _judged(problem, solved.velocity, reaction[chosen], h),
             Forces(contact=force, load=load, inertia=loads.mass * acceleration),
             self.extent,
             loads.fixed,
@@ -233,10 +223,10 @@ class NscdEngine:
         """The state with new pairs, without the blocks that are ``gone``."""
         pairs = self.detector.pairs(state.pose, gone)
         source = carried_slots(state.pairs, pairs)
-        slots = empty_slots(len(pairs.a))
+        slots = empty_slots(pairs)
         self.detector.fill(pairs, state.pose, slots)
         known = source >= 0
-        reaction = np.zeros((len(source), 2))
+        reaction = np.zeros_like(slots.normal)
         reaction[known] = state.reaction[source[known]]
         status = np.zeros(len(source), np.int64)
         status[known] = state.status[source[known]]
@@ -268,13 +258,12 @@ class NscdEngine:
         """
         reaction = np.zeros_like(state.reaction)
         reaction[chosen] = found
-        slots = empty_slots(len(state.pairs.a))
+        slots = empty_slots(state.pairs)
         self.detector.fill(state.pairs, pose, slots)
         source = np.zeros(len(slots.kind), np.int64)
-        before = state.slots
-        narrow.carry_history(before.kind, before.feature, before.edges, slots, source)
+        narrow.carry_history(state.slots, slots, source)
         carried = np.where(source[:, None] >= 0, reaction[source], 0.0)
-        friction = self.friction[state.pairs.law].repeat(2)
+        friction = self.laws[state.pairs.law[slots.pair], MU]
         limit = friction * carried[:, 0] * (1.0 - 1e-9)
         status = np.where(np.abs(carried[:, 1]) >= limit, SLIDING, STICKING)
         status[carried[:, 0] <= 0.0] = OPEN
@@ -300,24 +289,16 @@ class NscdEngine:
         """Nothing is held."""
 
 
-def _judged(
-    problem: ContactProblem, velocity: Array, reaction: Array, natural: Array, h: float
-) -> JudgedContacts:
+def _judged(problem: ContactProblem, velocity: Array, reaction: Array, h: float) -> JudgedContacts:
     """Contacts of a step: gaps are mapped from where it starts, friction has no shear stiffness
-    but the ``natural`` one (n_contacts,) [N/m] of the natural map."""
-    nothing = np.zeros(len(reaction))
-    relative = np.zeros((len(reaction), 2))
-    contact_velocities(problem, velocity, relative)
+    but that of the natural map."""
+    relative = np.zeros_like(reaction)
+    contact_velocities(problem.contacts, velocity, relative)
     return JudgedContacts(
-        body_a=problem.body_a,
-        body_b=problem.body_b,
+        contacts=problem.contacts,
         gap=problem.gap + h * relative[:, 0],
         slip=h * relative[:, 1],
         reaction=reaction,
         shear_before=reaction[:, 1],
-        normal_stiffness=problem.normal_stiffness,
-        shear_stiffness=natural,
-        friction=problem.friction,
-        bond=nothing,
-        tension=nothing,
+        whole=np.zeros(len(reaction)),
     )

@@ -27,6 +27,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from drystone.kernels.contacts import NONE, VERTEX_A, VERTICES
 from drystone.kernels.law import (
     BROKEN,
     COHESION,
@@ -44,7 +45,7 @@ from drystone.kernels.law import (
     TENSION,
     slide,
 )  # fmt: skip
-from drystone.kernels.narrow import NONE, VERTEX_A, VERTICES
+from drystone.kernels.rows import GAP, N_DOF, SLIP, gradients
 
 #: A contact this near to its cone slides.
 TIE = 1e-9
@@ -52,12 +53,13 @@ TIE = 1e-9
 #: Faces that are drawn apart by less are as they were laid but for rounding [m].
 GRAZE = 1e-9
 
-#: Columns of `Contacts.shape`: local vertex of the other body, local vertex and tangent of the
-#: edge body [m], radius of the other body, sum of both, 1 where two vertices meet [m].
+#: Columns of `FrozenContacts.shape`: local vertex of the other body, local vertex and tangent of
+#: the edge body [m], radius of the other body, sum of both, 1 where two vertices meet [m].
 OX, OY, EX, EY, TX, TY, R_O, R_SUM, ROUND = 0, 1, 2, 3, 4, 5, 6, 7, 8
 N_SHAPE = 9
 
-#: Columns of `Contacts.law`: stiffnesses [N/m], friction, dilatancy, bond and tensile force [N].
+#: Columns of `FrozenContacts.law`: stiffnesses [N/m], friction, dilatancy, bond and tensile force
+#: [N].
 L_KN, L_KS, L_MU, L_TAN_PSI, L_BOND, L_TENSION, L_END = 0, 1, 2, 3, 4, 5, 6
 N_CONTACT_LAW = 7
 
@@ -75,7 +77,7 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-class Contacts(NamedTuple):
+class FrozenContacts(NamedTuple):
     """Contacts that are watched between two searches, packed; row c belongs to ``slot[c]``."""
 
     slot: IntArray  # (n_contacts,)
@@ -111,10 +113,11 @@ class Loads(NamedTuple):
 
 
 @njit(cache=True)
-def pack(slots, bodies, pair_a, pair_b, pair_law, laws, thickness, history, contacts):
+def pack(slots, bodies, pairs, laws, thickness, history, contacts):
     """Fill ``contacts`` from the slots in use and return their number."""
     kind, feature, length = slots.kind, slots.feature, slots.length
     local, local_tangent, radius = bodies.local, bodies.local_tangent, bodies.radius
+    pair, pair_a, pair_b, pair_law = slots.pair, pairs.a, pairs.b, pairs.law
     slot, edge, other, shape, law = (
         contacts.slot, contacts.edge, contacts.other, contacts.shape, contacts.law
     )  # fmt: skip
@@ -122,7 +125,7 @@ def pack(slots, bodies, pair_a, pair_b, pair_law, laws, thickness, history, cont
     for k in range(kind.shape[0]):
         if kind[k] == NONE:
             continue
-        p = k // 2
+        p = pair[k]
         e, o, fe, fo = pair_a[p], pair_b[p], feature[k, 0], feature[k, 1]
         if kind[k] == VERTEX_A:
             e, o, fe, fo = o, e, fo, fe
@@ -157,10 +160,10 @@ def pack(slots, bodies, pair_a, pair_b, pair_law, laws, thickness, history, cont
 
 
 @njit(cache=True)
-def unpack(contacts, n_contacts, loads, motion, slots, pair_a, history, reaction, status):
+def unpack(contacts, n_contacts, loads, motion, slots, pairs, history, reaction, status):
     """Write what the cycles made of the contacts back to the slots: geometry, history, reaction."""
     turn, pose, centroid = motion.turn, motion.pose, loads.centroid
-    shape = contacts.shape
+    shape, pair, pair_a = contacts.shape, slots.pair, pairs.a
     history[:] = 0.0
     reaction[:] = 0.0
     status[:] = OPEN
@@ -187,7 +190,7 @@ def unpack(contacts, n_contacts, loads, motion, slots, pair_a, history, reaction
             ny = dy / distance
             slots.gap[k] = distance - shape[c, R_SUM]
             slots.ratio[k] = shape[c, R_SUM] / distance
-        if e == pair_a[k // 2]:
+        if e == pair_a[pair[k]]:
             slots.normal[k, 0], slots.normal[k, 1] = nx, ny
             slots.arm_a[k, 0], slots.arm_a[k, 1] = ex, ey
             slots.arm_b[k, 0], slots.arm_b[k, 1] = ox, oy
@@ -203,41 +206,34 @@ def unpack(contacts, n_contacts, loads, motion, slots, pair_a, history, reaction
 
 
 @njit(cache=True)
-def stiffness_blocks(slots, pair_a, pair_b, pair_law, laws, thickness, watched, blocks):
-    """Add 2 sum k h h^T over the contacts of each body, (n, 3, 3), with h = grad gap, grad slip.
+def stiffness_blocks(slots, pairs, laws, thickness, watched, blocks):
+    """Add 2 sum k h h^T over the contacts of each body, (n, n_dof, n_dof), h = grad gap, grad slip.
 
     Contacts open by more than ``watched`` [m] are left out.
     """
     kind, gap, normal, ratio, roll = slots.kind, slots.gap, slots.normal, slots.ratio, slots.roll
+    arm_a, arm_b, length, pair = slots.arm_a, slots.arm_b, slots.length, slots.pair
+    pair_a, pair_b, pair_law = pairs.a, pairs.b, pairs.law
+    rows = np.zeros((1, 2, 2 * N_DOF))
     for k in range(kind.shape[0]):
         if kind[k] == NONE or gap[k] > watched:
             continue
-        p = k // 2
-        area = slots.length[k] * thickness
+        p = pair[k]
+        area = length[k] * thickness
         kn = 2.0 * laws[pair_law[p], KN] * area
         ks = 2.0 * laws[pair_law[p], KS] * area
-        nx = normal[k, 0]
-        ny = normal[k, 1]
-        q = ratio[k]
+        gradients(normal, arm_a, arm_b, roll, ratio, k, rows, 0)
         for side in range(2):
-            if side == 0:
-                body, ax, ay, rolled = pair_a[p], slots.arm_a[k, 0], slots.arm_a[k, 1], roll[k, 0]
-            else:
-                body, ax, ay, rolled = pair_b[p], slots.arm_b[k, 0], slots.arm_b[k, 1], -roll[k, 1]
-            n2 = ny * ax - nx * ay
-            t0 = q * ny
-            t1 = -q * nx
-            t2 = -q * (ny * ay + nx * ax) - rolled
-            blocks[body, 0, 0] += kn * nx * nx + ks * t0 * t0
-            blocks[body, 0, 1] += kn * nx * ny + ks * t0 * t1
-            blocks[body, 0, 2] += kn * nx * n2 + ks * t0 * t2
-            blocks[body, 1, 1] += kn * ny * ny + ks * t1 * t1
-            blocks[body, 1, 2] += kn * ny * n2 + ks * t1 * t2
-            blocks[body, 2, 2] += kn * n2 * n2 + ks * t2 * t2
+            body, at = (pair_a[p], 0) if side == 0 else (pair_b[p], N_DOF)
+            for i in range(N_DOF):
+                of_gap, of_slip = kn * rows[0, GAP, at + i], ks * rows[0, SLIP, at + i]
+                for j in range(i, N_DOF):
+                    gap_j, slip_j = rows[0, GAP, at + j], rows[0, SLIP, at + j]
+                    blocks[body, i, j] += of_gap * gap_j + of_slip * slip_j
     for body in range(blocks.shape[0]):
-        blocks[body, 1, 0] = blocks[body, 0, 1]
-        blocks[body, 2, 0] = blocks[body, 0, 2]
-        blocks[body, 2, 1] = blocks[body, 1, 2]
+        for i in range(N_DOF):
+            for j in range(i):
+                blocks[body, i, j] = blocks[body, j, i]
 
 
 @njit(cache=True)

@@ -23,24 +23,19 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from drystone.kernels.contacts import FRICTION, LIFT, STIFF_N, STIFF_T, TRIAL_N, TRIAL_T
 from drystone.kernels.law import (
     BACKWARD,
     BONDED,
     FORWARD,
-    FRICTION,
-    LIFT,
     NN,
     NT,
     OPEN,
     STICKING,
-    STIFF_N,
-    STIFF_T,
     TN,
-    TRIAL_N,
-    TRIAL_T,
     TT,
 )  # fmt: skip
-from drystone.kernels.rows import GAP, MEASURED, add_force
+from drystone.kernels.rows import GAP, N_DOF, add_force
 
 #: Columns of a contact's variables, and of their changes, which have those of T_n and T_t as well.
 #: The room that the shear has to either side is kept apart: its end is lost in rounding.
@@ -51,11 +46,12 @@ B_N, B_T = 0, 1
 
 
 @njit(cache=True, error_model="numpy")
-def centre(table, count, used, branch, barrier, inner):
+def centre(contacts, count, branch, barrier, inner):
     """Variables of every contact for its present trial reactions and a ``barrier`` [J].
 
     Dilatancy is left out; the iterations make up for it.  Contacts whose bond holds are linear.
     """
+    table, used = contacts.table, contacts.slot
     for c in range(count):
         row = table[c]
         v = inner[c]
@@ -105,11 +101,12 @@ def centre(table, count, used, branch, barrier, inner):
 
 
 @njit(cache=True, error_model="numpy")
-def respond(table, count, used, branch, inner, response):
+def respond(contacts, count, branch, inner, response):
     """Fill reactions and A of every contact, (n_slots, N_RESPONSE); see `kernels.law.respond`.
 
     Returns the mean of the products, as energies [J].
     """
+    table, used = contacts.table, contacts.slot
     energy = 0.0
     n = 0
     for c in range(count):
@@ -153,10 +150,10 @@ def _lacking(table, inner, change, c, barrier, second):
 
 
 @njit(cache=True, error_model="numpy")
-def offset(
-    table, count, used, pair_a, pair_b, branch, inner, barrier, second, change, response, b, force
-):  # fmt: skip
-    """Fill b of every contact and add the forces A b to ``force`` (n, 3)."""
+def offset(contacts, count, branch, inner, barrier, second, change, response, b, force):
+    """Fill b of every contact and add the forces A b to ``force`` (n, n_dof)."""
+    table, rows, used = contacts.table, contacts.rows, contacts.slot
+    body_a, body_b = contacts.body_a, contacts.body_b
     for c in range(count):
         bn, bt = table[c, TRIAL_N] - inner[c, RN], table[c, TRIAL_T] - inner[c, RT]
         if branch[used[c]] != BONDED:
@@ -170,9 +167,7 @@ def offset(
         b[c, B_N], b[c, B_T] = bn, bt
         rn = response[c, NN] * bn + response[c, NT] * bt
         rt = response[c, TN] * bn + response[c, TT] * bt
-        body_a = pair_a[used[c] // 2]
-        body_b = pair_b[used[c] // 2]
-        add_force(table, c, rn, rt, body_a, body_b, force)
+        add_force(rows, c, rn, rt, body_a[c], body_b[c], force)
 
 
 @njit(cache=True, error_model="numpy")
@@ -181,28 +176,26 @@ def _room(value, change, longest):
 
 
 @njit(cache=True, error_model="numpy")
-def changes(
-    table, count, used, pair_a, pair_b, branch, inner, barrier, second, response, b, direction,
-    change,
-):  # fmt: skip
-    """Changes of all variables along the bodies' ``direction`` (n, 3), for b as it was filled.
+def changes(contacts, count, branch, inner, barrier, second, response, b, direction, change):
+    """Changes of all variables along the bodies' ``direction`` (n, n_dof), for b as it was filled.
 
     Returns how far along it all factors stay positive, the contact that ends it, and how the mean
     energy changes with the way gone, to first and second order [J].
     """
+    table, rows, measured = contacts.table, contacts.rows, contacts.measured
+    used, body_a, body_b = contacts.slot, contacts.body_a, contacts.body_b
     longest = np.inf
     limiting = -1
     first, second_order = 0.0, 0.0
     n_products = 0
     for c in range(count):
-        body_a = pair_a[used[c] // 2]
-        body_b = pair_b[used[c] // 2]
+        first_body, second_body = body_a[c], body_b[c]
         tn, tt = 0.0, 0.0
-        for i in range(3):
-            tn += table[c, GAP + i] * direction[body_a, i]
-            tn += table[c, GAP + 3 + i] * direction[body_b, i]
-            tt += table[c, MEASURED + i] * direction[body_a, i]
-            tt += table[c, MEASURED + 3 + i] * direction[body_b, i]
+        for i in range(N_DOF):
+            tn += rows[c, GAP, i] * direction[first_body, i]
+            tn += rows[c, GAP, N_DOF + i] * direction[second_body, i]
+            tt += measured[c, 0, i] * direction[first_body, i]
+            tt += measured[c, 0, N_DOF + i] * direction[second_body, i]
         n, p, q = _lacking(table, inner, change, c, barrier, second)
         tn *= -table[c, STIFF_N]
         tt *= -table[c, STIFF_T]
@@ -247,8 +240,9 @@ def changes(
 
 
 @njit(cache=True, error_model="numpy")
-def move(table, count, inner, change, length):
+def move(contacts, count, inner, change, length):
     """Go along the changes, trial reactions included."""
+    table = contacts.table
     for c in range(count):
         for i in range(N_INNER):
             inner[c, i] += length * change[c, i]
@@ -257,8 +251,9 @@ def move(table, count, inner, change, length):
 
 
 @njit(cache=True, error_model="numpy")
-def choose(table, count, used, inner, branch):
+def choose(contacts, count, inner, branch):
     """Branch of every contact by the smaller factor of each product."""
+    used = contacts.slot
     for c in range(count):
         k = used[c]
         if branch[k] == BONDED:

@@ -24,7 +24,20 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from drystone.kernels.rows import GAP, MEASURED, N_ROWS, SLIP
+from drystone.kernels.contacts import (
+    ADD_N,
+    ADD_T,
+    BOND,
+    FRICTION,
+    LIFT,
+    PLASTIC,
+    STIFF_N,
+    STIFF_T,
+    TENSILE,
+    TRIAL_N,
+    TRIAL_T,
+)  # fmt: skip
+from drystone.kernels.rows import GAP, SLIP
 
 #: Branches: open, sticking, sliding under positive and under negative shear, held by a bond.
 OPEN, STICKING, FORWARD, BACKWARD, BONDED = 0, 1, 2, 3, 4
@@ -47,14 +60,6 @@ N_HISTORY = 4
 #: dilatancy ends [m].
 MU, KN, KS, TAN_PSI, COHESION, TENSION, DILATANCY_END = 0, 1, 2, 3, 4, 5, 6
 N_LAW = 7
-
-#: Columns of the table of contacts after its gradients (see `kernels.rows`): k_n, k_s [N/m], mu,
-#: k_n tan psi [N/m], c A, f_t A [N], trial reactions [N], and what sliding that has ended within
-#: the step adds to them [N], with its length [m].
-STIFF_N, STIFF_T, FRICTION, LIFT = N_ROWS, N_ROWS + 1, N_ROWS + 2, N_ROWS + 3
-BOND, TENSILE, TRIAL_N, TRIAL_T = N_ROWS + 4, N_ROWS + 5, N_ROWS + 6, N_ROWS + 7
-ADD_N, ADD_T, PLASTIC = N_ROWS + 8, N_ROWS + 9, N_ROWS + 10
-N_TABLE = N_ROWS + 11
 
 #: Columns of the response of a contact: reactions, and their derivatives by the trial reactions,
 #: the first by the normal one.
@@ -105,8 +110,9 @@ def reactions(table, c, branch):
 
 
 @njit(cache=True)
-def respond(table, count, used, branch, response):
+def respond(contacts, count, branch, response):
     """Fill reactions and their derivatives by the trial reactions, (n_slots, N_RESPONSE)."""
+    table, used = contacts.table, contacts.slot
     for c in range(count):
         now = branch[used[c]]
         response[c, RN], response[c, RT], _ = reactions(table, c, now)
@@ -183,26 +189,25 @@ def landing(table, c, now):
 
 
 @njit(cache=True)
-def change(table, c, before, after, u, rows, k):
-    """Fill u (2 n_dof,) and row k of ``rows`` with the u and v by whose product the matrix changes
-    with the branch of contact c."""
-    n_dof = (u.shape[0]) // 2
+def change(table, rows, measured, c, before, after, u, v, k):
+    """Fill u (2 n_dof,) and v[k, 0] with the u and v by whose product the matrix changes with the
+    branch of contact c."""
     sliding = before if before >= FORWARD else after
     sign = 1.0 if sliding == FORWARD else -1.0
     kn, kt, mu, lift = table[c, STIFF_N], table[c, STIFF_T], table[c, FRICTION], table[c, LIFT]
     along = kt + mu * lift
     if before == OPEN or after == OPEN:
         turn = -1.0 if before == OPEN else 1.0
-        for i in range(2 * n_dof):
-            u[i] = turn * (table[c, GAP + i] + sign * mu * table[c, SLIP + i])
-            slid = mu * kn * table[c, GAP + i] - sign * kt * table[c, MEASURED + i]
-            rows[k, i] = lift * slid / along - kn * table[c, GAP + i]
+        for i in range(u.shape[0]):
+            u[i] = turn * (rows[c, GAP, i] + sign * mu * rows[c, SLIP, i])
+            slid = mu * kn * rows[c, GAP, i] - sign * kt * measured[c, 0, i]
+            v[k, 0, i] = lift * slid / along - kn * rows[c, GAP, i]
         return
     turn = 1.0 if before == STICKING else -1.0
-    for i in range(2 * n_dof):
-        u[i] = turn * (sign * kt * table[c, SLIP + i] - lift * table[c, GAP + i])
-        slid = mu * kn * table[c, GAP + i] - sign * kt * table[c, MEASURED + i]
-        rows[k, i] = slid / along
+    for i in range(u.shape[0]):
+        u[i] = turn * (sign * kt * rows[c, SLIP, i] - lift * rows[c, GAP, i])
+        slid = mu * kn * rows[c, GAP, i] - sign * kt * measured[c, 0, i]
+        v[k, 0, i] = slid / along
 
 
 @njit(cache=True)
@@ -224,9 +229,7 @@ def commit(table, c, before):
 
 
 @njit(cache=True)
-def joint_law_violation(
-    gap, slip, reaction, shear_before, normal_stiffness, shear_stiffness, friction, bond, tension
-):
+def joint_law_violation(table, gap, slip, reaction, shear_before, whole):
     """Largest distances [N] of reactions from those that the joint law gives.
 
     The law's reaction is r_n = k_n <-g> and r_t = clip(t_0 - k_s s, +-(mu r_n + bond)); a bond
@@ -236,6 +239,8 @@ def joint_law_violation(
 
     Parameters
     ----------
+    table
+        Stiffnesses, friction and strengths, (n_contacts, N_TABLE).
     gap
         At the end of the step, less dilation, (n_contacts,) [m].
     slip
@@ -244,12 +249,8 @@ def joint_law_violation(
         (n_contacts, 2) [N], normal and tangential.
     shear_before
         (n_contacts,) [N], tangential reaction at the start of the step.
-    normal_stiffness, shear_stiffness
-        (n_contacts,) [N/m].
-    friction
-        (n_contacts,)
-    bond, tension
-        (n_contacts,) [N], cohesion and tensile strength of joints that still have them.
+    whole
+        (n_contacts,) 1 where a bond has not broken, else 0.
 
     Returns
     -------
@@ -260,12 +261,13 @@ def joint_law_violation(
     """
     normal, tangential, cone = 0.0, 0.0, 0.0
     for c in range(gap.shape[0]):
-        strength = bond[c] + tension[c]
-        law_n = -normal_stiffness[c] * gap[c]
-        if law_n < -tension[c] - BOND_TIE * strength or (law_n < 0.0 and strength == 0.0):
+        bond, tension = whole[c] * table[c, BOND], whole[c] * table[c, TENSILE]
+        strength = bond + tension
+        law_n = -table[c, STIFF_N] * gap[c]
+        if law_n < -tension - BOND_TIE * strength or (law_n < 0.0 and strength == 0.0):
             law_n = 0.0
-        limit = max(friction[c] * reaction[c, 0] + bond[c], 0.0)
-        law_t = shear_before[c] - shear_stiffness[c] * slip[c]
+        limit = max(table[c, FRICTION] * reaction[c, 0] + bond, 0.0)
+        law_t = shear_before[c] - table[c, STIFF_T] * slip[c]
         law_t = min(max(law_t, -limit), limit)
         normal = max(normal, abs(reaction[c, 0] - law_n))
         tangential = max(tangential, abs(reaction[c, 1] - law_t))
@@ -277,8 +279,9 @@ def joint_law_violation(
 
 
 @njit(cache=True)
-def remember(table, count, used, memory):
+def remember(contacts, count, memory):
     """Sliding that has ended becomes part of what contacts bring along (n_slots, N_HISTORY)."""
+    table, used = contacts.table, contacts.slot
     for c in range(count):
         k = used[c]
         memory[k, SHEAR] += table[c, ADD_T]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from drystone.kernels.narrow import NONE, VERTEX_B
+from drystone.kernels.contacts import NONE, VERTEX_B
 
 
 @njit(cache=True)
@@ -86,8 +86,8 @@ def count_contacts(kind, gap, status, counts):
 
 @njit(cache=True)
 def collect_contacts(
-    slots, pair_a, pair_b, centroid, radius, pose, thickness, reaction, status, block_a, block_b,
-    position, normals, gaps, area, normal_reaction, tangential_reaction, statuses,
+    slots, pairs, centroid, radius, pose, thickness, reaction, status, block_a, block_b, position,
+    normals, gaps, area, normal_reaction, tangential_reaction, statuses,
 ):  # fmt: skip
     """Used slots as the rows of `contact.forces.ContactForces`, filled from ``block_a`` on.
 
@@ -100,11 +100,12 @@ def collect_contacts(
         slots.gap,
         slots.length,
     )
+    pair_a, pair_b, pair = pairs.a, pairs.b, slots.pair
     row = 0
     for k in range(kind.shape[0]):
         if kind[k] == NONE:
             continue
-        a, b = pair_a[k // 2], pair_b[k // 2]
+        a, b = pair_a[pair[k]], pair_b[pair[k]]
         reach = -radius[b] if kind[k] == VERTEX_B else radius[a]
         block_a[row], block_b[row] = a, b
         for d in range(2):
@@ -132,19 +133,20 @@ def farthest(increment, extent):
 
 
 @njit(cache=True)
-def mark_loose(pair_a, pair_b, kind, gap, reaction, fixed, part):
+def mark_loose(pairs, slots, reaction, fixed, part):
     """Whether a body hangs on to none that is ``fixed`` (n,), be it through others.
 
     Bodies hold each other where a contact is closed or carries; ``part`` (n,) is filled with the
     first body of each one's connected part.
     """
+    pair_a, pair_b, pair, kind, gap = pairs.a, pairs.b, slots.pair, slots.kind, slots.gap
     n = fixed.shape[0]
     for i in range(n):
         part[i] = i
     for k in range(kind.shape[0]):
         if kind[k] == NONE or not (gap[k] <= 0.0 or reaction[k, 0] != 0.0):
             continue
-        a, b = pair_a[k // 2], pair_b[k // 2]
+        a, b = pair_a[pair[k]], pair_b[pair[k]]
         while part[a] != a:
             part[a] = part[part[a]]
             a = part[a]

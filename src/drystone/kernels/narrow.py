@@ -35,7 +35,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-NONE, VERTEX_B, VERTEX_A, VERTICES = 0, 1, 2, 3
+from drystone.kernels.contacts import NONE, VERTEX_A, VERTEX_B, VERTICES
+
+#: Contact points of a pair.
+POINTS = 2
 
 #: Tributary length of a contact point is at least this share of the shorter facing edge.
 LEAST_SHARE = 0.01
@@ -73,21 +76,6 @@ class World(NamedTuple):
     tangent: Array  # (n_vertices, 2)
     arm: Array  # (n_vertices, 2) m, from the centroid
     turn: Array  # (n, 2) sine and 1 - cosine of each body's rotation
-
-
-class Slots(NamedTuple):
-    """Contacts of all candidate pairs, slot ``2 p + end`` for pair ``p``."""
-
-    kind: IntArray  # (n_slots,)
-    feature: IntArray  # (n_slots, 2) vertex or edge (by its first vertex) of a and of b
-    edges: IntArray  # (n_slots, 2) the facing edges of a and of b
-    gap: Array  # (n_slots,) m, positive open
-    normal: Array  # (n_slots, 2)
-    arm_a: Array  # (n_slots, 2) m
-    arm_b: Array  # (n_slots, 2) m
-    roll: Array  # (n_slots, 2) m, roll_a and roll_b
-    ratio: Array  # (n_slots,)
-    length: Array  # (n_slots,) m, tributary length of joint
 
 
 @njit(cache=True)
@@ -285,11 +273,12 @@ def _turned(turn, body, x, y):
 
 
 @njit(cache=True)
-def _measure(bodies, pose, world, pair_a, pair_b, slots):
+def _measure(bodies, pose, world, pairs, slots):
     """Everything else about the contacts of all slots, whose features are given."""
     # Fields read once: in the loop each reading would count references.
     centroid, local, radius = bodies.centroid, bodies.local, bodies.radius
     local_tangent, tangent, arm, turn = bodies.local_tangent, world.tangent, world.arm, world.turn
+    pair_a, pair_b, pair = pairs.a, pairs.b, slots.pair
     kinds, features, gap, normal = slots.kind, slots.feature, slots.gap, slots.normal
     arm_a, arm_b, roll, ratio = slots.arm_a, slots.arm_b, slots.roll, slots.ratio
     for k in range(kinds.shape[0]):
@@ -297,7 +286,7 @@ def _measure(bodies, pose, world, pair_a, pair_b, slots):
         if kind == NONE:
             gap[k] = np.inf
             continue
-        a, b = pair_a[k // 2], pair_b[k // 2]
+        a, b = pair_a[pair[k]], pair_b[pair[k]]
         va, vb = features[k, 0], features[k, 1]
         # From a vertex of a, or an edge's first, to one of b; the other way on an edge of b.
         sign = -1.0 if kind == VERTEX_A else 1.0
@@ -337,7 +326,7 @@ def _measure(bodies, pose, world, pair_a, pair_b, slots):
 
 
 @njit(cache=True)
-def find_contacts(bodies, pose, world, pair_a, pair_b, reach, slots):
+def find_contacts(bodies, pose, world, pairs, reach, slots):
     """Fill the slots of all pairs in the given poses; ``reach`` [m] is the largest gap watched."""
     place(bodies, pose, world)
     # Fields read once: in the loop each reading would count references.
@@ -345,21 +334,22 @@ def find_contacts(bodies, pose, world, pair_a, pair_b, reach, slots):
     setback, radius = bodies.setback, bodies.radius
     vertex, tangent = world.vertex, world.tangent
     kinds, features, edges, lengths = slots.kind, slots.feature, slots.edges, slots.length
+    pair_a, pair_b, first = pairs.a, pairs.b, pairs.first
     for p in range(pair_a.shape[0]):
         a = pair_a[p]
         b = pair_b[p]
         _interface(
-            offset, following, length, setback, radius[a] + radius[b], vertex, tangent, 2 * p, a,
-            b, reach, kinds, features, edges, lengths,
+            offset, following, length, setback, radius[a] + radius[b], vertex, tangent, first[p],
+            a, b, reach, kinds, features, edges, lengths,
         )  # fmt: skip
-    _measure(bodies, pose, world, pair_a, pair_b, slots)
+    _measure(bodies, pose, world, pairs, slots)
     for k in range(slots.kind.shape[0]):
         if slots.gap[k] > reach:
             slots.kind[k] = NONE
 
 
 @njit(cache=True)
-def follow_contacts(bodies, pose, world, pair_a, pair_b, known, slots):
+def follow_contacts(bodies, pose, world, pairs, known, slots):
     """Fill the slots in new poses with the features that ``known`` slots have.
 
     Within a step this is cheaper than finding contacts anew, and smooth: where two vertices pass
@@ -372,7 +362,7 @@ def follow_contacts(bodies, pose, world, pair_a, pair_b, known, slots):
         for i in range(2):
             slots.feature[k, i] = known.feature[k, i]
             slots.edges[k, i] = known.edges[k, i]
-    _measure(bodies, pose, world, pair_a, pair_b, slots)
+    _measure(bodies, pose, world, pairs, slots)
 
 
 @njit(cache=True)
@@ -394,31 +384,31 @@ def changed_contacts(before, after, depth):
 
 
 @njit(cache=True)
-def carry_history(previous_kind, previous_feature, previous_edges, slots, source):
+def carry_history(previous, slots, source):
     """For every slot, the slot of the same pair whose history it goes on with, or -1.
 
     A slot goes on with itself while its interface keeps its edges.  When a block turns so far
     that another edge faces its neighbour, the contact that shares a vertex goes on.
     """
-    for p in range(slots.kind.shape[0] // 2):
-        for k in range(2 * p, 2 * p + 2):
-            source[k] = -1
-            if slots.kind[k] == NONE:
-                continue
-            if (
-                previous_kind[k] != NONE
-                and previous_edges[k, 0] == slots.edges[k, 0]
-                and previous_edges[k, 1] == slots.edges[k, 1]
-            ):
-                source[k] = k
-                continue
-            for j in range(2 * p, 2 * p + 2):
-                if previous_kind[j] == NONE:
-                    continue
-                same_a = previous_feature[j, 0] == slots.feature[k, 0]
-                same_b = previous_feature[j, 1] == slots.feature[k, 1]
-                vertex_a = slots.kind[k] != VERTEX_B and previous_kind[j] != VERTEX_B
-                vertex_b = slots.kind[k] != VERTEX_A and previous_kind[j] != VERTEX_A
-                if (same_a and vertex_a) or (same_b and vertex_b):
-                    source[k] = j
-                    break
+    pair, kind, feature, edges = slots.pair, slots.kind, slots.feature, slots.edges
+    was, were, along = previous.kind, previous.feature, previous.edges
+    n = kind.shape[0]
+    first = 0  # slot of the pair
+    for k in range(n):
+        if pair[k] != pair[first]:
+            first = k
+        source[k] = -1
+        if kind[k] == NONE:
+            continue
+        if was[k] != NONE and along[k, 0] == edges[k, 0] and along[k, 1] == edges[k, 1]:
+            source[k] = k
+            continue
+        j = first
+        while j < n and pair[j] == pair[k]:
+            vertex_a = was[j] != NONE and kind[k] != VERTEX_B and was[j] != VERTEX_B
+            vertex_b = was[j] != NONE and kind[k] != VERTEX_A and was[j] != VERTEX_A
+            same_a, same_b = were[j, 0] == feature[k, 0], were[j, 1] == feature[k, 1]
+            if (same_a and vertex_a) or (same_b and vertex_b):
+                source[k] = j
+                break
+            j += 1

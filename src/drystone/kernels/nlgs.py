@@ -17,62 +17,55 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from drystone.kernels.contacts import FRICTION, STIFF_N, Contacts
 from drystone.kernels.law import OPEN, SLIDING, STICKING
-from drystone.kernels.rows import add_force
+from drystone.kernels.rows import GAP, N_DOF, SLIP, add_force
 
 Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class ContactProblem(NamedTuple):
     """Everything a contact solver needs of one step, and nothing else."""
 
-    body_a: IntArray  # (n_contacts,)
-    body_b: IntArray  # (n_contacts,)
-    mapping: Array  # (n_contacts, 2, 6) rows: gradients of gap and slip by (a, b)
-    inverse_mass: Array  # (n, 3) 1/kg, 1/(kg m2); zero on fixed bodies
+    contacts: Contacts  # (n_contacts,)
     gap: Array  # (n_contacts,) m, at the start of the step
-    normal_stiffness: Array  # (n_contacts,) N/m
-    friction: Array  # (n_contacts,)
+    inverse_mass: Array  # (n, n_dof) 1/kg, 1/(kg m2); zero on fixed bodies
 
 
 @njit(cache=True)
 def delassus_blocks(problem, blocks):
-    """Diagonal blocks W = H M^-1 H^T, (n_contacts, 2, 2) [1/kg]."""
-    for c in range(problem.gap.shape[0]):
-        a = problem.body_a[c]
-        b = problem.body_b[c]
-        for i in range(2):
-            for j in range(2):
+    """Diagonal blocks W = H M^-1 H^T, (n_contacts, dim, dim) [1/kg]."""
+    contacts, inverse_mass = problem.contacts, problem.inverse_mass
+    rows, body_a, body_b = contacts.rows, contacts.body_a, contacts.body_b
+    for c in range(rows.shape[0]):
+        a = body_a[c]
+        b = body_b[c]
+        for i in range(rows.shape[1]):
+            for j in range(rows.shape[1]):
                 w = 0.0
-                for d in range(3):
-                    w += (
-                        problem.mapping[c, i, d]
-                        * problem.inverse_mass[a, d]
-                        * problem.mapping[c, j, d]
-                    )
-                    w += (
-                        problem.mapping[c, i, 3 + d]
-                        * problem.inverse_mass[b, d]
-                        * problem.mapping[c, j, 3 + d]
-                    )
+                for d in range(N_DOF):
+                    w += rows[c, i, d] * inverse_mass[a, d] * rows[c, j, d]
+                    w += rows[c, i, N_DOF + d] * inverse_mass[b, d] * rows[c, j, N_DOF + d]
                 blocks[c, i, j] = w
 
 
 @njit(cache=True)
 def apply_impulses(problem, impulse, velocity):
-    """Add M^-1 H^T p to the velocities, (n, 3)."""
-    for c in range(problem.gap.shape[0]):
-        a = problem.body_a[c]
-        b = problem.body_b[c]
-        for d in range(3):
-            velocity[a, d] += problem.inverse_mass[a, d] * (
-                problem.mapping[c, 0, d] * impulse[c, 0] + problem.mapping[c, 1, d] * impulse[c, 1]
-            )
-            velocity[b, d] += problem.inverse_mass[b, d] * (
-                problem.mapping[c, 0, 3 + d] * impulse[c, 0]
-                + problem.mapping[c, 1, 3 + d] * impulse[c, 1]
-            )
+    """Add M^-1 H^T p to the velocities, (n, n_dof)."""
+    contacts, inverse_mass = problem.contacts, problem.inverse_mass
+    rows, body_a, body_b = contacts.rows, contacts.body_a, contacts.body_b
+    for c in range(rows.shape[0]):
+        _push(rows, c, impulse[c, 0], impulse[c, 1], body_a[c], body_b[c], inverse_mass, velocity)
+
+
+@njit(cache=True)
+def _push(rows, c, pn, pt, a, b, inverse_mass, velocity):
+    """Add to the velocities of bodies a and b what impulses at contact c do to them."""
+    for d in range(N_DOF):
+        velocity[a, d] += inverse_mass[a, d] * (rows[c, GAP, d] * pn + rows[c, SLIP, d] * pt)
+        velocity[b, d] += inverse_mass[b, d] * (
+            rows[c, GAP, N_DOF + d] * pn + rows[c, SLIP, N_DOF + d] * pt
+        )
 
 
 @njit(cache=True)
@@ -94,9 +87,8 @@ def sweep(problem, blocks, h, order, n_sweeps, impulse, velocity):
     velocity
         (n, 3), kept consistent with the impulses.
     """
-    body_a, body_b, mapping = problem.body_a, problem.body_b, problem.mapping
-    inverse_mass, gap = problem.inverse_mass, problem.gap
-    stiffness, friction = problem.normal_stiffness, problem.friction
+    contacts, inverse_mass, gap = problem.contacts, problem.inverse_mass, problem.gap
+    rows, table, body_a, body_b = contacts.rows, contacts.table, contacts.body_a, contacts.body_b
     n = gap.shape[0]
     for s in range(n_sweeps):
         for i in range(n):
@@ -105,21 +97,21 @@ def sweep(problem, blocks, h, order, n_sweeps, impulse, velocity):
             b = body_b[c]
             un = 0.0
             ut = 0.0
-            for d in range(3):
-                un += mapping[c, 0, d] * velocity[a, d] + mapping[c, 0, 3 + d] * velocity[b, d]
-                ut += mapping[c, 1, d] * velocity[a, d] + mapping[c, 1, 3 + d] * velocity[b, d]
+            for d in range(N_DOF):
+                un += rows[c, GAP, d] * velocity[a, d] + rows[c, GAP, N_DOF + d] * velocity[b, d]
+                ut += rows[c, SLIP, d] * velocity[a, d] + rows[c, SLIP, N_DOF + d] * velocity[b, d]
             wnn = blocks[c, 0, 0]
             wnt = blocks[c, 0, 1]
             wtt = blocks[c, 1, 1]
             bn = un - wnn * impulse[c, 0] - wnt * impulse[c, 1] + gap[c] / h
             bt = ut - wnt * impulse[c, 0] - wtt * impulse[c, 1]
-            cnn = wnn + 1.0 / (stiffness[c] * h * h)
+            cnn = wnn + 1.0 / (table[c, STIFF_N] * h * h)
             pn = 0.0
             pt = 0.0
             det = cnn * wtt - wnt * wnt
             stick_n = (wnt * bt - wtt * bn) / det
             stick_t = (wnt * bn - cnn * bt) / det
-            mu = friction[c]
+            mu = table[c, FRICTION]
             if stick_n > 0.0 and abs(stick_t) <= mu * stick_n:
                 pn = stick_n
                 pt = stick_t
@@ -140,26 +132,21 @@ def sweep(problem, blocks, h, order, n_sweeps, impulse, velocity):
             impulse[c, 0] = pn
             impulse[c, 1] = pt
             if dn != 0.0 or dt != 0.0:
-                for d in range(3):
-                    velocity[a, d] += inverse_mass[a, d] * (
-                        mapping[c, 0, d] * dn + mapping[c, 1, d] * dt
-                    )
-                    velocity[b, d] += inverse_mass[b, d] * (
-                        mapping[c, 0, 3 + d] * dn + mapping[c, 1, 3 + d] * dt
-                    )
+                _push(rows, c, dn, dt, a, b, inverse_mass, velocity)
 
 
 @njit(cache=True)
-def contact_velocities(problem, velocity, out):
-    """Relative velocities H v, normal and tangential, (n_contacts, 2) [m/s]."""
-    for c in range(problem.gap.shape[0]):
-        a = problem.body_a[c]
-        b = problem.body_b[c]
-        for i in range(2):
+def contact_velocities(contacts, velocity, out):
+    """Relative velocities H v, normal and tangential, (n_contacts, dim) [m/s]."""
+    rows, body_a, body_b = contacts.rows, contacts.body_a, contacts.body_b
+    for c in range(rows.shape[0]):
+        a = body_a[c]
+        b = body_b[c]
+        for i in range(rows.shape[1]):
             u = 0.0
-            for d in range(3):
-                u += problem.mapping[c, i, d] * velocity[a, d]
-                u += problem.mapping[c, i, 3 + d] * velocity[b, d]
+            for d in range(N_DOF):
+                u += rows[c, i, d] * velocity[a, d]
+                u += rows[c, i, N_DOF + d] * velocity[b, d]
             out[c, i] = u
 
 
@@ -173,24 +160,18 @@ def held_law(problem, h, penalty, centre, held, velocity, impulse, piece):
     reached without slip.  Contacts that are ``held`` stick whatever the cone says.  ``piece``
     (n_contacts,) tells the branch: 0 open, 1 sticking, 2 and 3 sliding.
     """
-    for c in range(problem.gap.shape[0]):
-        a = problem.body_a[c]
-        b = problem.body_b[c]
-        un = 0.0
-        ut = 0.0
-        for d in range(3):
-            un += problem.mapping[c, 0, d] * velocity[a, d]
-            un += problem.mapping[c, 0, 3 + d] * velocity[b, d]
-            ut += problem.mapping[c, 1, d] * velocity[a, d]
-            ut += problem.mapping[c, 1, 3 + d] * velocity[b, d]
-        pn = -h * problem.normal_stiffness[c] * (problem.gap[c] + h * un)
+    table, gap = problem.contacts.table, problem.gap
+    contact_velocities(problem.contacts, velocity, impulse)
+    for c in range(gap.shape[0]):
+        ut = impulse[c, 1]
+        pn = -h * table[c, STIFF_N] * (gap[c] + h * impulse[c, 0])
         if pn <= 0.0:
             piece[c] = OPEN
             impulse[c, 0] = 0.0
             impulse[c, 1] = 0.0
             continue
         pt = centre[c] - penalty * ut
-        limit = problem.friction[c] * pn
+        limit = table[c, FRICTION] * pn
         piece[c] = STICKING
         if abs(pt) > limit * (1.0 - 1e-9) and pt != 0.0 and not held[c]:
             piece[c] = SLIDING if pt > 0.0 else SLIDING + 1
@@ -205,16 +186,17 @@ def branch_law(problem, h, penalty, centre, piece, velocity, impulse):
 
     On known branches the law is linear, and one linear solution finds the velocities.
     """
-    contact_velocities(problem, velocity, impulse)
-    for c in range(problem.gap.shape[0]):
+    table, gap = problem.contacts.table, problem.gap
+    contact_velocities(problem.contacts, velocity, impulse)
+    for c in range(gap.shape[0]):
         ut = impulse[c, 1]
-        pn = -h * problem.normal_stiffness[c] * (problem.gap[c] + h * impulse[c, 0])
+        pn = -h * table[c, STIFF_N] * (gap[c] + h * impulse[c, 0])
         pt = centre[c] - penalty * ut
         if piece[c] == OPEN:
             pn = 0.0
             pt = 0.0
         elif piece[c] != STICKING:
-            pt = problem.friction[c] * pn if piece[c] == SLIDING else -problem.friction[c] * pn
+            pt = table[c, FRICTION] * pn if piece[c] == SLIDING else -table[c, FRICTION] * pn
         impulse[c, 0] = pn
         impulse[c, 1] = pt
 
@@ -222,8 +204,9 @@ def branch_law(problem, h, penalty, centre, piece, velocity, impulse):
 @njit(cache=True)
 def branches(problem, impulse, piece):
     """The branches that impulses lie on, in place: see `held_law`."""
-    for c in range(problem.gap.shape[0]):
-        limit = problem.friction[c] * impulse[c, 0]
+    table = problem.contacts.table
+    for c in range(impulse.shape[0]):
+        limit = table[c, FRICTION] * impulse[c, 0]
         if impulse[c, 0] <= 0.0:
             piece[c] = OPEN
         elif abs(impulse[c, 1]) < limit * (1.0 - 1e-9) or limit == 0.0:
@@ -233,49 +216,51 @@ def branches(problem, impulse, piece):
 
 
 @njit(cache=True)
-def held_law_tangent(problem, pair, h, penalty, piece, diagonal, upper, lower):
+def held_law_tangent(problem, h, penalty, piece, diagonal, upper, lower):
     """Add -d(H^T p)/dv of the branches in ``piece`` to the block matrix [kg]."""
-    for c in range(problem.gap.shape[0]):
+    contacts = problem.contacts
+    rows, table, pair = contacts.rows, contacts.table, contacts.pair
+    body_a, body_b = contacts.body_a, contacts.body_b
+    for c in range(pair.shape[0]):
         if piece[c] == OPEN:
             continue
-        a = problem.body_a[c]
-        b = problem.body_b[c]
+        a = body_a[c]
+        b = body_b[c]
         p = pair[c]
-        stiffness = h * h * problem.normal_stiffness[c]
+        stiffness = h * h * table[c, STIFF_N]
         slope = 0.0
         hold = penalty
         if piece[c] != STICKING:
-            slope = problem.friction[c] if piece[c] == SLIDING else -problem.friction[c]
+            slope = table[c, FRICTION] if piece[c] == SLIDING else -table[c, FRICTION]
             hold = 0.0
-        for i in range(6):
-            gn = (problem.mapping[c, 0, i] + slope * problem.mapping[c, 1, i]) * stiffness
-            gt = problem.mapping[c, 1, i] * hold
-            for j in range(6):
-                k = gn * problem.mapping[c, 0, j] + gt * problem.mapping[c, 1, j]
-                if i < 3 and j < 3:
+        for i in range(2 * N_DOF):
+            gn = (rows[c, GAP, i] + slope * rows[c, SLIP, i]) * stiffness
+            gt = rows[c, SLIP, i] * hold
+            for j in range(2 * N_DOF):
+                k = gn * rows[c, GAP, j] + gt * rows[c, SLIP, j]
+                if i < N_DOF and j < N_DOF:
                     diagonal[a, i, j] += k
-                elif i < 3:
-                    upper[p, i, j - 3] += k
-                elif j < 3:
-                    lower[p, i - 3, j] += k
+                elif i < N_DOF:
+                    upper[p, i, j - N_DOF] += k
+                elif j < N_DOF:
+                    lower[p, i - N_DOF, j] += k
                 else:
-                    diagonal[b, i - 3, j - 3] += k
+                    diagonal[b, i - N_DOF, j - N_DOF] += k
 
 
 @njit(cache=True)
-def momentum_defect(problem, mass, inverse_mass, free_velocity, velocity, impulse, defect):
-    """H^T p - M (v - v_free), (n, 3), and its norm weighted with M^-1."""
+def momentum_defect(problem, mass, free_velocity, velocity, impulse, defect):
+    """H^T p - M (v - v_free), (n, n_dof), and its norm weighted with M^-1."""
+    contacts, inverse_mass = problem.contacts, problem.inverse_mass
+    rows, body_a, body_b = contacts.rows, contacts.body_a, contacts.body_b
     for i in range(mass.shape[0]):
-        for d in range(3):
+        for d in range(N_DOF):
             defect[i, d] = -mass[i, d] * (velocity[i, d] - free_velocity[i, d])
-    rows = problem.mapping.reshape(problem.gap.shape[0], 12)
-    for c in range(problem.gap.shape[0]):
-        a = problem.body_a[c]
-        b = problem.body_b[c]
-        add_force(rows, c, impulse[c, 0], impulse[c, 1], a, b, defect)
+    for c in range(rows.shape[0]):
+        add_force(rows, c, impulse[c, 0], impulse[c, 1], body_a[c], body_b[c], defect)
     norm = 0.0
     for i in range(mass.shape[0]):
-        for d in range(3):
+        for d in range(N_DOF):
             if mass[i, d] == 0.0:
                 defect[i, d] = 0.0
             norm += defect[i, d] ** 2 * inverse_mass[i, d]

@@ -20,23 +20,19 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from drystone.kernels.contacts import FRICTION, STIFF_N, STIFF_T, TRIAL_N, TRIAL_T
 from drystone.kernels.law import (
     BACKWARD,
     FORWARD,
-    FRICTION,
     OPEN,
     STICKING,
-    STIFF_N,
-    STIFF_T,
-    TRIAL_N,
-    TRIAL_T,
     change,
     commit,
     distance,
     landing,
 )  # fmt: skip
 from drystone.kernels.lu_numeric import solve
-from drystone.kernels.rows import GAP, MEASURED, along
+from drystone.kernels.rows import GAP, along
 
 #: How a path ends: where it should; before it, as it turns back; at a change after which the
 #: matrix must be made anew; after too many changes; where there is no direction; with more
@@ -59,7 +55,7 @@ class Frame(NamedTuple):
     columns: Array  # (3, n, n_dof) direction, K'^-1 F, k K'^-1 e
     changes: Array  # (n_changes, n, n_dof) K^-1 u of every change
     change_of_multiplier: Array  # (n_changes,)
-    row: Array  # (n_changes, 2 n_dof) v of every change
+    row: Array  # (n_changes, 1, 2 n_dof) v of every change
     bodies: NDArray[np.int64]  # (n_changes, 2)
     pivot: Array  # (n_changes,) 1 + v . K^-1 u
     rate: Array  # (n_slots, 2) of the trial reactions along the direction
@@ -102,20 +98,22 @@ def border(frame, x, lag):
 
 
 @njit(cache=True)
-def _rates(table, c, field, a, b):
+def _rates(table, rows, measured, c, field, a, b):
     """Rates of the trial reactions of contact c along a field of the bodies' motion."""
-    gap, slip = along(table, c, GAP, field, a, b), along(table, c, MEASURED, field, a, b)
+    gap, slip = along(rows, c, GAP, field, a, b), along(measured, c, 0, field, a, b)
     return -table[c, STIFF_N] * gap, -table[c, STIFF_T] * slip
 
 
 @njit(cache=True)
-def _ahead(table, count, used, pair_a, pair_b, direction, branch, whole):
+def _ahead(contacts, count, direction, branch, whole):
     """How many contacts would change on the way along the direction."""
+    table, rows, measured = contacts.table, contacts.rows, contacts.measured
+    used, body_a, body_b = contacts.slot, contacts.body_a, contacts.body_b
     changed = 0
     for c in range(count):
-        a = pair_a[used[c] // 2]
-        b = pair_b[used[c] // 2]
-        rate_n, rate_t = _rates(table, c, direction, a, b)
+        a = body_a[c]
+        b = body_b[c]
+        rate_n, rate_t = _rates(table, rows, measured, c, direction, a, b)
         now = branch[used[c]]
         far, _ = distance(table, c, now, rate_n, rate_t, whole)
         back = 0.0
@@ -128,20 +126,23 @@ def _ahead(table, count, used, pair_a, pair_b, direction, branch, whole):
 
 
 @njit(cache=True)
-def _leap(table, count, used, pair_a, pair_b, direction, branch):
+def _leap(contacts, count, direction, branch):
     """Take all contacts to the end of the direction and to the branches they have there."""
+    table, rows, measured = contacts.table, contacts.rows, contacts.measured
+    used, body_a, body_b = contacts.slot, contacts.body_a, contacts.body_b
     for c in range(count):
-        a = pair_a[used[c] // 2]
-        b = pair_b[used[c] // 2]
-        rate_n, rate_t = _rates(table, c, direction, a, b)
+        a = body_a[c]
+        b = body_b[c]
+        rate_n, rate_t = _rates(table, rows, measured, c, direction, a, b)
         table[c, TRIAL_N] += rate_n
         table[c, TRIAL_T] += rate_t
         branch[used[c]] = landing(table, c, branch[used[c]])
 
 
 @njit(cache=True)
-def _keep_slow(table, count, used, branch):
+def _keep_slow(contacts, count, branch):
     """Make sliding back that was too slow to end a part of the history."""
+    table, used = contacts.table, contacts.slot
     for c in range(count):
         now = branch[used[c]]
         if now == FORWARD or now == BACKWARD:
@@ -152,8 +153,8 @@ def _keep_slow(table, count, used, branch):
 
 @njit(cache=True)
 def follow_path(
-    structure, factors, frame, paced, whole, table, count, used, pair_a, pair_b, branch, force,
-    lag, spring, x, multiplier, left, changes, patience, worth, leap,
+    structure, factors, frame, paced, whole, contacts, count, branch, force, lag, spring, x,
+    multiplier, left, changes, patience, worth, leap,
 ):  # fmt: skip
     """Follow the path of a step from where it is.
 
@@ -169,10 +170,8 @@ def follow_path(
         Whether sliding counts over the whole of the step, as in the implicit law.  Otherwise it
         ends, and is kept, as soon as a contact would slide back: the path that a slow loading
         takes, which no structure follows beyond where it turns.
-    table, count, used
-        Contacts, see `kernels.law`; trial reactions are moved on.
-    pair_a, pair_b
-        Bodies of each pair, (n_pairs,).
+    contacts, count
+        See `kernels.forces.joint_forces`; trial reactions are moved on.
     branch
         (n_slots,) changed as the path goes.
     force
@@ -200,7 +199,9 @@ def follow_path(
     """
     n, n_dof = x.shape
     # Fields read once: in the loops each reading would count references.
-    past, pivots, rows, bodies = frame.changes, frame.pivot, frame.row, frame.bodies
+    table, rows, measured = contacts.table, contacts.rows, contacts.measured
+    used, body_a, body_b = contacts.slot, contacts.body_a, contacts.body_b
+    past, pivots, past_v, bodies = frame.changes, frame.pivot, frame.row, frame.bodies
     rate, bends, change_of_multiplier = frame.rate, frame.bends, frame.change_of_multiplier
     columns = frame.columns[:3] if paced else frame.columns[:1]
     direction = columns[0]
@@ -215,12 +216,12 @@ def follow_path(
     if not np.isfinite(by_direction):
         return SINGULAR, multiplier, left, changes
     if worth < count:
-        many = _ahead(table, count, used, pair_a, pair_b, direction, branch, whole)
+        many = _ahead(contacts, count, direction, branch, whole)
         astray = paced and frame.sign[0] * frame.border[0] > 0.0
         if (many > worth or astray) and not leap:
             return MANY, multiplier, left, changes
         if many > worth:
-            _leap(table, count, used, pair_a, pair_b, direction, branch)
+            _leap(contacts, count, direction, branch)
             for i in range(n):
                 for d in range(n_dof):
                     x[i, d] += direction[i, d]
@@ -240,9 +241,9 @@ def follow_path(
                 slowest = max(slowest, abs(direction[i, 0]), abs(direction[i, 1]))
             slowest *= -SLOW
         for c in range(count):
-            a = pair_a[used[c] // 2]
-            b = pair_b[used[c] // 2]
-            rate_n, rate_t = _rates(table, c, direction, a, b)
+            a = body_a[c]
+            b = body_b[c]
+            rate_n, rate_t = _rates(table, rows, measured, c, direction, a, b)
             rate_n *= ahead
             rate_t *= ahead
             rate[c, 0], rate[c, 1] = rate_n, rate_t
@@ -277,7 +278,7 @@ def follow_path(
             table[c, TRIAL_T] += length * rate[c, 1]
         if arrives:
             if not whole:
-                _keep_slow(table, count, used, branch)
+                _keep_slow(contacts, count, branch)
             return DONE, multiplier, 0.0, changes
         left *= 1.0 - ahead * length
         if left > 1.0 + 1e-3:
@@ -296,9 +297,9 @@ def follow_path(
         if new == capacity:
             return RENEW, multiplier, left, changes
         # The new direction.
-        a = pair_a[used[chosen] // 2]
-        b = pair_b[used[chosen] // 2]
-        change(table, chosen, before, following, u, rows, new)
+        a = body_a[chosen]
+        b = body_b[chosen]
+        change(table, rows, measured, chosen, before, following, u, past_v, new)
         bodies[new, 0] = a
         bodies[new, 1] = b
         w = past[new]
@@ -309,18 +310,18 @@ def follow_path(
         solve(structure, factors, w.reshape((1, n, n_dof)))
         by_w = border(frame, w, 0.0) if paced else 0.0
         for old in range(new):
-            share = along(rows, old, 0, w, bodies[old, 0], bodies[old, 1]) / pivots[old]
+            share = along(past_v, old, 0, w, bodies[old, 0], bodies[old, 1]) / pivots[old]
             for i in range(n):
                 for d in range(n_dof):
                     w[i, d] -= share * past[old, i, d]
             by_w -= share * change_of_multiplier[old]
         change_of_multiplier[new] = by_w
-        pivot = 1.0 + along(rows, new, 0, w, a, b)
+        pivot = 1.0 + along(past_v, new, 0, w, a, b)
         pivots[new] = pivot
         if pivot == 0.0 or not np.isfinite(pivot):
             return SINGULAR, multiplier, left, changes
         scale = 1.0 - ahead * length
-        share = scale * along(rows, new, 0, direction, a, b) / pivot
+        share = scale * along(past_v, new, 0, direction, a, b) / pivot
         for i in range(n):
             for d in range(n_dof):
                 direction[i, d] = scale * direction[i, d] - share * w[i, d]

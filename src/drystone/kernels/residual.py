@@ -31,16 +31,17 @@ def unbalanced_force(force, inertia, extent, fixed):
 
 
 @njit(cache=True)
-def add_contact_forces(body_a, body_b, mapping, reaction, force):
-    """Add H^T r to ``force`` (n, 3) on all bodies, fixed ones included."""
-    rows = mapping.reshape(mapping.shape[0], 12)
+def add_contact_forces(contacts, reaction, force):
+    """Add H^T r to ``force`` (n, n_dof) on all bodies, fixed ones included."""
+    rows, body_a, body_b = contacts.rows, contacts.body_a, contacts.body_b
     for c in range(reaction.shape[0]):
         add_force(rows, c, reaction[c, 0], reaction[c, 1], body_a[c], body_b[c], force)
 
 
 @njit(cache=True)
-def mark_held(body_a, body_b, reaction, held):
+def mark_held(contacts, reaction, held):
     """Set ``held`` (n,) for bodies on which a contact acts."""
+    body_a, body_b = contacts.body_a, contacts.body_b
     for c in range(reaction.shape[0]):
         if reaction[c, 0] != 0.0 or reaction[c, 1] != 0.0:
             held[body_a[c]] = True

@@ -1,8 +1,8 @@
 """Gradients of gap and slip: how a contact's gap and sliding distance go with the blocks' motion.
 
-A row of an array has the gradient of the gap by the motions of both bodies, q = (x_a, theta_a, x_b,
-theta_b), then that of the slip, and, where slip is measured by another, that one; their formulas
-stand in `kernels.narrow`.  Reactions along the first two balance in force and in moment.
+A contact has a row for its gap, GAP, and one for its slip, SLIP: gradients by the motions of both
+bodies, q = (x_a, theta_a, x_b, theta_b), whose formulas stand in `kernels.narrow`.  Reactions along
+them balance in force and in moment.
 """
 
 from __future__ import annotations
@@ -10,55 +10,43 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from drystone.kernels.narrow import NONE, VERTEX_A, VERTEX_B, VERTICES
+from drystone.kernels.contacts import NONE, VERTEX_A, VERTEX_B, VERTICES
 
 #: Degrees of freedom of a body: a constant, so that loops over them are unrolled.
 N_DOF = 3
 
-#: Where the gradients of gap and slip begin in a row, and the one by which slip is measured.
-GAP, SLIP, MEASURED = 0, 2 * N_DOF, 4 * N_DOF
-N_ROWS = 6 * N_DOF
+#: Rows of a contact.
+GAP, SLIP = 0, 1
 
 
 @njit(cache=True)
-def gradients(kind, normal, arm_a, arm_b, roll, ratio, k, table, c):
-    """Gradients of gap and slip of contact k into a row of the table; see `kernels.narrow`."""
+def gradients(normal, arm_a, arm_b, roll, ratio, k, rows, c):
+    """Gradients of gap and slip of slot k into the rows of contact c; see `kernels.narrow`."""
     nx = normal[k, 0]
     ny = normal[k, 1]
-    table[c, GAP + 0] = -nx
-    table[c, GAP + 1] = -ny
-    table[c, GAP + 2] = nx * arm_a[k, 1] - ny * arm_a[k, 0]
-    table[c, GAP + 3] = nx
-    table[c, GAP + 4] = ny
-    table[c, GAP + 5] = -nx * arm_b[k, 1] + ny * arm_b[k, 0]
+    rows[c, GAP, 0] = -nx
+    rows[c, GAP, 1] = -ny
+    rows[c, GAP, 2] = nx * arm_a[k, 1] - ny * arm_a[k, 0]
+    rows[c, GAP, 3] = nx
+    rows[c, GAP, 4] = ny
+    rows[c, GAP, 5] = -nx * arm_b[k, 1] + ny * arm_b[k, 0]
     q = ratio[k]
-    table[c, SLIP + 0] = -q * ny
-    table[c, SLIP + 1] = q * nx
-    table[c, SLIP + 2] = q * (ny * arm_a[k, 1] + nx * arm_a[k, 0]) + roll[k, 0]
-    table[c, SLIP + 3] = q * ny
-    table[c, SLIP + 4] = -q * nx
-    table[c, SLIP + 5] = -q * (ny * arm_b[k, 1] + nx * arm_b[k, 0]) + roll[k, 1]
+    rows[c, SLIP, 0] = -q * ny
+    rows[c, SLIP, 1] = q * nx
+    rows[c, SLIP, 2] = q * (ny * arm_a[k, 1] + nx * arm_a[k, 0]) + roll[k, 0]
+    rows[c, SLIP, 3] = q * ny
+    rows[c, SLIP, 4] = -q * nx
+    rows[c, SLIP, 5] = -q * (ny * arm_b[k, 1] + nx * arm_b[k, 0]) + roll[k, 1]
 
 
 @njit(cache=True)
-def slip_gradients(slots, rows):
-    """Gradients of the slip of all contacts in use, (n_slots, 6); see `kernels.narrow`."""
+def slot_rows(slots, rows):
+    """Gradients of gap and slip of all slots in use, (n_slots, dim, 2 n_dof)."""
     kind, normal, arm_a, arm_b = slots.kind, slots.normal, slots.arm_a, slots.arm_b
     roll, ratio = slots.roll, slots.ratio
-    row = np.zeros((1, 12))
     for k in range(kind.shape[0]):
         if kind[k] != NONE:
-            gradients(kind, normal, arm_a, arm_b, roll, ratio, k, row, 0)
-            for i in range(6):
-                rows[k, i] = row[0, SLIP + i]
-
-
-@njit(cache=True)
-def map_contacts(kind, normal, arm_a, arm_b, roll, ratio, chosen, mapping):
-    """Gradients of gap and slip of the chosen slots, (n_contacts, 2, 6)."""
-    rows = mapping.reshape(mapping.shape[0], 12)
-    for c in range(chosen.shape[0]):
-        gradients(kind, normal, arm_a, arm_b, roll, ratio, chosen[c], rows, c)
+            gradients(normal, arm_a, arm_b, roll, ratio, k, rows, k)
 
 
 @njit(cache=True)
@@ -166,17 +154,17 @@ def second_derivatives(kind, normal, arm_a, arm_b, roll, ratio, k, rn, rt, hess)
 
 
 @njit(cache=True)
-def along(rows, c, start, field, a, b):
-    """The gradient that begins at column ``start`` of row c, times the motion of bodies a and b."""
+def along(rows, c, row, field, a, b):
+    """A row of contact c, times the motion of its bodies a and b."""
     total = 0.0
     for i in range(N_DOF):
-        total += rows[c, start + i] * field[a, i] + rows[c, start + N_DOF + i] * field[b, i]
+        total += rows[c, row, i] * field[a, i] + rows[c, row, N_DOF + i] * field[b, i]
     return total
 
 
 @njit(cache=True)
 def add_force(rows, c, rn, rt, a, b, force):
-    """Add what the reactions of row c do to bodies a and b to ``force`` (n, n_dof)."""
+    """Add what the reactions of contact c do to its bodies a and b to ``force`` (n, n_dof)."""
     for i in range(N_DOF):
-        force[a, i] += rn * rows[c, GAP + i] + rt * rows[c, SLIP + i]
-        force[b, i] += rn * rows[c, GAP + N_DOF + i] + rt * rows[c, SLIP + N_DOF + i]
+        force[a, i] += rn * rows[c, GAP, i] + rt * rows[c, SLIP, i]
+        force[b, i] += rn * rows[c, GAP, N_DOF + i] + rt * rows[c, SLIP, N_DOF + i]

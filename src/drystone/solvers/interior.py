@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from drystone.kernels import interior, lu_numeric, path
 from drystone.kernels import law as joint_law
+from drystone.kernels.contacts import STIFF_N
 from drystone.solvers.linear_step import LinearStep, Pace
 
 Array = NDArray[np.float64]
@@ -67,10 +68,10 @@ class InteriorPoint:
     def __init__(self, step: LinearStep, settings: InteriorSettings | None = None) -> None:
         self.step = step
         self.settings = settings or InteriorSettings()
-        n_slots = len(step.used)
+        n_slots = step.pairs.n_slots
         self.inner = np.zeros((n_slots, interior.N_INNER))
         self.change = np.zeros((n_slots, interior.N_CHANGE))
-        self.offset = np.zeros((n_slots, 2))
+        self.offset = np.zeros_like(step.reaction)
         dead = np.abs(step.loads.dead[~step.loads.fixed, :-1]).max(axis=1)
         self.weight = float(dead.mean())
 
@@ -105,10 +106,10 @@ class InteriorPoint:
         Whether the branches could be told, and the multiplier.
         """
         step, settings = self.step, self.settings
-        every = step.table, step.count, step.used
+        every = step.contacts, step.count
         if step.count == 0:
             return True, multiplier
-        stiffness = float(step.table[: step.count, joint_law.STIFF_N].mean())
+        stiffness = float(step.contacts.table[: step.count, STIFF_N].mean())
         unit = self.weight**2 / stiffness
         lag = pace.missing(geometry) if pace else 0.0
         missing = lag - float(np.vdot(gradient, x - geometry)) if pace else 0.0
@@ -178,9 +179,7 @@ class InteriorPoint:
     def _assemble(self, x: Array, multiplier: float, geometry: Array) -> float:
         """Unbalanced forces and tangent at ``x``; returns the mean energy [J]."""
         step = self.step
-        energy = interior.respond(
-            step.table, step.count, step.used, step.branch, self.inner, step.response
-        )
+        energy = interior.respond(step.contacts, step.count, step.branch, self.inner, step.response)
         step.assemble(x, multiplier, x - geometry)
         return energy
 
@@ -191,7 +190,7 @@ class InteriorPoint:
             step.damping *= settings.less
             step.damping[step.damping < settings.least_damping] = 0.0
         x += length * step.frame.columns[0]
-        interior.move(step.table, step.count, self.inner, self.change, length)
+        interior.move(step.contacts, step.count, self.inner, self.change, length)
 
     def _hold(self, bodies: int | slice) -> None:
         """Hold bodies more."""
@@ -201,8 +200,7 @@ class InteriorPoint:
     def _faster(self, contact: int) -> int:
         """Of a contact's bodies, the one that moves more along the direction."""
         step = self.step
-        pair = step.used[contact] // 2
-        bodies = int(step.pair_a[pair]), int(step.pair_b[pair])
+        bodies = int(step.contacts.body_a[contact]), int(step.contacts.body_b[contact])
         return max(bodies, key=lambda i: np.abs(step.frame.columns[0, i, :-1]).max())
 
     def _restless(self, unrest: float) -> bool:
@@ -229,7 +227,7 @@ class InteriorPoint:
         moved = x[part.bodies]
         within._come_to_rest(moved, multiplier, geometry[part.bodies], energy, unrest)
         self.inner[part.rows] = within.inner[:n]
-        step.table[part.rows] = part.step.table[:n]
+        step.contacts.table[part.rows] = part.step.contacts.table[:n]
         step.damping[part.bodies] = part.step.damping
         x[part.bodies] = moved
         return True
@@ -258,7 +256,7 @@ class InteriorPoint:
     def _told(self, x: Array, multiplier: float, geometry: Array, tolerance: float) -> bool:
         """Choose the branches; whether they leave nothing unbalanced."""
         step = self.step
-        every = step.table, step.count, step.used
+        every = step.contacts, step.count
         interior.choose(*every, self.inner, step.branch)
         joint_law.respond(*every, step.branch, step.response)
         step.assemble(x, multiplier, x - geometry)
@@ -277,8 +275,7 @@ class InteriorPoint:
         way, to first and second order, see `kernels.interior.changes`.
         """
         step = self.step
-        pairs = step.pair_a, step.pair_b
-        every = step.table, step.count, step.used, *pairs, step.branch, self.inner
+        every = step.contacts, step.count, step.branch, self.inner
         columns[0] = step.force
         interior.offset(
             *every, barrier, second, self.change, step.response, self.offset, columns[0]

@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 
 from drystone.kernels import forces, lu_numeric, lu_symbolic, path, step
 from drystone.kernels import law as joint_law
+from drystone.kernels.contacts import Contacts, Pairs, Slots
 from drystone.kernels.forces import Tangent
-from drystone.kernels.law import N_TABLE
-from drystone.kernels.narrow import Slots
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -111,35 +110,30 @@ class LinearStep:
     ----------
     loads
         Of all bodies.
-    pair_a, pair_b
-        Bodies of each pair, (n_pairs,).
+    pairs
+        Candidate pairs.
     place
         (n, dim) m, where the bodies are, for the order of elimination.
     slots
         Contacts where the table is made.
     """
 
-    def __init__(
-        self, loads: Loads, pair_a: IntArray, pair_b: IntArray, place: Array, slots: Slots
-    ) -> None:
+    def __init__(self, loads: Loads, pairs: Pairs, place: Array, slots: Slots) -> None:
         n, n_dof = loads.mass.shape
-        n_pairs = len(pair_a)
-        n_slots = 2 * n_pairs
-        self.loads, self.pair_a, self.pair_b, self.place = loads, pair_a, pair_b, place
-        self.slots = slots
+        dim = place.shape[1]
+        n_pairs, n_slots = len(pairs.a), pairs.n_slots
+        self.loads, self.pairs, self.place, self.slots = loads, pairs, place, slots
         self.weight = 0.0  # 1/h^2 [1/s2]
         self.force = np.zeros((n, n_dof))  # unbalanced
         self.contact_force = np.zeros((n, n_dof))
         self.damping = np.zeros(n)
-        self.reaction = np.zeros((n_slots, 2))
+        self.reaction = np.zeros((n_slots, dim))
         self.branch = np.zeros(n_slots, np.int64)
-        self.table = np.zeros((n_slots, N_TABLE))
+        self.contacts, self.count = Contacts.empty(n_slots, dim, n_dof), 0
         self.response = np.zeros((n_slots, joint_law.N_RESPONSE))
-        self.used = np.zeros(n_slots, np.int64)
-        self.count = 0
         self.tangent, self.geometric = (Tangent.zeros(n, n_pairs, n_dof) for _ in range(2))
         self.bent = False  # whether the geometric stiffness is that of the slots
-        self.structure = lu_symbolic.analyse(pair_a, pair_b, loads.fixed, place, n_dof)
+        self.structure = lu_symbolic.analyse(pairs.a, pairs.b, loads.fixed, place, n_dof)
         self.factors = lu_numeric.allocate(self.structure)
         self.frame = path.Frame(
             load=loads.pattern,
@@ -148,10 +142,10 @@ class LinearStep:
             columns=np.zeros((3, n, n_dof)),
             changes=np.zeros((CHANGES_PER_MATRIX, n, n_dof)),
             change_of_multiplier=np.zeros(CHANGES_PER_MATRIX),
-            row=np.zeros((CHANGES_PER_MATRIX, 2 * n_dof)),
+            row=np.zeros((CHANGES_PER_MATRIX, 1, 2 * n_dof)),
             bodies=np.zeros((CHANGES_PER_MATRIX, 2), np.int64),
             pivot=np.zeros(CHANGES_PER_MATRIX),
-            rate=np.zeros((n_slots, 2)),
+            rate=np.zeros((n_slots, dim)),
             turn=np.full(2, np.nan),
             sense=np.ones(1),
             border=np.ones(1),
@@ -161,7 +155,7 @@ class LinearStep:
 
     def move_trial(self, motion: Array) -> None:
         """Trial reactions where the blocks have moved on by ``motion`` (n, n_dof)."""
-        forces.move_trial(self.table, self.count, self.used, self.pair_a, self.pair_b, motion)
+        forces.move_trial(self.contacts, self.count, motion)
 
     def linearise(
         self, x: Array, multiplier: float, away: Array, pace: Pace | None, gradient: Array
@@ -171,7 +165,7 @@ class LinearStep:
         The unbalanced forces, and the ``residual``, are made those at ``x``, which is ``away`` (n,
         n_dof) from there.
         """
-        joint_law.respond(self.table, self.count, self.used, self.branch, self.response)
+        joint_law.respond(self.contacts, self.count, self.branch, self.response)
         self.assemble(x, multiplier, away)
         self.damping[:] = 0.0
         return self.factorise(pace, gradient, 0.0)
@@ -180,13 +174,12 @@ class LinearStep:
         """Unbalanced forces, ``residual`` and tangent of the contacts' ``response``."""
         if not self.bent:
             forces.geometric_stiffness(
-                self.slots, self.count, self.used, self.pair_a, self.pair_b, self.reaction,
-                self.geometric,
-            )  # fmt: skip
+                self.slots, self.contacts, self.count, self.reaction, self.geometric
+            )
             self.bent = True
         forces.assemble(
-            self.table, self.count, self.used, self.pair_a, self.pair_b, self.response,
-            self.geometric, away, self.contact_force, self.tangent,
+            self.contacts, self.count, self.pairs, self.response, self.geometric, away,
+            self.contact_force, self.tangent,
         )  # fmt: skip
         self.residual = self._unbalance(x, multiplier)
 
@@ -232,8 +225,8 @@ class LinearStep:
     def part(self, bodies: BoolArray, rings: int) -> Part:
         """The equations of some bodies (n,) and rings of their neighbours, with what is around them
         fixed: a copy."""
-        pairs = self.used[: self.count] // 2
-        a, b = self.pair_a[pairs], self.pair_b[pairs]
+        contacts = self.contacts.of(slice(self.count))
+        a, b = contacts.body_a, contacts.body_b
         free = bodies.copy()
         for _ in range(rings):
             near = free[a] | free[b]
@@ -243,19 +236,31 @@ class LinearStep:
         among = np.unique(np.concatenate((a[rows], b[rows])))
         number = np.zeros(len(free), np.int64)
         number[among] = np.arange(len(among))
-        pairs, pair = np.unique(pairs[rows], return_inverse=True)
-        slots = (2 * pairs[:, None] + (0, 1)).ravel()
+        chosen, pair = np.unique(contacts.pair[rows], return_inverse=True)
+        of_pair = self.slots.pair
+        slots = np.flatnonzero(np.isin(of_pair, chosen))
+        n_slots = np.diff(self.pairs.first)[chosen]
+        pairs = Pairs(
+            a=number[self.pairs.a[chosen]],
+            b=number[self.pairs.b[chosen]],
+            law=self.pairs.law[chosen],
+            first=np.concatenate(([0], np.cumsum(n_slots))),
+            pose=self.pairs.pose[among],
+        )
         step = LinearStep(
             self.loads.of(among, ~free[among]),
-            number[self.pair_a[pairs]],
-            number[self.pair_b[pairs]],
+            pairs,
             self.place[among],
-            Slots(*(field[slots] for field in self.slots)),
+            Slots._make(field[slots] for field in self.slots)._replace(
+                pair=np.searchsorted(chosen, of_pair[slots])
+            ),
         )
-        n = len(rows)
-        step.weight, step.count = self.weight, n
-        step.used[:n] = 2 * pair + self.used[rows] % 2
-        step.table[:n] = self.table[rows]
+        step.weight, step.count = self.weight, len(rows)
+        mine = step.contacts.of(slice(step.count))
+        for own, whole in zip(mine, contacts, strict=True):
+            own[:] = whole[rows]
+        mine.slot[:], mine.pair[:] = np.searchsorted(slots, contacts.slot[rows]), pair
+        mine.body_a[:], mine.body_b[:] = number[a[rows]], number[b[rows]]
         step.branch[:], step.reaction[:] = self.branch[slots], self.reaction[slots]
         step.damping[:] = self.damping[among]
         return Part(step=step, bodies=among, rows=rows)
@@ -267,4 +272,4 @@ class Part:
 
     step: LinearStep
     bodies: IntArray  # (m,) of the whole
-    rows: IntArray  # (count,) of the whole's table
+    rows: IntArray  # (count,) of the whole's contacts

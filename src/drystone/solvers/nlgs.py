@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from drystone.kernels import lu_numeric, lu_symbolic
 from drystone.kernels import nlgs as kernels
+from drystone.kernels.contacts import STIFF_N, STIFF_T
 from drystone.kernels.forces import Tangent
 from drystone.kernels.law import joint_law_violation
 from drystone.kernels.nlgs import ContactProblem
@@ -54,7 +55,6 @@ class NlgsResult:
     impulse: Array  # (n_contacts, 2) N s
     velocity: Array  # (n, 3) m/s, rad/s
     residual: float  # N
-    natural: Array  # (n_contacts,) N/m, stiffness of the natural map it was measured with
     n_sweeps: int
     n_corrections: int
 
@@ -109,7 +109,6 @@ class BlockSystem:
 
 def solve(
     problem: ContactProblem,
-    pair: IntArray,
     system: BlockSystem,
     extent: Array,
     free_velocity: Array,
@@ -123,9 +122,8 @@ def solve(
     Parameters
     ----------
     problem
-        Contacts of the step.
-    pair
-        Row of each contact's pair in the lists that ``system`` was made of, (n_contacts,).
+        Contacts of the step, of pairs that ``system`` was made of; as their shear stiffness is
+        entered that of the natural map: the force that would move a contact by its slip.
     extent
         (n,) m, by which moments are divided.
     free_velocity
@@ -138,22 +136,22 @@ def solve(
         Time step [s].
     """
     n, mass = len(problem.gap), system.mass
-    blocks = np.zeros((n, 2, 2))
+    table, dim = problem.contacts.table, problem.contacts.rows.shape[1]
+    blocks = np.zeros((n, dim, dim))
     kernels.delassus_blocks(problem, blocks)
-    # The natural map's stiffness: the force that would move the contact by the slip in the step.
-    natural = 1.0 / (np.maximum(blocks[:, 1, 1], 1e-300) * h * h)
+    table[:, STIFF_T] = 1.0 / (np.maximum(blocks[:, 1, 1], 1e-300) * h * h)
     nothing = np.zeros(n)
-    relative = np.zeros((n, 2))
+    relative = np.zeros((n, dim))
     defect, fixed = np.zeros_like(free_velocity), mass[:, 0] == 0.0
 
     def measure(p: Array, v: Array) -> float:
-        kernels.momentum_defect(problem, mass, problem.inverse_mass, free_velocity, v, p, defect)
+        kernels.momentum_defect(problem, mass, free_velocity, v, p, defect)
         unbalanced = unbalanced_force(defect / h, np.zeros_like(defect), extent, fixed)
-        kernels.contact_velocities(problem, v, relative)
+        kernels.contact_velocities(problem.contacts, v, relative)
         reaction = p / h
         normal, tangential, _ = joint_law_violation(
-            problem.gap + h * relative[:, 0], h * relative[:, 1], reaction, reaction[:, 1],
-            problem.normal_stiffness, natural, problem.friction, nothing, nothing,
+            table, problem.gap + h * relative[:, 0], h * relative[:, 1], reaction, reaction[:, 1],
+            nothing,
         )  # fmt: skip
         return max(float(unbalanced), float(normal), float(tangential))
 
@@ -165,7 +163,7 @@ def solve(
     before, impulse = impulse, impulse.copy()
     velocity = velocity_of(impulse)
     order = np.arange(n)
-    accelerator = _Accelerator(problem, pair, system, free_velocity, natural, h, settings)
+    accelerator = _Accelerator(problem, system, free_velocity, h, settings)
     n_sweeps, chunk = 0, settings.first_sweeps
     residual = measure(impulse, velocity)
     while residual > settings.tolerance and n_sweeps < settings.max_sweeps:
@@ -194,7 +192,6 @@ def solve(
         impulse=impulse,
         velocity=velocity,
         residual=residual,
-        natural=natural,
         n_sweeps=n_sweeps,
         n_corrections=accelerator.n_solved,
     )
@@ -207,18 +204,16 @@ class _Accelerator:
     the law have settled, the spring is moved to the new impulse until nothing slips that sticks.
     """
 
-    def __init__(self, problem, pair, system, free_velocity, natural, h, settings) -> None:
-        self.problem, self.pair, self.system = problem, pair, system
+    def __init__(self, problem, system, free_velocity, h, settings) -> None:
+        self.problem, self.system = problem, system
         self.mass, self.free_velocity, self.h = system.mass, free_velocity, h
-        self.inverse_mass = problem.inverse_mass
         self.corrections, self.holds = settings.corrections, settings.holds
         # In short steps inertia is stiffer than joints, and a hold softer than it holds nothing.
-        self.stiffest = (
-            h * h * max(problem.normal_stiffness.max(initial=0.0), natural.max(initial=0.0))
-        )
+        stiffness = problem.contacts.table[:, (STIFF_N, STIFF_T)]
+        self.stiffest = h * h * stiffness.max(initial=0.0)
         self.penalty = 0.0  # kg
         # Momentum defect at which the branches count as settled, from the tolerance on forces.
-        self.enough = 0.1 * settings.tolerance * h * np.sqrt(self.inverse_mass.max(initial=0.0))
+        self.enough = 0.1 * settings.tolerance * h * np.sqrt(problem.inverse_mass.max(initial=0.0))
         self.defect = np.zeros_like(free_velocity)
         self.n_solved = 0
 
@@ -266,9 +261,8 @@ class _Accelerator:
 
     def _defect(self, velocity: Array, impulse: Array) -> float:
         return kernels.momentum_defect(
-            self.problem, self.mass, self.inverse_mass, self.free_velocity, velocity, impulse,
-            self.defect,
-        )  # fmt: skip
+            self.problem, self.mass, self.free_velocity, velocity, impulse, self.defect
+        )
 
     def _direction(self, piece: IntArray) -> Array:
         tangent = self.system.tangent
@@ -276,7 +270,7 @@ class _Accelerator:
             block[:] = 0.0
         diagonal = np.einsum("kii->ki", tangent.diagonal)
         diagonal += self.mass
-        kernels.held_law_tangent(self.problem, self.pair, self.h, self.penalty, piece, *tangent)
+        kernels.held_law_tangent(self.problem, self.h, self.penalty, piece, *tangent)
         direction = self.system.solve(self.defect)
         self.n_solved += 1
         return direction

@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.certificate import JudgedContacts
-from drystone.contact.detection import Detector, Pairs, empty_slots
+from drystone.contact.detection import Detector, empty_slots
 from drystone.contact.forces import OPEN, SLIDING, STICKING
 from drystone.kernels import forces, narrow, path, rows
 from drystone.kernels import law as joint_law
+from drystone.kernels.contacts import NONE, TRIAL_T, Pairs, Slots
+from drystone.kernels.forces import Start
 from drystone.kernels.law import N_HISTORY
-from drystone.kernels.narrow import Slots
 from drystone.solvers.linear_step import BENDS, LinearStep, Loads
 
 Array = NDArray[np.float64]
@@ -42,19 +43,20 @@ class StaticStep(LinearStep):
 
     def __init__(self, constants: Constants, pairs: Pairs) -> None:
         n_dof = constants.loads.mass.shape[1]
-        n_pairs = len(pairs.a)
-        n_slots = 2 * n_pairs
+        n_slots = pairs.n_slots
         place = constants.detector.bodies.centroid + pairs.pose[:, :-1]
-        super().__init__(constants.loads, pairs.a, pairs.b, place, empty_slots(n_pairs))
-        self.constants, self.pairs = constants, pairs
-        self.known = empty_slots(n_pairs)  # contacts by the features that the step follows
-        self.found = empty_slots(n_pairs)  # contacts as they are found where the step ends
+        super().__init__(constants.loads, pairs, place, empty_slots(pairs))
+        self.constants = constants
+        self.known = empty_slots(pairs)  # contacts by the features that the step follows
+        self.found = empty_slots(pairs)  # contacts as they are found where the step ends
         self.source = np.arange(n_slots)
-        self.memory = np.zeros((n_slots, N_HISTORY))
-        self.state = np.zeros((n_slots, N_HISTORY))
-        self.start_slip = np.zeros((n_slots, 2 * n_dof))
-        self.start_length = np.zeros(n_slots)
-        self.closed = np.zeros(n_slots, np.bool_)
+        self.history_before = np.zeros((n_slots, N_HISTORY))
+        self.history = np.zeros((n_slots, N_HISTORY))
+        self.start = Start(
+            length=np.zeros(n_slots),
+            rows=np.zeros((n_slots, place.shape[1], 2 * n_dof)),
+            closed=np.zeros(n_slots, np.bool_),
+        )
 
     def begin(
         self,
@@ -75,34 +77,35 @@ class StaticStep(LinearStep):
         self.weight = 1.0 / h**2
         for mine, theirs in zip(self.known, slots, strict=True):
             mine[:] = theirs
-        self.memory[:] = history
-        self.closed[:] = branch != OPEN
-        self.start_length[:] = np.where(slots.kind != narrow.NONE, slots.length, 0.0)
+        self.history_before[:] = history
+        self.start.closed[:] = branch != OPEN
+        self.start.length[:] = np.where(slots.kind != NONE, slots.length, 0.0)
         half = self.slots
         self.constants.detector.follow(self.pairs, pose + 0.5 * guess, self.known, half)
-        rows.slip_gradients(half, self.start_slip)
+        rows.slot_rows(half, self.start.rows)
 
     def follow(self, slots: Slots) -> None:
         """Go on with the features of these contacts; each brings along what its forerunner had."""
         known, source = self.known, self.source
-        narrow.carry_history(known.kind, known.feature, known.edges, slots, source)
+        narrow.carry_history(known, slots, source)
         new = source < 0
-        for array in (self.memory, self.closed, self.start_length, self.start_slip, self.branch):
+        for array in (self.history_before, *self.start, self.branch):
             array[:] = array[source]
             array[new] = 0
-        self.memory[new, joint_law.BROKEN] = 1.0  # blocks that come to touch later are not bonded
+        self.history_before[new, joint_law.BROKEN] = (
+            1.0  # blocks that come to touch later are not bonded
+        )
         for mine, theirs in zip(known, slots, strict=True):
             mine[:] = theirs
 
     def evaluate(self, x: Array, multiplier: float) -> None:
         """Reactions, unbalanced forces and ``residual`` [N] at the increments ``x`` (n, n_dof)."""
-        c, pairs = self.constants, self.pairs
-        c.detector.follow(pairs, self.pose + x, self.known, self.slots)
+        c = self.constants
+        c.detector.follow(self.pairs, self.pose + x, self.known, self.slots)
         self.bent = False
         self.count = forces.joint_forces(
-            self.slots, pairs.a, pairs.b, pairs.law, c.laws, c.thickness, self.start_length,
-            self.start_slip, self.closed, self.memory, x, self.contact_force, self.table, self.used,
-            self.branch, self.reaction, self.state,
+            self.slots, self.pairs, c.laws, c.thickness, self.start, self.history_before, x,
+            self.contacts, self.contact_force, self.branch, self.reaction, self.history,
         )  # fmt: skip
         self.residual = self._unbalance(x, multiplier)
 
@@ -122,9 +125,9 @@ class StaticStep(LinearStep):
     ) -> tuple[int, float, float, int]:
         """Follow the path from ``x``, which moves on in place; see `kernels.path.follow_path`."""
         return path.follow_path(
-            self.structure, self.factors, self.frame, paced, whole, self.table, self.count,
-            self.used, self.pair_a, self.pair_b, self.branch, self.force, lag,
-            self.spring, x, multiplier, left, changes, patience, worth, leap,
+            self.structure, self.factors, self.frame, paced, whole, self.contacts, self.count,
+            self.branch, self.force, lag, self.spring, x, multiplier, left, changes, patience,
+            worth, leap,
         )  # fmt: skip
 
     def bends(self, changes: int) -> Array:
@@ -133,33 +136,24 @@ class StaticStep(LinearStep):
 
     def remember(self) -> None:
         """Make sliding that has ended on the path part of the step's history."""
-        joint_law.remember(self.table, self.count, self.used, self.memory)
+        joint_law.remember(self.contacts, self.count, self.history_before)
 
     def status(self) -> IntArray:
         """Status of every slot, (n_slots,)."""
         return STATUS_OF[self.branch]
 
     def judged(self) -> JudgedContacts:
-        """The contacts last evaluated, for what they are worth."""
-        n = self.count
-        bodies, values = np.empty((2, n), np.int64), np.empty((8, n))
-        reaction = np.empty((n, 2))
-        forces.judge(
-            self.table, n, self.used, self.pair_a, self.pair_b, self.slots.gap, self.reaction,
-            self.state, bodies, reaction, values,
-        )  # fmt: skip
+        """The contacts last evaluated: views, until something is evaluated again."""
+        contacts = self.contacts.of(slice(self.count))
+        used = contacts.slot
+        history = self.history[used]
         return JudgedContacts(
-            body_a=bodies[0],
-            body_b=bodies[1],
-            gap=values[0],
-            slip=values[1],
-            reaction=reaction,
-            shear_before=values[2],
-            normal_stiffness=values[3],
-            shear_stiffness=values[4],
-            friction=values[5],
-            bond=values[6],
-            tension=values[7],
+            contacts=contacts,
+            gap=self.slots.gap[used] - history[:, joint_law.DILATION],
+            slip=np.zeros(self.count),  # it is in the trial reaction
+            reaction=self.reaction[used],
+            shear_before=contacts.table[:, TRIAL_T],
+            whole=np.where(history[:, joint_law.BROKEN] == 0.0, 1.0, 0.0),
         )
 
     def find(self, x: Array) -> None:

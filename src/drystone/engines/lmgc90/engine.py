@@ -35,6 +35,9 @@ from drystone.engines.measures import (
     unstable_sentence,
 )
 from drystone.geometry import polygon
+from drystone.kernels.contacts import FRICTION, STIFF_N, STIFF_T, Contacts
+from drystone.kernels.nlgs import ContactProblem, contact_velocities, delassus_blocks
+from drystone.kernels.rows import gradients
 
 Array = NDArray[np.float64]
 
@@ -154,13 +157,14 @@ class Lmgc90Engine:
             self.sharp.shapes.of(i) + assembly.centroid[i] for i in range(assembly.n_bodies)
         )
         area = np.array([abs(polygon.signed_area(outline)) for outline in polygons])
-        slots = empty_slots(len(self._pairs.a))
+        slots = empty_slots(self._pairs)
         self.detector.fill(self._pairs, rest, slots)
         stiffness = np.array([law.normal_stiffness for law in assembly.laws], dtype=float)
         joints: dict[tuple[int, int], float] = {}
         for k in np.flatnonzero(slots.kind).tolist():
-            a, b = int(self._pairs.a[k // 2]), int(self._pairs.b[k // 2])
-            share = stiffness[self._pairs.law[k // 2]] * slots.length[k] * assembly.thickness
+            p = slots.pair[k]
+            a, b = int(self._pairs.a[p]), int(self._pairs.b[p])
+            share = stiffness[self._pairs.law[p]] * slots.length[k] * assembly.thickness
             key = (min(a, b), max(a, b))
             joints[key] = joints.get(key, 0.0) + float(share)
         return Setup(
@@ -268,7 +272,7 @@ class Lmgc90Engine:
             )
         if self.detector.outdated(self._pairs, new.pose):
             self._pairs = self.detector.pairs(new.pose)
-        slots = empty_slots(len(self._pairs.a))
+        slots = empty_slots(self._pairs)
         self.detector.fill(self._pairs, new.pose, slots)
         acceleration = (outcome.velocity - before) / h
         certificate = certify(
@@ -312,36 +316,28 @@ class Lmgc90Engine:
 
     def _judged(self, state: Lmgc90State, outcome: Outcome, h: float) -> JudgedContacts:
         """LMGC90's own contacts, with its gaps: those that it has missed cannot be judged here."""
-        a, b = outcome.body_a, outcome.body_b
+        n, a, b = len(outcome.body_a), outcome.body_a, outcome.body_b
+        contacts = Contacts.empty(n, 2, state.pose.shape[1])
+        contacts.body_a[:], contacts.body_b[:] = a, b
         centre = self.reference + self._to_reference(state.pose)[:, :2]
-        arm_a, arm_b = outcome.position - centre[a], outcome.position - centre[b]
-        v = outcome.velocity
-        relative = (
-            v[b, :2] - v[a, :2]
-            + v[b, 2:] * np.column_stack((-arm_b[:, 1], arm_b[:, 0]))
-            - v[a, 2:] * np.column_stack((-arm_a[:, 1], arm_a[:, 0]))
-        )  # fmt: skip
-        tangent = np.column_stack((outcome.normal[:, 1], -outcome.normal[:, 0]))
+        arms = outcome.position - centre[a], outcome.position - centre[b]
+        for c in range(n):
+            gradients(outcome.normal, *arms, np.zeros((n, 2)), np.ones(n), c, contacts.rows, c)
+        relative, blocks = np.zeros((n, 2)), np.zeros((n, 2, 2))
+        contact_velocities(contacts, outcome.velocity, relative)
         with np.errstate(divide="ignore"):
             inverse = np.where(self.loads.mass > 0.0, 1.0 / self.loads.mass, 0.0)
-        turn_a = arm_a[:, 0] * tangent[:, 1] - arm_a[:, 1] * tangent[:, 0]
-        turn_b = arm_b[:, 0] * tangent[:, 1] - arm_b[:, 1] * tangent[:, 0]
-        compliance = (
-            inverse[a, 0] + inverse[b, 0] + inverse[a, 2] * turn_a**2 + inverse[b, 2] * turn_b**2
-        )
-        nothing = np.zeros(len(a))
+        delassus_blocks(ContactProblem(contacts, outcome.gap, inverse), blocks)
+        contacts.table[:, STIFF_N] = outcome.stiffness
+        contacts.table[:, STIFF_T] = 1.0 / (np.maximum(blocks[:, 1, 1], 1e-300) * h * h)
+        contacts.table[:, FRICTION] = self.friction
         return JudgedContacts(
-            body_a=a,
-            body_b=b,
-            gap=outcome.gap + h * np.sum(relative * outcome.normal, axis=1),
-            slip=h * np.sum(relative * tangent, axis=1),
+            contacts=contacts,
+            gap=outcome.gap + h * relative[:, 0],
+            slip=h * relative[:, 1],
             reaction=outcome.reaction,
             shear_before=outcome.reaction[:, 1],
-            normal_stiffness=outcome.stiffness,
-            shear_stiffness=1.0 / (np.maximum(compliance, 1e-300) * h * h),
-            friction=np.full(len(a), self.friction),
-            bond=nothing,
-            tension=nothing,
+            whole=np.zeros(n),
         )
 
     def _status(self, outcome: Outcome) -> NDArray[np.int64]:
