@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +49,28 @@ def circular_arch(
     ModelError
         The measures make no arch.
     """
+    _check(radius, thickness, embrace, n_voussoirs)
+    half = 0.5 * math.radians(embrace)
+    angle = 0.5 * math.pi + np.linspace(-half, half, n_voussoirs + 1)
+    ray = np.column_stack((np.cos(angle), np.sin(angle)))
+    inner = np.asarray(centre) + (radius - 0.5 * thickness) * ray
+    outer = np.asarray(centre) + (radius + 0.5 * thickness) * ray
+    stone = partial(Block, unit_weight=unit_weight, material=material)
+    voussoirs = [
+        stone(id=f"v{i + 1}", vertices=np.array([inner[i], outer[i], outer[i + 1], inner[i + 1]]))
+        for i in range(n_voussoirs)
+    ]
+    if not abutments:
+        return voussoirs
+    supports = []
+    for name, end, sense in (("right", 0, -1.0), ("left", -1, 1.0)):
+        outline = _abutment(inner[end], outer[end], ray[end], thickness, sense)
+        supports.append(stone(id=name, vertices=outline, support=True))
+    return supports + voussoirs
+
+
+def _check(radius: float, thickness: float, embrace: float, n_voussoirs: int) -> None:
+    """Raise `ModelError` with all that is wrong with the measures of an arch."""
     problems = []
     if not 0.0 < thickness < 2.0 * radius:
         problems.append("thickness: must be greater than 0 m and less than twice the radius")
@@ -57,32 +80,6 @@ def circular_arch(
         problems.append(f"n_voussoirs: {n_voussoirs} are too few for an arch")
     if problems:
         raise ModelError(problems)
-    half = 0.5 * math.radians(embrace)
-    angle = 0.5 * math.pi + np.linspace(-half, half, n_voussoirs + 1)
-    ray = np.column_stack((np.cos(angle), np.sin(angle)))
-    inner = np.asarray(centre) + (radius - 0.5 * thickness) * ray
-    outer = np.asarray(centre) + (radius + 0.5 * thickness) * ray
-    blocks = [
-        Block(
-            id=f"v{i + 1}",
-            vertices=np.array([inner[i], outer[i], outer[i + 1], inner[i + 1]]),
-            unit_weight=unit_weight,
-            material=material,
-        )
-        for i in range(n_voussoirs)
-    ]
-    if not abutments:
-        return blocks
-    return [
-        Block(
-            id=name,
-            vertices=_abutment(inner[end], outer[end], ray[end], thickness, sense),
-            unit_weight=unit_weight,
-            material=material,
-            support=True,
-        )
-        for name, end, sense in (("right", 0, -1.0), ("left", -1, 1.0))
-    ] + blocks
 
 
 def _abutment(inner: Array, outer: Array, ray: Array, depth: float, sense: float) -> Array:

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from drystone.assembly import Assembly, Block, Corner, JointLaw
 from drystone.builders.checks import (
@@ -20,12 +24,16 @@ from drystone.builders.fit import DRAWING_TOLERANCE, fitted, turned_round
 from drystone.geometry import GeometryError
 from drystone.loading import LoadPattern
 from drystone.model import Analysis, Model, Origin
+from drystone.monitor import ControlPoint
 from drystone.ranges import problem
+
+Array = NDArray[np.float64]
 
 #: Cosine of the angle between load and control direction that counts as none.
 AGAINST = 1e-9
 
 
+# Long by its arguments, each with its words: they are the keys of a model file.
 def make_model(
     blocks: Sequence[Block],
     *,
@@ -75,11 +83,43 @@ def make_model(
     ModelError
         With everything that was found wrong.
     """
-    corner = corner or Corner()
-    between = dict(joint_between or {})
     place = place or (lambda i: f'block "{blocks[i].id}"')
-    direction = unit_vector(load_direction, "load.direction")
+    along = unit_vector(load_direction, "load.direction")
+    assembly, amended = _assembly(
+        blocks,
+        joint,
+        dict(joint_between or {}),
+        corner=corner or Corner(),
+        thickness=thickness,
+        drawing_tolerance=drawing_tolerance,
+        place=place,
+    )
+    wanted = {"block": control_block, "point": control_point, "direction": control_direction}
+    control = _control(assembly, along, layout_problems(assembly, place), **wanted)
+    model = Model(
+        title=title,
+        assembly=assembly,
+        load=LoadPattern(direction=along),
+        control_point=control,
+        analysis=analysis or Analysis(),
+        notes=(*notes, *amended),
+    )
+    if source is None or sha256 is None:
+        return model
+    return replace(model, origin=Origin(path=source, sha256=sha256, contents=model.contents))
 
+
+def _assembly(
+    blocks: Sequence[Block],
+    joint: JointLaw,
+    between: Mapping[frozenset[str], JointLaw],
+    *,
+    corner: Corner,
+    thickness: float,
+    drawing_tolerance: float,
+    place: Place,
+) -> tuple[Assembly, tuple[str, ...]]:
+    """The blocks turned round and fitted, and sentences on that; raises `ModelError`."""
     blocks, turned = turned_round(blocks)
     problems = [f"joint.{wrong}" for wrong in law_problems(joint)]
     for names, law in between.items():
@@ -109,38 +149,26 @@ def make_model(
         raise ModelError(block_problems(blocks, corner, place)) from None
     if len(set(assembly.ids)) < len(blocks):
         raise ModelError(block_problems(blocks, corner, place))
+    return assembly, turned + moved
 
-    problems = layout_problems(assembly, place)
+
+def _control(
+    assembly: Assembly, load_direction: Array, problems: list[str], **wanted: Any
+) -> ControlPoint:
+    """The control point as wanted; raises `ModelError` with those of the layout before its own."""
     if assembly.n_blocks == 0:
         raise ModelError(problems)
     try:
-        control = choose_control_point(
-            assembly,
-            direction,
-            block=control_block,
-            point=control_point,
-            direction=control_direction,
-        )
+        control = choose_control_point(assembly, load_direction, **wanted)
     except ModelError as error:
         raise ModelError(problems + error.problems) from None
-    if not float(control.direction @ direction) > AGAINST:
+    if not float(control.direction @ load_direction) > AGAINST:
         problems.append(
             "control.direction: leads against the load or across it, so that the control "
             "displacement would not grow as the load does: turn it to the load's side"
         )
     _raise(problems)
-
-    model = Model(
-        title=title,
-        assembly=assembly,
-        load=LoadPattern(direction=direction),
-        control_point=control,
-        analysis=analysis or Analysis(),
-        notes=(*notes, *turned, *moved),
-    )
-    if source is None or sha256 is None:
-        return model
-    return replace(model, origin=Origin(path=source, sha256=sha256, contents=model.contents))
+    return control
 
 
 def _raise(problems: list[str]) -> None:

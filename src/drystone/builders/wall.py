@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -29,7 +30,7 @@ def course_problem(course: str) -> str | None:
 
 def unequal_courses(courses: Sequence[str]) -> str | None:
     """A sentence where courses are not of one length, which is seldom meant."""
-    halves = [sum(SYMBOLS[symbol][0] for symbol in course) for course in courses]
+    halves = [_halves(course) for course in courses]
     most = max(halves)
     short = [k for k, n in enumerate(halves) if n != most]
     if not short:
@@ -80,6 +81,31 @@ def coursed_wall(
     ModelError
         A course holds an unknown letter, or nothing.
     """
+    _check(courses)
+    length, height = map(float, unit)
+    x0, y0 = map(float, origin)
+    stone = partial(Block, unit_weight=unit_weight, material=material)
+
+    def outline(row: int, start: int, end: int) -> np.ndarray:
+        """In a row of the wall, from half unit to half unit."""
+        bottom, top = y0 + row * height, y0 + (row + 1) * height
+        left, right = x0 + 0.5 * start * length, x0 + 0.5 * end * length
+        return np.array([[left, bottom], [right, bottom], [right, top], [left, top]])
+
+    laid = list(courses) * repeat
+    blocks = [
+        stone(id=f"c{row + 1}u{number}", vertices=outline(row, *span))
+        for row, course in enumerate(laid)
+        for number, span in enumerate(_units(course), start=1)
+    ]
+    if base:
+        longest = max(map(_halves, laid), default=0)
+        blocks.insert(0, stone(id="base", vertices=outline(-1, -2, longest + 2), support=True))
+    return blocks
+
+
+def _check(courses: Sequence[str]) -> None:
+    """Raise `ModelError` for courses that are none."""
     problems = [
         f"courses[{i}]: {problem}"
         for i, course in enumerate(courses, start=1)
@@ -87,36 +113,11 @@ def coursed_wall(
     ]
     if problems:
         raise ModelError(problems)
-    length, height = map(float, unit)
-    x0, y0 = map(float, origin)
-    blocks = []
-    end = 0
-    for row, course in enumerate(list(courses) * repeat):
-        bottom, top = y0 + row * height, y0 + (row + 1) * height
-        for number, (start, end_of_unit) in enumerate(_units(course), start=1):
-            left, right = x0 + 0.5 * start * length, x0 + 0.5 * end_of_unit * length
-            blocks.append(
-                Block(
-                    id=f"c{row + 1}u{number}",
-                    vertices=_rectangle(left, bottom, right, top),
-                    unit_weight=unit_weight,
-                    material=material,
-                )
-            )
-        end = max(end, sum(SYMBOLS[symbol][0] for symbol in course))
-    if base:
-        right = x0 + (0.5 * end + 1.0) * length
-        blocks.insert(
-            0,
-            Block(
-                id="base",
-                vertices=_rectangle(x0 - length, y0 - height, right, y0),
-                unit_weight=unit_weight,
-                material=material,
-                support=True,
-            ),
-        )
-    return blocks
+
+
+def _halves(course: str) -> int:
+    """Length of a course in half units."""
+    return sum(SYMBOLS[symbol][0] for symbol in course)
 
 
 def _units(course: str) -> Iterator[tuple[int, int]]:
@@ -127,7 +128,3 @@ def _units(course: str) -> Iterator[tuple[int, int]]:
         if real:
             yield position, position + halves
         position += halves
-
-
-def _rectangle(left: float, bottom: float, right: float, top: float) -> np.ndarray:
-    return np.array([[left, bottom], [right, bottom], [right, top], [left, top]])
