@@ -9,7 +9,7 @@ import argparse
 from pathlib import Path
 
 import drystone as ds
-from drystone.report import canvas, draw_curve, draw_mechanism
+from drystone.report import Mechanism, canvas, draw_curve, draw_mechanism
 
 HERE = Path(__file__).parent
 IMAGES = HERE / "images"
@@ -25,15 +25,15 @@ def wall(engine: str | None) -> None:
     draw_curve(curve, IMAGES / "wall1_curve.png", title=model.title)
     row = curve.nearest(AT)
     point = curve.points[row]
-    draw_mechanism(
-        model.assembly,
-        curve.poses[row],
-        curve.contacts[row],
-        IMAGES / "wall1_mechanism.png",
-        title=f"{model.title} at a control displacement of {point.control_displacement:.3f} m",
+    mechanism = Mechanism(
+        assembly=model.assembly,
+        pose=curve.poses[row],
+        contacts=curve.contacts[row],
         load_direction=model.load.direction,
         control_point=model.control_point,
     )
+    title = f"{model.title} at a control displacement of {point.control_displacement:.3f} m"
+    draw_mechanism(mechanism, IMAGES / "wall1_mechanism.png", title=title)
 
 
 def bias() -> None:

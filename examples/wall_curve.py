@@ -17,7 +17,7 @@ def wall_curve(engine: str | None = None) -> ds.CapacityCurve:
 
 
 def main() -> None:
-    from drystone.report import draw_curve, draw_mechanism
+    from drystone.report import Mechanism, draw_curve, draw_mechanism
 
     model = ds.read_model(WALL)
     curve = wall_curve()
@@ -31,15 +31,15 @@ def main() -> None:
     folder.mkdir(parents=True, exist_ok=True)
     draw_curve(curve, folder / "curve.png", title=model.title)
     row = curve.nearest(0.2)
-    draw_mechanism(
-        model.assembly,
-        curve.poses[row],
-        curve.contacts[row],
-        folder / "mechanism.png",
-        title=f"{model.title} at {curve.points[row].control_displacement:.3f} m",
+    mechanism = Mechanism(
+        assembly=model.assembly,
+        pose=curve.poses[row],
+        contacts=curve.contacts[row],
         load_direction=model.load.direction,
         control_point=model.control_point,
     )
+    title = f"{model.title} at {curve.points[row].control_displacement:.3f} m"
+    draw_mechanism(mechanism, folder / "mechanism.png", title=title)
 
 
 if __name__ == "__main__":

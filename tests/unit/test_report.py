@@ -119,7 +119,7 @@ def test_open_and_slid_joints_are_drawn_apart():
 def test_picture_of_a_wall_at_rest(tmp_path):
     model = synthetic.wall_model()
     pose = model.assembly.rest_pose()
-    draw_mechanism(model.assembly, pose, None, tmp_path / "rest.png")
+    draw_mechanism(Mechanism(assembly=model.assembly, pose=pose), tmp_path / "rest.png")
     assert is_picture(tmp_path / "rest.png")
 
 
@@ -148,7 +148,10 @@ def test_small_displacements_are_magnified_by_a_round_number():
 def test_mechanism_of_many_blocks(tmp_path):
     model = synthetic.wall_model(courses=50, units=40)
     pose = synthetic.pose_at(model, 0.5)
-    draw_mechanism(model.assembly, pose, synthetic.contacts_at(model, pose), tmp_path / "many.png")
+    many = synthetic.contacts_at(model, pose)
+    draw_mechanism(
+        Mechanism(assembly=model.assembly, pose=pose, contacts=many), tmp_path / "many.png"
+    )
     assert is_picture(tmp_path / "many.png")
 
 

@@ -27,7 +27,7 @@ from drystone.export.paraview import choose_frames, remove_series, write_series
 from drystone.export.summary import plain, summarise, write_summary
 from drystone.limit.beside import Beside
 from drystone.model import Model
-from drystone.report import canvas, draw_curve, draw_mechanism
+from drystone.report import Mechanism, canvas, draw_curve, draw_mechanism
 from drystone.report.mechanism_figure import readable_magnification
 
 Array = NDArray[np.float64]
@@ -190,18 +190,17 @@ class ResultsDirectory:
         gone = curve.gone(model.assembly.ids, point.step)
         pose = np.where(gone[:, None], settled, pose)  # they are shown as designed
         with whole_file(self.path / MECHANISM_FIGURE) as draft:
-            draw_mechanism(
-                model.assembly,
-                pose,
-                results.contacts(row),
-                draft,
+            mechanism = Mechanism(
+                assembly=model.assembly,
+                pose=pose,
                 settled=settled,
                 gone=gone,
-                title=mechanism_title(model.title, point),
+                contacts=results.contacts(row),
                 load_direction=model.load.direction,
                 control_point=model.control_point,
                 magnification=readable_magnification(model.assembly, pose, settled),
             )
+            draw_mechanism(mechanism, draft, title=mechanism_title(model.title, point))
 
 
 def files_of(folder: Path) -> list[Path]:

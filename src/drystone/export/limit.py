@@ -13,7 +13,7 @@ from drystone.export.folder import check_apart, locked
 from drystone.export.summary import package_version, plain, write_summary
 from drystone.limit import FLOWS, Collapse
 from drystone.model import Model
-from drystone.report import canvas, draw_mechanism
+from drystone.report import Mechanism, canvas, draw_mechanism
 from drystone.report.outlines import MovingOutlines
 
 Array = NDArray[np.float64]
@@ -82,17 +82,15 @@ def _write(results: Sequence[Collapse], model: Model, folder: Path) -> None:
         if not np.any(result.velocities):
             continue
         last = folder / f"{MECHANISM}-{result.flow}.png"
-        draw_mechanism(
-            model.assembly,
-            _drawn(result.velocities, size),
-            None,  # forces belong to the designed shape, not to where blocks are drawn
-            last,
-            title=_title(model.title, result),
+        mechanism = Mechanism(  # without forces: they belong to the designed shape
+            assembly=model.assembly,
+            pose=_drawn(result.velocities, size),
             load_direction=model.load.direction,
             control_point=model.control_point,
             linear=True,
-            scale="rates of motion, drawn large",
         )
+        title = _title(model.title, result)
+        draw_mechanism(mechanism, last, title=title, scale="rates of motion, drawn large")
     if last is not None:
         (folder / f"{MECHANISM}.png").write_bytes(last.read_bytes())
 

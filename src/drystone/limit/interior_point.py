@@ -16,6 +16,7 @@ of a wall, a direct factorisation does not.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,37 +84,27 @@ def solve(
         Stop as unbounded when the objective falls below minus this.
     """
     bounded = np.setdiff1d(np.arange(len(cost)), free)
-    a = csc_array(matrix[:, bounded])
-    a_free = matrix[:, free].toarray()
     c, c_free = cost[bounded], cost[free]
-    newton = _Newton(a, a_free)
+    newton = _Newton(csc_array(matrix[:, bounded]), matrix[:, free].toarray())
     try:
         point = _start(newton, c, c_free, right)
     except (RuntimeError, np.linalg.LinAlgError):  # rows or free columns that depend on others
         nothing = np.zeros(len(cost))
         return Solution(x=nothing, y=0.0 * right, converged=False, error=np.inf, n_iterations=0)
-    scale_b, scale_c = 1.0 + np.abs(right).max(initial=0.0), 1.0 + np.abs(cost).max(initial=0.0)
     best, best_error, waited, converged, n_iterations = point, np.inf, 0, False, 0
     while n_iterations < max_iterations:
-        rp = right - a @ point.x - a_free @ point.free
-        rd = c - a.T @ point.y - point.z
-        rf = c_free - a_free.T @ point.y
-        objective = float(c @ point.x + c_free @ point.free)
-        primal = float(np.abs(rp).max(initial=0.0)) / scale_b
-        dual = max(np.abs(rd).max(initial=0.0), np.abs(rf).max(initial=0.0)) / scale_c
-        gap = abs(objective - float(right @ point.y)) / (1.0 + abs(objective))
-        error = max(primal, dual, gap)
-        waited = 0 if error < 0.9 * best_error else waited + 1
-        if error < best_error:
-            best, best_error = point, error
-        feasible = primal <= tolerance
-        if feasible and enough is not None and objective < enough:
+        at = _missing(newton, point, c, c_free, right)
+        waited = 0 if at.error < 0.9 * best_error else waited + 1
+        if at.error < best_error:
+            best, best_error = point, at.error
+        feasible = at.infeasibility <= tolerance
+        if feasible and enough is not None and at.objective < enough:
             best, converged = point, True
         converged = converged or best_error <= tolerance
-        if converged or waited > PATIENCE or (feasible and objective < -give_up):
+        if converged or waited > PATIENCE or (feasible and at.objective < -give_up):
             break
         try:
-            point = _iterate(newton, point, rp, rd, rf)
+            point = _iterate(newton, point, *at.residuals)
         except (RuntimeError, np.linalg.LinAlgError):  # the factorisation broke down
             break
         n_iterations += 1
@@ -122,6 +113,29 @@ def solve(
     return Solution(
         x=x, y=best.y, converged=converged, error=float(best_error), n_iterations=n_iterations
     )
+
+
+class _Missing(NamedTuple):
+    """How far a point is from the solution."""
+
+    residuals: tuple[Array, Array, Array]  # of rows, of bounded columns, of free ones
+    objective: float
+    infeasibility: float  # of the rows, relative
+    error: float  # largest of relative infeasibilities and relative gap
+
+
+def _missing(newton: _Newton, point: _Point, c: Array, c_free: Array, right: Array) -> _Missing:
+    a, a_free = newton.a, newton.a_free
+    rp = right - a @ point.x - a_free @ point.free
+    rd = c - a.T @ point.y - point.z
+    rf = c_free - a_free.T @ point.y
+    scale_b = 1.0 + np.abs(right).max(initial=0.0)
+    scale_c = 1.0 + max(np.abs(c).max(initial=0.0), np.abs(c_free).max(initial=0.0))
+    objective = float(c @ point.x + c_free @ point.free)
+    primal = float(np.abs(rp).max(initial=0.0)) / scale_b
+    dual = max(np.abs(rd).max(initial=0.0), np.abs(rf).max(initial=0.0)) / scale_c
+    gap = abs(objective - float(right @ point.y)) / (1.0 + abs(objective))
+    return _Missing((rp, rd, rf), objective, primal, max(primal, dual, gap))
 
 
 class _Newton:

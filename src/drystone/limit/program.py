@@ -22,6 +22,16 @@ Array = NDArray[np.float64]
 #: The finest tolerances that HiGHS takes.
 TOLERANCE = 1e-10
 
+#: Of HiGHS, by its names.
+OPTIONS: dict[str, Any] = {
+    "output_flag": False,
+    "threads": 1,
+    "solver": "simplex",
+    "presolve": "off",  # it would throw the last basis away
+    "primal_feasibility_tolerance": TOLERANCE,
+    "dual_feasibility_tolerance": TOLERANCE,
+}
+
 OPTIMAL, INFEASIBLE, UNBOUNDED, FAILED = "optimal", "infeasible", "unbounded", "failed"
 
 
@@ -66,26 +76,8 @@ class ForceProgram:
         self._high = highspy
         n = equilibrium.n_contacts
         self._n_rows, self._n = len(right), n
-        normal, tangential = 2 * np.arange(n), 2 * np.arange(n) + 1
-        # Row 2 k is t - m n <= k and row 2 k + 1 is -t - m n <= k.
-        cone = coo_array(
-            (
-                np.concatenate((np.ones(n), -np.ones(n), -slope, -slope)),
-                (
-                    np.concatenate((normal, tangential, normal, tangential)),
-                    np.concatenate((tangential, tangential, normal, normal)),
-                ),
-            ),
-            shape=(2 * n, 2 * n),
-        )
-        matrix = csc_array(
-            vstack(
-                [
-                    hstack([equilibrium.matrix, csc_array(column[:, None])]),
-                    hstack([cone, csc_array((2 * n, 1))]),
-                ]
-            )
-        )
+        balance = hstack([equilibrium.matrix, csc_array(column[:, None])])
+        matrix = csc_array(vstack([balance, hstack([_cone(slope), csc_array((2 * n, 1))])]))
         matrix.eliminate_zeros()
         matrix.sort_indices()
         infinity = highspy.kHighsInf
@@ -93,7 +85,7 @@ class ForceProgram:
         lp.num_row_, lp.num_col_ = matrix.shape
         lp.col_cost_ = np.concatenate((np.zeros(2 * n), [-1.0]))
         lower = np.full(2 * n + 1, -infinity)
-        lower[normal] = least
+        lower[: 2 * n : 2] = least
         lp.col_lower_ = lower
         lp.col_upper_ = np.concatenate((np.full(2 * n, infinity), [min(largest, infinity)]))
         lp.row_lower_ = np.concatenate((right, np.full(2 * n, -infinity)))
@@ -103,14 +95,7 @@ class ForceProgram:
         lp.a_matrix_.index_ = matrix.indices
         lp.a_matrix_.value_ = matrix.data
         self._solver: Any = highspy.Highs()
-        for option, value in (
-            ("output_flag", False),
-            ("threads", 1),
-            ("solver", "simplex"),
-            ("presolve", "off"),  # it would throw the last basis away
-            ("primal_feasibility_tolerance", TOLERANCE),
-            ("dual_feasibility_tolerance", TOLERANCE),
-        ):
+        for option, value in OPTIONS.items():
             self._solver.setOptionValue(option, value)
         self._solver.passModel(lp)
 
@@ -163,3 +148,19 @@ class ForceProgram:
             known.kUnbounded: UNBOUNDED,
             known.kUnboundedOrInfeasible: UNBOUNDED,
         }.get(self._solver.getModelStatus(), FAILED)
+
+
+def _cone(slope: Array) -> coo_array:
+    """Rows 2 k, t - m n, and 2 k + 1, -t - m n, of the limits on shear, over (n, t) by contact."""
+    n = len(slope)
+    normal, tangential = 2 * np.arange(n), 2 * np.arange(n) + 1
+    return coo_array(
+        (
+            np.concatenate((np.ones(n), -np.ones(n), -slope, -slope)),
+            (
+                np.concatenate((normal, tangential, normal, tangential)),
+                np.concatenate((tangential, tangential, normal, normal)),
+            ),
+        ),
+        shape=(2 * n, 2 * n),
+    )

@@ -40,75 +40,34 @@ class Mechanism:
     """What one picture shows."""
 
     assembly: Assembly
-    pose: Array  # (n, n_dof) m, rad
+    pose: Array  # (n, n_dof) m, rad, where the blocks are
     settled: Array | None = None  # (n, n_dof) m, rad, where the load began; None: as designed
-    gone: NDArray[np.bool_] | None = None  # (n,) blocks that have left the structure
-    contacts: ContactForces | None = None
-    load_direction: Array | None = None  # (2,) unit vector
-    control_point: ControlPoint | None = None
-    magnification: float = 1.0  # of the displacements; 1 is true to scale
+    gone: NDArray[np.bool_] | None = None  # (n,) blocks that have left: designed outlines, dashed
+    contacts: ContactForces | None = None  # of that state: those under load are drawn
+    load_direction: Array | None = None  # (2,) unit vector, of the load's arrow
+    control_point: ControlPoint | None = None  # marked where it is now
+    magnification: float = 1.0  # of the displacements since settled; without contacts if not 1
     linear: bool = False  # the pose is a velocity field's, see `outlines.moved_points`
 
 
 def draw_mechanism(
-    assembly: Assembly,
-    pose: Array,
-    contacts: ContactForces | None,
-    path: Path | str,
-    *,
-    settled: Array | None = None,
-    gone: NDArray[np.bool_] | None = None,
-    title: str = "",
-    load_direction: Array | None = None,
-    control_point: ControlPoint | None = None,
-    magnification: float = 1.0,
-    linear: bool = False,
-    scale: str = "",
+    mechanism: Mechanism, path: Path | str, *, title: str = "", scale: str = ""
 ) -> None:
-    """Write ``mechanism.png``: joints that opened in red, those that slid in blue.
+    """Write a picture: joints that opened in red, those that slid in blue.
 
     Parameters
     ----------
-    assembly, pose
-        The blocks and where they are, (n, n_dof) [m, rad].
-    contacts
-        Contact points of that state: those under load are drawn.  None leaves them out.
     path
         PNG file to write.
-    settled
-        Where the blocks were when the load began, (n, n_dof): what moves has moved since.
-        None: as designed.
-    gone
-        Blocks that have left the structure, (n,): their designed outlines are dashed.
     title
         Above the picture; the magnification is added where it is not 1.
-    load_direction
-        Direction of the load's arrow.
-    control_point
-        Marked where it is now.
-    magnification
-        Of the displacements since then.  Contact points are left out where it is not 1.
-    linear
-        Whether the poses are a velocity field, drawn straight on so that no joint is torn.
     scale
         What to say of the displacements' scale, where it is neither true nor a magnification.
     """
     figure = canvas.new_figure(8.0, 8.0)
     axes = figure.subplots()
-    plot_mechanism(
-        axes,
-        Mechanism(
-            assembly=assembly,
-            pose=pose,
-            settled=settled,
-            gone=gone,
-            contacts=contacts,
-            load_direction=load_direction,
-            control_point=control_point,
-            magnification=magnification,
-            linear=linear,
-        ),
-    )
+    plot_mechanism(axes, mechanism)
+    magnification = mechanism.magnification
     if not scale:
         scale = (
             "true to scale"
