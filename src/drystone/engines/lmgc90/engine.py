@@ -35,7 +35,7 @@ from drystone.engines.measures import (
     unstable_sentence,
 )
 from drystone.geometry import polygon
-from drystone.kernels.contacts import FRICTION, STIFF_N, STIFF_T, Contacts
+from drystone.kernels.contacts import FRICTION, STIFF_N, STIFF_T, Contacts, Slots
 from drystone.kernels.nlgs import ContactProblem, contact_velocities, delassus_blocks
 from drystone.kernels.rows import gradients
 
@@ -270,10 +270,7 @@ class Lmgc90Engine:
             return state, StepReport(
                 converged=False, reason=reason, motion=motion, n_iterations=outcome.n_sweeps
             )
-        if self.detector.outdated(self._pairs, new.pose):
-            self._pairs = self.detector.pairs(new.pose)
-        slots = empty_slots(self._pairs)
-        self.detector.fill(self._pairs, new.pose, slots)
+        slots = self._slots(new.pose)
         acceleration = (outcome.velocity - before) / h
         certificate = certify(
             self._judged(state, outcome, h),
@@ -313,6 +310,14 @@ class Lmgc90Engine:
             n_sticking=int(np.count_nonzero(status == STICKING)),
             n_sliding=int(np.count_nonzero(status == SLIDING)),
         )
+
+    def _slots(self, pose: Array) -> Slots:
+        """All contacts in the given poses, those that LMGC90 has missed included."""
+        if self.detector.outdated(self._pairs, pose):
+            self._pairs = self.detector.pairs(pose)
+        slots = empty_slots(self._pairs)
+        self.detector.fill(self._pairs, pose, slots)
+        return slots
 
     def _judged(self, state: Lmgc90State, outcome: Outcome, h: float) -> JudgedContacts:
         """LMGC90's own contacts, with its gaps: those that it has missed cannot be judged here."""
