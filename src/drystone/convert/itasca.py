@@ -93,13 +93,9 @@ def parameters(model: Model, values: dict[str, tuple[float, str]]) -> list[str]:
     return [*lines, "end", "@parameters", ""]
 
 
-def pushover() -> list[str]:
-    """The published strategy in FISH, on top of the functions that each program has its own of.
-
-    Those are: ``put_loads``, ``stop_blocks``, ``read_carried`` (into ``lam_c``) and
-    ``read_control`` (into ``ctl_u``).
-    """
-    return """\
+#: The published strategy in FISH, on top of the functions that each program has its own of:
+#: ``put_loads``, ``stop_blocks``, ``read_carried`` (into ``lam_c``), ``read_control`` (``ctl_u``).
+PUSHOVER = """\
 ; The strategy of Bouckaert, Godio and de Almeida (2022): the multiplier goes
 ; up by increments as long as the supports carry what is applied; the peak
 ; has passed when what is missing no longer shrinks by a tenth within a few

@@ -170,7 +170,7 @@ def write(model: Model, name: str = "") -> Written:
             "joints with laws of their own keep them as designed: contacts that form later get the "
             "first law"
         )
-    lines += ["", *FUNCTIONS, *itasca.pushover()]
+    lines += ["", *FUNCTIONS, *itasca.PUSHOVER]
     return Written(text="\n".join(lines) + "\n", notes=tuple(notes))
 
 
