@@ -50,41 +50,44 @@ NOTE = (
 NOTE_OF_SPREAD = "; spread: between our engines' peaks"
 
 
-def benchmark(
-    engine: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME",
-            help="Engine; may be repeated. [default: equilibrium]",
-            show_default=False,
-        ),
-    ] = None,
-    wall: Annotated[
-        list[int] | None,
-        typer.Option(
-            metavar="N",
-            min=1,
-            max=3,
-            help="Wall; may be repeated. [default: all]",
-            show_default=False,
-        ),
-    ] = None,
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of results.")] = Path(
-        "benchmark-results"
+Engines = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME",
+        help="Engine; may be repeated. [default: equilibrium]",
+        show_default=False,
     ),
-    reference: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR",
-            exists=True,
-            file_okay=False,
-            help="Folder with recorded curves wallN_*.csv to draw beside ours.",
-            show_default=False,
-        ),
-    ] = None,
-    strategy: Annotated[
-        Strategy, typer.Option(help="How the load is applied.")
-    ] = Strategy.displacement,
+]
+Walls = Annotated[
+    list[int] | None,
+    typer.Option(
+        metavar="N",
+        min=1,
+        max=3,
+        help="Wall; may be repeated. [default: all]",
+        show_default=False,
+    ),
+]
+Folder = Annotated[Path, typer.Option(metavar="DIR", help="Folder of results.")]
+Reference = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="DIR",
+        exists=True,
+        file_okay=False,
+        help="Folder with recorded curves wallN_*.csv to draw beside ours.",
+        show_default=False,
+    ),
+]
+Loading = Annotated[Strategy, typer.Option(help="How the load is applied.")]
+
+
+def benchmark(
+    engine: Engines = None,
+    wall: Walls = None,
+    out: Folder = Path("benchmark-results"),
+    reference: Reference = None,
+    strategy: Loading = Strategy.displacement,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -102,10 +105,8 @@ def benchmark(
         walls = list(dict.fromkeys(wall or PUBLISHED_WALLS))
         check_writable(out)
         if reference:
-            for number in walls:
-                recorded_curves(
-                    reference, number
-                )  # a fault in them is better known before the work
+            for number in walls:  # a fault in them is better known before the work
+                recorded_curves(reference, number)
         engines = list(dict.fromkeys(engine or ()))
         with compiling(engines[0] if engines else Analysis().engine, quiet=quiet or as_json):
             result = analyse(

@@ -26,38 +26,40 @@ class Flow(StrEnum):
     non_associative = "non-associative"
 
 
+FlowChoice = Annotated[
+    Flow | None,
+    typer.Option(help="How joints slide. [default: both, one after the other]", show_default=False),
+]
+Paths = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N",
+        min=1,
+        help="Paths of the non-associative scheme. [default: 8, or 1 from 200 blocks on]",
+        show_default=False,
+    ),
+]
+Alpha = Annotated[
+    float, typer.Option(min=0.0, max=0.99, help="Slope left to a joint, over its friction.")
+]
+Beta = Annotated[float, typer.Option(min=0.01, max=1.0, help="Weight of the newest normal forces.")]
+Folder = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="DIR",
+        help="Folder for limit.json and the mechanism's picture. [default: none is written]",
+        show_default=False,
+    ),
+]
+
+
 def limit(
     model_file: ModelFile,
-    flow: Annotated[
-        Flow | None,
-        typer.Option(
-            help="How joints slide. [default: both, one after the other]", show_default=False
-        ),
-    ] = None,
-    paths: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            min=1,
-            help="Paths of the non-associative scheme. [default: 8, or 1 from 200 blocks on]",
-            show_default=False,
-        ),
-    ] = None,
-    alpha: Annotated[
-        float,
-        typer.Option(min=0.0, max=0.99, help="Slope left to a joint, over its friction."),
-    ] = 0.0,
-    beta: Annotated[
-        float, typer.Option(min=0.01, max=1.0, help="Weight of the newest normal forces.")
-    ] = 0.6,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR",
-            help="Folder for limit.json and the mechanism's picture. [default: none is written]",
-            show_default=False,
-        ),
-    ] = None,
+    flow: FlowChoice = None,
+    paths: Paths = None,
+    alpha: Alpha = 0.0,
+    beta: Beta = 0.6,
+    out: Folder = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:

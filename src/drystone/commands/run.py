@@ -16,30 +16,33 @@ if TYPE_CHECKING:
     from drystone.limit import Beside
 
 
+EngineName = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help="Engine. [default: what the model says]", show_default=False),
+]
+Folder = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="DIR", help="Folder of results. [default: MODEL-results]", show_default=False
+    ),
+]
+MechanismAt = Annotated[
+    float | None,
+    typer.Option(
+        metavar="METRES",
+        min=0.0,
+        help="Control displacement of mechanism.png. [default: what the model says, or 0.2]",
+        show_default=False,
+    ),
+]
+
+
 def run(
     model_file: ModelFile,
-    engine: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME", help="Engine. [default: what the model says]", show_default=False
-        ),
-    ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR", help="Folder of results. [default: MODEL-results]", show_default=False
-        ),
-    ] = None,
+    engine: EngineName = None,
+    out: Folder = None,
     strategy: StrategyName = None,
-    mechanism_at: Annotated[
-        float | None,
-        typer.Option(
-            metavar="METRES",
-            min=0.0,
-            help="Control displacement of mechanism.png. [default: what the model says, or 0.2]",
-            show_default=False,
-        ),
-    ] = None,
+    mechanism_at: MechanismAt = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -71,9 +74,8 @@ def run(
                 from drystone.analysis import pushover
 
                 try:
-                    with progress_for(
-                        model_file.stem, model.analysis.stop_multiplier, quiet=quiet
-                    ) as progress:
+                    stop = model.analysis.stop_multiplier
+                    with progress_for(model_file.stem, stop, quiet=quiet) as progress:
                         curve = pushover(
                             model,
                             engine=engine,
