@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
-from dataclasses import fields, replace
+from contextlib import closing
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from typing import Any, Protocol
 
@@ -110,65 +110,88 @@ def pushover(
         under its own weight.
     """
     begun = time.perf_counter()
-    small = recorder is None and model.assembly.n_bodies <= MOST_KEPT
-    keep_poses = small if keep_poses is None else keep_poses
-    keep_contacts = small if keep_contacts is None else keep_contacts
     named = engine is None or isinstance(engine, str)
     solver: Any = make_engine(str(engine or model.analysis.engine)) if named else framed(engine)
     name = strategy or model.analysis.strategy
     _check(options)
     model = model.with_analysis(**options) if options else model
     control = make_control(name, solver, model)
-    problem = Problem(
-        assembly=model.assembly,
-        load=model.load,
-        control_point=model.control_point,
-        ground=model.analysis.ground,
+    small = recorder is None and model.assembly.n_bodies <= MOST_KEPT
+    run = _Run(
+        model=model,
+        solver=solver,
+        strategy=name,
+        later=named and isinstance(solver, FramedEngine),
+        recorder=recorder,
+        progress=progress,
+        keep_poses=small if keep_poses is None else keep_poses,
+        keep_contacts=small if keep_contacts is None else keep_contacts,
     )
-    plausibility = Plausibility(model)
-    points: list[CurvePoint] = []
-    poses: list[Array] = []
-    contacts: list[Any] = []
-    later = named and isinstance(solver, FramedEngine)  # its contacts follow from the state alone
-    left: list[BlockLeft] = []
-
-    def add(report: StepReport, state: Any, time_step: float, decision: Decision) -> None:
-        point = _point(len(points), report, time_step, decision)
-        needed = recorder is not None or (keep_contacts and not later)
-        touching = solver.contacts(state) if needed else None
-        if recorder is not None and touching is not None:  # first: no more than is kept
-            recorder.point(point, state.pose, touching)
-        points.append(point)
-        if keep_poses:
-            poses.append(state.pose.copy())
-        if keep_contacts:
-            contacts.append(state if later else touching)
-        if progress is not None:
-            progress(point)
-
-    status, reason, settlement = "stopped", "", 0.0
-    limit = getattr(solver, "residual_limit", None)
-    held = ExitStack()
     # Threads of LAPACK only get in each other's way on systems of this size.
-    held.enter_context(threadpool_limits(limits=1, user_api="blas"))
-    compilation = held.enter_context(Compilation())
-    try:
-        state, report = solver.start(problem)
+    lapack = threadpool_limits(limits=1, user_api="blas")
+    with closing(solver), lapack, Compilation() as compilation:
+        end = run.traced(control)
+    return run.finished(*end, time.perf_counter() - begun, compilation.seconds)
+
+
+@dataclass(kw_only=True)
+class _Run:
+    """An analysis under way: what is told and kept of every point."""
+
+    model: Model
+    solver: Any
+    strategy: str
+    later: bool  # contacts follow from the state alone: states are kept in their place
+    recorder: Recorder | None
+    progress: Callable[[CurvePoint], None] | None
+    keep_poses: bool
+    keep_contacts: bool
+    points: list[CurvePoint] = field(default_factory=list)
+    poses: list[Array] = field(default_factory=list)
+    contacts: list[Any] = field(default_factory=list)
+    left: list[BlockLeft] = field(default_factory=list)
+    settlement: float = 0.0  # m, of the control point before the load
+
+    def traced(self, control: Control) -> tuple[str, str]:
+        """Trace the curve; status and reason of its end.  Without a point, errors are raised."""
+        try:
+            return self._trace(control)
+        except KeyboardInterrupt:
+            if not self.points:
+                raise
+            return "interrupted", "interrupted by the user"
+        except (EngineError, RecorderError) as error:
+            if not self.points:
+                raise
+            return "stopped", str(error)
+
+    def _trace(self, control: Control) -> tuple[str, str]:
+        model, solver = self.model, self.solver
+        plausibility = Plausibility(model)
+        limit = getattr(solver, "residual_limit", None)
+        state, report = solver.start(
+            Problem(
+                assembly=model.assembly,
+                load=model.load,
+                control_point=model.control_point,
+                ground=model.analysis.ground,
+            )
+        )
         report = obeyed(report, limit)
         if not report.converged:
             raise EngineError(f"at rest under its own weight, {report.reason}")
         plausibility.check(report, 0.0, partial(solver.contacts, state))
-        settlement = report.control_displacement
+        self.settlement = report.control_displacement
         report = replace(report, control_displacement=0.0)
-        if recorder is not None:
-            recorder.begin(model, solver.name, name)
+        if self.recorder is not None:
+            self.recorder.begin(model, solver.name, self.strategy)
         decision = control.first(report)
-        add(report, state, 0.0, decision)
+        self._add(report, state, 0.0, decision)
         while decision.demand is not None:
             demand = decision.demand
             new, report = solver.step(state, demand)
             report = obeyed(report, limit)
-            moved = report.control_displacement - settlement
+            moved = report.control_displacement - self.settlement
             report = changed(report, control_displacement=moved)
             decision = control.decide(decision.state, demand, report)
             if decision.accept:
@@ -176,39 +199,51 @@ def pushover(
                 plausibility.check(report, multiplier, partial(solver.contacts, new))
                 fallen = _fallen(state, new)
                 state = new
-                add(report, state, demand.time_step, decision)
-                left += [BlockLeft.at(points[-1], model.assembly.ids[i]) for i in fallen]
+                self._add(report, state, demand.time_step, decision)
+                self.left += [BlockLeft.at(self.points[-1], model.assembly.ids[i]) for i in fallen]
                 decision = _after_loss(model, fallen, decision)
-        status, reason = ("finished" if decision.finished else "stopped"), decision.reason
-    except KeyboardInterrupt:
-        if not points:
-            raise
-        status, reason = "interrupted", "interrupted by the user"
-    except (EngineError, RecorderError) as error:
-        if not points:
-            raise
-        reason = str(error)
-    finally:
-        held.close()
-        solver.close()
-    curve = CapacityCurve(
-        engine=solver.name,
-        strategy=name,
-        points=tuple(points),
-        status=status,
-        # What was left out of the model belongs to how far the curve can be trusted.
-        reason="; ".join(filter(None, (reason, *map(str, left), *getattr(solver, "notes", ())))),
-        stop_multiplier=model.analysis.stop_multiplier,
-        settlement=settlement,
-        blocks_left=tuple(left),
-        wall_time=time.perf_counter() - begun - compilation.seconds,
-        compile_time=compilation.seconds,
-        poses=np.array(poses) if keep_poses else None,
-        contacts=_kept(solver, contacts, later) if keep_contacts else None,
-    )
-    if recorder is not None:
-        recorder.end(curve)
-    return curve
+        return ("finished" if decision.finished else "stopped"), decision.reason
+
+    def _add(self, report: StepReport, state: Any, time_step: float, decision: Decision) -> None:
+        point = _point(len(self.points), report, time_step, decision)
+        needed = self.recorder is not None or (self.keep_contacts and not self.later)
+        touching = self.solver.contacts(state) if needed else None
+        if self.recorder is not None and touching is not None:  # first: no more than is kept
+            self.recorder.point(point, state.pose, touching)
+        self.points.append(point)
+        if self.keep_poses:
+            self.poses.append(state.pose.copy())
+        if self.keep_contacts:
+            self.contacts.append(state if self.later else touching)
+        if self.progress is not None:
+            self.progress(point)
+
+    def finished(self, status: str, reason: str, seconds: float, compiling: float) -> CapacityCurve:
+        """What was traced, told to the recorder; its seconds include those of compiling."""
+        notes = getattr(self.solver, "notes", ())
+        curve = CapacityCurve(
+            engine=self.solver.name,
+            strategy=self.strategy,
+            points=tuple(self.points),
+            status=status,
+            # What was left out of the model belongs to how far the curve can be trusted.
+            reason="; ".join(filter(None, (reason, *map(str, self.left), *notes))),
+            stop_multiplier=self.model.analysis.stop_multiplier,
+            settlement=self.settlement,
+            blocks_left=tuple(self.left),
+            wall_time=seconds - compiling,
+            compile_time=compiling,
+            poses=np.array(self.poses) if self.keep_poses else None,
+            contacts=self._kept_contacts() if self.keep_contacts else None,
+        )
+        if self.recorder is not None:
+            self.recorder.end(curve)
+        return curve
+
+    def _kept_contacts(self) -> Sequence[ContactForces]:
+        if self.later:
+            return KeptContacts(self.contacts, self.solver.contacts)
+        return tuple(self.contacts)
 
 
 def _check(options: Mapping[str, Any]) -> None:
@@ -219,10 +254,6 @@ def _check(options: Mapping[str, Any]) -> None:
         wrong.append(f'falling: must be "{REMOVE}" or "{STOP}", it is {found(falling)}')
     if wrong:
         raise EngineError(f"[analysis] {wrong[0]}")
-
-
-def _kept(solver: Engine, kept: list[Any], later: bool) -> Sequence[ContactForces]:
-    return KeptContacts(kept, solver.contacts) if later else tuple(kept)
 
 
 def _fallen(before: Any, after: Any) -> list[int]:
@@ -309,13 +340,13 @@ def _settings(cls: type, second: float, options: Mapping[str, float]) -> Any:
     falls it in another, whatever the size.
     """
     chosen = {}
-    for field in fields(cls):
-        if field.name in options:
-            value = options[field.name]
-            chosen[field.name] = int(value) if field.type == "int" else value
-        elif field.name == "time_step":
-            default: Any = field.default
-            chosen[field.name] = second * default
+    for key in fields(cls):
+        if key.name in options:
+            value = options[key.name]
+            chosen[key.name] = int(value) if key.type == "int" else value
+        elif key.name == "time_step":
+            default: Any = key.default
+            chosen[key.name] = second * default
     return cls(**chosen)
 
 
