@@ -76,16 +76,22 @@ class Block:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Shapes:
-    """Contact shapes of all blocks, packed: block ``i`` owns rows ``offset[i]:offset[i + 1]``."""
+    """Contact shapes of all blocks, packed: part ``p`` owns rows ``offset[p]:offset[p + 1]``.
 
-    offset: IntArray  # (n + 1,)
-    vertices: Array  # (n_vertices, dim) m, core vertices relative to the centroid
-    setback: Array  # (n_vertices, 2) m, see `polygon.Core`
-    radius: Array  # (n,) m
+    A block is one convex part, or several that move as one; those of a block follow each other, in
+    the order of the blocks.
+    """
+
+    body: IntArray  # (n_parts,) row of the block that each part belongs to
+    offset: IntArray  # (n_parts + 1,)
+    vertices: Array  # (n_vertices, dim) m, core vertices relative to the block's centroid
+    setback: Array  # (n_vertices, 2) m, see `geometry.Core`
+    radius: Array  # (n_parts,) m
 
     def of(self, i: int) -> Array:
         """Core vertices of block ``i`` relative to its centroid, (m, dim) [m]."""
-        return self.vertices[self.offset[i] : self.offset[i + 1]]
+        first, last = np.searchsorted(self.body, (i, i + 1))
+        return self.vertices[self.offset[first] : self.offset[last]]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -160,6 +166,7 @@ class Assembly:
         weight = unit_weight * volume
         self._derive(
             shapes=Shapes(
+                body=np.arange(n),
                 offset=np.cumsum([0] + [len(core.vertices) for core in cores]).astype(np.int64),
                 vertices=np.vstack(
                     [core.vertices - c for core, c in zip(cores, centroid, strict=True)]

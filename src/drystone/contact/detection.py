@@ -28,16 +28,15 @@ MARGIN_SHARE = 0.25
 def bodies_of(assembly: Assembly) -> Bodies:
     """Contact shapes of an assembly as the kernels take them."""
     shapes = assembly.shapes
-    count = np.diff(shapes.offset)
     following = np.arange(1, len(shapes.vertices) + 1, dtype=np.int64)
     following[shapes.offset[1:] - 1] = shapes.offset[:-1]
     edge = shapes.vertices[following] - shapes.vertices
     length = np.hypot(edge[:, 0], edge[:, 1])
     return Bodies(
         centroid=assembly.centroid,
+        of_part=shapes.body,
         offset=shapes.offset,
         following=following,
-        owner=np.repeat(np.arange(assembly.n_bodies, dtype=np.int64), count),
         local=shapes.vertices,
         local_tangent=edge / length[:, None],
         length=length,
@@ -84,11 +83,19 @@ class Detector:
         #: Largest gap at which a contact is watched [m].
         self.reach = MARGIN_SHARE * assembly.smallest_extent
         shapes = assembly.shapes
+        #: First part of each body.
+        self.first_part = np.searchsorted(shapes.body, np.arange(assembly.n_bodies))
+        first = shapes.offset[self.first_part]
         #: Farthest core vertex from the centroid, (n,) [m].
-        self.extent = np.maximum.reduceat(np.hypot(*shapes.vertices.T), shapes.offset[:-1])
+        self.extent = np.maximum.reduceat(np.hypot(*shapes.vertices.T), first)
 
     def extents(self, pose: Array, axes: Array) -> tuple[Array, Array]:
         """Lowest and highest coordinate of each body along unit vectors (k, dim), (n, k) each."""
+        lower, upper = self._part_extents(pose, axes)
+        first = self.first_part
+        return np.minimum.reduceat(lower, first, axis=0), np.maximum.reduceat(upper, first, axis=0)
+
+    def _part_extents(self, pose: Array, axes: Array) -> tuple[Array, Array]:
         narrow.place(self.bodies, pose, self.world)
         along = self.world.vertex @ axes.T
         first, radius = self.bodies.offset[:-1], self.bodies.radius[:, None]
@@ -96,24 +103,23 @@ class Detector:
         return lower, np.maximum.reduceat(along, first, axis=0) + radius
 
     def pairs(self, pose: Array, gone: BoolArray | None = None) -> Pairs:
-        """Candidate pairs in the given poses, two supports never being one.
+        """Candidate pairs in the given poses, of parts of two blocks, not both of them supports.
 
         Blocks that are ``gone`` (n,) have none.
         """
-        narrow.place(self.bodies, pose, self.world)
-        first = self.bodies.offset[:-1]
-        grow = self.bodies.radius[:, None] + self.reach
-        lower = np.minimum.reduceat(self.world.vertex, first, axis=0) - grow
-        upper = np.maximum.reduceat(self.world.vertex, first, axis=0) + grow
-        a, b = candidate_pairs(lower, upper)
-        movable = ~(self.assembly.fixed[a] & self.assembly.fixed[b])
-        a, b = a[movable], b[movable]
+        fixed, of_part = self.assembly.fixed, self.bodies.of_part
+        lower, upper = self._part_extents(pose, np.eye(pose.shape[1] - 1))
+        part_a, part_b = candidate_pairs(lower - self.reach, upper + self.reach)
+        a, b = of_part[part_a], of_part[part_b]
+        meet = (a != b) & ~(fixed[a] & fixed[b])
         if gone is not None and gone.any():
-            there = ~(gone[a] | gone[b])
-            a, b = a[there], b[there]
+            meet &= ~(gone[a] | gone[b])
+        a, b = a[meet], b[meet]
         return Pairs(
             a=a,
             b=b,
+            part_a=part_a[meet],
+            part_b=part_b[meet],
             law=self.assembly.law_index(a, b),
             first=POINTS * np.arange(len(a) + 1),
             pose=pose.copy(),
@@ -166,8 +172,8 @@ class Detector:
 
 def carry(previous: Pairs, current: Pairs) -> IntArray:
     """Row of each current pair in the previous list, or -1, (n_pairs,)."""
-    n = int(max(previous.b.max(initial=0), current.b.max(initial=0))) + 1
-    old, new = previous.a * n + previous.b, current.a * n + current.b
+    n = int(max(previous.part_b.max(initial=0), current.part_b.max(initial=0))) + 1
+    old, new = (pairs.part_a * n + pairs.part_b for pairs in (previous, current))
     if len(old) == 0:
         return np.full(len(new), -1, np.int64)
     row = np.minimum(np.searchsorted(old, new), len(old) - 1)

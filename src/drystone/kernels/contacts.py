@@ -20,13 +20,16 @@ NONE, VERTEX_B, VERTEX_A, VERTICES = 0, 1, 2, 3
 
 
 class Pairs(NamedTuple):
-    """Candidate pairs of blocks, each with its joint law and its slots, and where they were made.
+    """Candidate pairs, each with its joint law and its slots, and where they were made.
 
-    Pair p owns the slots from ``first[p]`` to ``first[p + 1]``.
+    A pair is one of convex parts; blocks of several may meet in several pairs.  Pair p owns the
+    slots from ``first[p]`` to ``first[p + 1]``.
     """
 
-    a: IntArray  # (n_pairs,)
+    a: IntArray  # (n_pairs,) blocks
     b: IntArray  # (n_pairs,)
+    part_a: IntArray  # (n_pairs,) their parts that are near
+    part_b: IntArray  # (n_pairs,)
     law: IntArray  # (n_pairs,) index into `Assembly.laws`
     first: IntArray  # (n_pairs + 1,)
     pose: Array  # (n, n_dof) poses they were found in

@@ -118,6 +118,7 @@ def pack(slots, bodies, pairs, laws, thickness, history, contacts):
     kind, feature, length = slots.kind, slots.feature, slots.length
     local, local_tangent, radius = bodies.local, bodies.local_tangent, bodies.radius
     pair, pair_a, pair_b, pair_law = slots.pair, pairs.a, pairs.b, pairs.law
+    part_a, part_b = pairs.part_a, pairs.part_b
     slot, edge, other, shape, law = (
         contacts.slot, contacts.edge, contacts.other, contacts.shape, contacts.law
     )  # fmt: skip
@@ -127,8 +128,10 @@ def pack(slots, bodies, pairs, laws, thickness, history, contacts):
             continue
         p = pair[k]
         e, o, fe, fo = pair_a[p], pair_b[p], feature[k, 0], feature[k, 1]
+        radius_e, radius_o = radius[part_a[p]], radius[part_b[p]]
         if kind[k] == VERTEX_A:
             e, o, fe, fo = o, e, fo, fe
+            radius_e, radius_o = radius_o, radius_e
         slot[c] = k
         edge[c] = e
         other[c] = o
@@ -138,8 +141,8 @@ def pack(slots, bodies, pairs, laws, thickness, history, contacts):
         shape[c, EY] = local[fe, 1]
         shape[c, TX] = local_tangent[fe, 0]
         shape[c, TY] = local_tangent[fe, 1]
-        shape[c, R_O] = radius[o]
-        shape[c, R_SUM] = radius[e] + radius[o]
+        shape[c, R_O] = radius_o
+        shape[c, R_SUM] = radius_e + radius_o
         shape[c, ROUND] = 1.0 if kind[k] == VERTICES else 0.0
         area = length[k] * thickness
         row = pair_law[p]

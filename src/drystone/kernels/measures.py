@@ -101,12 +101,14 @@ def collect_contacts(
         slots.length,
     )
     pair_a, pair_b, pair = pairs.a, pairs.b, slots.pair
+    part_a, part_b = pairs.part_a, pairs.part_b
     row = 0
     for k in range(kind.shape[0]):
         if kind[k] == NONE:
             continue
-        a, b = pair_a[pair[k]], pair_b[pair[k]]
-        reach = -radius[b] if kind[k] == VERTEX_B else radius[a]
+        p = pair[k]
+        a, b = pair_a[p], pair_b[p]
+        reach = -radius[part_b[p]] if kind[k] == VERTEX_B else radius[part_a[p]]
         block_a[row], block_b[row] = a, b
         for d in range(2):
             place = centroid[a, d] + pose[a, d] + arm_a[k, d]

@@ -59,14 +59,14 @@ class Bodies(NamedTuple):
     """Contact shapes of all bodies; rows of vertices are edges too, from vertex i to the next."""
 
     centroid: Array  # (n, 2) m, as designed
-    offset: IntArray  # (n + 1,) first vertex of each body
-    following: IntArray  # (n_vertices,) the next vertex around the same body
-    owner: IntArray  # (n_vertices,)
-    local: Array  # (n_vertices, 2) m, relative to the centroid
+    of_part: IntArray  # (n_parts,) body of each convex part
+    offset: IntArray  # (n_parts + 1,) first vertex of each part
+    following: IntArray  # (n_vertices,) the next vertex around the same part
+    local: Array  # (n_vertices, 2) m, relative to the body's centroid
     local_tangent: Array  # (n_vertices, 2) unit vector of the edge
     length: Array  # (n_vertices,) m, of the core edge
     setback: Array  # (n_vertices, 2) m, start and end
-    radius: Array  # (n,) m
+    radius: Array  # (n_parts,) m
 
 
 class World(NamedTuple):
@@ -81,14 +81,15 @@ class World(NamedTuple):
 @njit(cache=True)
 def place(bodies, pose, world):
     """World coordinates of all core vertices and edge tangents in the given poses."""
-    for body in range(bodies.centroid.shape[0]):
+    for part in range(bodies.of_part.shape[0]):
+        body = bodies.of_part[part]
         c = np.cos(pose[body, 2])
         s = np.sin(pose[body, 2])
         world.turn[body, 0] = s
         world.turn[body, 1] = 2.0 * np.sin(0.5 * pose[body, 2]) ** 2
         x = bodies.centroid[body, 0] + pose[body, 0]
         y = bodies.centroid[body, 1] + pose[body, 1]
-        for v in range(bodies.offset[body], bodies.offset[body + 1]):
+        for v in range(bodies.offset[part], bodies.offset[part + 1]):
             lx = bodies.local[v, 0]
             ly = bodies.local[v, 1]
             ax = c * lx - s * ly
@@ -278,15 +279,17 @@ def _measure(bodies, pose, world, pairs, slots):
     # Fields read once: in the loop each reading would count references.
     centroid, local, radius = bodies.centroid, bodies.local, bodies.radius
     local_tangent, tangent, arm, turn = bodies.local_tangent, world.tangent, world.arm, world.turn
-    pair_a, pair_b, pair = pairs.a, pairs.b, slots.pair
-    kinds, features, gap, normal = slots.kind, slots.feature, slots.gap, slots.normal
+    pair_a, pair_b, part_a, part_b = pairs.a, pairs.b, pairs.part_a, pairs.part_b
+    pair, kinds, features = slots.pair, slots.kind, slots.feature
+    gap, normal = slots.gap, slots.normal
     arm_a, arm_b, roll, ratio = slots.arm_a, slots.arm_b, slots.roll, slots.ratio
     for k in range(kinds.shape[0]):
         kind = kinds[k]
         if kind == NONE:
             gap[k] = np.inf
             continue
-        a, b = pair_a[pair[k]], pair_b[pair[k]]
+        p = pair[k]
+        a, b = pair_a[p], pair_b[p]
         va, vb = features[k, 0], features[k, 1]
         # From a vertex of a, or an edge's first, to one of b; the other way on an edge of b.
         sign = -1.0 if kind == VERTEX_A else 1.0
@@ -298,7 +301,7 @@ def _measure(bodies, pose, world, pairs, slots):
         x, y = sign * (between_x + (bx - ax)), sign * (between_y + (by - ay))  # as designed
         moved_x = sign * (shift_x + (turned_bx - turned_ax))
         moved_y = sign * (shift_y + (turned_by - turned_ay))
-        ra, rb = radius[a], radius[b]
+        ra, rb = radius[part_a[p]], radius[part_b[p]]
         if kind == VERTICES:
             dx, dy = x + moved_x, y + moved_y
             distance, before = np.sqrt(dx * dx + dy * dy), np.sqrt(x * x + y * y)
@@ -334,10 +337,10 @@ def find_contacts(bodies, pose, world, pairs, reach, slots):
     setback, radius = bodies.setback, bodies.radius
     vertex, tangent = world.vertex, world.tangent
     kinds, features, edges, lengths = slots.kind, slots.feature, slots.edges, slots.length
-    pair_a, pair_b, first = pairs.a, pairs.b, pairs.first
-    for p in range(pair_a.shape[0]):
-        a = pair_a[p]
-        b = pair_b[p]
+    part_a, part_b, first = pairs.part_a, pairs.part_b, pairs.first
+    for p in range(part_a.shape[0]):
+        a = part_a[p]
+        b = part_b[p]
         _interface(
             offset, following, length, setback, radius[a] + radius[b], vertex, tangent, first[p],
             a, b, reach, kinds, features, edges, lengths,

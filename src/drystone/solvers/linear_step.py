@@ -243,6 +243,8 @@ class LinearStep:
         pairs = Pairs(
             a=number[self.pairs.a[chosen]],
             b=number[self.pairs.b[chosen]],
+            part_a=self.pairs.part_a[chosen],
+            part_b=self.pairs.part_b[chosen],
             law=self.pairs.law[chosen],
             first=np.concatenate(([0], np.cumsum(n_slots))),
             pose=self.pairs.pose[among],
