@@ -93,8 +93,36 @@ def parameters(model: Model, values: dict[str, tuple[float, str]]) -> list[str]:
     return [*lines, "end", "@parameters", ""]
 
 
-#: The published strategy in FISH, on top of the functions that each program has its own of:
-#: ``put_loads``, ``stop_blocks``, ``read_carried`` (into ``lam_c``), ``read_control`` (``ctl_u``).
+#: The load pattern times the multiplier, on every block that moves.
+PUT_LOADS = """\
+def put_loads
+  ib = block_head
+  loop while ib # 0
+    if b_fix(ib) = 0 then
+      b_xload(ib) = lam * grav * b_mass(ib) * load_x
+      b_yload(ib) = lam * grav * b_mass(ib) * load_y
+    end_if
+    ib = b_next(ib)
+  end_loop
+end
+"""
+#: What the supports carry of the load, over its sum.
+READ_CARRIED = """\
+def read_carried
+  held = 0.0
+  ib = block_head
+  loop while ib # 0
+    if b_fix(ib) # 0 then
+      held = held + b_xforce(ib) * load_x
+      held = held + (b_yforce(ib) + grav * b_mass(ib)) * load_y
+    end_if
+    ib = b_next(ib)
+  end_loop
+  lam_c = held / total
+end
+"""
+#: The published strategy in FISH, on top of the functions above and of two that each program has
+#: its own of: ``stop_blocks``, and ``read_control`` (into ``ctl_u``).
 PUSHOVER = """\
 ; The strategy of Bouckaert, Godio and de Almeida (2022): the multiplier goes
 ; up by increments as long as the supports carry what is applied; the peak

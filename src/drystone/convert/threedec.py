@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 PROGRAM = "3DEC"
 
-FUNCTIONS = """\
+FUNCTIONS = f"""\
 def add_up
   total = 0.0
   ctl_b = 0
@@ -58,16 +58,7 @@ def add_up
     ig = gp_next(ig)
   end_loop
 end
-def put_loads
-  ib = block_head
-  loop while ib # 0
-    if b_fix(ib) = 0 then
-      b_xload(ib) = lam * grav * b_mass(ib) * load_x
-      b_yload(ib) = lam * grav * b_mass(ib) * load_y
-    end_if
-    ib = b_next(ib)
-  end_loop
-end
+{itasca.PUT_LOADS}\
 def stop_blocks
   ib = block_head
   loop while ib # 0
@@ -80,18 +71,7 @@ def stop_blocks
     ib = b_next(ib)
   end_loop
 end
-def read_carried
-  held = 0.0
-  ib = block_head
-  loop while ib # 0
-    if b_fix(ib) # 0 then
-      held = held + b_xforce(ib) * load_x
-      held = held + (b_yforce(ib) + grav * b_mass(ib)) * load_y
-    end_if
-    ib = b_next(ib)
-  end_loop
-  lam_c = held / total
-end
+{itasca.READ_CARRIED}\
 def read_control
   ctl_u = gp_xdis(ctl_g) * read_x + gp_ydis(ctl_g) * read_y
 end

@@ -29,7 +29,7 @@ SHARP = 1e-3
 #: Boxes that pick one block by its centroid, over the smallest extent of a block.
 BOX = 1e-3
 
-FUNCTIONS = """\
+FUNCTIONS = f"""\
 def add_up
   total = 0.0
   ib = block_head
@@ -63,16 +63,7 @@ def add_up
   ctl_x0 = cor_x(ctl_c)
   ctl_y0 = cor_y(ctl_c)
 end
-def put_loads
-  ib = block_head
-  loop while ib # 0
-    if b_fix(ib) = 0 then
-      b_xload(ib) = lam * grav * b_mass(ib) * load_x
-      b_yload(ib) = lam * grav * b_mass(ib) * load_y
-    end_if
-    ib = b_next(ib)
-  end_loop
-end
+{itasca.PUT_LOADS}\
 def stop_blocks
   ib = block_head
   loop while ib # 0
@@ -82,18 +73,7 @@ def stop_blocks
     ib = b_next(ib)
   end_loop
 end
-def read_carried
-  held = 0.0
-  ib = block_head
-  loop while ib # 0
-    if b_fix(ib) # 0 then
-      held = held + b_xforce(ib) * load_x
-      held = held + (b_yforce(ib) + grav * b_mass(ib)) * load_y
-    end_if
-    ib = b_next(ib)
-  end_loop
-  lam_c = held / total
-end
+{itasca.READ_CARRIED}\
 def read_control
   ctl_u = (cor_x(ctl_c) - ctl_x0) * read_x + (cor_y(ctl_c) - ctl_y0) * read_y
 end
