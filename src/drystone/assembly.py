@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.geometry import GeometryError, polygon
+from drystone.geometry import GeometryError, motion, polygon
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.outlines import Outlines
 from drystone.geometry.polygon import Core
@@ -215,7 +215,7 @@ class Assembly:
     @property
     def n_dof(self) -> int:
         """Degrees of freedom of one block."""
-        return 3 if self.dimension == 2 else 6
+        return motion.n_dof(self.dimension)
 
     @cached_property
     def heaviest_weight(self) -> float:
@@ -311,14 +311,9 @@ class Assembly:
         vertices = self.blocks[i].vertices
         if pose is None:
             return vertices
-        ux, uy, theta = pose[i]
-        c, s = np.cos(theta), np.sin(theta)
-        rotation = np.array([[c, -s], [s, c]])
-        return (vertices - self.centroid[i]) @ rotation.T + self.centroid[i] + (ux, uy)
+        owner = np.full(len(vertices), i)
+        return motion.moved_points(vertices, owner, self.centroid, pose)
 
     def displacement_at(self, i: int, point: Array, pose: Array) -> Array:
         """Displacement (dim,) [m] of the material ``point`` (as designed) of block ``i``."""
-        ux, uy, theta = pose[i].tolist()  # Python's numbers: this is asked for at every step
-        x, y = (np.asarray(point) - self.centroid[i]).tolist()
-        c, s = math.cos(theta), math.sin(theta)
-        return np.array([ux + (c - 1.0) * x - s * y, uy + s * x + (c - 1.0) * y])
+        return motion.displacement(np.asarray(point) - self.centroid[i], pose[i])

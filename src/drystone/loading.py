@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
+from drystone.geometry.motion import UP, translations
 
 Array = NDArray[np.float64]
 
@@ -21,7 +22,7 @@ class LoadPattern:
     def forces(self, assembly: Assembly) -> Array:
         """Generalised forces at multiplier one, (n, n_dof) [N, N m]; zero on supports."""
         force = np.zeros((assembly.n_bodies, assembly.n_dof))
-        force[:, : assembly.dimension] = assembly.weight[:, None] * self.direction
+        translations(force)[:] = assembly.weight[:, None] * self.direction
         force[assembly.fixed] = 0.0
         return force
 
@@ -33,6 +34,6 @@ class LoadPattern:
 def dead_load(assembly: Assembly) -> Array:
     """Generalised forces of gravity, (n, n_dof) [N, N m]; zero on supports."""
     force = np.zeros((assembly.n_bodies, assembly.n_dof))
-    force[:, assembly.dimension - 1] = -assembly.weight
+    translations(force)[:, UP] = -assembly.weight
     force[assembly.fixed] = 0.0
     return force

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from drystone.assembly import Assembly
 from drystone.contact.forces import ContactForces
 from drystone.geometry.broad import candidate_pairs
+from drystone.geometry.motion import bound, difference
 from drystone.kernels import measures as kernels
 from drystone.kernels import narrow
 from drystone.kernels.contacts import Pairs, Slots
@@ -127,11 +128,11 @@ class Detector:
 
     def outdated(self, pairs: Pairs, pose: Array) -> bool:
         """Whether some block has moved so far that a pair may be missing."""
-        return self.farthest(pose - pairs.pose) > 0.5 * self.reach
+        return self.farthest(difference(pose, pairs.pose)) > 0.5 * self.reach
 
     def motion(self, increment: Array) -> Array:
         """Bound on the displacement of any point of each block [m], (n,), for pose increments."""
-        return np.hypot(increment[:, 0], increment[:, 1]) + self.extent * np.abs(increment[:, 2])
+        return bound(increment, self.extent)
 
     def farthest(self, increment: Array) -> float:
         """The largest of these bounds [m]; not a number where an increment is none."""

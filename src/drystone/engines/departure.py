@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from drystone.contact.detection import Detector
 from drystone.engines.base import Problem
 from drystone.engines.measures import LoadArrays
+from drystone.geometry.motion import UP, translations
 from drystone.kernels import measures as kernels
 from drystone.kernels.contacts import Pairs, Slots
 
@@ -48,11 +49,11 @@ def departing(
     if not kernels.mark_loose(pairs, slots, reaction, fixed | loads.fixed, part):
         return np.zeros(len(pose), np.bool_)
     loose = ~np.isin(part, part[fixed]) & ~loads.fixed
-    up = np.eye(problem.assembly.dimension)[-1:]
+    up = np.eye(problem.assembly.dimension)[[UP]]
     top = detector.extents(pose, up)[1][:, 0]
     there = ~loads.fixed | fixed
     obstacle = there & (top > problem.level)
-    force = (loads.dead + multiplier * loads.pattern)[:, : problem.assembly.dimension]
+    force = translations(loads.dead + multiplier * loads.pattern)
     leaving = loose.copy()
     blocked = True
     while blocked:  # by blocks that seemed to leave themselves

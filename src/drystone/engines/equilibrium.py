@@ -33,6 +33,8 @@ from drystone.engines.base import Demand, EngineError, Problem, StepReport, Unst
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
+from drystone.geometry import motion
+from drystone.geometry.motion import UP
 from drystone.kernels import law as joint_law
 from drystone.kernels import narrow
 from drystone.kernels.contacts import Pairs, Slots
@@ -95,7 +97,7 @@ class EquilibriumEngine:
     def preferences(self, assembly: Assembly) -> dict[str, float]:
         """See `Engine`: a step is to turn a mechanism by about 1 in 500, whatever its height."""
         size = assembly.smallest_extent
-        height = float(np.ptp(assembly.centroid[~assembly.fixed, 1])) + size
+        height = float(np.ptp(assembly.centroid[~assembly.fixed, UP])) + size
         return {"displacement_step": min(max(height / 500.0, 0.02 * size), 0.1 * size)}
 
     def start(self, problem: Problem) -> tuple[EquilibriumState, StepReport]:
@@ -153,10 +155,8 @@ class EquilibriumEngine:
             if travelled > farthest:
                 break
             h = min(100.0 * h, limit)
-        motion = self.detector.motion(state.pose)
-        raise UnstableError(
-            unstable_sentence(self.problem.assembly.ids, self.problem.length * motion)
-        )
+        gone = self.problem.length * self.detector.motion(state.pose)
+        raise UnstableError(unstable_sentence(self.problem.assembly.ids, gone))
 
     def _missed(self, state: EquilibriumState) -> bool:
         """Whether blocks overlap that were no pair."""
@@ -173,8 +173,8 @@ class EquilibriumEngine:
         assembly = self.problem.assembly
         free = ~assembly.fixed
         area = assembly.smallest_extent * assembly.thickness
-        heaviest = float(np.abs(self.loads.dead[free, :-1]).max())
-        n = 1.0 + float(np.ptp(assembly.centroid[free, 1])) / assembly.smallest_extent
+        heaviest = float(np.abs(motion.translations(self.loads.dead)[free]).max())
+        n = 1.0 + float(np.ptp(assembly.centroid[free, UP])) / assembly.smallest_extent
         return 0.5 * n**2 * heaviest / (float(self.constants.laws[:, joint_law.KN].min()) * area)
 
     def contacts(self, state: EquilibriumState) -> ContactForces:
@@ -293,7 +293,7 @@ class EquilibriumEngine:
         bonded = (laws[:, joint_law.COHESION] > 0.0) | (laws[:, joint_law.TENSION] > 0.0)
         touching = np.where(bonded, joint_law.BONDED, joint_law.STICKING)
         # Weight presses on joints that lie; those that stand are shut, but hold by a bond only.
-        held = (np.abs(slots.normal[:, 1]) > 0.7) | bonded
+        held = (np.abs(slots.normal[:, UP]) > 0.7) | bonded
         return np.where(held & ~self._apart(slots), touching, joint_law.OPEN)
 
     def _first_history(self, slots: Slots) -> Array:
@@ -362,12 +362,11 @@ class EquilibriumEngine:
         if demand.increment is None:
             return None
         control = self.problem.control_point
-        theta = state.pose[control.block, 2]
-        c, s = np.cos(theta), np.sin(theta)
-        x, y = control.point - self.problem.assembly.centroid[control.block]
+        designed = control.point - self.problem.assembly.centroid[control.block]
+        (arm,) = motion.turned(designed[None], state.pose[control.block, None])
         return PointPace(
             body=control.block,
-            arm=np.array([c * x - s * y, s * x + c * y]),
+            arm=arm,
             axis=control.direction,
             increment=demand.increment,
         )
@@ -388,10 +387,8 @@ class EquilibriumEngine:
             return nothing, state.multiplier
         share = pace.increment / moved
         guess = share * state.last_increment
-        turned = 0.5 * (1.0 + share) * state.last_increment[:, 2]
-        c, s = np.cos(turned), np.sin(turned)
-        ux, uy = guess[:, 0].copy(), guess[:, 1].copy()
-        guess[:, 0], guess[:, 1] = c * ux - s * uy, s * ux + c * uy
+        way = motion.translations(guess)
+        way[:] = motion.turned(way, 0.5 * (1.0 + share) * state.last_increment)
         return guess, state.multiplier
 
     def _accept(
@@ -410,7 +407,7 @@ class EquilibriumEngine:
             margin[judged.contacts.slot] = margins(judged, 0.0)
             margin = np.where(source >= 0, margin[source], np.inf)
         new = EquilibriumState(
-            pose=state.pose + x,
+            pose=motion.moved(state.pose, x),
             multiplier=solved.multiplier,
             pairs=state.pairs,
             slots=slots,

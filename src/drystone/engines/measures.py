@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from drystone.assembly import GRAVITY
 from drystone.contact.certificate import Certificate
 from drystone.engines.base import Problem, StepReport
+from drystone.geometry.motion import translations
 from drystone.kernels import measures as kernels
 from drystone.kernels.contacts import Slots
 from drystone.loading import dead_load
@@ -55,7 +56,7 @@ class LoadArrays:
         lost = np.zeros(assembly.n_bodies, np.bool_) if gone is None else gone
         fixed = assembly.fixed | lost
         dead, pattern = dead_load(assembly), load.forces(assembly)
-        taken = float((pattern[lost, : assembly.dimension] @ load.direction).sum())
+        taken = float((translations(pattern)[lost] @ load.direction).sum())
         dead[lost], pattern[lost] = 0.0, 0.0
         return cls(
             dead=dead,

@@ -25,6 +25,7 @@ from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
+from drystone.geometry.motion import difference, moved, places
 from drystone.kernels import forces, narrow
 from drystone.kernels.contacts import Contacts, Pairs, Slots
 from drystone.kernels.law import MU
@@ -182,7 +183,7 @@ class NscdEngine:
                 motion=motion,
                 n_iterations=iterations,
             )
-        pose = state.pose + increment
+        pose = moved(state.pose, increment)
         new, reaction = self._arrive(state, pose, solved.velocity, chosen, solved.impulse / h)
         force = np.zeros_like(pose)
         add_contact_forces(contacts, reaction[chosen], force)
@@ -246,7 +247,7 @@ class NscdEngine:
         assembly = self.problem.assembly
         loads = self.loads = LoadArrays.of(self.problem, gone)
         self.inverse_mass = np.where(loads.fixed[:, None], 0.0, 1.0 / assembly.mass)
-        place = self.detector.bodies.centroid + pairs.pose[:, :-1]
+        place = places(assembly.centroid, pairs.pose)
         self.system = (pairs, BlockSystem(pairs.a, pairs.b, loads.mass, loads.fixed, place))
 
     def _arrive(
@@ -270,7 +271,7 @@ class NscdEngine:
         new = NscdState(
             pose=pose,
             velocity=velocity,
-            increment=pose - state.pose,
+            increment=difference(pose, state.pose),
             pairs=state.pairs,
             slots=slots,
             reaction=carried,

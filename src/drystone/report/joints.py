@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
 from drystone.geometry.interfaces import Interfaces
-from drystone.report.outlines import moved_points
+from drystone.geometry.motion import moved_points
 
 Array = NDArray[np.float64]
 
@@ -24,7 +24,7 @@ class Joints:
 
     designed: Interfaces
     centroid: Array  # (n, 2) m, of the blocks
-    linear: bool = False  # see `moved_points`
+    linear: bool = False  # see `motion.moved_points`
 
     @classmethod
     def of(cls, assembly: Assembly, *, linear: bool = False) -> Joints:

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
 from drystone.contact.forces import SLIDING, ContactForces
+from drystone.geometry.motion import moved_points
 from drystone.monitor import ControlPoint
 from drystone.report import canvas
 from drystone.report.joints import Joints
-from drystone.report.outlines import MovingOutlines, moved_points, moving_blocks
+from drystone.report.outlines import MovingOutlines, moving_blocks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,7 +48,7 @@ class Mechanism:
     load_direction: Array | None = None  # (2,) unit vector, of the load's arrow
     control_point: ControlPoint | None = None  # marked where it is now
     magnification: float = 1.0  # of the displacements since settled; without contacts if not 1
-    linear: bool = False  # the pose is a velocity field's, see `outlines.moved_points`
+    linear: bool = False  # the pose is a velocity field's, see `motion.moved_points`
 
 
 def draw_mechanism(

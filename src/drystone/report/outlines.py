@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
+from drystone.geometry.motion import moved_points
 from drystone.geometry.outlines import Outlines
 
 Array = NDArray[np.float64]
@@ -18,7 +19,7 @@ IntArray = NDArray[np.int64]
 class MovingOutlines(Outlines):
     """Outlines as designed, to be moved.
 
-    With ``linear`` poses are increments of a velocity field, see `moved_points`.
+    With ``linear`` poses are increments of a velocity field, see `motion.moved_points`.
     """
 
     centroid: Array  # (n, 2) m
@@ -53,26 +54,6 @@ class MovingOutlines(Outlines):
     def size(self) -> float:
         """The longer side of the box around all blocks [m]."""
         return float(np.ptp(self.vertices, axis=0).max())
-
-
-def moved_points(
-    points: Array, owner: IntArray, centroid: Array, pose: Array, *, linear: bool = False
-) -> Array:
-    """Material points (k, 2) [m] of blocks ``owner`` (k,), carried along in the poses (n, 3).
-
-    With ``linear`` every point goes straight on along its velocity.  What a velocity field holds
-    together then stays together however far it is drawn: joints that do not open or slide are
-    closed and hinges meet.  Blocks keep their form and grow by sqrt(1 + theta^2).
-    """
-    arm = points - centroid[owner]
-    theta = pose[owner, 2]
-    # Rotation less identity, so that a block at rest stays to the last bit where it is.
-    cosine, sine = (0.0 * theta, theta) if linear else (np.cos(theta) - 1.0, np.sin(theta))
-    turn = np.column_stack(
-        (cosine * arm[:, 0] - sine * arm[:, 1], sine * arm[:, 0] + cosine * arm[:, 1])
-    )
-    moved: Array = points + (pose[owner, :2] + turn)
-    return moved
 
 
 def moving_blocks(

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.geometry.motion import translations
 from drystone.kernels import interior, lu_numeric, path
 from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import STIFF_N
@@ -72,7 +73,7 @@ class InteriorPoint:
         self.inner = np.zeros((n_slots, interior.N_INNER))
         self.change = np.zeros((n_slots, interior.N_CHANGE))
         self.offset = np.zeros_like(step.reaction)
-        dead = np.abs(step.loads.dead[~step.loads.fixed, :-1]).max(axis=1)
+        dead = np.abs(translations(step.loads.dead)[~step.loads.fixed]).max(axis=1)
         self.weight = float(dead.mean())
 
     def solve(
@@ -201,12 +202,12 @@ class InteriorPoint:
         """Of a contact's bodies, the one that moves more along the direction."""
         step = self.step
         bodies = int(step.contacts.body_a[contact]), int(step.contacts.body_b[contact])
-        return max(bodies, key=lambda i: np.abs(step.frame.columns[0, i, :-1]).max())
+        return max(bodies, key=lambda i: np.abs(translations(step.frame.columns[0, i])).max())
 
     def _restless(self, unrest: float) -> bool:
         """Whether a body that is held is unbalanced by more than ``unrest`` [N]."""
         held = self.step.damping > 0.0
-        return bool(np.abs(self.step.force[held, :-1]).max(initial=0.0) > unrest)
+        return bool(np.abs(translations(self.step.force)[held]).max(initial=0.0) > unrest)
 
     def _rest(
         self, x: Array, multiplier: float, geometry: Array, energy: float, unrest: float

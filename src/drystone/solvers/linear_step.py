@@ -8,13 +8,13 @@ for the tangent, `kernels.path` for what borders it.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.geometry import motion
 from drystone.kernels import forces, lu_numeric, lu_symbolic, path, step
 from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import Contacts, Pairs, Slots
@@ -62,24 +62,13 @@ class PointPace:
 
     def missing(self, x: Array) -> float:
         """See `Pace.missing`."""
-        ux, uy, w = x[self.body].tolist()  # Python's numbers: this is asked for often
-        (ax, ay), (dx, dy) = self.arm.tolist(), self.axis.tolist()
-        turned_x, turned_y = _turned(ax, ay, w)
-        return self.increment - (dx * (ux + turned_x - ax) + dy * (uy + turned_y - ay))
+        return self.increment - motion.advance(self.arm, x[self.body], self.axis)
 
     def gradient(self, x: Array) -> Array:
         """See `Pace.gradient`."""
-        (ax, ay), (dx, dy) = self.arm.tolist(), self.axis.tolist()
-        turned_x, turned_y = _turned(ax, ay, float(x[self.body, 2]))
         gradient = np.zeros_like(x)
-        gradient[self.body] = dx, dy, dy * turned_x - dx * turned_y
+        gradient[self.body] = motion.gradient_of_advance(self.arm, x[self.body], self.axis)
         return gradient
-
-
-def _turned(x: float, y: float, angle: float) -> tuple[float, float]:
-    """A vector turned by an angle."""
-    s, versine = math.sin(angle), 2.0 * math.sin(0.5 * angle) ** 2
-    return x * (1.0 - versine) - s * y, y * (1.0 - versine) + s * x
 
 
 @dataclass(frozen=True, kw_only=True)

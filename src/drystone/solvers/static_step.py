@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from drystone.contact.certificate import JudgedContacts
 from drystone.contact.detection import Detector, empty_slots
 from drystone.contact.forces import OPEN, SLIDING, STICKING
+from drystone.geometry import motion
 from drystone.kernels import forces, narrow, path, rows
 from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import NONE, TRIAL_T, Pairs, Slots
@@ -44,7 +45,7 @@ class StaticStep(LinearStep):
     def __init__(self, constants: Constants, pairs: Pairs) -> None:
         n_dof = constants.loads.mass.shape[1]
         n_slots = pairs.n_slots
-        place = constants.detector.bodies.centroid + pairs.pose[:, :-1]
+        place = motion.places(constants.detector.bodies.centroid, pairs.pose)
         super().__init__(constants.loads, pairs, place, empty_slots(pairs))
         self.constants = constants
         self.known = empty_slots(pairs)  # contacts by the features that the step follows
@@ -81,7 +82,9 @@ class StaticStep(LinearStep):
         self.start.closed[:] = branch != OPEN
         self.start.length[:] = np.where(slots.kind != NONE, slots.length, 0.0)
         half = self.slots
-        self.constants.detector.follow(self.pairs, pose + 0.5 * guess, self.known, half)
+        self.constants.detector.follow(
+            self.pairs, motion.moved(pose, 0.5 * guess), self.known, half
+        )
         rows.slot_rows(half, self.start.rows)
 
     def follow(self, slots: Slots) -> None:
@@ -101,7 +104,7 @@ class StaticStep(LinearStep):
     def evaluate(self, x: Array, multiplier: float) -> None:
         """Reactions, unbalanced forces and ``residual`` [N] at the increments ``x`` (n, n_dof)."""
         c = self.constants
-        c.detector.follow(self.pairs, self.pose + x, self.known, self.slots)
+        c.detector.follow(self.pairs, motion.moved(self.pose, x), self.known, self.slots)
         self.bent = False
         self.count = forces.joint_forces(
             self.slots, self.pairs, c.laws, c.thickness, self.start, self.history_before, x,
@@ -158,4 +161,4 @@ class StaticStep(LinearStep):
 
     def find(self, x: Array) -> None:
         """Find the contacts anew where the blocks are now, into ``found``."""
-        self.constants.detector.fill(self.pairs, self.pose + x, self.found)
+        self.constants.detector.fill(self.pairs, motion.moved(self.pose, x), self.found)

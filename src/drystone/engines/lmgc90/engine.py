@@ -34,7 +34,7 @@ from drystone.engines.measures import (
     report,
     unstable_sentence,
 )
-from drystone.geometry import polygon
+from drystone.geometry import motion, polygon
 from drystone.kernels.contacts import FRICTION, STIFF_N, STIFF_T, Contacts, Slots
 from drystone.kernels.nlgs import ContactProblem, contact_velocities, delassus_blocks
 from drystone.kernels.rows import gradients
@@ -263,12 +263,12 @@ class Lmgc90Engine:
         outcome = new.outcome
         assert outcome is not None
         assembly = self.problem.assembly
-        increment = new.pose - state.pose
-        motion = self.detector.farthest(increment)
-        if motion > self.settings.max_motion * self.detector.reach:
+        increment = motion.difference(new.pose, state.pose)
+        farthest = self.detector.farthest(increment)
+        if farthest > self.settings.max_motion * self.detector.reach:
             reason = "a block moves too far in one step"
             return state, StepReport(
-                converged=False, reason=reason, motion=motion, n_iterations=outcome.n_sweeps
+                converged=False, reason=reason, motion=farthest, n_iterations=outcome.n_sweeps
             )
         slots = self._slots(new.pose)
         acceleration = (outcome.velocity - before) / h
@@ -295,7 +295,7 @@ class Lmgc90Engine:
                 slots=slots,
                 status=np.zeros(len(slots.kind), np.int64),
                 certificate=certificate,
-                motion=motion,
+                motion=farthest,
                 n_iterations=outcome.n_sweeps,
             ),
         )
@@ -324,7 +324,7 @@ class Lmgc90Engine:
         n, a, b = len(outcome.body_a), outcome.body_a, outcome.body_b
         contacts = Contacts.empty(n, 2, state.pose.shape[1])
         contacts.body_a[:], contacts.body_b[:] = a, b
-        centre = self.reference + self._to_reference(state.pose)[:, :2]
+        centre = motion.places(self.reference, self._to_reference(state.pose))
         arms = outcome.position - centre[a], outcome.position - centre[b]
         for c in range(n):
             gradients(outcome.normal, *arms, np.zeros((n, 2)), np.ones(n), c, contacts.rows, c)
@@ -380,27 +380,24 @@ class Lmgc90Engine:
 
     def _offset(self, pose: Array) -> Array:
         """From our centroids to LMGC90's reference points in the given poses, (n, 2) [m]."""
-        d = self.reference - self.problem.assembly.centroid
-        c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
-        return np.column_stack((c * d[:, 0] - s * d[:, 1], s * d[:, 0] + c * d[:, 1]))
+        return motion.turned(self.reference - self.problem.assembly.centroid, pose)
 
     def _to_reference(self, pose: Array) -> Array:
         """Poses of our centroids as poses of LMGC90's reference points."""
         moved = pose.copy()
-        moved[:, :2] += self._offset(pose) - self._offset(np.zeros_like(pose))
+        motion.translations(moved)[:] += self._offset(pose) - self._offset(np.zeros_like(pose))
         return moved
 
     def _from_reference(self, pose: Array) -> Array:
         """The other way round."""
         moved = pose.copy()
-        moved[:, :2] -= self._offset(pose) - self._offset(np.zeros_like(pose))
+        motion.translations(moved)[:] -= self._offset(pose) - self._offset(np.zeros_like(pose))
         return moved
 
     def _about_reference(self, force: Array, pose: Array) -> Array:
         """Forces at our centroids with their moments about LMGC90's reference points."""
-        d = self._offset(pose)
         shifted = force.copy()
-        shifted[:, 2] -= d[:, 0] * force[:, 1] - d[:, 1] * force[:, 0]
+        shifted[:, 2] -= motion.moments(self._offset(pose), force)
         return shifted
 
 
