@@ -245,12 +245,12 @@ def geometric_stiffness(slots, contacts, count, reaction, tangent):
         second_derivatives(
             kind, normal, arm_a, arm_b, roll, ratio, k, reaction[k, 0], reaction[k, 1], hess
         )
-        _add(hess, body_a[c], body_b[c], pair[c], diagonal, upper, lower)
+        add_blocks(hess, body_a[c], body_b[c], pair[c], diagonal, upper, lower)
 
 
 @njit(cache=True)
-def _add(hess, a, b, p, diagonal, upper, lower):
-    """Add the blocks of a contact of pair p."""
+def add_blocks(hess, a, b, p, diagonal, upper, lower):
+    """Add a contact of pair p, by the motions of both bodies, to the blocks of a matrix."""
     for i in range(N_DOF):
         for j in range(N_DOF):
             diagonal[a, i, j] += hess[i, j]
@@ -314,4 +314,4 @@ def assemble(contacts, count, pairs, response, geometric, motion, force, tangent
             for j in range(2 * N_DOF):
                 hess[i, j] = by_gap * rows[c, GAP, j] + by_slip * measured[c, 0, j]
         add_force(rows, c, rn, rt, a, b, force)
-        _add(hess, a, b, pair[c], diagonal, upper, lower)
+        add_blocks(hess, a, b, pair[c], diagonal, upper, lower)

@@ -20,6 +20,9 @@ BoolArray = NDArray[np.bool_]
 
 #: Columns of `Structure.fronts`.  Of the first four a front ends where the next one begins.
 FIRST, BORDER, ENTRY, PANEL, UPDATE, N_RUNS, CHILD, SIBLING = range(8)
+#: Rows and columns of dense matrices that are taken at once: as many as fit into a processor's
+#: registers and divide a body's degrees of freedom in the plane (3) and in space (6).
+TILE = 3
 #: Time a front takes [ns]: each, per entry, per product; rough, as the best is flat.
 COST = (100.0, 0.5, 0.04)
 
@@ -219,7 +222,7 @@ def symbolic(start, other, pair, order, row_a, nd, parent, count, front, top, de
     return eliminated, fronts, border, runs, entries
 
 
-def analyse(a: IntArray, b: IntArray, fixed: BoolArray, place: Array, n_dof: int = 3) -> Structure:
+def analyse(a: IntArray, b: IntArray, fixed: BoolArray, place: Array, n_dof: int) -> Structure:
     """Order the bodies and find the pattern of the factors.
 
     Parameters
@@ -231,7 +234,7 @@ def analyse(a: IntArray, b: IntArray, fixed: BoolArray, place: Array, n_dof: int
     place
         (n, dim) about where the bodies are [m]; it decides on speed and memory only.
     n_dof
-        Degrees of freedom of a body, a multiple of three.
+        Degrees of freedom of a body, a multiple of `TILE`.
     """
     movable = np.flatnonzero(~fixed)
     row = np.full(len(fixed), -1, np.int64)

@@ -18,6 +18,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drystone.kernels.contacts import FRICTION, STIFF_N, Contacts
+from drystone.kernels.forces import add_blocks
 from drystone.kernels.law import OPEN, SLIDING, STICKING
 from drystone.kernels.rows import GAP, N_DOF, SLIP, add_force
 
@@ -221,12 +222,10 @@ def held_law_tangent(problem, h, penalty, piece, diagonal, upper, lower):
     contacts = problem.contacts
     rows, table, pair = contacts.rows, contacts.table, contacts.pair
     body_a, body_b = contacts.body_a, contacts.body_b
+    block = np.zeros((2 * N_DOF, 2 * N_DOF))
     for c in range(pair.shape[0]):
         if piece[c] == OPEN:
             continue
-        a = body_a[c]
-        b = body_b[c]
-        p = pair[c]
         stiffness = h * h * table[c, STIFF_N]
         slope = 0.0
         hold = penalty
@@ -237,15 +236,8 @@ def held_law_tangent(problem, h, penalty, piece, diagonal, upper, lower):
             gn = (rows[c, GAP, i] + slope * rows[c, SLIP, i]) * stiffness
             gt = rows[c, SLIP, i] * hold
             for j in range(2 * N_DOF):
-                k = gn * rows[c, GAP, j] + gt * rows[c, SLIP, j]
-                if i < N_DOF and j < N_DOF:
-                    diagonal[a, i, j] += k
-                elif i < N_DOF:
-                    upper[p, i, j - N_DOF] += k
-                elif j < N_DOF:
-                    lower[p, i - N_DOF, j] += k
-                else:
-                    diagonal[b, i - N_DOF, j - N_DOF] += k
+                block[i, j] = gn * rows[c, GAP, j] + gt * rows[c, SLIP, j]
+        add_blocks(block, body_a[c], body_b[c], pair[c], diagonal, upper, lower)
 
 
 @njit(cache=True)
