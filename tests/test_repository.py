@@ -154,3 +154,13 @@ def test_no_paths_of_a_machine():
         if path.suffix in TEXT and path != Path(__file__):
             found = pattern.search(path.read_text(encoding="utf-8"))
             assert not found, f"{path.relative_to(ROOT)}: {found.group(0)}"
+
+
+def test_unit_tests_of_kernels_also_run_interpreted():
+    """All that import kernels, but tests of the compiler itself."""
+    compiler = {"test_cli.py", "test_compiler.py", "test_kernel_cache.py", "test_reproducible.py"}
+    for path in (ROOT / "tests" / "unit").glob("test_*.py"):
+        text = path.read_text(encoding="utf-8")
+        if "drystone.kernels" in text and path.name not in compiler:
+            assert "pytestmark = pytest.mark.kernels" in text, path.name
+    assert 'NUMBA_DISABLE_JIT=1 python -m pytest -n 2 -m "kernels' in (ROOT / "check").read_text()

@@ -25,6 +25,8 @@ from drystone.kernels.contacts import (
 )
 from drystone.solvers.interior import InteriorPoint
 
+pytestmark = pytest.mark.kernels
+
 KN, KT = 2e7, 2e10  # N/m
 
 
@@ -150,6 +152,7 @@ class Recorded(InteriorPoint):
         return told, multiplier
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("number", [1, 2, 3])
 def test_a_step_from_the_interior_ends_where_the_path_leads(number, monkeypatch):
     """Increments on the rising branch, each solved both ways from the state that is followed."""

@@ -10,6 +10,8 @@ import pytest
 from drystone.kernels import lu_numeric, lu_symbolic
 from drystone.kernels.lu_symbolic import BORDER, CHILD, ENTRY, FIRST, N_RUNS, PANEL, SIBLING
 
+pytestmark = pytest.mark.kernels
+
 
 def wall(rows, columns, n_dof=3):
     """Running bond on a fixed base: pairs (not all a < b), fixed bodies and places."""
@@ -89,9 +91,14 @@ def no_pairs():
 
 class TestSolution:
     @pytest.mark.parametrize("n_dof", [3, 6])
-    @pytest.mark.parametrize("size", [(1, 1), (1, 2), (2, 2), (6, 5), (3, 40), (15, 16)])
+    @pytest.mark.parametrize("size", [(1, 1), (1, 2), (2, 2), (6, 5), (3, 40)])
     def test_walls(self, size, n_dof):
         check(*wall(*size), n_dof=n_dof)
+
+    @pytest.mark.compiled
+    @pytest.mark.parametrize("n_dof", [3, 6])
+    def test_a_wall_of_many_blocks(self, n_dof):
+        check(*wall(15, 16), n_dof=n_dof)
 
     @pytest.mark.parametrize("seed", range(40))
     def test_any_graph(self, seed):

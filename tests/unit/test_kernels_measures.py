@@ -7,6 +7,8 @@ import pytest
 
 from drystone.kernels.measures import count_contacts, sum_blocks
 
+pytestmark = pytest.mark.kernels
+
 ROUNDING = 1e-12
 
 

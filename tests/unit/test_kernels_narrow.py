@@ -32,6 +32,8 @@ from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import NONE, VERTEX_A, VERTEX_B, VERTICES, Contacts
 from drystone.kernels.forces import Start, Tangent
 
+pytestmark = pytest.mark.kernels
+
 # Sums of products of lengths below 10 m: a few rounding errors of 1e-15.
 ROUNDING = 1e-12
 

@@ -27,6 +27,8 @@ from drystone.solvers.linear_step import PointPace
 from drystone.solvers.piecewise import PathSettings, StepSolution
 from drystone.solvers.static_step import StaticStep
 
+pytestmark = pytest.mark.kernels
+
 TIME_STEP = 30.0  # s
 
 
@@ -335,6 +337,7 @@ class TestRandomAssemblies:
         assert seen[joint_law.FORWARD] + seen[joint_law.BACKWARD] >= few
         assert seen[joint_law.BONDED if "cohesion" in LAWS[law] else joint_law.STICKING] >= 100
 
+    @pytest.mark.compiled
     @pytest.mark.parametrize("whole", [True, False], ids=["implicit law", "path"])
     def test_so_is_one_in_which_many_contacts_change_together(self, whole):
         together = 0

@@ -11,6 +11,8 @@ from drystone.engines.base import Demand
 from drystone.engines.equilibrium import EquilibriumEngine
 from drystone.kernels import law as joint_law
 
+pytestmark = pytest.mark.kernels
+
 
 @pytest.fixture(scope="module")
 def step():

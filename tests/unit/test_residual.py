@@ -15,6 +15,8 @@ from drystone.kernels.residual import (
     unbalanced_force,
 )
 
+pytestmark = pytest.mark.kernels
+
 KN, MU = 1e6, 0.65  # N/m, -
 # A few rounding errors of forces of kN.
 ROUNDING = 1e-9  # N
