@@ -20,7 +20,6 @@ UNFINISHED = {
     "engines/equilibrium.py": {"_accept"},
     "engines/nscd.py": {"_step"},
     "kernels/explicit.py": {"cycle"},
-    "kernels/lu_numeric.py": {"subtract_product"},
     "kernels/measures.py": {"collect_contacts"},
     "kernels/narrow.py": {"_interface"},
     "kernels/path.py": {"follow_path"},
