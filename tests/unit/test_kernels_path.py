@@ -24,7 +24,7 @@ from drystone.model import Model
 from drystone.solvers import piecewise
 from drystone.solvers.interior import InteriorPoint
 from drystone.solvers.linear_step import PointPace
-from drystone.solvers.piecewise import PathSettings, StepSolution
+from drystone.solvers.piecewise import Accuracy, PathSettings, StepSolution
 from drystone.solvers.static_step import StaticStep
 
 pytestmark = pytest.mark.kernels
@@ -82,14 +82,13 @@ def take(engine, state, increment, *, guess=None, whole=True, **options):
     )
     step = Recorded(engine.constants, state.pairs)
     step.begin(state.pose, state.slots, state.history, state.branch, TIME_STEP, guess)
-    settings = PathSettings(
+    accuracy = Accuracy(
         tolerance=tolerance,
         rounding=0.0,
         sliding_rounding=0.0,
         coarsest=tolerance,
         depth=1e-12,
         farthest=0.3 * engine.detector.reach,
-        **options,
     )
     solved = piecewise.solve(
         step,
@@ -99,7 +98,8 @@ def take(engine, state, increment, *, guess=None, whole=True, **options):
         state.multiplier,
         state.branch,
         state.reaction,
-        settings,
+        accuracy,
+        PathSettings(**options),
         whole=whole,
     )
     return Taken(model, state, increment, guess, step, solved, tolerance)

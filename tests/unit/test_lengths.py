@@ -25,7 +25,6 @@ UNFINISHED = {
     "kernels/path.py": {"follow_path"},
     "solvers/interior.py": {"solve"},
     "solvers/nlgs.py": {"solve"},
-    "solvers/piecewise.py": {"solve"},
 }
 
 

@@ -12,7 +12,7 @@ where inertia takes blocks that have no equilibrium nearby.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,9 +41,9 @@ from drystone.kernels.contacts import Pairs, Slots
 from drystone.kernels.law import N_HISTORY
 from drystone.records import changed
 from drystone.solvers import piecewise
-from drystone.solvers.interior import InteriorPoint
+from drystone.solvers.interior import InteriorPoint, InteriorSettings
 from drystone.solvers.linear_step import Loads, PointPace
-from drystone.solvers.piecewise import PathSettings, StepSolution
+from drystone.solvers.piecewise import Accuracy, PathSettings, StepSolution
 from drystone.solvers.static_step import STATUS_OF, Constants, StaticStep
 
 Array = NDArray[np.float64]
@@ -56,12 +56,24 @@ AT_STRENGTH = 1e-5
 
 @dataclass(frozen=True, kw_only=True)
 class EquilibriumSettings:
-    """Numerical settings; none changes what the solution is, but to within its tolerance."""
+    """Numerical settings; none changes what the solution is, but to within its tolerance.
 
-    tolerance: float = 1e-9  # largest unbalanced force over the heaviest weight, -
-    static_time_step: float = 30.0  # s; the inertia of a step of 1 mm is then 1e-7 of a weight
-    max_motion: float = 0.2  # of a block in one step, over the smallest block
-    inertia_limit: float = 1e-3  # inertia over applied force above which a point is dynamic
+    Times and lengths in them are those of the structure's own frame, where the smallest block
+    measures 0.175 m, so that they mean the same for every structure; see `frame`.
+    """
+
+    #: Largest unbalanced force over the heaviest weight, -: what is promised, and a thousand times
+    #: the rounding of the sums that make it up.
+    tolerance: float = 1e-9
+    #: Time step of a static step [s]: the inertia of a step of 1 mm is then 1e-7 of a weight.
+    static_time_step: float = 30.0
+    #: Farthest motion of a block in one step over the smallest block, -: beyond it, contacts that
+    #: the step has not looked for could be made.
+    max_motion: float = 0.2
+    #: Inertia over applied force, -, above which a point is dynamic.
+    inertia_limit: float = 1e-3
+    path: PathSettings = field(default_factory=PathSettings)
+    interior: InteriorSettings = field(default_factory=InteriorSettings)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,7 +128,7 @@ class EquilibriumEngine:
         pose = assembly.rest_pose()
         pairs, gone = self.detector.pairs(pose), np.zeros(assembly.n_bodies, np.bool_)
         self._write_equations(pairs, gone)
-        self.path_settings = self._path_settings()
+        self.accuracy = self._accuracy()
         slots = empty_slots(pairs)
         self.detector.fill(pairs, pose, slots)
         state = EquilibriumState(
@@ -251,7 +263,8 @@ class EquilibriumEngine:
             multiplier,
             state.branch,
             state.reaction,
-            changed(self.path_settings, farthest=farthest),
+            changed(self.accuracy, farthest=farthest),
+            self.settings.path,
             whole=pace is None or demand.time_step > 0.0 or demand.over_fold,
         )
         if solved.reason == piecewise.TOO_STIFF:
@@ -273,12 +286,12 @@ class EquilibriumEngine:
             )
         return new, outcome
 
-    def _path_settings(self) -> PathSettings:
-        """When to stop a step, but for how far a block may move."""
+    def _accuracy(self) -> Accuracy:
+        """What steps are solved to; how far a block may move is for each to say."""
         scale = self.problem.assembly.heaviest_weight
         tolerance, stiffest = self.settings.tolerance * scale, self._stiffest(joint_law.KN)
         rounding = 4.0 * np.finfo(float).eps  # of a gap, over the motions that it is a sum of
-        return PathSettings(
+        return Accuracy(
             tolerance=tolerance,
             rounding=rounding * stiffest,
             sliding_rounding=rounding * self._stiffest(joint_law.KS),
@@ -356,7 +369,7 @@ class EquilibriumEngine:
             ),
         )
         self.equations = StaticStep(self.constants, pairs)
-        self.interior = InteriorPoint(self.equations)
+        self.interior = InteriorPoint(self.equations, self.settings.interior)
 
     def _pace(self, state: EquilibriumState, demand: Demand) -> PointPace | None:
         if demand.increment is None:

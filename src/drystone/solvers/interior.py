@@ -35,32 +35,54 @@ Array = NDArray[np.float64]
 class InteriorSettings:
     """Numbers of the iterations.
 
-    Energies [J] are those of a contact, over that which the weight of a mean block stores in one.
+    Energies are those of a contact over what the weight of a mean block stores in one, forces over
+    that weight.  Damping is in 1/s2 of the structure's own frame, in which gravity over the
+    smallest block's size is 56 of them: what it holds back gains no speed on the way.
     """
 
-    start: float = 1.0  # energy of the first barrier
-    reach: float = 0.05  # more of it, over the work of a block's weight along the increment
-    enough: float = 1e-11  # energy from which on the branches may be told
-    surely: float = 1e-13  # and at which they are where there is no lower one to be had
-    least: float = 1e-18  # below which only contacts that carry next to nothing could still tell
-    residual: float = 1e-6  # largest unbalanced force then, over a mean block's weight
+    #: Energy of the first barrier: contacts then start as if each carried a block.
+    start: float = 1.0
+    #: More of it, over the work of a block's weight along the increment: a long step may leave no
+    #: contact as it was.
+    reach: float = 0.05
+    #: Energy from which on the branches may be told, and at which they are where there is no
+    #: lower one to be had: far below what any contact but an idle one stores.
+    enough: float = 1e-11
+    surely: float = 1e-13
+    #: Energy below which only contacts that carry next to nothing could still tell.
+    least: float = 1e-18
+    #: Largest unbalanced force with which branches are told.
+    residual: float = 1e-6
+    #: Iterations before the step counts as lost; most take 25 to 60.
     max_iterations: int = 120
-    margin: float = 0.01  # share of the way to the first factor's end that is left, at most
-    shortest: float = 0.03  # share of a direction under which there is no way on, at once
-    short: float = 0.1  # or for the third time in a row
+    #: Share of the way to the end of the first factor that is left, at most.
+    margin: float = 0.01
+    #: Share of a direction under which there is no way on: at once, or for the third time in a row.
+    shortest: float = 0.03
+    short: float = 0.1
     patience: int = 3
+    #: Times that there was no way on before the step counts as lost.
     max_stalls: int = 10
-    alone: int = 2  # times in a row that one body is held back before all are
-    raised: float = 30.0  # times the energy: barrier at which contacts near their ends begin anew
-    damping: float = 1e4  # 1/s2, times the mass, where there is first no way on
-    most_damping: float = 1e5  # above which damping is not what is lacking
-    more: float = 4.0  # times the damping while a direction is unstable
-    less: float = 0.25  # times the damping after a direction that was good
-    least_damping: float = 3.0  # 1/s2, below which there is none
-    few_loose: float = 0.1  # share of the bodies up to which they come to rest apart
-    rings: int = 8  # of neighbours that move with them; few leave the next ones out of balance
-    max_rest: int = 100  # iterations in which they do
-    hold: float = 0.3  # unbalanced force over that of the energy, above which the barrier waits
+    #: Times in a row that one body is held back before all are.
+    alone: int = 2
+    #: Barrier over the present one at which contacts that are at their ends begin anew.
+    raised: float = 30.0
+    #: Damping [1/s2], times the mass, where there is first no way on, and above which more of it
+    #: would not help.
+    damping: float = 1e4
+    most_damping: float = 1e5
+    #: Factors of it while a direction is unstable, and after one that was good.
+    more: float = 4.0
+    less: float = 0.25
+    #: Damping [1/s2] below which there is none.
+    least_damping: float = 3.0
+    #: Share of the bodies up to which loose ones come to rest apart from the others, with how many
+    #: rings of neighbours (few leave the next ones out of balance), in how many iterations.
+    few_loose: float = 0.1
+    rings: int = 8
+    max_rest: int = 100
+    #: Unbalanced force over that of the energy, above which the barrier waits for the bodies held.
+    hold: float = 0.3
 
 
 class InteriorPoint:

@@ -42,8 +42,8 @@ TOO_STIFF = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class PathSettings:
-    """When to stop."""
+class Accuracy:
+    """What a step is solved to, on the scales of a model."""
 
     tolerance: float  # N, largest unbalanced force
     rounding: float  # N/m, of a reaction, by metre of its blocks' motion: normal to the joint
@@ -52,14 +52,29 @@ class PathSettings:
     lag: float = 1e-12  # m, what may be missing of the increment
     depth: float  # m, penetration too small to tell two contacts apart
     farthest: float  # m, motion of a block over which the step has failed
-    max_iterations: int = 12  # renewals of the gradients
-    worth: int = 60  # contacts about to change, above which an interior point is as cheap
-    many_blocks: int = 300  # from which on steps leap
-    max_leaps: int = 12  # steps of Newton's method from where an interior point led
-    last_changes: int = 16  # contacts about to change that are followed instead
-    max_changes: int = 80  # contacts that change one by one, in the implicit law
-    change_effort: int = 1_500_000  # and on a path of equilibria or in settling, times blocks
-    max_rounds: int = 3  # times that the features of contacts are checked
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathSettings:
+    """Numbers of the method: how long a path is followed, and what is done about many changes."""
+
+    #: Renewals of the gradients before a step counts as failed; most take two.
+    max_iterations: int = 12
+    #: Contacts about to change above which the interior point is as cheap as following them.
+    worth: int = 60
+    #: Blocks from which on it is used: of fewer every change is followed, for failing is cheap and
+    #: the path tells best where a structure snaps.
+    many_blocks: int = 300
+    #: Steps of Newton's method from where the interior point has led.
+    max_leaps: int = 12
+    #: Contacts about to change that are followed instead of such a step.
+    last_changes: int = 16
+    #: Changes of contacts, one by one, on the path of the implicit law.
+    max_changes: int = 80
+    #: Changes times blocks on a path of equilibria, or while settling: some seconds of work.
+    change_effort: int = 1_500_000
+    #: Times that other features of contacts are found where a step ends, and it is solved again.
+    max_rounds: int = 3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,18 +109,17 @@ def solve(
     multiplier: float,
     branch: IntArray,
     reaction: Array,
+    accuracy: Accuracy,
     settings: PathSettings,
     *,
     whole: bool,
 ) -> StepSolution:
-    """Solve a step that has begun.
+    """Solve a step that has begun; its equations are left evaluated at the solution.
 
     Parameters
     ----------
-    step
-        The equations; left evaluated at the solution.
-    interior
-        For the same equations, where many contacts change.
+    step, interior
+        The equations, and what finds many branches at once for them.
     pace
         What paces the step, the multiplier being an unknown; None where it is given.
     guess
@@ -113,25 +127,39 @@ def solve(
     multiplier
         Where the step starts; without a pace, the one that is asked for.
     branch, reaction
-        Of all contacts where the step starts, (n_slots,) and (n_slots, 2) [N].
+        Of all contacts where the step starts, (n_slots,) and (n_slots, dim) [N].
     whole
         Take the implicit law, whose sliding counts over the whole step, from the start.
     """
-    x, geometry, start = np.zeros_like(guess), guess, multiplier
     step.branch[:] = branch
     step.evaluate(guess, multiplier)
-    if pace is None and step.residual <= _enough(step, 0.0, settings):
+    if pace is None and step.residual <= _enough(step, 0.0, accuracy):
+        x = np.zeros_like(guess)
         step.find(x)
         return StepSolution(increment=x, multiplier=multiplier, n_iterations=0)
     step.branch[:], step.reaction[:] = branch, reaction
-    rounds, reason, count, turn = 0, "", 0, None
     step.frame.turn[:] = np.nan
+    return _correct(step, interior, pace, guess, multiplier, accuracy, settings, whole=whole)
+
+
+def _correct(
+    step: StaticStep,
+    interior: InteriorPoint,
+    pace: Pace | None,
+    geometry: Array,
+    multiplier: float,
+    accuracy: Accuracy,
+    settings: PathSettings,
+    *,
+    whole: bool,
+) -> StepSolution:
+    """Follow the pieces with gradients of the ``geometry`` (n, n_dof), renew these, and again."""
+    x, start = np.zeros_like(geometry), multiplier
+    rounds, reason, count = 0, "", 0
     shape: _Shape | None = _Shape()
     for count in range(1, settings.max_iterations + 1):
-        walk = _Walk(step, interior, pace, geometry, settings, whole=whole or count > 1)
+        walk = _Walk(step, interior, pace, geometry, accuracy, settings, whole=whole or count > 1)
         end, x, multiplier = walk.go(x, multiplier)
-        if count == 1 and np.isfinite(step.frame.turn[0]):
-            turn = float(step.frame.turn[0]), float(step.frame.turn[1])
         if end == path.DONE and pace and not step.stable:
             end = path.TURNED
         if end != path.DONE:
@@ -140,7 +168,7 @@ def solve(
         step.remember()
         geometry = x
         moved = step.constants.detector.farthest(x)
-        if not moved <= settings.farthest:  # also where it is not a number
+        if not moved <= accuracy.farthest:  # also where it is not a number
             reason = "a block moves too far in one step"
             break
         step.evaluate(x, multiplier)
@@ -148,42 +176,48 @@ def solve(
             # Within a leap there are no places on a path.
             shape = None if walk.leapt else _shape(step.bends(walk.changes), start, multiplier)
         short = abs(pace.missing(x)) if pace else 0.0
-        enough = _enough(step, moved, settings)
-        if enough > settings.coarsest:
+        enough = _enough(step, moved, accuracy)
+        if enough > accuracy.coarsest:
             reason = TOO_STIFF
             break
-        if step.residual <= enough and short <= settings.lag:
-            step.find(x)
-            same = not narrow.changed_contacts(step.slots, step.found, settings.depth)
-            if same or rounds == settings.max_rounds:
-                return StepSolution(
-                    increment=x,
-                    multiplier=multiplier,
-                    n_iterations=count,
-                    turn=turn,
-                    excess=shape.excess if shape else None,
-                    bend=shape.bend if shape else None,
-                )
-            rounds += 1
-            step.follow(step.found)
-            step.evaluate(x, multiplier)
-    reason = reason or f"no equilibrium within {settings.max_iterations} iterations"
+        if step.residual > enough or short > accuracy.lag:
+            continue
+        step.find(x)
+        if rounds == settings.max_rounds or not _features_change(step, accuracy):
+            break
+        rounds += 1
+        step.follow(step.found)
+        step.evaluate(x, multiplier)
+    else:
+        reason = f"no equilibrium within {settings.max_iterations} iterations"
+    share, there = step.frame.turn.tolist()
     return StepSolution(
-        increment=x, multiplier=multiplier, n_iterations=count, turn=turn, reason=reason
+        increment=x,
+        multiplier=multiplier,
+        n_iterations=count,
+        turn=(share, there) if np.isfinite(share) else None,
+        excess=shape.excess if shape and not reason else None,
+        bend=shape.bend if shape and not reason else None,
+        reason=reason,
     )
 
 
-def _enough(step: StaticStep, moved: float, settings: PathSettings) -> float:
+def _features_change(step: StaticStep, accuracy: Accuracy) -> bool:
+    """Whether contacts that press are found with other features than the step has followed."""
+    return bool(narrow.changed_contacts(step.slots, step.found, accuracy.depth))
+
+
+def _enough(step: StaticStep, moved: float, accuracy: Accuracy) -> float:
     """Unbalanced force [N] that may be left: the tolerance, or what is rounding where blocks have
     ``moved`` [m] at most in the step.
 
     Gaps are as precise as displacements from the design, slips as those within the step.
     """
-    if step.residual <= settings.tolerance:
-        return settings.tolerance
+    if step.residual <= accuracy.tolerance:
+        return accuracy.tolerance
     far = step.constants.detector.farthest(step.pose) + moved
-    rounding = max(settings.rounding * far, settings.sliding_rounding * moved)
-    return max(settings.tolerance, rounding)
+    rounding = max(accuracy.rounding * far, accuracy.sliding_rounding * moved)
+    return max(accuracy.tolerance, rounding)
 
 
 class _Walk:
@@ -195,12 +229,13 @@ class _Walk:
         interior: InteriorPoint,
         pace: Pace | None,
         geometry: Array,
+        accuracy: Accuracy,
         settings: PathSettings,
         *,
         whole: bool,
     ) -> None:
         self.step, self.interior, self.pace = step, interior, pace
-        self.geometry, self.settings = geometry, settings
+        self.geometry, self.accuracy, self.settings = geometry, accuracy, settings
         self.whole = whole
         self.lag = pace.missing(geometry) if pace else 0.0
         self.gradient = pace.gradient(geometry) if pace else step.force
@@ -246,7 +281,7 @@ class _Walk:
         self.patience = self.settings.max_changes
         start, branch = x.copy(), step.branch.copy()
         told, multiplier = self.interior.solve(
-            x, multiplier, self.geometry, self.pace, self.gradient, self.settings.tolerance
+            x, multiplier, self.geometry, self.pace, self.gradient, self.accuracy.tolerance
         )
         if not told and self.pace:
             return path.LOST, multiplier
@@ -277,8 +312,8 @@ class _Walk:
         if not self.step.linearise(x, multiplier, away, self.pace, self.gradient):
             return path.SINGULAR, multiplier
         missing = self.lag - float(np.vdot(self.gradient, away)) if self.pace else 0.0
-        settings = self.settings
-        if self.leapt and self.step.residual <= settings.tolerance and abs(missing) <= settings.lag:
+        enough = self.accuracy
+        if self.leapt and self.step.residual <= enough.tolerance and abs(missing) <= enough.lag:
             # Only contacts that carry next to nothing may still change to and fro.
             return path.DONE, multiplier
         end, multiplier, self.left, self.changes = self.step.advance(
