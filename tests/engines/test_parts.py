@@ -10,7 +10,7 @@ import pytest
 from builders import contacts_of, stack
 from drystone.analysis import pushover
 from drystone.assembly import Assembly, Shapes
-from drystone.contact.detection import carried_slots
+from drystone.contact.detection import predecessor_slots
 from drystone.kernels import lu_numeric, lu_symbolic
 from drystone.model import Model
 
@@ -59,7 +59,7 @@ def test_histories_follow_parts():
     assembly = tower(cut=True).assembly
     detector, pairs, slots = contacts_of(assembly, assembly.rest_pose())
     again = detector.pairs(assembly.rest_pose())
-    assert carried_slots(pairs, again).tolist() == list(range(len(slots.kind)))
+    assert predecessor_slots(pairs, again).tolist() == list(range(len(slots.kind)))
 
 
 @pytest.mark.parametrize("engine", ["equilibrium", "nscd", "distinct"])

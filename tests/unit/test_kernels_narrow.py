@@ -24,7 +24,7 @@ from builders import (
 )
 from drystone.assembly import Assembly, Block, Corner, JointLaw
 from drystone.builders import published_wall
-from drystone.contact.detection import carry, empty_slots
+from drystone.contact.detection import empty_slots, predecessor_pairs
 from drystone.geometry import GeometryError
 from drystone.geometry.broad import candidate_pairs
 from drystone.kernels import forces, narrow, rows
@@ -643,7 +643,7 @@ class TestIdentity:
             pose[1] = 0.0, radius - turned(corner, -angle)[1] - 0.1, -angle
             new, source = empty_slots(pairs), np.full(2, -1)
             detector.fill(pairs, pose, new)
-            narrow.carry_history(slots, new, source)
+            narrow.find_predecessors(slots, new, source)
             here = [k for k in np.flatnonzero(new.kind) if abs(new.gap[k]) < ROUNDING]
             assert len(here) == 1
             assert source[here[0]] == slot, f"lost at {np.degrees(angle):.0f} degrees"
@@ -662,7 +662,7 @@ class TestIdentity:
             pose[1, 0] = x
             new, source = empty_slots(pairs), np.full(2, -1)
             detector.fill(pairs, pose, new)
-            narrow.carry_history(slots, new, source)
+            narrow.find_predecessors(slots, new, source)
             for k in np.flatnonzero(new.kind & (new.gap < ROUNDING)):
                 assert source[k] == k
             kinds |= set(new.kind.tolist())
@@ -673,7 +673,7 @@ class TestIdentity:
         assembly = pair_of(self.unit, self.unit + (0.0, 0.2), radius=0.02)
         _, pairs, slots = contacts_of(assembly, assembly.rest_pose())
         before, source = empty_slots(pairs), np.zeros(2, np.int64)
-        narrow.carry_history(before, slots, source)
+        narrow.find_predecessors(before, slots, source)
         assert source.tolist() == [-1, -1]
 
     def test_pairs_are_found_again_in_a_new_list(self):
@@ -684,7 +684,7 @@ class TestIdentity:
         _, after, _ = contacts_of(wall, pose)
         old = {pair: i for i, pair in enumerate(zip(before.a, before.b, strict=True))}
         expected = [old.get(pair, -1) for pair in zip(after.a, after.b, strict=True)]
-        assert carry(before, after).tolist() == expected
+        assert predecessor_pairs(before, after).tolist() == expected
         assert -1 in expected and max(expected) > 0
 
 

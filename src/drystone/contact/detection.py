@@ -171,7 +171,7 @@ class Detector:
         return forces
 
 
-def carry(previous: Pairs, current: Pairs) -> IntArray:
+def predecessor_pairs(previous: Pairs, current: Pairs) -> IntArray:
     """Row of each current pair in the previous list, or -1, (n_pairs,)."""
     n = int(max(previous.part_b.max(initial=0), current.part_b.max(initial=0))) + 1
     old, new = (pairs.part_a * n + pairs.part_b for pairs in (previous, current))
@@ -181,8 +181,8 @@ def carry(previous: Pairs, current: Pairs) -> IntArray:
     return np.where(old[row] == new, row, -1).astype(np.int64)
 
 
-def carried_slots(previous: Pairs, current: Pairs) -> IntArray:
+def predecessor_slots(previous: Pairs, current: Pairs) -> IntArray:
     """Slot of each current slot in the previous list, or -1, (n_slots,)."""
-    row, n_slots = carry(previous, current), np.diff(current.first)
+    row, n_slots = predecessor_pairs(previous, current), np.diff(current.first)
     source = np.repeat(previous.first[row] - current.first[:-1], n_slots) + np.arange(n_slots.sum())
     return np.where(np.repeat(row, n_slots) >= 0, source, -1)

@@ -25,7 +25,7 @@ from drystone.contact.certificate import (
     JudgedContacts,
     certify,
 )
-from drystone.contact.detection import Detector, carried_slots, copied, empty_slots
+from drystone.contact.detection import Detector, copied, empty_slots, predecessor_slots
 from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
@@ -289,7 +289,7 @@ class Workspace:
         detector.fill(self.pairs, pose, slots)
         source = np.zeros(len(slots.kind), np.int64)
         old = self.slots
-        narrow.carry_history(old, slots, source)
+        narrow.find_predecessors(old, slots, source)
         history = np.where(source[:, None] >= 0, self.history[source], 0.0)
         history[source < 0, joint_law.BROKEN] = 1.0  # what comes to touch later is not bonded
         self.slots, self.history, self.searched = slots, history, pose.copy()
@@ -302,7 +302,7 @@ class Workspace:
 
     def _new_pairs(self, pairs: Pairs) -> None:
         """Go over to another list of pairs, with the slots and histories of those that stay."""
-        source = carried_slots(self.pairs, pairs)
+        source = predecessor_slots(self.pairs, pairs)
         known = source >= 0
         slots = empty_slots(pairs)
         for new, old in zip(slots[1:], self.slots[1:], strict=True):  # their pairs are other ones

@@ -22,10 +22,10 @@ from drystone.contact.bonds import apart, brittle, margins, yielded
 from drystone.contact.certificate import Forces, certify
 from drystone.contact.detection import (
     Detector,
-    carried_slots,
-    carry,
     copied,
     empty_slots,
+    predecessor_pairs,
+    predecessor_slots,
 )
 from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
@@ -175,7 +175,7 @@ class EquilibriumEngine:
         if not self.detector.outdated(state.pairs, state.pose):
             return False
         pairs = self.detector.pairs(state.pose, state.gone)
-        new = carry(state.pairs, pairs) < 0
+        new = predecessor_pairs(state.pairs, pairs) < 0
         slots = empty_slots(pairs)
         self.detector.fill(pairs, state.pose, slots)
         return bool((slots.gap[new[slots.pair]] < 0.0).any())
@@ -337,8 +337,8 @@ class EquilibriumEngine:
         pairs = self.detector.pairs(state.pose, gone)
         slots = empty_slots(pairs)
         self.detector.fill(pairs, state.pose, slots)
-        source = carried_slots(state.pairs, pairs)
-        history, reaction, branch = _carried(source, state.history, state.reaction, state.branch)
+        source = predecessor_slots(state.pairs, pairs)
+        history, reaction, branch = _inherited(source, state.history, state.reaction, state.branch)
         margin, known = np.full(len(source), np.inf), source >= 0
         margin[known] = state.margin[source[known]]
         return replace(
@@ -410,8 +410,8 @@ class EquilibriumEngine:
         equations, x = self.equations, solved.increment
         slots = copied(equations.found)
         source = np.zeros(len(slots.kind), np.int64)
-        narrow.carry_history(equations.known, slots, source)
-        history, reaction, branch = _carried(
+        narrow.find_predecessors(equations.known, slots, source)
+        history, reaction, branch = _inherited(
             source, equations.history, equations.reaction, equations.branch
         )
         judged = equations.judged()
@@ -470,11 +470,11 @@ class EquilibriumEngine:
         )
 
 
-def _carried(
+def _inherited(
     source: IntArray, history: Array, reaction: Array, branch: IntArray
 ) -> tuple[Array, Array, IntArray]:
     """History, reactions and branch of the slots they go on in; -1 marks contacts that are new."""
     n = len(source)
     carried = np.empty((n, N_HISTORY)), np.empty((n, reaction.shape[1])), np.empty(n, np.int64)
-    joint_law.carry(source, history, reaction, branch, *carried)
+    joint_law.inherit(source, history, reaction, branch, *carried)
     return carried

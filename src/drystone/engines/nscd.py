@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.certificate import Forces, JudgedContacts, certify
-from drystone.contact.detection import Detector, carried_slots, empty_slots
+from drystone.contact.detection import Detector, empty_slots, predecessor_slots
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
@@ -223,7 +223,7 @@ class NscdEngine:
     def _paired(self, state: NscdState, gone: BoolArray) -> NscdState:
         """The state with new pairs, without the blocks that are ``gone``."""
         pairs = self.detector.pairs(state.pose, gone)
-        source = carried_slots(state.pairs, pairs)
+        source = predecessor_slots(state.pairs, pairs)
         slots = empty_slots(pairs)
         self.detector.fill(pairs, state.pose, slots)
         known = source >= 0
@@ -262,7 +262,7 @@ class NscdEngine:
         slots = empty_slots(state.pairs)
         self.detector.fill(state.pairs, pose, slots)
         source = np.zeros(len(slots.kind), np.int64)
-        narrow.carry_history(state.slots, slots, source)
+        narrow.find_predecessors(state.slots, slots, source)
         carried = np.where(source[:, None] >= 0, reaction[source], 0.0)
         friction = self.laws[state.pairs.law[slots.pair], MU]
         limit = friction * carried[:, 0] * (1.0 - 1e-9)

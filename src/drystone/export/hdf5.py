@@ -46,7 +46,7 @@ SECONDS = 1.0
 #: ... or when this many bytes wait, whichever comes first.
 BYTES = 32_000_000
 #: States of more blocks than this are compressed: that takes little time beside their steps.
-LARGE = 1000
+MANY_BODIES = 1000
 
 TYPES = {"int": "i8", "float": "f8", "str": "S8", "bool": "?"}
 COLUMN_TYPES = {f.name: np.dtype(TYPES[str(f.type)]) for f in fields(CurvePoint)}
@@ -82,7 +82,7 @@ class ResultsWriter:
         self._waiting = 0  # bytes
         self._n_points = self._n_contacts = 0  # in the file
         self._written = time.monotonic()
-        large = model.assembly.n_bodies > LARGE
+        large = model.assembly.n_bodies > MANY_BODIES
         self._packing: dict[str, Any] = (
             {"compression": "gzip", "compression_opts": 1, "shuffle": True} if large else {}
         )

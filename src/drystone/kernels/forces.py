@@ -108,8 +108,8 @@ def pack(slots, pairs, laws, thickness, contacts):
 
 @njit(cache=True)
 def joint_forces(
-    slots, pairs, laws, thickness, start, memory, increment, contacts, force, branch, reaction,
-    history,
+    slots, pairs, laws, thickness, start, history_before, increment, contacts, force, branch,
+    reaction, history,
 ):  # fmt: skip
     """Reactions of all contacts in the present poses; returns the number of contacts.
 
@@ -125,7 +125,7 @@ def joint_forces(
         [m]
     start
         What holds for the step, see `Start`.
-    memory
+    history_before
         (n_slots, N_HISTORY), what contacts bring along; see `kernels.law.remember`.
     increment
         Motion since the start of the step, (n, n_dof) [m, rad].
@@ -150,7 +150,7 @@ def joint_forces(
         reaction[k, 0] = 0.0
         reaction[k, 1] = 0.0
         for i in range(N_HISTORY):
-            history[k, i] = memory[k, i]
+            history[k, i] = history_before[k, i]
         hint = branch[k]
         branch[k] = OPEN
         if kind[k] == NONE:

@@ -279,21 +279,21 @@ def joint_law_violation(table, gap, slip, reaction, shear_before, whole):
 
 
 @njit(cache=True)
-def remember(contacts, count, memory):
+def remember(contacts, count, history_before):
     """Sliding that has ended becomes part of what contacts bring along (n_slots, N_HISTORY)."""
     table, used = contacts.table, contacts.slot
     for c in range(count):
         k = used[c]
-        memory[k, SHEAR] += table[c, ADD_T]
-        memory[k, DILATION] += table[c, ADD_N] / table[c, STIFF_N]
-        memory[k, SLID] += table[c, PLASTIC]
+        history_before[k, SHEAR] += table[c, ADD_T]
+        history_before[k, DILATION] += table[c, ADD_N] / table[c, STIFF_N]
+        history_before[k, SLID] += table[c, PLASTIC]
         table[c, ADD_N] = 0.0
         table[c, ADD_T] = 0.0
         table[c, PLASTIC] = 0.0
 
 
 @njit(cache=True)
-def carry(source, history, reaction, branch, new_history, new_reaction, new_branch):
+def inherit(source, history, reaction, branch, new_history, new_reaction, new_branch):
     """Fill what slots have from those that they go on in, ``source``; -1 marks contacts that are
     new: open, without shear, and never bonded."""
     for k in range(source.shape[0]):

@@ -236,13 +236,13 @@ def assemble(structure, s, diagonal, upper, lower, factors):
 
 
 @njit(cache=True, error_model="numpy")
-def factorise(structure, diagonal, upper, lower, factors, weight, hold, least):
+def factorise(structure, diagonal, upper, lower, factors, mass, damping, least):
     """Factorise the matrix of the blocks ``diagonal`` (n, n_dof, n_dof), ``upper`` (n_pairs, n_dof,
     n_dof) in the rows of a and columns of b, and ``lower`` in the rows of b and columns of a.
 
     Where ``least`` is positive, bodies whose pivots have a negative determinant are held: to the
-    diagonal of the pivot their ``weight`` (n, n_dof) is added ``least`` times, or twice as often as
-    makes the determinant positive.  ``hold`` (n,) counts how often.
+    diagonal of the pivot their ``mass`` (n, n_dof) is added ``least`` times, or twice as often as
+    makes the determinant positive.  ``damping`` (n,) counts how often.
 
     Returns the smallest pivot over the largest entry of its column in the body's own block, at most
     1, with the sign of the determinant; 0, with the factors unusable, for singular matrices and
@@ -274,13 +274,13 @@ def factorise(structure, diagonal, upper, lower, factors, weight, hold, least):
             while lacking and 0.0 < more < 1e12 * least:
                 # Once more when it is positive: what is hardly so upsets what it is joined to.
                 lacking = ratio < 0.0
-                hold[body] += more
+                damping[body] += more
                 for x in range(nd):
-                    panels[at + x * (m + 1)] += more * weight[body, x]
+                    panels[at + x * (m + 1)] += more * mass[body, x]
                     for y in range(nd):
                         block[x, y] = panels[at + x * m + y]
                 ratio = invert(structure.dof, block, diagonal[body])
-                more = hold[body]
+                more = damping[body]
             if ratio == 0.0:
                 return 0.0
             smallest = min(smallest, abs(ratio))

@@ -387,7 +387,7 @@ def changed_contacts(before, after, depth):
 
 
 @njit(cache=True)
-def carry_history(previous, slots, source):
+def find_predecessors(previous, slots, source):
     """For every slot, the slot of the same pair whose history it goes on with, or -1.
 
     A slot goes on with itself while its interface keeps its edges.  When a block turns so far

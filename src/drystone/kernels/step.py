@@ -7,7 +7,7 @@ from numba import njit
 
 
 @njit(cache=True)
-def unbalance(contact, dead, pattern, multiplier, mass, x, weight, extent, fixed, force):
+def unbalance(contact, dead, pattern, multiplier, mass, x, inertia_factor, extent, fixed, force):
     """Fill ``force`` (n, n_dof) with what is left of all forces on each block, zero on fixed ones.
 
     Returns the largest force, or moment over block size [N].
@@ -20,14 +20,14 @@ def unbalance(contact, dead, pattern, multiplier, mass, x, weight, extent, fixed
             continue
         for d in range(n_dof):
             f = contact[i, d] + dead[i, d] + multiplier * pattern[i, d]
-            force[i, d] = f - mass[i, d] * x[i, d] * weight
+            force[i, d] = f - mass[i, d] * x[i, d] * inertia_factor
         size = np.sqrt(force[i, 0] ** 2 + force[i, 1] ** 2)
         worst = max(worst, size, abs(force[i, 2]) / extent[i])
     return worst
 
 
 @njit(cache=True)
-def stiffen(diagonal, mass, weight, damping, body, axis):
+def stiffen(diagonal, mass, inertia_factor, damping, body, axis):
     """Add inertia to the diagonal blocks and a spring along ``axis`` (n, n_dof) to one of them.
 
     The spring, as stiff as the block it holds, makes the matrix regular at the peak.  Returns its
@@ -36,7 +36,7 @@ def stiffen(diagonal, mass, weight, damping, body, axis):
     n, n_dof = mass.shape
     for i in range(n):
         for d in range(n_dof):
-            diagonal[i, d, d] += mass[i, d] * (weight + damping[i])
+            diagonal[i, d, d] += mass[i, d] * (inertia_factor + damping[i])
     if body < 0:
         return 0.0
     largest = 0.0

@@ -32,7 +32,7 @@ from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer, ForceProg
 Array = NDArray[np.float64]
 
 #: From this many blocks on the interior-point method is faster than the simplex method.
-LARGE = 120
+INTERIOR_POINT_FROM = 120
 #: A load factor this near to one is one: it is 0 or 1 where joints have no cohesion.
 WHOLE = 1e-6
 #: Error of the interior-point method that is still an answer.
@@ -46,7 +46,7 @@ def collapse(equilibrium: Equilibrium) -> Answer:
 
     Unbounded where friction locks the structure.
     """
-    large = equilibrium.assembly.n_blocks >= LARGE
+    large = equilibrium.assembly.n_blocks >= INTERIOR_POINT_FROM
     answer = _by_interior_point(equilibrium, equilibrium.live, -equilibrium.dead) if large else None
     if answer is None and not (large and is_locked(equilibrium)):
         answer = _by_simplex(equilibrium, equilibrium.live, -equilibrium.dead)
@@ -162,7 +162,7 @@ def _strongest(
     equilibrium: Equilibrium, column: Array, right: Array, *, recession: bool = False
 ) -> Answer:
     """Maximise s, at most 1, with B f + s column = right and the strength of the contacts."""
-    if equilibrium.assembly.n_blocks >= LARGE:
+    if equilibrium.assembly.n_blocks >= INTERIOR_POINT_FROM:
         answer = _by_interior_point(equilibrium, column, right, largest=1.0, recession=recession)
         if answer is not None:
             return answer

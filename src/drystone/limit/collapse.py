@@ -36,7 +36,7 @@ AT_REST = 1e-6
 #: The same of a fall, which is found to 1e-8 at best and slower where it is just beginning.
 FALLING = 1e-3
 #: Paths of the non-associative scheme by default, and from how many blocks on it is only one.
-MANY, FEW, LARGE = 8, 1, 200
+MANY, FEW, FEW_FROM = 8, 1, 200
 #: Multipliers that differ by less than this share are one.
 DIFFERENT = 1e-4
 #: Blocks named in a sentence.
@@ -148,7 +148,7 @@ def collapse_loads(
 
 def default_paths(assembly: Assembly) -> int:
     """Paths of the non-associative scheme where nothing is said about them."""
-    return FEW if assembly.n_blocks >= LARGE else MANY
+    return FEW if assembly.n_blocks >= FEW_FROM else MANY
 
 
 NOT_SOLVED = "the linear program could not be solved: are blocks or strengths of extreme sizes?"

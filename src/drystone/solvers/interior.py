@@ -96,7 +96,7 @@ class InteriorPoint:
         self.change = np.zeros((n_slots, interior.N_CHANGE))
         self.offset = np.zeros_like(step.reaction)
         dead = np.abs(translations(step.loads.dead)[~step.loads.fixed]).max(axis=1)
-        self.weight = float(dead.mean())
+        self.block_weight = float(dead.mean())
 
     def solve(
         self,
@@ -133,10 +133,10 @@ class InteriorPoint:
         if step.count == 0:
             return True, multiplier
         stiffness = float(step.contacts.table[: step.count, STIFF_N].mean())
-        unit = self.weight**2 / stiffness
+        unit = self.block_weight**2 / stiffness
         lag = pace.missing(geometry) if pace else 0.0
         missing = lag - float(np.vdot(gradient, x - geometry)) if pace else 0.0
-        barrier = settings.start * unit + settings.reach * self.weight * abs(missing)
+        barrier = settings.start * unit + settings.reach * self.block_weight * abs(missing)
         interior.centre(*every, step.branch, barrier, self.inner)
         columns = step.frame.columns if pace else step.frame.columns[:1]
         near, stalls, stuck, short = False, 0, 0, 0
@@ -146,7 +146,7 @@ class InteriorPoint:
             energy = self._assemble(x, multiplier, geometry)
             missing = lag - float(np.vdot(gradient, x - geometry)) if pace else 0.0
             near = (
-                step.residual <= settings.residual * self.weight
+                step.residual <= settings.residual * self.block_weight
                 and energy <= settings.enough * unit
             )
             if near and self._told(x, multiplier, geometry, tolerance):

@@ -112,7 +112,7 @@ class LinearStep:
         dim = place.shape[1]
         n_pairs, n_slots = len(pairs.a), pairs.n_slots
         self.loads, self.pairs, self.place, self.slots = loads, pairs, place, slots
-        self.weight = 0.0  # 1/h^2 [1/s2]
+        self.inertia_factor = 0.0  # 1/h^2 [1/s2], times the mass
         self.force = np.zeros((n, n_dof))  # unbalanced
         self.contact_force = np.zeros((n, n_dof))
         self.damping = np.zeros(n)
@@ -175,8 +175,8 @@ class LinearStep:
     def _unbalance(self, x: Array, multiplier: float) -> float:
         c = self.loads
         return step.unbalance(
-            self.contact_force, c.dead, c.pattern, multiplier, c.mass, x, self.weight, c.extent,
-            c.fixed, self.force,
+            self.contact_force, c.dead, c.pattern, multiplier, c.mass, x, self.inertia_factor,
+            c.extent, c.fixed, self.force,
         )  # fmt: skip
 
     def factorise(self, pace: Pace | None, gradient: Array, least_damping: float) -> bool:
@@ -194,7 +194,7 @@ class LinearStep:
             frame.pace[:] = gradient
             frame.axis[body] = gradient[body]
         self.spring = step.stiffen(
-            self.tangent.diagonal, c.mass, self.weight, self.damping, body, frame.axis
+            self.tangent.diagonal, c.mass, self.inertia_factor, self.damping, body, frame.axis
         )
         pivot = lu_numeric.factorise(
             self.structure, *self.tangent, self.factors, c.mass, self.damping, least_damping
@@ -246,7 +246,7 @@ class LinearStep:
                 pair=np.searchsorted(chosen, of_pair[slots])
             ),
         )
-        step.weight, step.count = self.weight, len(rows)
+        step.inertia_factor, step.count = self.inertia_factor, len(rows)
         mine = step.contacts.of(slice(step.count))
         for own, whole in zip(mine, contacts, strict=True):
             own[:] = whole[rows]

@@ -75,7 +75,7 @@ class StaticStep(LinearStep):
         are held at several points and turn together.
         """
         self.pose = pose
-        self.weight = 1.0 / h**2
+        self.inertia_factor = 1.0 / h**2
         for mine, theirs in zip(self.known, slots, strict=True):
             mine[:] = theirs
         self.history_before[:] = history
@@ -90,7 +90,7 @@ class StaticStep(LinearStep):
     def follow(self, slots: Slots) -> None:
         """Go on with the features of these contacts; each brings along what its forerunner had."""
         known, source = self.known, self.source
-        narrow.carry_history(known, slots, source)
+        narrow.find_predecessors(known, slots, source)
         new = source < 0
         for array in (self.history_before, *self.start, self.branch):
             array[:] = array[source]
