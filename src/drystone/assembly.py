@@ -85,7 +85,7 @@ class Shapes:
     body: IntArray  # (n_parts,) row of the block that each part belongs to
     offset: IntArray  # (n_parts + 1,)
     vertices: Array  # (n_vertices, dim) m, core vertices relative to the block's centroid
-    setback: Array  # (n_vertices, 2) m, see `geometry.Core`
+    setback: Array  # (n_vertices, 2) m, see `polygon.Core`
     radius: Array  # (n_parts,) m
 
     def of(self, i: int) -> Array:
