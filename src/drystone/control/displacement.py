@@ -28,6 +28,7 @@ from drystone.control.ends import (
     End,
     Progress,
     carries_nothing,
+    collapsed,
     end_of_curve,
     fallen_freely,
     nothing_carried,
@@ -61,6 +62,8 @@ class DisplacementSettings:
     )
     # near to the stop value the last point must be, relatively
     peak_share: float = 2e-4  # of the peak, that a step may hide of it
+    crest_share: float = 5e-3  # of the peak, by which the way through a step may lie above it
+    drive_share: float = 2e-2  # of the peak, by which that may lie above both ends elsewhere
     bend_share: float = 2e-3  # of the peak, that the curve may bend within a step
     snap_share: float = 2e-4  # of the peak, by which a snap that is passed over may move the curve
     time_step: float = 0.1  # s, first one of a jump
@@ -129,6 +132,8 @@ class DisplacementControl:
             return self._begin_again(state, report)
         if not report.converged or self._snaps(state, report):
             return self._retry(state, report)
+        if self._thrown_back(state, report):
+            report = changed(report, dynamic=True)  # whatever it is that it came to rest as
         multiplier = report.static_multiplier
         gone = report.reached * state.increment
         jumped = bool(state.time_step) or self._leaps(state, report)
@@ -193,7 +198,7 @@ class DisplacementControl:
             return finer if finer > 1e-3 * least else None
         scale = max(state.highest, multiplier, 10.0 * s.stop_multiplier)
         if report.excess is None or report.bend is None:  # the engine does not tell
-            return self._nearer(state, multiplier, scale, least)
+            return self._nearer(state, report, scale, least)
         excess, share = report.excess
         highest = max(state.last, multiplier) + excess > state.highest
         hidden = excess > s.peak_share * scale and highest
@@ -206,25 +211,63 @@ class DisplacementControl:
             return share * state.increment
         return None
 
-    def _nearer(self, state: _State, multiplier: float, scale: float, least: float) -> float | None:
+    def _nearer(
+        self, state: _State, report: StepReport, scale: float, least: float
+    ) -> float | None:
         """A smaller increment where the curve, going on as it rose, might peak within the step."""
         s = self.settings
+        multiplier = report.static_multiplier
+        finest = min(least, s.refined_share * state.closing)
+        if report.crest is not None:
+            calmer = self._calmer(state, report, scale, finest)
+            if calmer is not None:
+                return calmer
+            if multiplier < state.last and report.crest <= 0.2 * s.crest_share * scale:
+                return None  # nor was there a peak on the way
         ahead = state.slope * state.increment
         if state.last != state.highest or ahead <= 0.0:
             return None
         rise = max(multiplier - state.last, 0.0)
         hidden = ahead - rise
         if hidden > s.bend_share * scale:
-            least = min(least, s.refined_share * state.closing)
+            least = finest
         elif multiplier >= state.last or hidden <= 0.1 * s.peak_share * scale:
             return None
         if rise > KINK * ahead or state.increment <= least:
             return None
         return max(0.4 * state.increment, least)
 
+    def _calmer(
+        self, state: _State, report: StepReport, scale: float, finest: float
+    ) -> float | None:
+        """A smaller increment where the way through the step lay too far above both its ends.
+
+        Either there is a peak on it, or what the blocks are driven by is inertia: joints slide on
+        that would have come to rest, or the other way round, and remember it.
+        """
+        s = self.settings
+        crest, multiplier = report.crest or 0.0, report.static_multiplier
+        above = max(state.last, multiplier) + crest - max(state.highest, multiplier)
+        if above > s.crest_share * scale:
+            most, least = s.crest_share * scale, finest
+        else:
+            most, least = s.drive_share * scale, s.floor_share * s.displacement_step
+        if crest <= most or state.increment <= least:
+            return None
+        return max(min(max(most / crest, 0.25), 0.5) * state.increment, least)
+
     def _leaps(self, state: _State, report: StepReport) -> bool:
         """Whether blocks have moved too far for a step of the increment, past no equilibria."""
         return report.motion > self.settings.snap_motion * state.increment
+
+    def _thrown_back(self, state: _State, report: StepReport) -> bool:
+        """Whether in the rest found the control point lies behind where the load began.
+
+        So it does where the structure fell while the load held it back: what stands there is not
+        what was pushed.
+        """
+        behind = report.control_displacement < -self.settings.displacement_step
+        return behind and not state.time_step and self._leaps(state, report)
 
     def _snaps(self, state: _State, report: StepReport) -> bool:
         """Whether a step has passed a jump worth showing, where the path turned back."""
@@ -278,11 +321,21 @@ class DisplacementControl:
             increment = min(increment, state.increment) if report.reached else state.increment
             return changed(state, increment=increment, stage=FOLLOWING, rested=0.0)
         if report.n_iterations <= s.easy_iterations:
-            scale = 2.0
+            scale = self._growth(state, report)
         else:
             scale = 1.0 if report.n_iterations <= s.hard_iterations else 0.7
         increment = min(scale * state.increment, s.displacement_step)
         return changed(state, increment=increment, stage=FOLLOWING, rested=0.0)
+
+    def _growth(self, state: _State, report: StepReport) -> float:
+        """Of increments where steps are easy: the less, the rougher the way through them was."""
+        s = self.settings
+        if report.crest is None:
+            return 2.0
+        crest = report.crest / max(state.highest, 10.0 * s.stop_multiplier)
+        if crest <= 0.05 * s.crest_share:
+            return 3.0
+        return 2.0 if crest <= 0.5 * s.crest_share else 1.0
 
     def _jumping(self, state: _State, report: StepReport) -> _State:
         s = self.settings
@@ -310,6 +363,10 @@ class DisplacementControl:
     def _over(self, state: _State, report: StepReport) -> End | None:
         """Whether and why the analysis is over."""
         s = self.settings
+        if self._thrown_back(state, report):
+            return collapsed(
+                "it falls back behind where it stood", state.highest, s.stop_multiplier
+            )
         if state.fallen > s.fall_motion * s.displacement_step:
             if carries_nothing(s, state.highest):
                 return nothing_carried(s, state.n_steps)

@@ -55,6 +55,9 @@ WATCHED = 1e-3
 #: Looks at whether an increment is reached while it is driven.
 CHUNKS = 10
 
+#: Parts in which the dead load comes: each shakes the structure by as little.
+RAMP = 100
+
 #: Most cycles of one call, which nothing interrupts.
 ROUND = 1000
 
@@ -181,6 +184,7 @@ class Workspace:
         self.acting = LoadArrays.of(engine.problem, state.gone)
         self.lost = state.gone
         self.search_work = 0.0
+        self.loads: Loads
         self.n_cycles = 0
         self.n_searches = 0
         self._pack(weigh=True)
@@ -219,6 +223,25 @@ class Workspace:
             elif why == explicit.BALANCED:
                 return True
         return False
+
+    def load_gradually(self) -> None:
+        """Bring up the dead load, each part of it in cycles enough for a wave to pass."""
+        whole = self.acting
+        for part in range(1, RAMP):
+            self.acting = replace(whole, dead=part / RAMP * whole.dead)
+            self.loads = self.loads._replace(dead=self.acting.dead)
+            self.run(max(self.engine.settings.drive_cycles // CHUNKS, 1))
+        self.acting = whole
+        self.loads = self.loads._replace(dead=whole.dead)
+
+    def drive(self, n_cycles: int, rate: float) -> float:
+        """Guided cycles; the mean multiplier over them, from the work that it did."""
+        pose, done = self.motion.pose.copy(), float(self.meter[explicit.LOAD_WORK])
+        self.run(n_cycles, guided=True, rate=rate, combined=True)
+        moved = self.motion.pose - pose
+        done = float(self.meter[explicit.LOAD_WORK]) - done
+        pushed = float(np.sum(self.acting.pattern * moved))
+        return (done - float(np.sum(self.acting.dead * moved))) / pushed if pushed else 0.0
 
     def relax(self, *, guided: bool) -> bool:
         """Cycles until all is balanced; whether they got there.  Raises `RunAwayError`.
@@ -379,15 +402,23 @@ class DistinctEngine:
 
     def start(self, problem: Problem) -> tuple[DistinctState, StepReport]:
         """Settle under the dead load; raises `UnstableError`."""
-        state, report = self._settle(self.release(problem))
+        state, report = self._settle(self.release(problem), gradually=True)
         while len(due := weakest(state.margin)):
             state, report = self._settle(self._broken(state, due))
         return state, report
 
-    def _settle(self, state: DistinctState) -> tuple[DistinctState, StepReport]:
-        """Cycles under the dead load from rest to rest, all bonds holding."""
+    def _settle(
+        self, state: DistinctState, *, gradually: bool = False
+    ) -> tuple[DistinctState, StepReport]:
+        """Cycles under the dead load from rest to rest, all bonds holding.
+
+        Where nothing rests yet the load comes gradually: put on at once, it would be overshot, and
+        joints that slip in the overshoot would keep their friction.
+        """
         work = Workspace(self, state, real_masses=False, farthest=self.size)
         try:
+            if gradually:
+                work.load_gradually()
             if work.relax(guided=False):
                 return self._rest(state, work)
             motion = work.gone()
@@ -551,12 +582,15 @@ class DistinctEngine:
     def _advance(self, state: DistinctState, increment: float) -> tuple[DistinctState, StepReport]:
         """Drive the control displacement on by an increment, then hold and balance."""
         work = self._at_rest(state)
+        crest = -np.inf
         try:
             if increment:
-                self._drive(state, work, increment)
+                crest = self._drive(state, work, increment)
         except RunAwayError as error:
             return state, _failed(str(error), work)
-        return self._balance(state, work, guided=True)
+        new, figures = self._balance(state, work, guided=True)
+        excess = crest - max(state.multiplier, new.multiplier)
+        return new, replace(figures, crest=max(excess, 0.0) if increment else None)
 
     def _balance(
         self, state: DistinctState, work: Workspace, *, guided: bool
@@ -572,8 +606,10 @@ class DistinctEngine:
             f"an unbalanced force of {left:.1e} weights is left after {work.n_cycles} cycles", work
         )
 
-    def _drive(self, state: DistinctState, work: Workspace, increment: float) -> None:
+    def _drive(self, state: DistinctState, work: Workspace, increment: float) -> float:
         """Move on at a constant rate of F.x until the control displacement is reached, then stop.
+
+        Returns the highest multiplier on the way, of the means over its parts.
 
         The motion of the last step goes on at the pace of this one, so that nothing is shaken.  It
         ends in stages, each slower than the one before: joints that slide go on sliding while
@@ -600,8 +636,9 @@ class DistinctEngine:
                 work.motion.velocity[:] /= SLOWER
         # For the first stage, of the increment.
         left = 1.0 - SLOWER / (1.0 - SLOWER) * s.stage_cycles / s.drive_cycles
+        crest = -np.inf
         for _ in range(10 * CHUNKS):
-            work.run(max(s.drive_cycles // CHUNKS, 1), guided=True, rate=rate, combined=True)
+            crest = max(crest, work.drive(max(s.drive_cycles // CHUNKS, 1), rate))
             gone = control.displacement(assembly, pose) - begin
             if gone / increment > left - 0.5 / CHUNKS:
                 break
@@ -612,6 +649,7 @@ class DistinctEngine:
             rate *= SLOWER
             work.run(s.stage_cycles, guided=True, rate=rate, combined=True)
         work.motion.velocity[:] = 0.0
+        return crest
 
     def _move(self, state: DistinctState, demand: Demand) -> tuple[DistinctState, StepReport]:
         """Real motion for a given time under a given multiplier.
