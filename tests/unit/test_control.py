@@ -36,7 +36,7 @@ from drystone.control import (
     PublishedSettings,
 )
 from drystone.control.displacement import ALL_BUT
-from drystone.control.ends import Progress, end_of_curve
+from drystone.control.ends import COLLAPSED, Progress, end_of_curve
 from drystone.curve import DYNAMIC, STATIC
 from drystone.engines.base import Demand, EngineError, StepReport, UnstableError
 from drystone.modelfile import read_model
@@ -656,6 +656,25 @@ class TestJumps:
         assert (curve.column("status") == DYNAMIC).sum() == 50
 
 
+class TestFallsInOneStep:
+    def test_rest_behind_where_the_load_began_is_a_collapse(self):
+        """An engine that relaxes to rest may find it in the ruins, where much can be carried."""
+
+        class Falling(SlidingStructure):
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                if new.delta < 0.1:
+                    return new, report
+                new = SlidingState(-1.0)
+                return new, self.report(new, 2.0 * PEAK, 1.0)
+
+        curve = trace(Falling(prescribes=True), "displacement")
+        assert curve.status == "finished" and COLLAPSED in curve.reason
+        assert curve.points[-1].status == "dynamic"
+        assert curve.peak.load_multiplier <= PEAK
+        assert curve.ultimate_displacement == curve.control_displacement[-2]
+
+
 class FollowingStructure(SlidingStructure):
     """Its multiplier is piecewise linear, and it says what the corners within a step hide."""
 
@@ -700,6 +719,38 @@ class TestWhatAStepHides:
         assert hidden[1:4].max() <= max(2e-3 * PEAK, least)
         assert PEAK - curve.peak.load_multiplier <= max(2e-4 * PEAK, least)
         assert len(structure.demands) <= 2 * len(curve.points)
+
+    def test_a_peak_on_the_way_is_gone_back_to(self):
+        """A spike half a step wide, behind a lower peak, of which no end of a step tells."""
+        spike = 0.0625 + 0.25 * STEP * np.array([-1.0, 0.0, 1.0])
+        at, multiplier = [0.0, 0.03, *spike, 0.3], [0.0, 0.8, 0.6, 1.0, 0.6, 0.0]
+
+        class Driven(SlidingStructure):
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                way = self.static(np.linspace(state.delta, new.delta, 101))
+                return new, replace(report, crest=way.max() - max(way[0], way[-1]))
+
+        structure = Driven(prescribes=True, static=lambda d: PEAK * np.interp(d, at, multiplier))
+        curve = trace(structure, "displacement")
+        assert curve.status == "finished"
+        assert curve.peak.load_multiplier == pytest.approx(PEAK, rel=5e-3)  # `crest_share`
+        assert len(structure.demands) <= 1.5 * len(curve.points)
+
+    def test_an_engine_whose_way_is_rough_takes_smaller_steps(self):
+        """What inertia adds on the way fades with the step: by ten per cent of the peak in a whole
+        one, 2 % of the peak (`drive_share`) are left in a fifth of it."""
+
+        class Rough(SlidingStructure):
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                rough = 0.1 * PEAK * demand.increment / STEP if state.delta > 0.1 else 0.0
+                return new, replace(report, crest=rough)
+
+        curve = trace(Rough(prescribes=True), "displacement")
+        assert curve.status == "finished"
+        d = curve.control_displacement
+        assert np.diff(d)[d[:-1] > 0.1].max() <= 0.2 * STEP * (1.0 + ROUNDING)
 
     def test_a_bend_at_the_end_of_a_step_does_not_make_it_creep(self):
         class Bending(SlidingStructure):
