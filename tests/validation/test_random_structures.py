@@ -35,7 +35,7 @@ KNOWN = {
     },
     "distinct": {
         **dict.fromkeys((37, 119, 120, 125, 145, 156), BRANCHES),
-        106: OPEN,
+        **dict.fromkeys((40, 69, 106), OPEN),
     },
 }
 
