@@ -50,6 +50,8 @@ TAKEN = [
     *(("wall105", place) for place in (0.2, 0.34, 0.5)),
     *((156, place) for place in (0.11, 0.12)),
     *((37, place) for place in (0.1, 0.3, 0.5)),
+    *((40, place) for place in (0.3, 0.5)),
+    *((69, place) for place in (0.14, 0.22)),
     *((119, place) for place in (0.09, 0.2, 0.3)),
     *((120, place) for place in (0.09, 0.12)),
     *((125, place) for place in (0.1, 0.11)),
@@ -57,10 +59,13 @@ TAKEN = [
 ]
 
 #: As far as the states of `distinct` are needed [m], by structure.
-TRACED = {"wall105": 0.52, 156: 0.13, 37: 0.51, 119: 0.31, 120: 0.13, 125: 0.12, 145: 0.11}
+TRACED = {
+    **{"wall105": 0.52, 37: 0.51, 40: 0.53, 69: 0.24, 119: 0.31, 120: 0.13},
+    **{125: 0.12, 145: 0.11, 156: 0.13},
+}
 
 #: Increments from there [m]: where two joints could turn, the path turns back within longer ones.
-INCREMENT = {119: 2e-5, 120: 2e-5, 125: 2e-5, 145: 2e-5}
+INCREMENT = dict.fromkeys((40, 69, 119, 120, 125, 145), 2e-5)
 
 
 @pytest.mark.slow

@@ -34,8 +34,8 @@ KNOWN = {
         **dict.fromkeys((1, 33, 35, 56, 72, 81, 119, 125, 130, 136, 138, 145, 165), OPEN),
     },
     "distinct": {
-        **dict.fromkeys((37, 119, 120, 125, 145, 156), BRANCHES),
-        **dict.fromkeys((40, 69, 106), OPEN),
+        **dict.fromkeys((37, 40, 69, 119, 120, 125, 145, 156), BRANCHES),
+        106: OPEN,
     },
 }
 
