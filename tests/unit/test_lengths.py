@@ -22,7 +22,6 @@ UNFINISHED = {
     "kernels/explicit.py": {"cycle"},
     "kernels/measures.py": {"collect_contacts"},
     "kernels/narrow.py": {"_interface"},
-    "kernels/path.py": {"follow_path"},
     "solvers/interior.py": {"solve"},
     "solvers/nlgs.py": {"solve"},
 }

@@ -152,6 +152,108 @@ def _keep_slow(contacts, count, branch):
 
 
 @njit(cache=True)
+def _next_change(contacts, count, branch, direction, ahead, whole, last, left_behind, rate):
+    """The first contact that leaves its branch along the direction, which ``rate`` is filled for.
+
+    The contact ``last`` does not go back to the branch it has ``left_behind``.  Returns how far
+    that is, the contact, or ``count`` where there is none, and its branch from there on.
+    """
+    table, rows, measured = contacts.table, contacts.rows, contacts.measured
+    used, body_a, body_b = contacts.slot, contacts.body_a, contacts.body_b
+    nearest = np.inf
+    chosen, following = count, count  # none yet; literals would be compiled for on their own
+    slowest = 0.0
+    if not whole:
+        for i in range(direction.shape[0]):
+            slowest = max(slowest, abs(direction[i, 0]), abs(direction[i, 1]))
+        slowest *= -SLOW
+    for c in range(count):
+        rate_n, rate_t = _rates(table, rows, measured, c, direction, body_a[c], body_b[c])
+        rate_n *= ahead
+        rate_t *= ahead
+        rate[c, 0], rate[c, 1] = rate_n, rate_t
+        now = branch[used[c]]
+        if not whole and (now == FORWARD or now == BACKWARD):
+            sign = 1.0 if now == FORWARD else -1.0
+            speed = (sign * rate_t - table[c, FRICTION] * rate_n) / table[c, STIFF_T]
+            if speed < slowest:
+                slowest = speed
+                chosen = c
+                following = STICKING
+                nearest = 0.0
+        if nearest == 0.0 and following == STICKING:
+            continue
+        far, other = distance(table, c, now, rate_n, rate_t, whole)
+        if c == last and other == left_behind:
+            continue
+        if far < nearest:
+            nearest = far
+            chosen = c
+            following = other
+    return nearest, chosen, following
+
+
+@njit(cache=True)
+def _add_change(structure, factors, frame, paced, contacts, chosen, before, following, new):
+    """Take the change of a contact's branch into the matrix, as number ``new`` since it was made.
+
+    Returns 1 + v . K^-1 u of it, which is zero where there is no direction.
+    """
+    past, pivots, past_v, bodies = frame.changes, frame.pivot, frame.row, frame.bodies
+    n, n_dof = past.shape[1], past.shape[2]
+    a = contacts.body_a[chosen]
+    b = contacts.body_b[chosen]
+    u = np.zeros(2 * n_dof)
+    change(
+        contacts.table, contacts.rows, contacts.measured, chosen, before, following, u, past_v, new
+    )
+    bodies[new, 0] = a
+    bodies[new, 1] = b
+    w = past[new]
+    w[:, :] = 0.0
+    for i in range(n_dof):
+        w[a, i] += u[i]
+        w[b, i] += u[n_dof + i]
+    solve(structure, factors, w.reshape((1, n, n_dof)))
+    by_w = border(frame, w, 0.0) if paced else 0.0
+    for old in range(new):
+        share = along(past_v, old, 0, w, bodies[old, 0], bodies[old, 1]) / pivots[old]
+        for i in range(n):
+            for d in range(n_dof):
+                w[i, d] -= share * past[old, i, d]
+        by_w -= share * frame.change_of_multiplier[old]
+    frame.change_of_multiplier[new] = by_w
+    pivots[new] = 1.0 + along(past_v, new, 0, w, a, b)
+    return pivots[new]
+
+
+@njit(cache=True)
+def _first_direction(structure, factors, frame, paced, force, lag, spring):
+    """Fill the first direction; returns how the multiplier changes along it, NaN for none."""
+    columns = frame.columns[:3] if paced else frame.columns[:1]
+    for i in range(force.shape[0]):
+        for d in range(force.shape[1]):
+            columns[0, i, d] = force[i, d]
+            if paced:
+                columns[1, i, d] = frame.load[i, d]
+                columns[2, i, d] = spring * frame.axis[i, d]
+    solve(structure, factors, columns)
+    return border(frame, columns[0], lag) if paced else 0.0
+
+
+@njit(cache=True)
+def _go(direction, length, x, rate, share, table, count):
+    """Move increments and trial reactions along."""
+    for i in range(x.shape[0]):
+        for d in range(x.shape[1]):
+            x[i, d] += length * direction[i, d]
+    for c in range(count):
+        table[c, TRIAL_N] += share * rate[c, 0]
+        table[c, TRIAL_T] += share * rate[c, 1]
+
+
+# Many: what is unknown, what it starts from, and when to stop.
+@njit(cache=True)
 def follow_path(
     structure, factors, frame, paced, whole, contacts, count, branch, force, lag, spring, x,
     multiplier, left, changes, patience, worth, leap,
@@ -174,45 +276,26 @@ def follow_path(
         See `kernels.forces.joint_forces`; trial reactions are moved on.
     branch
         (n_slots,) changed as the path goes.
-    force
-        (n, n_dof) what is unbalanced at the start, [N, N m].
-    lag
-        What is missing of the pacing displacement [m].
-    spring
-        k [N/m].
-    x
-        (n, n_dof) increments, moved on.
-    multiplier
-        At the start.
+    force, lag, spring
+        What is unbalanced at the start, (n, n_dof) [N, N m]; what is missing of the pacing
+        displacement [m]; k [N/m].
+    x, multiplier
+        (n, n_dof) increments, moved on; the multiplier at the start.
     left, changes
         Share 1 - t of the step that is left, and the number of changes so far.
     patience
         Largest number of changes.
-    worth
-        Number of changes ahead up to which they are followed.
-    leap
-        Whether to go all the way in one where more are ahead: one step of Newton's method.
+    worth, leap
+        Number of changes ahead up to which they are followed, and whether to go all the way in one
+        where more are: one step of Newton's method.
 
     Returns
     -------
     How the path ended, the multiplier, the share that is left and the number of changes.
     """
-    n, n_dof = x.shape
-    # Fields read once: in the loops each reading would count references.
-    table, rows, measured = contacts.table, contacts.rows, contacts.measured
-    used, body_a, body_b = contacts.slot, contacts.body_a, contacts.body_b
-    past, pivots, past_v, bodies = frame.changes, frame.pivot, frame.row, frame.bodies
-    rate, bends, change_of_multiplier = frame.rate, frame.bends, frame.change_of_multiplier
-    columns = frame.columns[:3] if paced else frame.columns[:1]
-    direction = columns[0]
-    for i in range(n):
-        for d in range(n_dof):
-            direction[i, d] = force[i, d]
-            if paced:
-                columns[1, i, d] = frame.load[i, d]
-                columns[2, i, d] = spring * frame.axis[i, d]
-    solve(structure, factors, columns)
-    by_direction = border(frame, direction, lag) if paced else 0.0
+    table, used, rate = contacts.table, contacts.slot, frame.rate
+    direction = frame.columns[0]
+    by_direction = _first_direction(structure, factors, frame, paced, force, lag, spring)
     if not np.isfinite(by_direction):
         return SINGULAR, multiplier, left, changes
     if worth < count:
@@ -222,60 +305,21 @@ def follow_path(
             return MANY, multiplier, left, changes
         if many > worth:
             _leap(contacts, count, direction, branch)
-            for i in range(n):
-                for d in range(n_dof):
-                    x[i, d] += direction[i, d]
+            _go(direction, 1.0, x, rate, 0.0, table, 0)
             return MANY, multiplier + by_direction, left, changes
-    u = np.zeros(2 * n_dof)
     ahead = frame.sense[0]
-    new = -1  # change since the factorisation
-    last = -1
-    left_behind = OPEN
-    capacity = past.shape[0]
+    new, last = -1, -1  # change since the factorisation, and the contact that has changed
+    before = OPEN
     while True:
-        nearest = np.inf
-        chosen, following = count, count  # none yet; literals would be compiled for on their own
-        slowest = 0.0
-        if not whole:
-            for i in range(n):
-                slowest = max(slowest, abs(direction[i, 0]), abs(direction[i, 1]))
-            slowest *= -SLOW
-        for c in range(count):
-            a = body_a[c]
-            b = body_b[c]
-            rate_n, rate_t = _rates(table, rows, measured, c, direction, a, b)
-            rate_n *= ahead
-            rate_t *= ahead
-            rate[c, 0], rate[c, 1] = rate_n, rate_t
-            now = branch[used[c]]
-            if not whole and (now == FORWARD or now == BACKWARD):
-                sign = 1.0 if now == FORWARD else -1.0
-                speed = (sign * rate_t - table[c, FRICTION] * rate_n) / table[c, STIFF_T]
-                if speed < slowest:
-                    slowest = speed
-                    chosen = c
-                    following = STICKING
-                    nearest = 0.0
-            if nearest == 0.0 and following == STICKING:
-                continue
-            far, other = distance(table, c, now, rate_n, rate_t, whole)
-            if c == last and other == left_behind:
-                continue
-            if far < nearest:
-                nearest = far
-                chosen = c
-                following = other
+        nearest, chosen, following = _next_change(
+            contacts, count, branch, direction, ahead, whole, last, before, rate
+        )
         arrives = ahead > 0.0 and nearest >= 1.0
         length = 1.0 if arrives else nearest
         if not np.isfinite(length):
             return LOST, multiplier, left, changes
-        for i in range(n):
-            for d in range(n_dof):
-                x[i, d] += ahead * length * direction[i, d]
+        _go(direction, ahead * length, x, rate, length, table, count)
         multiplier += ahead * length * by_direction
-        for c in range(count):
-            table[c, TRIAL_N] += length * rate[c, 0]
-            table[c, TRIAL_T] += length * rate[c, 1]
         if arrives:
             if not whole:
                 _keep_slow(contacts, count, branch)
@@ -283,56 +327,40 @@ def follow_path(
         left *= 1.0 - ahead * length
         if left > 1.0 + 1e-3:
             return TURNED, multiplier, left, changes
-        before = branch[used[chosen]]
+        last, before = chosen, branch[used[chosen]]
         branch[used[chosen]] = following
-        if changes < bends.shape[0]:
-            bends[changes, 0] = 1.0 - left
-            bends[changes, 1] = multiplier
+        if changes < frame.bends.shape[0]:
+            frame.bends[changes, 0], frame.bends[changes, 1] = 1.0 - left, multiplier
         changes += 1
         new += 1
         if not whole:
             commit(table, chosen, before)
         if changes > patience:
             return LOST, multiplier, left, changes
-        if new == capacity:
+        if new == frame.changes.shape[0]:
             return RENEW, multiplier, left, changes
-        # The new direction.
-        a = body_a[chosen]
-        b = body_b[chosen]
-        change(table, rows, measured, chosen, before, following, u, past_v, new)
-        bodies[new, 0] = a
-        bodies[new, 1] = b
-        w = past[new]
-        w[:, :] = 0.0
-        for i in range(n_dof):
-            w[a, i] += u[i]
-            w[b, i] += u[n_dof + i]
-        solve(structure, factors, w.reshape((1, n, n_dof)))
-        by_w = border(frame, w, 0.0) if paced else 0.0
-        for old in range(new):
-            share = along(past_v, old, 0, w, bodies[old, 0], bodies[old, 1]) / pivots[old]
-            for i in range(n):
-                for d in range(n_dof):
-                    w[i, d] -= share * past[old, i, d]
-            by_w -= share * change_of_multiplier[old]
-        change_of_multiplier[new] = by_w
-        pivot = 1.0 + along(past_v, new, 0, w, a, b)
-        pivots[new] = pivot
+        pivot = _add_change(
+            structure, factors, frame, paced, contacts, chosen, before, following, new
+        )
         if pivot == 0.0 or not np.isfinite(pivot):
             return SINGULAR, multiplier, left, changes
         scale = 1.0 - ahead * length
-        share = scale * along(past_v, new, 0, direction, a, b) / pivot
-        for i in range(n):
-            for d in range(n_dof):
-                direction[i, d] = scale * direction[i, d] - share * w[i, d]
-        by_direction = scale * by_direction - share * by_w
+        by_direction = _bend(frame, contacts, chosen, new, scale, direction, by_direction)
         if pivot < 0.0:
             if not whole:
                 # What the structure snaps over is looked for on the path of the implicit law.
                 whole = True
-                frame.turn[0] = 1.0 - left
-                frame.turn[1] = multiplier
+                frame.turn[0], frame.turn[1] = 1.0 - left, multiplier
             ahead = -ahead
             frame.sense[0] = ahead
-        last = chosen
-        left_behind = before
+
+
+@njit(cache=True)
+def _bend(frame, contacts, chosen, new, scale, direction, by_direction):
+    """Turn the direction by the latest change, over what is left of it; see `_add_change`."""
+    a, b, w = contacts.body_a[chosen], contacts.body_b[chosen], frame.changes[new]
+    share = scale * along(frame.row, new, 0, direction, a, b) / frame.pivot[new]
+    for i in range(direction.shape[0]):
+        for d in range(direction.shape[1]):
+            direction[i, d] = scale * direction[i, d] - share * w[i, d]
+    return scale * by_direction - share * frame.change_of_multiplier[new]
