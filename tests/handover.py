@@ -45,7 +45,7 @@ class KeptEquilibrium(KeptStates, EquilibriumEngine):
 def to_equilibrium(engine: EquilibriumEngine, state: DistinctState) -> EquilibriumState:
     """For an engine that was started on the same problem."""
     normal, tangential = state.reaction.T
-    friction = engine.laws[state.pairs.law.repeat(2), joint_law.MU]
+    friction = engine.laws[state.pairs.law_of_slot, joint_law.MU]
     sliding = np.where(tangential > 0.0, joint_law.FORWARD, joint_law.BACKWARD)
     # On the cone to the millionth that the other engine's rest is known to.
     sticks = np.abs(tangential) < friction * normal * (1.0 - 1e-6)

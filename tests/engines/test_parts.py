@@ -12,6 +12,7 @@ from drystone.analysis import pushover
 from drystone.assembly import Assembly, Shapes
 from drystone.contact.detection import predecessor_slots
 from drystone.kernels import lu_numeric, lu_symbolic
+from drystone.kernels.contacts import PART_A, PART_B
 from drystone.model import Model
 
 
@@ -46,10 +47,10 @@ def test_seams_are_no_contacts():
     assembly = tower(cut=True).assembly
     _, pairs, slots = contacts_of(assembly, assembly.rest_pose())
     assert (pairs.a != pairs.b).all()
-    assert (pairs.part_a != pairs.part_b).all()
+    assert (pairs.which[:, PART_A] != pairs.which[:, PART_B]).all()
     touching = (slots.kind > 0) & (np.abs(slots.gap) < 1e-12)
     # Of each joint two halves, with two points each; halves across meet in a corner.
-    facing = np.abs(pairs.part_b - pairs.part_a)[slots.pair] % 2 == 0
+    facing = np.abs(pairs.which[:, PART_B] - pairs.which[:, PART_A])[pairs.of_slot] % 2 == 0
     assert np.count_nonzero(touching & facing) == 4 * (assembly.n_bodies - 1)
     lengths = slots.length[touching & facing]
     assert lengths == pytest.approx(np.full(len(lengths), 0.1))

@@ -15,6 +15,7 @@ from drystone.engines.equilibrium import EquilibriumEngine
 from drystone.kernels import interior
 from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import (
+    BODY_B,
     FRICTION,
     LIFT,
     STIFF_N,
@@ -34,8 +35,8 @@ def contacts(n, *, mu=0.65, dilation=0.0, seed=0):
     """Contacts of two bodies with random trial reactions of all kinds, and their branches."""
     random = np.random.default_rng(seed)
     contacts = Contacts.empty(n, 2, 3)
-    contacts.rows[:], contacts.measured[:] = (random.normal(size=(n, k, 6)) for k in (2, 1))
-    contacts.slot[:], contacts.body_b[:] = np.arange(n), 1
+    contacts.rows[:] = random.normal(size=(n, 3, 6))
+    contacts.slot[:], contacts.which[:, BODY_B] = np.arange(n), 1
     table = contacts.table
     table[:, STIFF_N], table[:, STIFF_T] = KN, KT
     table[:, FRICTION], table[:, LIFT] = mu, KN * dilation

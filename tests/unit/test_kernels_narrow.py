@@ -285,7 +285,7 @@ class JointOfPair:
 
     def mapping(self):
         packed = self.contacts.of(slice(self.count))
-        return packed.slot, packed.rows
+        return packed.slot, packed.rows[:, :2]
 
 
 def central_differences(evaluate, at, step=1e-6):
@@ -479,7 +479,7 @@ class TestKinematics:
                 # From the vertex that touches, or the two, to the surface of its disc.
                 from_a = slots.arm_a[k] + radius * n * (-1.0 if kind == VERTEX_B else 1.0)
                 from_b = slots.arm_b[k] + radius * n * (1.0 if kind == VERTEX_A else -1.0)
-                assert (pairs.a[slots.pair[k]], pairs.b[slots.pair[k]]) == (0, 1)
+                assert (pairs.a[pairs.of_slot[k]], pairs.b[pairs.of_slot[k]]) == (0, 1)
                 for found, direction in zip(row, (n, np.array([n[1], -n[0]])), strict=True):
                     turn_a = from_a[0] * direction[1] - from_a[1] * direction[0]
                     turn_b = from_b[0] * direction[1] - from_b[1] * direction[0]
@@ -576,12 +576,12 @@ class TestPublishedWalls:
     @pytest.mark.parametrize("wall", [1, 2, 3])
     def test_areas_add_up_to_the_designed_joints(self, wall, corner):
         assembly, pairs, slots, k = self.touching(wall, corner)
-        for p in np.unique(slots.pair[k]):
+        for p in np.unique(pairs.of_slot[k]):
             a, b = (assembly.blocks[i].vertices for i in (pairs.a[p], pairs.b[p]))
             # Boxes that touch: one side of their intersection is nothing, the other the joint.
             low, high = np.maximum(a.min(0), b.min(0)), np.minimum(a.max(0), b.max(0))
             designed = (high - low).max()
-            found = slots.length[k[slots.pair[k] == p]].sum()
+            found = slots.length[k[pairs.of_slot[k] == p]].sum()
             assert found == pytest.approx(designed, abs=ROUNDING)
 
 
@@ -613,11 +613,15 @@ class TestLaterContacts:
             detector.fill(pairs, pose, slots)
             _, fresh_pairs, fresh = contacts_of(assembly, pose)
             found = {
-                (int(pairs.a[slots.pair[k]]), int(pairs.b[slots.pair[k]]), slots.gap[k])
+                (*pairs.which[pairs.of_slot[k], :2].tolist(), slots.gap[k])
                 for k in np.flatnonzero(slots.kind)
             }
             expected = {
-                (int(fresh_pairs.a[fresh.pair[k]]), int(fresh_pairs.b[fresh.pair[k]]), fresh.gap[k])
+                (
+                    int(fresh_pairs.a[fresh_pairs.of_slot[k]]),
+                    int(fresh_pairs.b[fresh_pairs.of_slot[k]]),
+                    fresh.gap[k],
+                )
                 for k in np.flatnonzero(fresh.kind)
             }
             assert found == expected
@@ -643,7 +647,7 @@ class TestIdentity:
             pose[1] = 0.0, radius - turned(corner, -angle)[1] - 0.1, -angle
             new, source = empty_slots(pairs), np.full(2, -1)
             detector.fill(pairs, pose, new)
-            narrow.find_predecessors(slots, new, source)
+            narrow.find_predecessors(pairs, slots, new, source)
             here = [k for k in np.flatnonzero(new.kind) if abs(new.gap[k]) < ROUNDING]
             assert len(here) == 1
             assert source[here[0]] == slot, f"lost at {np.degrees(angle):.0f} degrees"
@@ -662,7 +666,7 @@ class TestIdentity:
             pose[1, 0] = x
             new, source = empty_slots(pairs), np.full(2, -1)
             detector.fill(pairs, pose, new)
-            narrow.find_predecessors(slots, new, source)
+            narrow.find_predecessors(pairs, slots, new, source)
             for k in np.flatnonzero(new.kind & (new.gap < ROUNDING)):
                 assert source[k] == k
             kinds |= set(new.kind.tolist())
@@ -673,7 +677,7 @@ class TestIdentity:
         assembly = pair_of(self.unit, self.unit + (0.0, 0.2), radius=0.02)
         _, pairs, slots = contacts_of(assembly, assembly.rest_pose())
         before, source = empty_slots(pairs), np.zeros(2, np.int64)
-        narrow.find_predecessors(before, slots, source)
+        narrow.find_predecessors(pairs, before, slots, source)
         assert source.tolist() == [-1, -1]
 
     def test_pairs_are_found_again_in_a_new_list(self):

@@ -158,9 +158,9 @@ def reference(taken):
     force = np.zeros_like(x)
     reaction, history, sliding = np.zeros((n, 2)), step.history_before.copy(), np.zeros(n)
     for k in np.flatnonzero(step.known.kind):
-        pair = state.slots.pair[k]
+        pair = state.pairs.of_slot[k]
         ends = [int(state.pairs.a[pair]), int(state.pairs.b[pair])]
-        law = assembly.laws[state.pairs.law[pair]]
+        law = assembly.laws[state.pairs.law_of_slot[k]]
         area = state.slots.length[k] * assembly.thickness
         kn, ks = law.normal_stiffness * area, law.shear_stiffness * area
         features = int(step.known.kind[k]), step.known.feature[k]
@@ -196,7 +196,7 @@ def check(taken, *, whole):
     assert solved.reason == ""
     force, reaction, history, sliding = reference(taken)
     touching = np.flatnonzero(step.known.kind)
-    laws = [assembly.laws[i] for i in state.pairs.law[state.slots.pair]]
+    laws = [assembly.laws[i] for i in state.pairs.law_of_slot]
     accuracy = 0.1 * taken.tolerance
     assert step.reaction == pytest.approx(reaction, abs=accuracy)
     assert step.history[touching, 0] == pytest.approx(history[touching, 0], abs=accuracy)

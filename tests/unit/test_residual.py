@@ -7,7 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drystone.kernels.contacts import BOND, FRICTION, N_TABLE, STIFF_N, STIFF_T, TENSILE, Contacts
+from drystone.kernels.contacts import (
+    BODY_A,
+    BODY_B,
+    BOND,
+    FRICTION,
+    N_TABLE,
+    STIFF_N,
+    STIFF_T,
+    TENSILE,
+    Contacts,
+)
 from drystone.kernels.law import joint_law_violation
 from drystone.kernels.residual import (
     add_contact_forces,
@@ -152,7 +162,8 @@ class TestUnbalancedForce:
 def contacts_between(body_a, body_b, rows=0.0):
     """Contacts of these bodies, with these gradients (n_contacts, 2, 6)."""
     contacts = Contacts.empty(len(body_a), 2, 3)
-    contacts.body_a[:], contacts.body_b[:], contacts.rows[:] = body_a, body_b, rows
+    contacts.which[:, BODY_A], contacts.which[:, BODY_B] = body_a, body_b
+    contacts.rows[:, :2] = rows
     return contacts
 
 

@@ -15,7 +15,7 @@ from drystone.geometry.broad import candidate_pairs
 from drystone.geometry.motion import bound, difference
 from drystone.kernels import measures as kernels
 from drystone.kernels import narrow
-from drystone.kernels.contacts import Pairs, Slots
+from drystone.kernels.contacts import FIRST, PART_A, PART_B, Pairs, Slots
 from drystone.kernels.narrow import POINTS, Bodies, World
 
 Array = NDArray[np.float64]
@@ -50,7 +50,6 @@ def empty_slots(pairs: Pairs) -> Slots:
     """Unused slots of pairs."""
     n, dim = pairs.n_slots, pairs.pose.shape[1] - 1
     return Slots(
-        pair=np.repeat(np.arange(len(pairs.a)), np.diff(pairs.first)),
         kind=np.zeros(n, np.int64),
         feature=np.full((n, 2), -1, np.int64),
         edges=np.full((n, 2), -1, np.int64),
@@ -116,15 +115,8 @@ class Detector:
         if gone is not None and gone.any():
             meet &= ~(gone[a] | gone[b])
         a, b = a[meet], b[meet]
-        return Pairs(
-            a=a,
-            b=b,
-            part_a=part_a[meet],
-            part_b=part_b[meet],
-            law=self.assembly.law_index(a, b),
-            first=POINTS * np.arange(len(a) + 1),
-            pose=pose.copy(),
-        )
+        columns = a, b, part_a[meet], part_b[meet], self.assembly.law_index(a, b)
+        return Pairs.of(columns, np.full(len(a), POINTS), pose)
 
     def outdated(self, pairs: Pairs, pose: Array) -> bool:
         """Whether some block has moved so far that a pair may be missing."""
@@ -173,8 +165,8 @@ class Detector:
 
 def predecessor_pairs(previous: Pairs, current: Pairs) -> IntArray:
     """Row of each current pair in the previous list, or -1, (n_pairs,)."""
-    n = int(max(previous.part_b.max(initial=0), current.part_b.max(initial=0))) + 1
-    old, new = (pairs.part_a * n + pairs.part_b for pairs in (previous, current))
+    n = int(max(pairs.which[:, PART_B].max(initial=0) for pairs in (previous, current))) + 1
+    old, new = (p.which[:, PART_A] * n + p.which[:, PART_B] for p in (previous, current))
     if len(old) == 0:
         return np.full(len(new), -1, np.int64)
     row = np.minimum(np.searchsorted(old, new), len(old) - 1)
@@ -183,6 +175,9 @@ def predecessor_pairs(previous: Pairs, current: Pairs) -> IntArray:
 
 def predecessor_slots(previous: Pairs, current: Pairs) -> IntArray:
     """Slot of each current slot in the previous list, or -1, (n_slots,)."""
-    row, n_slots = predecessor_pairs(previous, current), np.diff(current.first)
-    source = np.repeat(previous.first[row] - current.first[:-1], n_slots) + np.arange(n_slots.sum())
-    return np.where(np.repeat(row, n_slots) >= 0, source, -1)
+    if previous.n_pairs == 0:
+        return np.full(current.n_slots, -1, np.int64)
+    row = predecessor_pairs(previous, current)
+    later = previous.which[row, FIRST] - current.which[:, FIRST]
+    of_slot = current.of_slot
+    return np.where(row[of_slot] >= 0, np.arange(len(of_slot)) + later[of_slot], -1)

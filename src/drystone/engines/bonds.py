@@ -33,7 +33,7 @@ SLIGHT = 1e-3
 #: Share of an increment so small that the first bond breaks where the step starts.
 LEAST_SHARE = 1e-9
 
-#: A frozen dataclass with `pairs`, `slots`, `reaction` (n_slots, dim), `margin` (n_slots,) of the
+#: A frozen dataclass with `pairs`, `reaction` (n_slots, dim), `margin` (n_slots,) of the
 #: bonds, see `contact.bonds`, and `due`, the slots of those that the step has ended for.
 State = TypeVar("State", bound=Any)
 Solved = tuple[State, StepReport]
@@ -82,7 +82,7 @@ class BondSteps(Generic[State]):
         return new, report
 
     def _released(self, state: State) -> float:
-        law = state.pairs.law[state.slots.pair[state.due]]
+        law = state.pairs.law_of_slot[state.due]
         return float(release(self.laws, law, state.reaction[state.due]).max())
 
     def _towards(self, state: State, whole: float) -> Solved[State]:

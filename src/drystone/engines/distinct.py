@@ -34,7 +34,7 @@ from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
 from drystone.kernels import explicit, narrow
 from drystone.kernels import law as joint_law
-from drystone.kernels.contacts import NONE, Contacts, Pairs, Slots
+from drystone.kernels.contacts import BODY_A, BODY_B, NONE, SLOT, Contacts, Pairs, Slots
 from drystone.kernels.explicit import FrozenContacts, Loads, Motion
 from drystone.kernels.forces import pack
 from drystone.kernels.law import N_HISTORY
@@ -312,7 +312,7 @@ class Workspace:
         detector.fill(self.pairs, pose, slots)
         source = np.zeros(len(slots.kind), np.int64)
         old = self.slots
-        narrow.find_predecessors(old, slots, source)
+        narrow.find_predecessors(self.pairs, old, slots, source)
         history = np.where(source[:, None] >= 0, self.history[source], 0.0)
         history[source < 0, joint_law.BROKEN] = 1.0  # what comes to touch later is not bonded
         self.slots, self.history, self.searched = slots, history, pose.copy()
@@ -328,7 +328,7 @@ class Workspace:
         source = predecessor_slots(self.pairs, pairs)
         known = source >= 0
         slots = empty_slots(pairs)
-        for new, old in zip(slots[1:], self.slots[1:], strict=True):  # their pairs are other ones
+        for new, old in zip(slots, self.slots, strict=True):
             new[known] = old[source[known]]
         history = np.zeros((len(source), N_HISTORY))
         history[known] = self.history[source[known]]
@@ -506,7 +506,7 @@ class DistinctEngine:
 
     def elastic_energy(self, pairs: Pairs, slots: Slots, history: Array) -> float:
         """Energy that the joints store [J]."""
-        law = self.laws[pairs.law[slots.pair]]
+        law = self.laws[pairs.law_of_slot]
         area = slots.length * self.problem.assembly.thickness
         overlap = history[:, joint_law.DILATION] - slots.gap
         bonded = (history[:, joint_law.BROKEN] == 0.0) & (law[:, joint_law.TENSION] > 0.0)
@@ -721,7 +721,7 @@ class DistinctEngine:
         contacts = Contacts.empty(len(slots.kind), assembly.dimension, assembly.n_dof)
         count = pack(slots, pairs, self.laws, assembly.thickness, contacts)
         contacts = contacts.of(slice(count))
-        k, a, b = contacts.slot, contacts.body_a, contacts.body_b
+        k, a, b = (contacts.which[:, i] for i in (SLOT, BODY_A, BODY_B))
         force = np.zeros_like(velocity)
         history, reaction = work.history[k], work.reaction[k]
         add_contact_forces(contacts, reaction, force)

@@ -178,7 +178,7 @@ class EquilibriumEngine:
         new = predecessor_pairs(state.pairs, pairs) < 0
         slots = empty_slots(pairs)
         self.detector.fill(pairs, state.pose, slots)
-        return bool((slots.gap[new[slots.pair]] < 0.0).any())
+        return bool((slots.gap[new[pairs.of_slot]] < 0.0).any())
 
     def _settlement(self) -> float:
         """By how much the top of a column as high as the structure sinks in its soft joints [m]."""
@@ -231,7 +231,7 @@ class EquilibriumEngine:
     def _broken(self, state: EquilibriumState, slots: IntArray) -> EquilibriumState:
         """The state without the bonds of some slots."""
         history, branch, margin = state.history.copy(), state.branch.copy(), state.margin.copy()
-        law = state.pairs.law[state.slots.pair[slots]]
+        law = state.pairs.law_of_slot[slots]
         history[slots, joint_law.BROKEN], margin[slots] = 1.0, np.inf
         branch[slots] = yielded(self.constants.laws, law, state.reaction[slots])
         nothing = np.zeros(0, np.int64)
@@ -302,7 +302,7 @@ class EquilibriumEngine:
 
     def _first_branches(self, pairs: Pairs, slots: Slots) -> IntArray:
         """Contacts that touch stick, by a bond where there is one."""
-        laws = self.constants.laws[pairs.law[slots.pair]]
+        laws = self.constants.laws[pairs.law_of_slot]
         bonded = (laws[:, joint_law.COHESION] > 0.0) | (laws[:, joint_law.TENSION] > 0.0)
         touching = np.where(bonded, joint_law.BONDED, joint_law.STICKING)
         # Weight presses on joints that lie; those that stand are shut, but hold by a bond only.
@@ -410,7 +410,7 @@ class EquilibriumEngine:
         equations, x = self.equations, solved.increment
         slots = copied(equations.found)
         source = np.zeros(len(slots.kind), np.int64)
-        narrow.find_predecessors(equations.known, slots, source)
+        narrow.find_predecessors(state.pairs, equations.known, slots, source)
         history, reaction, branch = _inherited(
             source, equations.history, equations.reaction, equations.branch
         )

@@ -262,9 +262,9 @@ class NscdEngine:
         slots = empty_slots(state.pairs)
         self.detector.fill(state.pairs, pose, slots)
         source = np.zeros(len(slots.kind), np.int64)
-        narrow.find_predecessors(state.slots, slots, source)
+        narrow.find_predecessors(state.pairs, state.slots, slots, source)
         carried = np.where(source[:, None] >= 0, reaction[source], 0.0)
-        friction = self.laws[state.pairs.law[slots.pair], MU]
+        friction = self.laws[state.pairs.law_of_slot, MU]
         limit = friction * carried[:, 0] * (1.0 - 1e-9)
         status = np.where(np.abs(carried[:, 1]) >= limit, SLIDING, STICKING)
         status[carried[:, 0] <= 0.0] = OPEN

@@ -1,12 +1,13 @@
 """Contacts as arrays that every kernel takes: candidate pairs, and what is found between them.
 
-A pair of blocks owns a number of slots, one for each contact point that it may have at a time; a
-slot knows its pair, so that how many of them a pair has is nobody else's business.  What solvers
-work on are the slots in use, packed.
+A pair of blocks owns a number of slots, one for each contact point that it may have at a time; how
+many that are is nobody else's business.  Solvers work
+on the slots in use, packed.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -19,31 +20,64 @@ IntArray = NDArray[np.int64]
 NONE, VERTEX_B, VERTEX_A, VERTICES = 0, 1, 2, 3
 
 
+#: Columns of `Pairs.which`: blocks, their parts that are near, joint law, first slot.
+A, B, PART_A, PART_B, LAW, FIRST = range(6)
+
+#: Columns of `Contacts.which`.
+SLOT, PAIR, BODY_A, BODY_B = range(4)
+
+
 class Pairs(NamedTuple):
     """Candidate pairs, each with its joint law and its slots, and where they were made.
 
-    A pair is one of convex parts; blocks of several may meet in several pairs.  Pair p owns the
-    slots from ``first[p]`` to ``first[p + 1]``.
+    A pair is one of convex parts; blocks of several may meet in several pairs.  The slots of a pair
+    follow each other.  (An array more is a quarter of a microsecond more at every call of a kernel:
+    therefore integers stand in one.)
     """
 
-    a: IntArray  # (n_pairs,) blocks
-    b: IntArray  # (n_pairs,)
-    part_a: IntArray  # (n_pairs,) their parts that are near
-    part_b: IntArray  # (n_pairs,)
-    law: IntArray  # (n_pairs,) index into `Assembly.laws`
-    first: IntArray  # (n_pairs + 1,)
+    which: IntArray  # (n_pairs, 6) blocks, parts, law, first slot
+    of_slot: IntArray  # (n_slots,) pair of each slot
     pose: Array  # (n, n_dof) poses they were found in
+
+    @classmethod
+    def of(cls, columns: Iterable[IntArray], n_slots: IntArray, pose: Array) -> Pairs:
+        """Pairs with these blocks, parts and laws, (n_pairs,) each, and so many slots each."""
+        first = np.cumsum(n_slots) - n_slots
+        return cls(
+            which=np.column_stack((*columns, first)).astype(np.int64),
+            of_slot=np.repeat(np.arange(len(n_slots)), n_slots),
+            pose=pose.copy(),
+        )
+
+    @property
+    def n_pairs(self) -> int:
+        """Number of pairs."""
+        return len(self.which)
 
     @property
     def n_slots(self) -> int:
         """Number of slots of all pairs."""
-        return int(self.first[-1])
+        return len(self.of_slot)
+
+    @property
+    def a(self) -> IntArray:
+        """Blocks a, (n_pairs,)."""
+        return np.ascontiguousarray(self.which[:, A])
+
+    @property
+    def b(self) -> IntArray:
+        """Blocks b, (n_pairs,)."""
+        return np.ascontiguousarray(self.which[:, B])
+
+    @property
+    def law_of_slot(self) -> IntArray:
+        """Index into `Assembly.laws`, (n_slots,)."""
+        return np.asarray(self.which[self.of_slot, LAW], np.int64)
 
 
 class Slots(NamedTuple):
     """Contacts of all candidate pairs; see `kernels.narrow`."""
 
-    pair: IntArray  # (n_slots,)
     kind: IntArray  # (n_slots,)
     feature: IntArray  # (n_slots, 2) vertex or edge (by its first vertex) of a and of b
     edges: IntArray  # (n_slots, 2) the facing edges of a and of b
@@ -70,28 +104,25 @@ class Contacts(NamedTuple):
     Reactions act along the gradients of gap and slip; slip may be measured by other gradients.
     """
 
-    slot: IntArray  # (n,)
-    pair: IntArray  # (n,)
-    body_a: IntArray  # (n,)
-    body_b: IntArray  # (n,)
-    rows: Array  # (n, dim, 2 n_dof) gradients of gap and slip by the motions of both bodies
-    measured: Array  # (n, dim - 1, 2 n_dof)
+    which: IntArray  # (n, 4) slot, pair, bodies
+    rows: Array  # (n, 2 dim - 1, 2 n_dof) gradients by the motions of both bodies: of the gap, of
+    # the slip, and those by which slip is measured
     table: Array  # (n, N_TABLE)
 
     @classmethod
     def empty(cls, n: int, dim: int, n_dof: int) -> Contacts:
         """Memory for a number of contacts."""
-        slot, pair, body_a, body_b = (np.zeros(n, np.int64) for _ in range(4))
         return cls(
-            slot=slot,
-            pair=pair,
-            body_a=body_a,
-            body_b=body_b,
-            rows=np.zeros((n, dim, 2 * n_dof)),
-            measured=np.zeros((n, dim - 1, 2 * n_dof)),
+            which=np.zeros((n, 4), np.int64),
+            rows=np.zeros((n, 2 * dim - 1, 2 * n_dof)),
             table=np.zeros((n, N_TABLE)),
         )
 
     def of(self, rows: IntArray | slice) -> Contacts:
         """Some of them: views where ``rows`` is a slice, else copies."""
-        return Contacts._make(array[rows] for array in self)
+        return Contacts(self.which[rows], self.rows[rows], self.table[rows])
+
+    @property
+    def slot(self) -> IntArray:
+        """(n,), a view."""
+        return self.which[:, SLOT]

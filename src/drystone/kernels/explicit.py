@@ -27,7 +27,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drystone.kernels.contacts import NONE, VERTEX_A, VERTICES
+from drystone.kernels.contacts import LAW, NONE, PART_A, PART_B, VERTEX_A, VERTICES, A, B
 from drystone.kernels.law import (
     BROKEN,
     COHESION,
@@ -117,8 +117,7 @@ def pack(slots, bodies, pairs, laws, thickness, history, contacts):
     """Fill ``contacts`` from the slots in use and return their number."""
     kind, feature, length = slots.kind, slots.feature, slots.length
     local, local_tangent, radius = bodies.local, bodies.local_tangent, bodies.radius
-    pair, pair_a, pair_b, pair_law = slots.pair, pairs.a, pairs.b, pairs.law
-    part_a, part_b = pairs.part_a, pairs.part_b
+    pair, of_pair = pairs.of_slot, pairs.which
     slot, edge, other, shape, law = (
         contacts.slot, contacts.edge, contacts.other, contacts.shape, contacts.law
     )  # fmt: skip
@@ -127,8 +126,8 @@ def pack(slots, bodies, pairs, laws, thickness, history, contacts):
         if kind[k] == NONE:
             continue
         p = pair[k]
-        e, o, fe, fo = pair_a[p], pair_b[p], feature[k, 0], feature[k, 1]
-        radius_e, radius_o = radius[part_a[p]], radius[part_b[p]]
+        e, o, fe, fo = of_pair[p, A], of_pair[p, B], feature[k, 0], feature[k, 1]
+        radius_e, radius_o = radius[of_pair[p, PART_A]], radius[of_pair[p, PART_B]]
         if kind[k] == VERTEX_A:
             e, o, fe, fo = o, e, fo, fe
             radius_e, radius_o = radius_o, radius_e
@@ -145,7 +144,7 @@ def pack(slots, bodies, pairs, laws, thickness, history, contacts):
         shape[c, R_SUM] = radius_e + radius_o
         shape[c, ROUND] = 1.0 if kind[k] == VERTICES else 0.0
         area = length[k] * thickness
-        row = pair_law[p]
+        row = of_pair[p, LAW]
         law[c, L_KN] = laws[row, KN] * area
         law[c, L_KS] = laws[row, KS] * area
         law[c, L_MU] = laws[row, MU]
@@ -166,7 +165,7 @@ def pack(slots, bodies, pairs, laws, thickness, history, contacts):
 def unpack(contacts, n_contacts, loads, motion, slots, pairs, history, reaction, status):
     """Write what the cycles made of the contacts back to the slots: geometry, history, reaction."""
     turn, pose, centroid = motion.turn, motion.pose, loads.centroid
-    shape, pair, pair_a = contacts.shape, slots.pair, pairs.a
+    shape, pair, of_pair = contacts.shape, pairs.of_slot, pairs.which
     history[:] = 0.0
     reaction[:] = 0.0
     status[:] = OPEN
@@ -193,7 +192,7 @@ def unpack(contacts, n_contacts, loads, motion, slots, pairs, history, reaction,
             ny = dy / distance
             slots.gap[k] = distance - shape[c, R_SUM]
             slots.ratio[k] = shape[c, R_SUM] / distance
-        if e == pair_a[pair[k]]:
+        if e == of_pair[pair[k], A]:
             slots.normal[k, 0], slots.normal[k, 1] = nx, ny
             slots.arm_a[k, 0], slots.arm_a[k, 1] = ex, ey
             slots.arm_b[k, 0], slots.arm_b[k, 1] = ox, oy
@@ -215,19 +214,19 @@ def stiffness_blocks(slots, pairs, laws, thickness, watched, blocks):
     Contacts open by more than ``watched`` [m] are left out.
     """
     kind, gap, normal, ratio, roll = slots.kind, slots.gap, slots.normal, slots.ratio, slots.roll
-    arm_a, arm_b, length, pair = slots.arm_a, slots.arm_b, slots.length, slots.pair
-    pair_a, pair_b, pair_law = pairs.a, pairs.b, pairs.law
+    arm_a, arm_b, length = slots.arm_a, slots.arm_b, slots.length
+    pair, of_pair = pairs.of_slot, pairs.which
     rows = np.zeros((1, 2, 2 * N_DOF))
     for k in range(kind.shape[0]):
         if kind[k] == NONE or gap[k] > watched:
             continue
         p = pair[k]
         area = length[k] * thickness
-        kn = 2.0 * laws[pair_law[p], KN] * area
-        ks = 2.0 * laws[pair_law[p], KS] * area
+        kn = 2.0 * laws[of_pair[p, LAW], KN] * area
+        ks = 2.0 * laws[of_pair[p, LAW], KS] * area
         gradients(normal, arm_a, arm_b, roll, ratio, k, rows, 0)
         for side in range(2):
-            body, at = (pair_a[p], 0) if side == 0 else (pair_b[p], N_DOF)
+            body, at = (of_pair[p, A], 0) if side == 0 else (of_pair[p, B], N_DOF)
             for i in range(N_DOF):
                 of_gap, of_slip = kn * rows[0, GAP, at + i], ks * rows[0, SLIP, at + i]
                 for j in range(i, N_DOF):

@@ -16,16 +16,23 @@ from numpy.typing import NDArray
 from drystone.kernels.contacts import (
     ADD_N,
     ADD_T,
+    BODY_A,
+    BODY_B,
     BOND,
     FRICTION,
+    LAW,
     LIFT,
     NONE,
+    PAIR,
     PLASTIC,
+    SLOT,
     STIFF_N,
     STIFF_T,
     TENSILE,
     TRIAL_N,
     TRIAL_T,
+    A,
+    B,
 )  # fmt: skip
 from drystone.kernels.law import (
     BONDED,
@@ -51,7 +58,16 @@ from drystone.kernels.law import (
     branch_of,
     reactions,
 )  # fmt: skip
-from drystone.kernels.rows import GAP, N_DOF, SLIP, add_force, along, gradients, second_derivatives
+from drystone.kernels.rows import (
+    GAP,
+    MEASURED,
+    N_DOF,
+    SLIP,
+    add_force,
+    along,
+    gradients,
+    second_derivatives,
+)
 from drystone.kernels.rows import slip as slip_of
 
 Array = NDArray[np.float64]
@@ -84,9 +100,8 @@ def pack(slots, pairs, laws, thickness, contacts):
     """Fill ``contacts`` from the slots in use, but for what the last step did; their number."""
     kind, normal, arm_a, arm_b = slots.kind, slots.normal, slots.arm_a, slots.arm_b
     roll, ratio, length = slots.roll, slots.ratio, slots.length
-    pair, pair_a, pair_b, pair_law = slots.pair, pairs.a, pairs.b, pairs.law
-    rows, measured, table = contacts.rows, contacts.measured, contacts.table
-    used, of_pair, body_a, body_b = contacts.slot, contacts.pair, contacts.body_a, contacts.body_b
+    pair, of_pair = pairs.of_slot, pairs.which
+    which, rows, table = contacts
     count = 0
     for k in range(kind.shape[0]):
         if kind[k] == NONE:
@@ -94,11 +109,12 @@ def pack(slots, pairs, laws, thickness, contacts):
         c = count
         count += 1
         p = pair[k]
-        law, area = pair_law[p], length[k] * thickness
-        used[c], of_pair[c], body_a[c], body_b[c] = k, p, pair_a[p], pair_b[p]
+        law, area = of_pair[p, LAW], length[k] * thickness
+        which[c, SLOT], which[c, PAIR] = k, p
+        which[c, BODY_A], which[c, BODY_B] = of_pair[p, A], of_pair[p, B]
         gradients(normal, arm_a, arm_b, roll, ratio, k, rows, c)
         for i in range(2 * N_DOF):
-            measured[c, 0, i] = rows[c, SLIP, i]
+            rows[c, MEASURED, i] = rows[c, SLIP, i]
         table[c, :] = 0.0
         table[c, STIFF_N], table[c, STIFF_T] = laws[law, KN] * area, laws[law, KS] * area
         table[c, FRICTION] = laws[law, MU]
@@ -140,9 +156,8 @@ def joint_forces(
     """
     kind, normal, arm_a, arm_b = slots.kind, slots.normal, slots.arm_a, slots.arm_b
     roll, ratio, gap, length = slots.roll, slots.ratio, slots.gap, slots.length
-    pair, pair_a, pair_b, pair_law = slots.pair, pairs.a, pairs.b, pairs.law
-    rows, measured, table = contacts.rows, contacts.measured, contacts.table
-    used, of_pair, body_a, body_b = contacts.slot, contacts.pair, contacts.body_a, contacts.body_b
+    pair, of_pair = pairs.of_slot, pairs.which
+    which, rows, table = contacts
     start_length, start_rows, closed = start.length, start.rows, start.closed
     force[:, :] = 0.0
     count = 0
@@ -158,25 +173,25 @@ def joint_forces(
         shear = history[k, SHEAR]
         history[k, SHEAR] = 0.0
         p = pair[k]
-        a = pair_a[p]
-        b = pair_b[p]
-        law = pair_law[p]
+        a = of_pair[p, A]
+        b = of_pair[p, B]
+        law = of_pair[p, LAW]
         known = start_length[k] > 0.0
         area = thickness * (start_length[k] if known else length[k])
         c = count
         count += 1
-        used[c], of_pair[c], body_a[c], body_b[c] = k, p, a, b
+        which[c, SLOT], which[c, PAIR], which[c, BODY_A], which[c, BODY_B] = k, p, a, b
         gradients(normal, arm_a, arm_b, roll, ratio, k, rows, c)
         if known:
             slip = 0.0
             for i in range(N_DOF):
-                measured[c, 0, i] = start_rows[k, SLIP, i]
-                measured[c, 0, N_DOF + i] = start_rows[k, SLIP, N_DOF + i]
+                rows[c, MEASURED, i] = start_rows[k, SLIP, i]
+                rows[c, MEASURED, N_DOF + i] = start_rows[k, SLIP, N_DOF + i]
                 slip += start_rows[k, SLIP, i] * increment[a, i]
                 slip += start_rows[k, SLIP, N_DOF + i] * increment[b, i]
         else:
             for i in range(2 * N_DOF):
-                measured[c, 0, i] = rows[c, SLIP, i]
+                rows[c, MEASURED, i] = rows[c, SLIP, i]
             slip = slip_of(kind, normal, arm_a, arm_b, roll, ratio, k, a, b, increment)
         kn, kt = laws[law, KN] * area, laws[law, KS] * area
         bond, tensile = laws[law, COHESION] * area, laws[law, TENSION] * area
@@ -204,13 +219,12 @@ def joint_forces(
 @njit(cache=True)
 def move_trial(contacts, count, motion):
     """Trial reactions where the blocks have moved on by ``motion`` (n, n_dof), to first order."""
-    rows, measured, table = contacts.rows, contacts.measured, contacts.table
-    body_a, body_b = contacts.body_a, contacts.body_b
+    which, rows, table = contacts
     for c in range(count):
-        a = body_a[c]
-        b = body_b[c]
+        a = which[c, BODY_A]
+        b = which[c, BODY_B]
         table[c, TRIAL_N] -= table[c, STIFF_N] * along(rows, c, GAP, motion, a, b)
-        table[c, TRIAL_T] -= table[c, STIFF_T] * along(measured, c, 0, motion, a, b)
+        table[c, TRIAL_T] -= table[c, STIFF_T] * along(rows, c, MEASURED, motion, a, b)
 
 
 @njit(cache=True)
@@ -231,21 +245,21 @@ def geometric_stiffness(slots, contacts, count, reaction, tangent):
     # Fields read once, and no views of rows: in the loop each would count references.
     kind, normal, arm_a, arm_b = slots.kind, slots.normal, slots.arm_a, slots.arm_b
     roll, ratio = slots.roll, slots.ratio
-    used, pair, body_a, body_b = contacts.slot, contacts.pair, contacts.body_a, contacts.body_b
+    which = contacts.which
     diagonal, upper, lower = tangent.diagonal, tangent.upper, tangent.lower
     diagonal[:, :, :] = 0.0
     upper[:, :, :] = 0.0
     lower[:, :, :] = 0.0
     hess = np.zeros((2 * N_DOF, 2 * N_DOF))
     for c in range(count):
-        k = used[c]
+        k = which[c, SLOT]
         if reaction[k, 0] == 0.0:
             continue
         hess[:, :] = 0.0
         second_derivatives(
             kind, normal, arm_a, arm_b, roll, ratio, k, reaction[k, 0], reaction[k, 1], hess
         )
-        add_blocks(hess, body_a[c], body_b[c], pair[c], diagonal, upper, lower)
+        add_blocks(hess, which[c, BODY_A], which[c, BODY_B], which[c, PAIR], diagonal, upper, lower)
 
 
 @njit(cache=True)
@@ -282,18 +296,17 @@ def assemble(contacts, count, pairs, response, geometric, motion, force, tangent
     """
     diagonal, upper, lower = tangent.diagonal, tangent.upper, tangent.lower
     bent, above, below = geometric.diagonal, geometric.upper, geometric.lower
-    pair_a, pair_b = pairs.a, pairs.b
-    rows, measured, table = contacts.rows, contacts.measured, contacts.table
-    pair, body_a, body_b = contacts.pair, contacts.body_a, contacts.body_b
+    of_pair = pairs.which
+    which, rows, table = contacts
     for body in range(motion.shape[0]):
         for i in range(N_DOF):
             force[body, i] = 0.0
             for j in range(N_DOF):
                 force[body, i] -= bent[body, i, j] * motion[body, j]
                 diagonal[body, i, j] = bent[body, i, j]
-    for p in range(pair_a.shape[0]):
-        a = pair_a[p]
-        b = pair_b[p]
+    for p in range(of_pair.shape[0]):
+        a = of_pair[p, A]
+        b = of_pair[p, B]
         for i in range(N_DOF):
             for j in range(N_DOF):
                 force[a, i] -= above[p, i, j] * motion[b, j]
@@ -302,8 +315,8 @@ def assemble(contacts, count, pairs, response, geometric, motion, force, tangent
                 lower[p, i, j] = below[p, i, j]
     hess = np.zeros((2 * N_DOF, 2 * N_DOF))
     for c in range(count):
-        a = body_a[c]
-        b = body_b[c]
+        a = which[c, BODY_A]
+        b = which[c, BODY_B]
         rn, rt = response[c, RN], response[c, RT]
         kn, kt = table[c, STIFF_N], table[c, STIFF_T]
         nn, nt = kn * response[c, NN], kt * response[c, NT]
@@ -312,6 +325,6 @@ def assemble(contacts, count, pairs, response, geometric, motion, force, tangent
             by_gap = rows[c, GAP, i] * nn + rows[c, SLIP, i] * tn
             by_slip = rows[c, GAP, i] * nt + rows[c, SLIP, i] * tt
             for j in range(2 * N_DOF):
-                hess[i, j] = by_gap * rows[c, GAP, j] + by_slip * measured[c, 0, j]
+                hess[i, j] = by_gap * rows[c, GAP, j] + by_slip * rows[c, MEASURED, j]
         add_force(rows, c, rn, rt, a, b, force)
-        add_blocks(hess, a, b, pair[c], diagonal, upper, lower)
+        add_blocks(hess, a, b, which[c, PAIR], diagonal, upper, lower)

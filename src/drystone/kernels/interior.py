@@ -23,7 +23,17 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from drystone.kernels.contacts import FRICTION, LIFT, STIFF_N, STIFF_T, TRIAL_N, TRIAL_T
+from drystone.kernels.contacts import (
+    BODY_A,
+    BODY_B,
+    FRICTION,
+    LIFT,
+    SLOT,
+    STIFF_N,
+    STIFF_T,
+    TRIAL_N,
+    TRIAL_T,
+)
 from drystone.kernels.law import (
     BACKWARD,
     BONDED,
@@ -35,7 +45,7 @@ from drystone.kernels.law import (
     TN,
     TT,
 )  # fmt: skip
-from drystone.kernels.rows import GAP, N_DOF, add_force
+from drystone.kernels.rows import GAP, MEASURED, N_DOF, add_force
 
 #: Columns of a contact's variables, and of their changes, which have those of T_n and T_t as well.
 #: The room that the shear has to either side is kept apart: its end is lost in rounding.
@@ -51,12 +61,12 @@ def centre(contacts, count, branch, barrier, inner):
 
     Dilatancy is left out; the iterations make up for it.  Contacts whose bond holds are linear.
     """
-    table, used = contacts.table, contacts.slot
+    table, which = contacts.table, contacts.which
     for c in range(count):
         row = table[c]
         v = inner[c]
         tn, tt = row[TRIAL_N], row[TRIAL_T]
-        if branch[used[c]] == BONDED:
+        if branch[which[c, SLOT]] == BONDED:
             v[RN], v[RT] = tn, tt
             continue
         product = row[STIFF_N] * barrier
@@ -106,7 +116,7 @@ def respond(contacts, count, branch, inner, response):
 
     Returns the mean of the products, as energies [J].
     """
-    table, used = contacts.table, contacts.slot
+    table, which = contacts.table, contacts.which
     energy = 0.0
     n = 0
     for c in range(count):
@@ -114,7 +124,7 @@ def respond(contacts, count, branch, inner, response):
         v = inner[c]
         a = response[c]
         a[RN], a[RT] = v[RN], v[RT]
-        if branch[used[c]] == BONDED:
+        if branch[which[c, SLOT]] == BONDED:
             a[NN], a[NT], a[TN], a[TT] = 1.0, 0.0, 0.0, 1.0
             continue
         mu = row[FRICTION]
@@ -152,11 +162,10 @@ def _lacking(table, inner, change, c, barrier, second):
 @njit(cache=True, error_model="numpy")
 def offset(contacts, count, branch, inner, barrier, second, change, response, b, force):
     """Fill b of every contact and add the forces A b to ``force`` (n, n_dof)."""
-    table, rows, used = contacts.table, contacts.rows, contacts.slot
-    body_a, body_b = contacts.body_a, contacts.body_b
+    which, rows, table = contacts
     for c in range(count):
         bn, bt = table[c, TRIAL_N] - inner[c, RN], table[c, TRIAL_T] - inner[c, RT]
-        if branch[used[c]] != BONDED:
+        if branch[which[c, SLOT]] != BONDED:
             n, p, q = _lacking(table, inner, change, c, barrier, second)
             bn += inner[c, W] + n / inner[c, RN]
             if table[c, FRICTION] > 0.0:
@@ -167,7 +176,7 @@ def offset(contacts, count, branch, inner, barrier, second, change, response, b,
         b[c, B_N], b[c, B_T] = bn, bt
         rn = response[c, NN] * bn + response[c, NT] * bt
         rt = response[c, TN] * bn + response[c, TT] * bt
-        add_force(rows, c, rn, rt, body_a[c], body_b[c], force)
+        add_force(rows, c, rn, rt, which[c, BODY_A], which[c, BODY_B], force)
 
 
 @njit(cache=True, error_model="numpy")
@@ -182,20 +191,19 @@ def changes(contacts, count, branch, inner, barrier, second, response, b, direct
     Returns how far along it all factors stay positive, the contact that ends it, and how the mean
     energy changes with the way gone, to first and second order [J].
     """
-    table, rows, measured = contacts.table, contacts.rows, contacts.measured
-    used, body_a, body_b = contacts.slot, contacts.body_a, contacts.body_b
+    which, rows, table = contacts
     longest = np.inf
     limiting = -1
     first, second_order = 0.0, 0.0
     n_products = 0
     for c in range(count):
-        first_body, second_body = body_a[c], body_b[c]
+        first_body, second_body = which[c, BODY_A], which[c, BODY_B]
         tn, tt = 0.0, 0.0
         for i in range(N_DOF):
             tn += rows[c, GAP, i] * direction[first_body, i]
             tn += rows[c, GAP, N_DOF + i] * direction[second_body, i]
-            tt += measured[c, 0, i] * direction[first_body, i]
-            tt += measured[c, 0, N_DOF + i] * direction[second_body, i]
+            tt += rows[c, MEASURED, i] * direction[first_body, i]
+            tt += rows[c, MEASURED, N_DOF + i] * direction[second_body, i]
         n, p, q = _lacking(table, inner, change, c, barrier, second)
         tn *= -table[c, STIFF_N]
         tt *= -table[c, STIFF_T]
@@ -204,7 +212,7 @@ def changes(contacts, count, branch, inner, barrier, second, response, b, direct
         rn = response[c, NN] * bn + response[c, NT] * bt
         rt = response[c, TN] * bn + response[c, TT] * bt
         change[c, RN], change[c, RT] = rn, rt
-        if branch[used[c]] == BONDED:
+        if branch[which[c, SLOT]] == BONDED:
             continue
         w = inner[c, W]
         dw = (n - w * rn) / inner[c, RN]
@@ -253,9 +261,9 @@ def move(contacts, count, inner, change, length):
 @njit(cache=True, error_model="numpy")
 def choose(contacts, count, inner, branch):
     """Branch of every contact by the smaller factor of each product."""
-    used = contacts.slot
+    which = contacts.which
     for c in range(count):
-        k = used[c]
+        k = which[c, SLOT]
         if branch[k] == BONDED:
             continue
         v = inner[c]

@@ -31,13 +31,14 @@ from drystone.kernels.contacts import (
     FRICTION,
     LIFT,
     PLASTIC,
+    SLOT,
     STIFF_N,
     STIFF_T,
     TENSILE,
     TRIAL_N,
     TRIAL_T,
 )  # fmt: skip
-from drystone.kernels.rows import GAP, SLIP
+from drystone.kernels.rows import GAP, MEASURED, SLIP
 
 #: Branches: open, sticking, sliding under positive and under negative shear, held by a bond.
 OPEN, STICKING, FORWARD, BACKWARD, BONDED = 0, 1, 2, 3, 4
@@ -112,9 +113,9 @@ def reactions(table, c, branch):
 @njit(cache=True)
 def respond(contacts, count, branch, response):
     """Fill reactions and their derivatives by the trial reactions, (n_slots, N_RESPONSE)."""
-    table, used = contacts.table, contacts.slot
+    table, which = contacts.table, contacts.which
     for c in range(count):
-        now = branch[used[c]]
+        now = branch[which[c, SLOT]]
         response[c, RN], response[c, RT], _ = reactions(table, c, now)
         nn, nt, tn, tt = 0.0, 0.0, 0.0, 0.0
         if now == STICKING or now == BONDED:
@@ -189,7 +190,7 @@ def landing(table, c, now):
 
 
 @njit(cache=True)
-def change(table, rows, measured, c, before, after, u, v, k):
+def change(table, rows, c, before, after, u, v, k):
     """Fill u (2 n_dof,) and v[k, 0] with the u and v by whose product the matrix changes with the
     branch of contact c."""
     sliding = before if before >= FORWARD else after
@@ -200,13 +201,13 @@ def change(table, rows, measured, c, before, after, u, v, k):
         turn = -1.0 if before == OPEN else 1.0
         for i in range(u.shape[0]):
             u[i] = turn * (rows[c, GAP, i] + sign * mu * rows[c, SLIP, i])
-            slid = mu * kn * rows[c, GAP, i] - sign * kt * measured[c, 0, i]
+            slid = mu * kn * rows[c, GAP, i] - sign * kt * rows[c, MEASURED, i]
             v[k, 0, i] = lift * slid / along - kn * rows[c, GAP, i]
         return
     turn = 1.0 if before == STICKING else -1.0
     for i in range(u.shape[0]):
         u[i] = turn * (sign * kt * rows[c, SLIP, i] - lift * rows[c, GAP, i])
-        slid = mu * kn * rows[c, GAP, i] - sign * kt * measured[c, 0, i]
+        slid = mu * kn * rows[c, GAP, i] - sign * kt * rows[c, MEASURED, i]
         v[k, 0, i] = slid / along
 
 
@@ -281,9 +282,9 @@ def joint_law_violation(table, gap, slip, reaction, shear_before, whole):
 @njit(cache=True)
 def remember(contacts, count, history_before):
     """Sliding that has ended becomes part of what contacts bring along (n_slots, N_HISTORY)."""
-    table, used = contacts.table, contacts.slot
+    table, which = contacts.table, contacts.which
     for c in range(count):
-        k = used[c]
+        k = which[c, SLOT]
         history_before[k, SHEAR] += table[c, ADD_T]
         history_before[k, DILATION] += table[c, ADD_N] / table[c, STIFF_N]
         history_before[k, SLID] += table[c, PLASTIC]

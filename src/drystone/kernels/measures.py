@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from drystone.kernels.contacts import NONE, VERTEX_B
+from drystone.kernels.contacts import NONE, PART_A, PART_B, VERTEX_B, A, B
 
 
 @njit(cache=True)
@@ -100,15 +100,14 @@ def collect_contacts(
         slots.gap,
         slots.length,
     )
-    pair_a, pair_b, pair = pairs.a, pairs.b, slots.pair
-    part_a, part_b = pairs.part_a, pairs.part_b
+    pair, of_pair = pairs.of_slot, pairs.which
     row = 0
     for k in range(kind.shape[0]):
         if kind[k] == NONE:
             continue
         p = pair[k]
-        a, b = pair_a[p], pair_b[p]
-        reach = -radius[part_b[p]] if kind[k] == VERTEX_B else radius[part_a[p]]
+        a, b = of_pair[p, A], of_pair[p, B]
+        reach = -radius[of_pair[p, PART_B]] if kind[k] == VERTEX_B else radius[of_pair[p, PART_A]]
         block_a[row], block_b[row] = a, b
         for d in range(2):
             place = centroid[a, d] + pose[a, d] + arm_a[k, d]
@@ -141,14 +140,14 @@ def mark_loose(pairs, slots, reaction, fixed, part):
     Bodies hold each other where a contact is closed or carries; ``part`` (n,) is filled with the
     first body of each one's connected part.
     """
-    pair_a, pair_b, pair, kind, gap = pairs.a, pairs.b, slots.pair, slots.kind, slots.gap
+    pair, of_pair, kind, gap = pairs.of_slot, pairs.which, slots.kind, slots.gap
     n = fixed.shape[0]
     for i in range(n):
         part[i] = i
     for k in range(kind.shape[0]):
         if kind[k] == NONE or not (gap[k] <= 0.0 or reaction[k, 0] != 0.0):
             continue
-        a, b = pair_a[pair[k]], pair_b[pair[k]]
+        a, b = of_pair[pair[k], A], of_pair[pair[k], B]
         while part[a] != a:
             part[a] = part[part[a]]
             a = part[a]

@@ -35,7 +35,17 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drystone.kernels.contacts import NONE, VERTEX_A, VERTEX_B, VERTICES
+from drystone.kernels.contacts import (
+    FIRST,
+    NONE,
+    PART_A,
+    PART_B,
+    VERTEX_A,
+    VERTEX_B,
+    VERTICES,
+    A,
+    B,
+)
 
 #: Contact points of a pair.
 POINTS = 2
@@ -279,8 +289,7 @@ def _measure(bodies, pose, world, pairs, slots):
     # Fields read once: in the loop each reading would count references.
     centroid, local, radius = bodies.centroid, bodies.local, bodies.radius
     local_tangent, tangent, arm, turn = bodies.local_tangent, world.tangent, world.arm, world.turn
-    pair_a, pair_b, part_a, part_b = pairs.a, pairs.b, pairs.part_a, pairs.part_b
-    pair, kinds, features = slots.pair, slots.kind, slots.feature
+    pair, of_pair, kinds, features = pairs.of_slot, pairs.which, slots.kind, slots.feature
     gap, normal = slots.gap, slots.normal
     arm_a, arm_b, roll, ratio = slots.arm_a, slots.arm_b, slots.roll, slots.ratio
     for k in range(kinds.shape[0]):
@@ -289,7 +298,7 @@ def _measure(bodies, pose, world, pairs, slots):
             gap[k] = np.inf
             continue
         p = pair[k]
-        a, b = pair_a[p], pair_b[p]
+        a, b = of_pair[p, A], of_pair[p, B]
         va, vb = features[k, 0], features[k, 1]
         # From a vertex of a, or an edge's first, to one of b; the other way on an edge of b.
         sign = -1.0 if kind == VERTEX_A else 1.0
@@ -301,7 +310,7 @@ def _measure(bodies, pose, world, pairs, slots):
         x, y = sign * (between_x + (bx - ax)), sign * (between_y + (by - ay))  # as designed
         moved_x = sign * (shift_x + (turned_bx - turned_ax))
         moved_y = sign * (shift_y + (turned_by - turned_ay))
-        ra, rb = radius[part_a[p]], radius[part_b[p]]
+        ra, rb = radius[of_pair[p, PART_A]], radius[of_pair[p, PART_B]]
         if kind == VERTICES:
             dx, dy = x + moved_x, y + moved_y
             distance, before = np.sqrt(dx * dx + dy * dy), np.sqrt(x * x + y * y)
@@ -337,13 +346,13 @@ def find_contacts(bodies, pose, world, pairs, reach, slots):
     setback, radius = bodies.setback, bodies.radius
     vertex, tangent = world.vertex, world.tangent
     kinds, features, edges, lengths = slots.kind, slots.feature, slots.edges, slots.length
-    part_a, part_b, first = pairs.part_a, pairs.part_b, pairs.first
-    for p in range(part_a.shape[0]):
-        a = part_a[p]
-        b = part_b[p]
+    of_pair = pairs.which
+    for p in range(of_pair.shape[0]):
+        a = of_pair[p, PART_A]
+        b = of_pair[p, PART_B]
         _interface(
-            offset, following, length, setback, radius[a] + radius[b], vertex, tangent, first[p],
-            a, b, reach, kinds, features, edges, lengths,
+            offset, following, length, setback, radius[a] + radius[b], vertex, tangent,
+            of_pair[p, FIRST], a, b, reach, kinds, features, edges, lengths,
         )  # fmt: skip
     _measure(bodies, pose, world, pairs, slots)
     for k in range(slots.kind.shape[0]):
@@ -387,13 +396,13 @@ def changed_contacts(before, after, depth):
 
 
 @njit(cache=True)
-def find_predecessors(previous, slots, source):
+def find_predecessors(pairs, previous, slots, source):
     """For every slot, the slot of the same pair whose history it goes on with, or -1.
 
     A slot goes on with itself while its interface keeps its edges.  When a block turns so far
     that another edge faces its neighbour, the contact that shares a vertex goes on.
     """
-    pair, kind, feature, edges = slots.pair, slots.kind, slots.feature, slots.edges
+    pair, kind, feature, edges = pairs.of_slot, slots.kind, slots.feature, slots.edges
     was, were, along = previous.kind, previous.feature, previous.edges
     n = kind.shape[0]
     first = 0  # slot of the pair

@@ -17,7 +17,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drystone.kernels.contacts import FRICTION, STIFF_N, Contacts
+from drystone.kernels.contacts import BODY_A, BODY_B, FRICTION, PAIR, STIFF_N, Contacts
 from drystone.kernels.forces import add_blocks
 from drystone.kernels.law import OPEN, SLIDING, STICKING
 from drystone.kernels.rows import GAP, N_DOF, SLIP, add_force
@@ -37,12 +37,12 @@ class ContactProblem(NamedTuple):
 def delassus_blocks(problem, blocks):
     """Diagonal blocks W = H M^-1 H^T, (n_contacts, dim, dim) [1/kg]."""
     contacts, inverse_mass = problem.contacts, problem.inverse_mass
-    rows, body_a, body_b = contacts.rows, contacts.body_a, contacts.body_b
+    which, rows = contacts.which, contacts.rows
     for c in range(rows.shape[0]):
-        a = body_a[c]
-        b = body_b[c]
-        for i in range(rows.shape[1]):
-            for j in range(rows.shape[1]):
+        a = which[c, BODY_A]
+        b = which[c, BODY_B]
+        for i in range(blocks.shape[1]):
+            for j in range(blocks.shape[1]):
                 w = 0.0
                 for d in range(N_DOF):
                     w += rows[c, i, d] * inverse_mass[a, d] * rows[c, j, d]
@@ -54,9 +54,18 @@ def delassus_blocks(problem, blocks):
 def apply_impulses(problem, impulse, velocity):
     """Add M^-1 H^T p to the velocities, (n, n_dof)."""
     contacts, inverse_mass = problem.contacts, problem.inverse_mass
-    rows, body_a, body_b = contacts.rows, contacts.body_a, contacts.body_b
+    which, rows = contacts.which, contacts.rows
     for c in range(rows.shape[0]):
-        _push(rows, c, impulse[c, 0], impulse[c, 1], body_a[c], body_b[c], inverse_mass, velocity)
+        _push(
+            rows,
+            c,
+            impulse[c, 0],
+            impulse[c, 1],
+            which[c, BODY_A],
+            which[c, BODY_B],
+            inverse_mass,
+            velocity,
+        )
 
 
 @njit(cache=True)
@@ -89,13 +98,13 @@ def sweep(problem, blocks, h, order, n_sweeps, impulse, velocity):
         (n, 3), kept consistent with the impulses.
     """
     contacts, inverse_mass, gap = problem.contacts, problem.inverse_mass, problem.gap
-    rows, table, body_a, body_b = contacts.rows, contacts.table, contacts.body_a, contacts.body_b
+    which, rows, table = contacts
     n = gap.shape[0]
     for s in range(n_sweeps):
         for i in range(n):
             c = order[i] if s % 2 == 0 else order[n - 1 - i]
-            a = body_a[c]
-            b = body_b[c]
+            a = which[c, BODY_A]
+            b = which[c, BODY_B]
             un = 0.0
             ut = 0.0
             for d in range(N_DOF):
@@ -139,11 +148,11 @@ def sweep(problem, blocks, h, order, n_sweeps, impulse, velocity):
 @njit(cache=True)
 def contact_velocities(contacts, velocity, out):
     """Relative velocities H v, normal and tangential, (n_contacts, dim) [m/s]."""
-    rows, body_a, body_b = contacts.rows, contacts.body_a, contacts.body_b
+    which, rows = contacts.which, contacts.rows
     for c in range(rows.shape[0]):
-        a = body_a[c]
-        b = body_b[c]
-        for i in range(rows.shape[1]):
+        a = which[c, BODY_A]
+        b = which[c, BODY_B]
+        for i in range(out.shape[1]):
             u = 0.0
             for d in range(N_DOF):
                 u += rows[c, i, d] * velocity[a, d]
@@ -220,10 +229,9 @@ def branches(problem, impulse, piece):
 def held_law_tangent(problem, h, penalty, piece, diagonal, upper, lower):
     """Add -d(H^T p)/dv of the branches in ``piece`` to the block matrix [kg]."""
     contacts = problem.contacts
-    rows, table, pair = contacts.rows, contacts.table, contacts.pair
-    body_a, body_b = contacts.body_a, contacts.body_b
+    which, rows, table = contacts
     block = np.zeros((2 * N_DOF, 2 * N_DOF))
-    for c in range(pair.shape[0]):
+    for c in range(which.shape[0]):
         if piece[c] == OPEN:
             continue
         stiffness = h * h * table[c, STIFF_N]
@@ -237,19 +245,21 @@ def held_law_tangent(problem, h, penalty, piece, diagonal, upper, lower):
             gt = rows[c, SLIP, i] * hold
             for j in range(2 * N_DOF):
                 block[i, j] = gn * rows[c, GAP, j] + gt * rows[c, SLIP, j]
-        add_blocks(block, body_a[c], body_b[c], pair[c], diagonal, upper, lower)
+        add_blocks(
+            block, which[c, BODY_A], which[c, BODY_B], which[c, PAIR], diagonal, upper, lower
+        )
 
 
 @njit(cache=True)
 def momentum_defect(problem, mass, free_velocity, velocity, impulse, defect):
     """H^T p - M (v - v_free), (n, n_dof), and its norm weighted with M^-1."""
     contacts, inverse_mass = problem.contacts, problem.inverse_mass
-    rows, body_a, body_b = contacts.rows, contacts.body_a, contacts.body_b
+    which, rows = contacts.which, contacts.rows
     for i in range(mass.shape[0]):
         for d in range(N_DOF):
             defect[i, d] = -mass[i, d] * (velocity[i, d] - free_velocity[i, d])
     for c in range(rows.shape[0]):
-        add_force(rows, c, impulse[c, 0], impulse[c, 1], body_a[c], body_b[c], defect)
+        add_force(rows, c, impulse[c, 0], impulse[c, 1], which[c, BODY_A], which[c, BODY_B], defect)
     norm = 0.0
     for i in range(mass.shape[0]):
         for d in range(N_DOF):

@@ -20,7 +20,16 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drystone.kernels.contacts import FRICTION, STIFF_N, STIFF_T, TRIAL_N, TRIAL_T
+from drystone.kernels.contacts import (
+    BODY_A,
+    BODY_B,
+    FRICTION,
+    SLOT,
+    STIFF_N,
+    STIFF_T,
+    TRIAL_N,
+    TRIAL_T,
+)
 from drystone.kernels.law import (
     BACKWARD,
     FORWARD,
@@ -32,7 +41,7 @@ from drystone.kernels.law import (
     landing,
 )  # fmt: skip
 from drystone.kernels.lu_numeric import solve
-from drystone.kernels.rows import GAP, along
+from drystone.kernels.rows import GAP, MEASURED, along
 
 #: How a path ends: where it should; before it, as it turns back; at a change after which the
 #: matrix must be made anew; after too many changes; where there is no direction; with more
@@ -98,23 +107,22 @@ def border(frame, x, lag):
 
 
 @njit(cache=True)
-def _rates(table, rows, measured, c, field, a, b):
+def _rates(table, rows, c, field, a, b):
     """Rates of the trial reactions of contact c along a field of the bodies' motion."""
-    gap, slip = along(rows, c, GAP, field, a, b), along(measured, c, 0, field, a, b)
+    gap, slip = along(rows, c, GAP, field, a, b), along(rows, c, MEASURED, field, a, b)
     return -table[c, STIFF_N] * gap, -table[c, STIFF_T] * slip
 
 
 @njit(cache=True)
 def _ahead(contacts, count, direction, branch, whole):
     """How many contacts would change on the way along the direction."""
-    table, rows, measured = contacts.table, contacts.rows, contacts.measured
-    used, body_a, body_b = contacts.slot, contacts.body_a, contacts.body_b
+    which, rows, table = contacts
     changed = 0
     for c in range(count):
-        a = body_a[c]
-        b = body_b[c]
-        rate_n, rate_t = _rates(table, rows, measured, c, direction, a, b)
-        now = branch[used[c]]
+        a = which[c, BODY_A]
+        b = which[c, BODY_B]
+        rate_n, rate_t = _rates(table, rows, c, direction, a, b)
+        now = branch[which[c, SLOT]]
         far, _ = distance(table, c, now, rate_n, rate_t, whole)
         back = 0.0
         if not whole and (now == FORWARD or now == BACKWARD):
@@ -128,23 +136,22 @@ def _ahead(contacts, count, direction, branch, whole):
 @njit(cache=True)
 def _leap(contacts, count, direction, branch):
     """Take all contacts to the end of the direction and to the branches they have there."""
-    table, rows, measured = contacts.table, contacts.rows, contacts.measured
-    used, body_a, body_b = contacts.slot, contacts.body_a, contacts.body_b
+    which, rows, table = contacts
     for c in range(count):
-        a = body_a[c]
-        b = body_b[c]
-        rate_n, rate_t = _rates(table, rows, measured, c, direction, a, b)
+        a = which[c, BODY_A]
+        b = which[c, BODY_B]
+        rate_n, rate_t = _rates(table, rows, c, direction, a, b)
         table[c, TRIAL_N] += rate_n
         table[c, TRIAL_T] += rate_t
-        branch[used[c]] = landing(table, c, branch[used[c]])
+        branch[which[c, SLOT]] = landing(table, c, branch[which[c, SLOT]])
 
 
 @njit(cache=True)
 def _keep_slow(contacts, count, branch):
     """Make sliding back that was too slow to end a part of the history."""
-    table, used = contacts.table, contacts.slot
+    table, which = contacts.table, contacts.which
     for c in range(count):
-        now = branch[used[c]]
+        now = branch[which[c, SLOT]]
         if now == FORWARD or now == BACKWARD:
             sign = 1.0 if now == FORWARD else -1.0
             if sign * table[c, TRIAL_T] < table[c, FRICTION] * table[c, TRIAL_N]:
@@ -158,8 +165,7 @@ def _next_change(contacts, count, branch, direction, ahead, whole, last, left_be
     The contact ``last`` does not go back to the branch it has ``left_behind``.  Returns how far
     that is, the contact, or ``count`` where there is none, and its branch from there on.
     """
-    table, rows, measured = contacts.table, contacts.rows, contacts.measured
-    used, body_a, body_b = contacts.slot, contacts.body_a, contacts.body_b
+    which, rows, table = contacts
     nearest = np.inf
     chosen, following = count, count  # none yet; literals would be compiled for on their own
     slowest = 0.0
@@ -168,11 +174,11 @@ def _next_change(contacts, count, branch, direction, ahead, whole, last, left_be
             slowest = max(slowest, abs(direction[i, 0]), abs(direction[i, 1]))
         slowest *= -SLOW
     for c in range(count):
-        rate_n, rate_t = _rates(table, rows, measured, c, direction, body_a[c], body_b[c])
+        rate_n, rate_t = _rates(table, rows, c, direction, which[c, BODY_A], which[c, BODY_B])
         rate_n *= ahead
         rate_t *= ahead
         rate[c, 0], rate[c, 1] = rate_n, rate_t
-        now = branch[used[c]]
+        now = branch[which[c, SLOT]]
         if not whole and (now == FORWARD or now == BACKWARD):
             sign = 1.0 if now == FORWARD else -1.0
             speed = (sign * rate_t - table[c, FRICTION] * rate_n) / table[c, STIFF_T]
@@ -201,12 +207,10 @@ def _add_change(structure, factors, frame, paced, contacts, chosen, before, foll
     """
     past, pivots, past_v, bodies = frame.changes, frame.pivot, frame.row, frame.bodies
     n, n_dof = past.shape[1], past.shape[2]
-    a = contacts.body_a[chosen]
-    b = contacts.body_b[chosen]
+    a = contacts.which[chosen, BODY_A]
+    b = contacts.which[chosen, BODY_B]
     u = np.zeros(2 * n_dof)
-    change(
-        contacts.table, contacts.rows, contacts.measured, chosen, before, following, u, past_v, new
-    )
+    change(contacts.table, contacts.rows, chosen, before, following, u, past_v, new)
     bodies[new, 0] = a
     bodies[new, 1] = b
     w = past[new]
@@ -293,7 +297,7 @@ def follow_path(
     -------
     How the path ended, the multiplier, the share that is left and the number of changes.
     """
-    table, used, rate = contacts.table, contacts.slot, frame.rate
+    table, which, rate = contacts.table, contacts.which, frame.rate
     direction = frame.columns[0]
     by_direction = _first_direction(structure, factors, frame, paced, force, lag, spring)
     if not np.isfinite(by_direction):
@@ -327,8 +331,8 @@ def follow_path(
         left *= 1.0 - ahead * length
         if left > 1.0 + 1e-3:
             return TURNED, multiplier, left, changes
-        last, before = chosen, branch[used[chosen]]
-        branch[used[chosen]] = following
+        last, before = chosen, branch[which[chosen, SLOT]]
+        branch[which[chosen, SLOT]] = following
         if changes < frame.bends.shape[0]:
             frame.bends[changes, 0], frame.bends[changes, 1] = 1.0 - left, multiplier
         changes += 1
@@ -358,7 +362,8 @@ def follow_path(
 @njit(cache=True)
 def _bend(frame, contacts, chosen, new, scale, direction, by_direction):
     """Turn the direction by the latest change, over what is left of it; see `_add_change`."""
-    a, b, w = contacts.body_a[chosen], contacts.body_b[chosen], frame.changes[new]
+    which, w = contacts.which, frame.changes[new]
+    a, b = which[chosen, BODY_A], which[chosen, BODY_B]
     share = scale * along(frame.row, new, 0, direction, a, b) / frame.pivot[new]
     for i in range(direction.shape[0]):
         for d in range(direction.shape[1]):

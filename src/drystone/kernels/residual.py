@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from drystone.kernels.contacts import BODY_A, BODY_B
 from drystone.kernels.rows import add_force
 
 
@@ -33,16 +34,18 @@ def unbalanced_force(force, inertia, extent, fixed):
 @njit(cache=True)
 def add_contact_forces(contacts, reaction, force):
     """Add H^T r to ``force`` (n, n_dof) on all bodies, fixed ones included."""
-    rows, body_a, body_b = contacts.rows, contacts.body_a, contacts.body_b
+    which, rows = contacts.which, contacts.rows
     for c in range(reaction.shape[0]):
-        add_force(rows, c, reaction[c, 0], reaction[c, 1], body_a[c], body_b[c], force)
+        add_force(
+            rows, c, reaction[c, 0], reaction[c, 1], which[c, BODY_A], which[c, BODY_B], force
+        )
 
 
 @njit(cache=True)
 def mark_held(contacts, reaction, held):
     """Set ``held`` (n,) for bodies on which a contact acts."""
-    body_a, body_b = contacts.body_a, contacts.body_b
+    which = contacts.which
     for c in range(reaction.shape[0]):
         if reaction[c, 0] != 0.0 or reaction[c, 1] != 0.0:
-            held[body_a[c]] = True
-            held[body_b[c]] = True
+            held[which[c, BODY_A]] = True
+            held[which[c, BODY_B]] = True

@@ -15,8 +15,8 @@ from drystone.kernels.contacts import NONE, VERTEX_A, VERTEX_B, VERTICES
 #: Degrees of freedom of a body: a constant, so that loops over them are unrolled.
 N_DOF = 3
 
-#: Rows of a contact.
-GAP, SLIP = 0, 1
+#: Rows of a contact: gradients of gap and slip, and those by which slip is measured.
+GAP, SLIP, MEASURED = 0, 1, 2
 
 
 @njit(cache=True)

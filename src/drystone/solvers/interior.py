@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from drystone.geometry.motion import translations
 from drystone.kernels import interior, lu_numeric, path
 from drystone.kernels import law as joint_law
-from drystone.kernels.contacts import STIFF_N
+from drystone.kernels.contacts import BODY_A, BODY_B, STIFF_N
 from drystone.solvers.linear_step import LinearStep, Pace
 
 Array = NDArray[np.float64]
@@ -223,7 +223,7 @@ class InteriorPoint:
     def _faster(self, contact: int) -> int:
         """Of a contact's bodies, the one that moves more along the direction."""
         step = self.step
-        bodies = int(step.contacts.body_a[contact]), int(step.contacts.body_b[contact])
+        bodies = step.contacts.which[contact, (BODY_A, BODY_B)].tolist()
         return max(bodies, key=lambda i: np.abs(translations(step.frame.columns[0, i])).max())
 
     def _restless(self, unrest: float) -> bool:

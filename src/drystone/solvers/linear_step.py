@@ -17,7 +17,18 @@ from numpy.typing import NDArray
 from drystone.geometry import motion
 from drystone.kernels import forces, lu_numeric, lu_symbolic, path, step
 from drystone.kernels import law as joint_law
-from drystone.kernels.contacts import Contacts, Pairs, Slots
+from drystone.kernels.contacts import (
+    BODY_A,
+    BODY_B,
+    FIRST,
+    PAIR,
+    SLOT,
+    A,
+    B,
+    Contacts,
+    Pairs,
+    Slots,
+)
 from drystone.kernels.forces import Tangent
 
 Array = NDArray[np.float64]
@@ -110,7 +121,7 @@ class LinearStep:
     def __init__(self, loads: Loads, pairs: Pairs, place: Array, slots: Slots) -> None:
         n, n_dof = loads.mass.shape
         dim = place.shape[1]
-        n_pairs, n_slots = len(pairs.a), pairs.n_slots
+        n_pairs, n_slots = pairs.n_pairs, pairs.n_slots
         self.loads, self.pairs, self.place, self.slots = loads, pairs, place, slots
         self.inertia_factor = 0.0  # 1/h^2 [1/s2], times the mass
         self.force = np.zeros((n, n_dof))  # unbalanced
@@ -215,7 +226,7 @@ class LinearStep:
         """The equations of some bodies (n,) and rings of their neighbours, with what is around them
         fixed: a copy."""
         contacts = self.contacts.of(slice(self.count))
-        a, b = contacts.body_a, contacts.body_b
+        a, b = contacts.which[:, BODY_A], contacts.which[:, BODY_B]
         free = bodies.copy()
         for _ in range(rings):
             near = free[a] | free[b]
@@ -225,33 +236,25 @@ class LinearStep:
         among = np.unique(np.concatenate((a[rows], b[rows])))
         number = np.zeros(len(free), np.int64)
         number[among] = np.arange(len(among))
-        chosen, pair = np.unique(contacts.pair[rows], return_inverse=True)
-        of_pair = self.slots.pair
-        slots = np.flatnonzero(np.isin(of_pair, chosen))
-        n_slots = np.diff(self.pairs.first)[chosen]
-        pairs = Pairs(
-            a=number[self.pairs.a[chosen]],
-            b=number[self.pairs.b[chosen]],
-            part_a=self.pairs.part_a[chosen],
-            part_b=self.pairs.part_b[chosen],
-            law=self.pairs.law[chosen],
-            first=np.concatenate(([0], np.cumsum(n_slots))),
-            pose=self.pairs.pose[among],
-        )
+        of_pair, of_slot = self.pairs.which, self.pairs.of_slot
+        chosen, pair = np.unique(contacts.which[rows, PAIR], return_inverse=True)
+        slots = np.flatnonzero(np.isin(of_slot, chosen))
+        columns = of_pair[chosen, :FIRST].T
+        columns[[A, B]] = number[columns[[A, B]]]
+        pairs = Pairs.of(columns, np.bincount(of_slot)[chosen], self.pairs.pose[among])
         step = LinearStep(
             self.loads.of(among, ~free[among]),
             pairs,
             self.place[among],
-            Slots._make(field[slots] for field in self.slots)._replace(
-                pair=np.searchsorted(chosen, of_pair[slots])
-            ),
+            Slots._make(field[slots] for field in self.slots),
         )
         step.inertia_factor, step.count = self.inertia_factor, len(rows)
         mine = step.contacts.of(slice(step.count))
         for own, whole in zip(mine, contacts, strict=True):
             own[:] = whole[rows]
-        mine.slot[:], mine.pair[:] = np.searchsorted(slots, contacts.slot[rows]), pair
-        mine.body_a[:], mine.body_b[:] = number[a[rows]], number[b[rows]]
+        mine.which[:, SLOT] = np.searchsorted(slots, contacts.slot[rows])
+        mine.which[:, PAIR] = pair
+        mine.which[:, BODY_A], mine.which[:, BODY_B] = number[a[rows]], number[b[rows]]
         step.branch[:], step.reaction[:] = self.branch[slots], self.reaction[slots]
         step.damping[:] = self.damping[among]
         return Part(step=step, bodies=among, rows=rows)

@@ -90,7 +90,7 @@ class StaticStep(LinearStep):
     def follow(self, slots: Slots) -> None:
         """Go on with the features of these contacts; each brings along what its forerunner had."""
         known, source = self.known, self.source
-        narrow.find_predecessors(known, slots, source)
+        narrow.find_predecessors(self.pairs, known, slots, source)
         new = source < 0
         for array in (self.history_before, *self.start, self.branch):
             array[:] = array[source]

@@ -35,7 +35,7 @@ from drystone.engines.measures import (
     unstable_sentence,
 )
 from drystone.geometry import motion, polygon
-from drystone.kernels.contacts import FRICTION, STIFF_N, STIFF_T, Contacts, Slots
+from drystone.kernels.contacts import BODY_A, BODY_B, FRICTION, STIFF_N, STIFF_T, Contacts, Slots
 from drystone.kernels.nlgs import ContactProblem, contact_velocities, delassus_blocks
 from drystone.kernels.rows import gradients
 
@@ -162,9 +162,8 @@ class Lmgc90Engine:
         stiffness = np.array([law.normal_stiffness for law in assembly.laws], dtype=float)
         joints: dict[tuple[int, int], float] = {}
         for k in np.flatnonzero(slots.kind).tolist():
-            p = slots.pair[k]
-            a, b = int(self._pairs.a[p]), int(self._pairs.b[p])
-            share = stiffness[self._pairs.law[p]] * slots.length[k] * assembly.thickness
+            a, b, _, _, law, _ = self._pairs.which[self._pairs.of_slot[k]].tolist()
+            share = stiffness[law] * slots.length[k] * assembly.thickness
             key = (min(a, b), max(a, b))
             joints[key] = joints.get(key, 0.0) + float(share)
         return Setup(
@@ -323,7 +322,7 @@ class Lmgc90Engine:
         """LMGC90's own contacts, with its gaps: those that it has missed cannot be judged here."""
         n, a, b = len(outcome.body_a), outcome.body_a, outcome.body_b
         contacts = Contacts.empty(n, 2, state.pose.shape[1])
-        contacts.body_a[:], contacts.body_b[:] = a, b
+        contacts.which[:, BODY_A], contacts.which[:, BODY_B] = a, b
         centre = motion.places(self.reference, self._to_reference(state.pose))
         arms = outcome.position - centre[a], outcome.position - centre[b]
         for c in range(n):
