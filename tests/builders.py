@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from drystone.assembly import Assembly, Block, Corner, JointLaw
 from drystone.builders import make_model
-from drystone.contact.detection import Detector, empty_slots
+from drystone.contact.detection import Detector
 from drystone.engines.base import Problem
 from drystone.kernels.contacts import Pairs, Slots
 from drystone.model import Model
@@ -212,6 +212,6 @@ def contacts_of(assembly: Assembly, pose: np.ndarray) -> tuple[Detector, Pairs, 
     """Pairs and contacts found from nothing in the given poses."""
     detector = Detector(assembly)
     pairs = detector.pairs(pose)
-    slots = empty_slots(pairs)
+    slots = Slots.empty(pairs.n_slots)
     detector.fill(pairs, pose, slots)
     return detector, pairs, slots

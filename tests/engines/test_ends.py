@@ -9,11 +9,12 @@ from builders import PUBLISHED_JOINT, UNIT_WEIGHT, rectangle, stack, stiff_joint
 from drystone.analysis import pushover
 from drystone.assembly import Block, JointLaw
 from drystone.builders import make_model
-from drystone.contact.detection import Detector, empty_slots
+from drystone.contact.detection import Detector
 from drystone.curve import STATIC, BlockLeft
 from drystone.engines.base import EngineError, Problem
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays
+from drystone.kernels.contacts import Slots
 from drystone.limit import limits_beside
 from drystone.model import Analysis
 
@@ -260,7 +261,7 @@ def test_blocks_below_the_ground_have_left(level):
     detector, pose = Detector(assembly), assembly.rest_pose()
     pose[1, 1] = 0.05  # lifted a little above the base
     pairs = detector.pairs(pose)
-    slots = empty_slots(pairs)
+    slots = Slots.empty(pairs.n_slots)
     detector.fill(pairs, pose, slots)
     arguments = (detector, LoadArrays.of(problem), pose, 0.0, pairs, slots)
     left = departing(problem, *arguments, np.zeros((len(slots.kind), 2)))
@@ -276,7 +277,7 @@ def test_blocks_leave_together_past_what_is_no_obstacle():
     pose[1, :2] = 0.5, -0.2  # the small one beside the base
     pose[2, :2] = 2.0, 0.5  # the tall one high above it
     pairs = detector.pairs(pose)
-    slots = empty_slots(pairs)
+    slots = Slots.empty(pairs.n_slots)
     detector.fill(pairs, pose, slots)
     arguments = (detector, LoadArrays.of(problem), pose, 0.0, pairs, slots)
     nothing = np.zeros((len(slots.kind), 2))

@@ -24,12 +24,12 @@ from builders import (
 )
 from drystone.assembly import Assembly, Block, Corner, JointLaw
 from drystone.builders import published_wall
-from drystone.contact.detection import empty_slots, predecessor_pairs
+from drystone.contact.detection import predecessor_pairs
 from drystone.geometry import GeometryError
 from drystone.geometry.broad import candidate_pairs
 from drystone.kernels import forces, narrow, rows
 from drystone.kernels import law as joint_law
-from drystone.kernels.contacts import NONE, VERTEX_A, VERTEX_B, VERTICES, Contacts
+from drystone.kernels.contacts import NONE, VERTEX_A, VERTEX_B, VERTICES, Contacts, Slots
 from drystone.kernels.forces import Start, Tangent
 
 pytestmark = pytest.mark.kernels
@@ -234,7 +234,7 @@ class JointOfPair:
         self.assembly, self.pose = assembly, pose
         self.detector, self.pairs, self.known = contacts_of(assembly, pose)
         n = len(self.known.kind)
-        self.slots = empty_slots(self.pairs)
+        self.slots = Slots.empty(self.pairs.n_slots)
         self.known.length[:] = 0.1  # fixed within a step, as engines do
         self.laws = np.zeros((1, joint_law.N_LAW))
         law = assembly.joint
@@ -250,7 +250,7 @@ class JointOfPair:
         )
         if linear is not None:
             self.start.length[:] = 0.1
-            half = empty_slots(self.pairs)
+            half = Slots.empty(self.pairs.n_slots)
             self.detector.follow(self.pairs, pose + 0.5 * linear, self.known, half)
             rows.slot_rows(half, self.start.rows)
 
@@ -274,9 +274,9 @@ class JointOfPair:
             Tangent(*(np.full((n, 3, 3), np.nan) for n in (2, n_pairs, n_pairs))) for _ in range(2)
         )
         every = contacts, self.count
-        forces.move_trial(*every, motion)
+        forces.move_trial(*contacts, self.count, motion)
         response = np.zeros((len(contacts.slot), joint_law.N_RESPONSE))
-        joint_law.respond(*every, self.branch, response)
+        joint_law.respond(contacts.which, contacts.table, self.count, self.branch, response)
         forces.geometric_stiffness(self.slots, *every, self.reaction, bent)
         forces.assemble(*every, self.pairs, response, bent, motion, force, blocks)
         diagonal, upper, lower = blocks
@@ -609,7 +609,7 @@ class TestLaterContacts:
             pose = pose + 0.2 * detector.reach * move / detector.motion(move)[:, None]
             if detector.outdated(pairs, pose):
                 pairs = detector.pairs(pose)
-                slots = empty_slots(pairs)
+                slots = Slots.empty(pairs.n_slots)
             detector.fill(pairs, pose, slots)
             _, fresh_pairs, fresh = contacts_of(assembly, pose)
             found = {
@@ -645,7 +645,7 @@ class TestIdentity:
         for angle in np.radians(np.arange(1.0, 90.0, 2.0)):
             pose = np.zeros((2, 3))
             pose[1] = 0.0, radius - turned(corner, -angle)[1] - 0.1, -angle
-            new, source = empty_slots(pairs), np.full(2, -1)
+            new, source = Slots.empty(pairs.n_slots), np.full(2, -1)
             detector.fill(pairs, pose, new)
             narrow.find_predecessors(pairs, slots, new, source)
             here = [k for k in np.flatnonzero(new.kind) if abs(new.gap[k]) < ROUNDING]
@@ -664,7 +664,7 @@ class TestIdentity:
         for x in np.arange(0.0, 0.398, 0.006):
             pose = np.zeros((2, 3))
             pose[1, 0] = x
-            new, source = empty_slots(pairs), np.full(2, -1)
+            new, source = Slots.empty(pairs.n_slots), np.full(2, -1)
             detector.fill(pairs, pose, new)
             narrow.find_predecessors(pairs, slots, new, source)
             for k in np.flatnonzero(new.kind & (new.gap < ROUNDING)):
@@ -676,7 +676,7 @@ class TestIdentity:
     def test_a_new_contact_has_no_past(self):
         assembly = pair_of(self.unit, self.unit + (0.0, 0.2), radius=0.02)
         _, pairs, slots = contacts_of(assembly, assembly.rest_pose())
-        before, source = empty_slots(pairs), np.zeros(2, np.int64)
+        before, source = Slots.empty(pairs.n_slots), np.zeros(2, np.int64)
         narrow.find_predecessors(pairs, before, slots, source)
         assert source.tolist() == [-1, -1]
 

@@ -9,7 +9,6 @@ from builders import problem_of
 from drystone.builders import published_wall
 from drystone.engines.base import Demand
 from drystone.engines.equilibrium import EquilibriumEngine
-from drystone.kernels import law as joint_law
 
 pytestmark = pytest.mark.kernels
 
@@ -42,7 +41,7 @@ def test_a_part_has_the_forces_and_tangents_of_the_whole(step, rings):
     whole = np.zeros_like(step.force)
     whole[part.bodies] = away
     for equations, x in ((step, whole), (part.step, away)):
-        joint_law.respond(equations.contacts, equations.count, equations.branch, equations.response)
+        equations.respond()
         equations.assemble(x, 0.3, x)
     movable = ~part.step.loads.fixed
     np.testing.assert_allclose(

@@ -15,7 +15,19 @@ from drystone.geometry.broad import candidate_pairs
 from drystone.geometry.motion import bound, difference
 from drystone.kernels import measures as kernels
 from drystone.kernels import narrow
-from drystone.kernels.contacts import FIRST, PART_A, PART_B, Pairs, Slots
+from drystone.kernels.contacts import (
+    ARM_A,
+    FIRST,
+    GAP,
+    LENGTH,
+    NORMAL,
+    PART_A,
+    PART_B,
+    A,
+    B,
+    Pairs,
+    Slots,
+)
 from drystone.kernels.narrow import POINTS, Bodies, World
 
 Array = NDArray[np.float64]
@@ -44,28 +56,6 @@ def bodies_of(assembly: Assembly) -> Bodies:
         setback=shapes.setback,
         radius=shapes.radius,
     )
-
-
-def empty_slots(pairs: Pairs) -> Slots:
-    """Unused slots of pairs."""
-    n, dim = pairs.n_slots, pairs.pose.shape[1] - 1
-    return Slots(
-        kind=np.zeros(n, np.int64),
-        feature=np.full((n, 2), -1, np.int64),
-        edges=np.full((n, 2), -1, np.int64),
-        gap=np.full(n, np.inf),
-        normal=np.zeros((n, dim)),
-        arm_a=np.zeros((n, dim)),
-        arm_b=np.zeros((n, dim)),
-        roll=np.zeros((n, 2)),
-        ratio=np.ones(n),
-        length=np.zeros(n),
-    )
-
-
-def copied(slots: Slots) -> Slots:
-    """Slots of one's own, which later contact detection does not touch."""
-    return Slots._make(array.copy() for array in slots)
 
 
 class Detector:
@@ -142,25 +132,21 @@ class Detector:
         self, pairs: Pairs, pose: Array, slots: Slots, reaction: Array, status: IntArray
     ) -> ContactForces:
         """Used slots as results; ``reaction`` (n_slots, dim) holds normal and tangential [N]."""
-        n, dim = int(np.count_nonzero(slots.kind)), pose.shape[1] - 1
-        forces = ContactForces(
-            block_a=np.empty(n, np.int64),
-            block_b=np.empty(n, np.int64),
-            position=np.empty((n, dim)),
-            normal=np.empty((n, dim)),
-            gap=np.empty(n),
-            area=np.empty(n),
-            normal_reaction=np.empty(n),
-            tangential_reaction=np.empty((n, dim - 1)),
-            status=np.empty(n, np.int64),
+        used, dim = np.flatnonzero(slots.kind), pose.shape[1] - 1
+        which, value, bodies = pairs.which[pairs.of_slot[used]], slots.value[used], self.bodies
+        position = np.empty((len(used), dim))
+        kernels.contact_points(slots, pairs, bodies.centroid, bodies.radius, pose, used, position)
+        return ContactForces(
+            block_a=which[:, A],
+            block_b=which[:, B],
+            position=position,
+            normal=value[:, NORMAL:ARM_A],
+            gap=value[:, GAP],
+            area=value[:, LENGTH] * self.assembly.thickness,
+            normal_reaction=reaction[used, 0],
+            tangential_reaction=reaction[used, 1:],
+            status=status[used],
         )
-        f, bodies = forces, self.bodies
-        kernels.collect_contacts(
-            slots, pairs, bodies.centroid, bodies.radius, pose, self.assembly.thickness,
-            reaction, status, f.block_a, f.block_b, f.position, f.normal, f.gap, f.area,
-            f.normal_reaction, f.tangential_reaction, f.status,
-        )  # fmt: skip
-        return forces
 
 
 def predecessor_pairs(previous: Pairs, current: Pairs) -> IntArray:

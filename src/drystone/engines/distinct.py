@@ -25,7 +25,7 @@ from drystone.contact.certificate import (
     JudgedContacts,
     certify,
 )
-from drystone.contact.detection import Detector, copied, empty_slots, predecessor_slots
+from drystone.contact.detection import Detector, predecessor_slots
 from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
@@ -39,7 +39,7 @@ from drystone.kernels.explicit import FrozenContacts, Loads, Motion
 from drystone.kernels.forces import pack
 from drystone.kernels.law import N_HISTORY
 from drystone.kernels.residual import add_contact_forces
-from drystone.kernels.rows import GAP
+from drystone.kernels.rows import OF_GAP
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -165,7 +165,7 @@ class Workspace:
         self.real_masses = real_masses
         self.begin, self.farthest, self.may_lose = state.pose, farthest, may_lose
         self.pairs = state.pairs
-        self.slots = copied(state.slots)
+        self.slots = state.slots.copied()
         self.history = state.history.copy()
         self.reaction = state.reaction.copy()
         self.status = state.status.copy()
@@ -308,7 +308,7 @@ class Workspace:
             self.search_work += self.engine.elastic_energy(self.pairs, self.slots, self.history)
         if detector.outdated(self.pairs, pose):
             self._new_pairs(detector.pairs(pose, self.lost))
-        slots = empty_slots(self.pairs)
+        slots = Slots.empty(self.pairs.n_slots)
         detector.fill(self.pairs, pose, slots)
         source = np.zeros(len(slots.kind), np.int64)
         old = self.slots
@@ -327,7 +327,7 @@ class Workspace:
         """Go over to another list of pairs, with the slots and histories of those that stay."""
         source = predecessor_slots(self.pairs, pairs)
         known = source >= 0
-        slots = empty_slots(pairs)
+        slots = Slots.empty(pairs.n_slots)
         for new, old in zip(slots, self.slots, strict=True):
             new[known] = old[source[known]]
         history = np.zeros((len(source), N_HISTORY))
@@ -448,7 +448,7 @@ class DistinctEngine:
         self.search_reach = self.settings.search_tolerance * self.size
         pose = assembly.rest_pose() if pose is None else np.array(pose, float)
         pairs = self.detector.pairs(pose)
-        slots = empty_slots(pairs)
+        slots = Slots.empty(pairs.n_slots)
         self.detector.fill(pairs, pose, slots)
         n_slots = len(slots.kind)
         history = np.zeros((n_slots, N_HISTORY))
@@ -726,7 +726,7 @@ class DistinctEngine:
         history, reaction = work.history[k], work.reaction[k]
         add_contact_forces(contacts, reaction, force)
         moved = work.dt * np.column_stack((velocity[a], velocity[b]))
-        gap = slots.gap[k] - np.sum(contacts.rows[:, GAP] * moved, axis=1)
+        gap = slots.gap[k] - np.sum(contacts.rows[:, OF_GAP] * moved, axis=1)
         judged = JudgedContacts(
             contacts=contacts,
             gap=gap - history[:, joint_law.DILATION],

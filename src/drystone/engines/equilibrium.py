@@ -22,8 +22,6 @@ from drystone.contact.bonds import apart, brittle, margins, yielded
 from drystone.contact.certificate import Forces, certify
 from drystone.contact.detection import (
     Detector,
-    copied,
-    empty_slots,
     predecessor_pairs,
     predecessor_slots,
 )
@@ -129,7 +127,7 @@ class EquilibriumEngine:
         pairs, gone = self.detector.pairs(pose), np.zeros(assembly.n_bodies, np.bool_)
         self._write_equations(pairs, gone)
         self.accuracy = self._accuracy()
-        slots = empty_slots(pairs)
+        slots = Slots.empty(pairs.n_slots)
         self.detector.fill(pairs, pose, slots)
         state = EquilibriumState(
             pose=pose,
@@ -176,7 +174,7 @@ class EquilibriumEngine:
             return False
         pairs = self.detector.pairs(state.pose, state.gone)
         new = predecessor_pairs(state.pairs, pairs) < 0
-        slots = empty_slots(pairs)
+        slots = Slots.empty(pairs.n_slots)
         self.detector.fill(pairs, state.pose, slots)
         return bool((slots.gap[new[pairs.of_slot]] < 0.0).any())
 
@@ -335,7 +333,7 @@ class EquilibriumEngine:
     def _paired(self, state: EquilibriumState, gone: BoolArray) -> EquilibriumState:
         """The state with new pairs, without the blocks that are ``gone``."""
         pairs = self.detector.pairs(state.pose, gone)
-        slots = empty_slots(pairs)
+        slots = Slots.empty(pairs.n_slots)
         self.detector.fill(pairs, state.pose, slots)
         source = predecessor_slots(state.pairs, pairs)
         history, reaction, branch = _inherited(source, state.history, state.reaction, state.branch)
@@ -408,7 +406,7 @@ class EquilibriumEngine:
         self, state: EquilibriumState, solved: StepSolution, h: float, *, paced: bool
     ) -> tuple[EquilibriumState, StepReport]:
         equations, x = self.equations, solved.increment
-        slots = copied(equations.found)
+        slots = equations.found.copied()
         source = np.zeros(len(slots.kind), np.int64)
         narrow.find_predecessors(state.pairs, equations.known, slots, source)
         history, reaction, branch = _inherited(

@@ -76,7 +76,7 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
         problem.load.direction, multiplier,
     )  # fmt: skip
     counts = np.zeros(3, np.int64)
-    penetration = kernels.count_contacts(slots.kind, slots.gap, outcome.status, counts)
+    penetration = kernels.count_contacts(slots, outcome.status, counts)
     n_open, n_sticking, n_sliding = counts.tolist()  # OPEN, STICKING, SLIDING
     # By how much the applied multiplier exceeds the static one, from the step's virtual work: on
     # its own motion x the structure would rest under lambda_s with F.x lambda_s = F.x lambda -

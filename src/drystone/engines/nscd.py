@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.certificate import Forces, JudgedContacts, certify
-from drystone.contact.detection import Detector, empty_slots, predecessor_slots
+from drystone.contact.detection import Detector, predecessor_slots
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
@@ -94,7 +94,7 @@ class NscdEngine:
         self.extent = np.maximum(self.detector.extent, 1e-12)
         pose = assembly.rest_pose()
         pairs = self.detector.pairs(pose)
-        slots = empty_slots(pairs)
+        slots = Slots.empty(pairs.n_slots)
         self.detector.fill(pairs, pose, slots)
         gone = np.zeros(assembly.n_bodies, np.bool_)
         self._write_system(pairs, gone)
@@ -224,7 +224,7 @@ class NscdEngine:
         """The state with new pairs, without the blocks that are ``gone``."""
         pairs = self.detector.pairs(state.pose, gone)
         source = predecessor_slots(state.pairs, pairs)
-        slots = empty_slots(pairs)
+        slots = Slots.empty(pairs.n_slots)
         self.detector.fill(pairs, state.pose, slots)
         known = source >= 0
         reaction = np.zeros_like(slots.normal)
@@ -259,7 +259,7 @@ class NscdEngine:
         """
         reaction = np.zeros_like(state.reaction)
         reaction[chosen] = found
-        slots = empty_slots(state.pairs)
+        slots = Slots.empty(state.pairs.n_slots)
         self.detector.fill(state.pairs, pose, slots)
         source = np.zeros(len(slots.kind), np.int64)
         narrow.find_predecessors(state.pairs, state.slots, slots, source)

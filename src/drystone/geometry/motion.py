@@ -48,7 +48,9 @@ def turned(vectors: Array, motion: Array) -> Array:
     """Vectors (n, dim) of bodies, after the rotation of each one's motion (n, n_dof)."""
     c, s = np.cos(motion[:, 2]), np.sin(motion[:, 2])
     x, y = vectors[:, 0], vectors[:, 1]
-    return np.column_stack((c * x - s * y, s * x + c * y))
+    after = np.empty_like(vectors)
+    after[:, 0], after[:, 1] = c * x - s * y, s * x + c * y
+    return after
 
 
 def moved_points(

@@ -75,19 +75,74 @@ class Pairs(NamedTuple):
         return np.asarray(self.which[self.of_slot, LAW], np.int64)
 
 
+#: Columns of `Slots.which`: what meets, vertex or edge (by its first vertex) of a and of b, and the
+#: edges of a and of b that face each other.
+KIND, FEATURE_A, FEATURE_B, EDGE_A, EDGE_B = range(5)
+
+#: Columns of `Slots.value`: gap [m], positive open; tributary length of joint [m]; see
+#: `kernels.narrow` for the others.  Of vectors the first of their columns.
+GAP, LENGTH, RATIO, ROLL_A, ROLL_B, NORMAL, ARM_A, ARM_B = 0, 1, 2, 3, 4, 5, 7, 9
+N_VALUES = 11
+
+
 class Slots(NamedTuple):
     """Contacts of all candidate pairs; see `kernels.narrow`."""
 
-    kind: IntArray  # (n_slots,)
-    feature: IntArray  # (n_slots, 2) vertex or edge (by its first vertex) of a and of b
-    edges: IntArray  # (n_slots, 2) the facing edges of a and of b
-    gap: Array  # (n_slots,) m, positive open
-    normal: Array  # (n_slots, dim) from a to b
-    arm_a: Array  # (n_slots, dim) m
-    arm_b: Array  # (n_slots, dim) m
-    roll: Array  # (n_slots, 2) m, roll_a and roll_b
-    ratio: Array  # (n_slots,)
-    length: Array  # (n_slots,) m, tributary length of joint
+    which: IntArray  # (n_slots, 5)
+    value: Array  # (n_slots, N_VALUES)
+
+    @classmethod
+    def empty(cls, n: int) -> Slots:
+        """Slots of which none is in use."""
+        which, value = np.full((n, 5), -1), np.zeros((n, N_VALUES))
+        which[:, KIND], value[:, GAP], value[:, RATIO] = NONE, np.inf, 1.0
+        return cls(which, value)
+
+    def copied(self) -> Slots:
+        """Slots of one's own, which later contact detection does not touch."""
+        return Slots(self.which.copy(), self.value.copy())
+
+    # Views.
+
+    @property
+    def kind(self) -> IntArray:
+        """(n_slots,)"""
+        return self.which[:, KIND]
+
+    @property
+    def feature(self) -> IntArray:
+        """(n_slots, 2)"""
+        return self.which[:, FEATURE_A : FEATURE_B + 1]
+
+    @property
+    def edges(self) -> IntArray:
+        """(n_slots, 2)"""
+        return self.which[:, EDGE_A : EDGE_B + 1]
+
+    @property
+    def gap(self) -> Array:
+        """(n_slots,) m"""
+        return self.value[:, GAP]
+
+    @property
+    def length(self) -> Array:
+        """(n_slots,) m"""
+        return self.value[:, LENGTH]
+
+    @property
+    def normal(self) -> Array:
+        """(n_slots, dim) from a to b."""
+        return self.value[:, NORMAL:ARM_A]
+
+    @property
+    def arm_a(self) -> Array:
+        """(n_slots, dim) m"""
+        return self.value[:, ARM_A:ARM_B]
+
+    @property
+    def arm_b(self) -> Array:
+        """(n_slots, dim) m"""
+        return self.value[:, ARM_B:]
 
 
 #: Columns of the table of packed contacts: k_n, k_s [N/m], mu, k_n tan psi [N/m], c A, f_t A [N],

@@ -27,7 +27,25 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drystone.kernels.contacts import LAW, NONE, PART_A, PART_B, VERTEX_A, VERTICES, A, B
+from drystone.kernels.contacts import (
+    ARM_A,
+    ARM_B,
+    FEATURE_A,
+    FEATURE_B,
+    GAP,
+    KIND,
+    LAW,
+    LENGTH,
+    NONE,
+    NORMAL,
+    PART_A,
+    PART_B,
+    RATIO,
+    VERTEX_A,
+    VERTICES,
+    A,
+    B,
+)
 from drystone.kernels.law import (
     BROKEN,
     COHESION,
@@ -45,7 +63,7 @@ from drystone.kernels.law import (
     TENSION,
     slide,
 )  # fmt: skip
-from drystone.kernels.rows import GAP, N_DOF, SLIP, gradients
+from drystone.kernels.rows import N_DOF, OF_GAP, OF_SLIP, gradients
 
 #: A contact this near to its cone slides.
 TIE = 1e-9
@@ -115,20 +133,20 @@ class Loads(NamedTuple):
 @njit(cache=True)
 def pack(slots, bodies, pairs, laws, thickness, history, contacts):
     """Fill ``contacts`` from the slots in use and return their number."""
-    kind, feature, length = slots.kind, slots.feature, slots.length
+    meets, value = slots
     local, local_tangent, radius = bodies.local, bodies.local_tangent, bodies.radius
     pair, of_pair = pairs.of_slot, pairs.which
     slot, edge, other, shape, law = (
         contacts.slot, contacts.edge, contacts.other, contacts.shape, contacts.law
     )  # fmt: skip
     c = 0
-    for k in range(kind.shape[0]):
-        if kind[k] == NONE:
+    for k in range(meets.shape[0]):
+        if meets[k, KIND] == NONE:
             continue
         p = pair[k]
-        e, o, fe, fo = of_pair[p, A], of_pair[p, B], feature[k, 0], feature[k, 1]
+        e, o, fe, fo = of_pair[p, A], of_pair[p, B], meets[k, FEATURE_A], meets[k, FEATURE_B]
         radius_e, radius_o = radius[of_pair[p, PART_A]], radius[of_pair[p, PART_B]]
-        if kind[k] == VERTEX_A:
+        if meets[k, KIND] == VERTEX_A:
             e, o, fe, fo = o, e, fo, fe
             radius_e, radius_o = radius_o, radius_e
         slot[c] = k
@@ -142,8 +160,8 @@ def pack(slots, bodies, pairs, laws, thickness, history, contacts):
         shape[c, TY] = local_tangent[fe, 1]
         shape[c, R_O] = radius_o
         shape[c, R_SUM] = radius_e + radius_o
-        shape[c, ROUND] = 1.0 if kind[k] == VERTICES else 0.0
-        area = length[k] * thickness
+        shape[c, ROUND] = 1.0 if meets[k, KIND] == VERTICES else 0.0
+        area = value[k, LENGTH] * thickness
         row = of_pair[p, LAW]
         law[c, L_KN] = laws[row, KN] * area
         law[c, L_KS] = laws[row, KS] * area
@@ -165,7 +183,7 @@ def pack(slots, bodies, pairs, laws, thickness, history, contacts):
 def unpack(contacts, n_contacts, loads, motion, slots, pairs, history, reaction, status):
     """Write what the cycles made of the contacts back to the slots: geometry, history, reaction."""
     turn, pose, centroid = motion.turn, motion.pose, loads.centroid
-    shape, pair, of_pair = contacts.shape, pairs.of_slot, pairs.which
+    shape, pair, of_pair, value = contacts.shape, pairs.of_slot, pairs.which, slots.value
     history[:] = 0.0
     reaction[:] = 0.0
     status[:] = OPEN
@@ -183,23 +201,23 @@ def unpack(contacts, n_contacts, loads, motion, slots, pairs, history, reaction,
         if shape[c, ROUND] == 0.0:
             nx = se * shape[c, TX] + ce * shape[c, TY]
             ny = -(ce * shape[c, TX] - se * shape[c, TY])
-            slots.gap[k] = nx * dx + ny * dy - shape[c, R_SUM]
+            value[k, GAP] = nx * dx + ny * dy - shape[c, R_SUM]
             ex += dx
             ey += dy
         else:
             distance = np.sqrt(dx * dx + dy * dy)
             nx = dx / distance
             ny = dy / distance
-            slots.gap[k] = distance - shape[c, R_SUM]
-            slots.ratio[k] = shape[c, R_SUM] / distance
+            value[k, GAP] = distance - shape[c, R_SUM]
+            value[k, RATIO] = shape[c, R_SUM] / distance
         if e == of_pair[pair[k], A]:
-            slots.normal[k, 0], slots.normal[k, 1] = nx, ny
-            slots.arm_a[k, 0], slots.arm_a[k, 1] = ex, ey
-            slots.arm_b[k, 0], slots.arm_b[k, 1] = ox, oy
+            value[k, NORMAL], value[k, NORMAL + 1] = nx, ny
+            value[k, ARM_A], value[k, ARM_A + 1] = ex, ey
+            value[k, ARM_B], value[k, ARM_B + 1] = ox, oy
         else:
-            slots.normal[k, 0], slots.normal[k, 1] = -nx, -ny
-            slots.arm_a[k, 0], slots.arm_a[k, 1] = ox, oy
-            slots.arm_b[k, 0], slots.arm_b[k, 1] = ex, ey
+            value[k, NORMAL], value[k, NORMAL + 1] = -nx, -ny
+            value[k, ARM_A], value[k, ARM_A + 1] = ox, oy
+            value[k, ARM_B], value[k, ARM_B + 1] = ex, ey
         for h in range(4):
             history[k, h] = contacts.history[c, h]
         reaction[k, 0] = contacts.reaction[c, 0]
@@ -213,24 +231,23 @@ def stiffness_blocks(slots, pairs, laws, thickness, watched, blocks):
 
     Contacts open by more than ``watched`` [m] are left out.
     """
-    kind, gap, normal, ratio, roll = slots.kind, slots.gap, slots.normal, slots.ratio, slots.roll
-    arm_a, arm_b, length = slots.arm_a, slots.arm_b, slots.length
+    meets, value = slots
     pair, of_pair = pairs.of_slot, pairs.which
     rows = np.zeros((1, 2, 2 * N_DOF))
-    for k in range(kind.shape[0]):
-        if kind[k] == NONE or gap[k] > watched:
+    for k in range(meets.shape[0]):
+        if meets[k, KIND] == NONE or value[k, GAP] > watched:
             continue
         p = pair[k]
-        area = length[k] * thickness
+        area = value[k, LENGTH] * thickness
         kn = 2.0 * laws[of_pair[p, LAW], KN] * area
         ks = 2.0 * laws[of_pair[p, LAW], KS] * area
-        gradients(normal, arm_a, arm_b, roll, ratio, k, rows, 0)
+        gradients(value, k, rows, 0)
         for side in range(2):
             body, at = (of_pair[p, A], 0) if side == 0 else (of_pair[p, B], N_DOF)
             for i in range(N_DOF):
-                of_gap, of_slip = kn * rows[0, GAP, at + i], ks * rows[0, SLIP, at + i]
+                of_gap, of_slip = kn * rows[0, OF_GAP, at + i], ks * rows[0, OF_SLIP, at + i]
                 for j in range(i, N_DOF):
-                    gap_j, slip_j = rows[0, GAP, at + j], rows[0, SLIP, at + j]
+                    gap_j, slip_j = rows[0, OF_GAP, at + j], rows[0, OF_SLIP, at + j]
                     blocks[body, i, j] += of_gap * gap_j + of_slip * slip_j
     for body in range(blocks.shape[0]):
         for i in range(N_DOF):

@@ -20,7 +20,10 @@ from drystone.kernels.contacts import (
     BODY_B,
     BOND,
     FRICTION,
+    GAP,
+    KIND,
     LAW,
+    LENGTH,
     LIFT,
     NONE,
     PAIR,
@@ -59,10 +62,10 @@ from drystone.kernels.law import (
     reactions,
 )  # fmt: skip
 from drystone.kernels.rows import (
-    GAP,
     MEASURED,
     N_DOF,
-    SLIP,
+    OF_GAP,
+    OF_SLIP,
     add_force,
     along,
     gradients,
@@ -98,23 +101,22 @@ class Start(NamedTuple):
 @njit(cache=True)
 def pack(slots, pairs, laws, thickness, contacts):
     """Fill ``contacts`` from the slots in use, but for what the last step did; their number."""
-    kind, normal, arm_a, arm_b = slots.kind, slots.normal, slots.arm_a, slots.arm_b
-    roll, ratio, length = slots.roll, slots.ratio, slots.length
+    meets, value = slots
     pair, of_pair = pairs.of_slot, pairs.which
     which, rows, table = contacts
     count = 0
-    for k in range(kind.shape[0]):
-        if kind[k] == NONE:
+    for k in range(meets.shape[0]):
+        if meets[k, KIND] == NONE:
             continue
         c = count
         count += 1
         p = pair[k]
-        law, area = of_pair[p, LAW], length[k] * thickness
+        law, area = of_pair[p, LAW], value[k, LENGTH] * thickness
         which[c, SLOT], which[c, PAIR] = k, p
         which[c, BODY_A], which[c, BODY_B] = of_pair[p, A], of_pair[p, B]
-        gradients(normal, arm_a, arm_b, roll, ratio, k, rows, c)
+        gradients(value, k, rows, c)
         for i in range(2 * N_DOF):
-            rows[c, MEASURED, i] = rows[c, SLIP, i]
+            rows[c, MEASURED, i] = rows[c, OF_SLIP, i]
         table[c, :] = 0.0
         table[c, STIFF_N], table[c, STIFF_T] = laws[law, KN] * area, laws[law, KS] * area
         table[c, FRICTION] = laws[law, MU]
@@ -154,21 +156,20 @@ def joint_forces(
     reaction, history
         Filled: (n_slots, 2) [N], and what there is at the end, (n_slots, N_HISTORY).
     """
-    kind, normal, arm_a, arm_b = slots.kind, slots.normal, slots.arm_a, slots.arm_b
-    roll, ratio, gap, length = slots.roll, slots.ratio, slots.gap, slots.length
+    meets, value = slots
     pair, of_pair = pairs.of_slot, pairs.which
     which, rows, table = contacts
     start_length, start_rows, closed = start.length, start.rows, start.closed
     force[:, :] = 0.0
     count = 0
-    for k in range(kind.shape[0]):
+    for k in range(meets.shape[0]):
         reaction[k, 0] = 0.0
         reaction[k, 1] = 0.0
         for i in range(N_HISTORY):
             history[k, i] = history_before[k, i]
         hint = branch[k]
         branch[k] = OPEN
-        if kind[k] == NONE:
+        if meets[k, KIND] == NONE:
             continue
         shear = history[k, SHEAR]
         history[k, SHEAR] = 0.0
@@ -177,29 +178,29 @@ def joint_forces(
         b = of_pair[p, B]
         law = of_pair[p, LAW]
         known = start_length[k] > 0.0
-        area = thickness * (start_length[k] if known else length[k])
+        area = thickness * (start_length[k] if known else value[k, LENGTH])
         c = count
         count += 1
         which[c, SLOT], which[c, PAIR], which[c, BODY_A], which[c, BODY_B] = k, p, a, b
-        gradients(normal, arm_a, arm_b, roll, ratio, k, rows, c)
+        gradients(value, k, rows, c)
         if known:
             slip = 0.0
             for i in range(N_DOF):
-                rows[c, MEASURED, i] = start_rows[k, SLIP, i]
-                rows[c, MEASURED, N_DOF + i] = start_rows[k, SLIP, N_DOF + i]
-                slip += start_rows[k, SLIP, i] * increment[a, i]
-                slip += start_rows[k, SLIP, N_DOF + i] * increment[b, i]
+                rows[c, MEASURED, i] = start_rows[k, OF_SLIP, i]
+                rows[c, MEASURED, N_DOF + i] = start_rows[k, OF_SLIP, N_DOF + i]
+                slip += start_rows[k, OF_SLIP, i] * increment[a, i]
+                slip += start_rows[k, OF_SLIP, N_DOF + i] * increment[b, i]
         else:
             for i in range(2 * N_DOF):
-                rows[c, MEASURED, i] = rows[c, SLIP, i]
-            slip = slip_of(kind, normal, arm_a, arm_b, roll, ratio, k, a, b, increment)
+                rows[c, MEASURED, i] = rows[c, OF_SLIP, i]
+            slip = slip_of(meets[k, KIND], value, k, a, b, increment)
         kn, kt = laws[law, KN] * area, laws[law, KS] * area
         bond, tensile = laws[law, COHESION] * area, laws[law, TENSION] * area
         dilates = closed[k] and history[k, SLID] < laws[law, DILATANCY_END]
         lift = kn * laws[law, TAN_PSI] if dilates else 0.0
         table[c, STIFF_N], table[c, STIFF_T], table[c, FRICTION] = kn, kt, laws[law, MU]
         table[c, LIFT], table[c, BOND], table[c, TENSILE] = lift, bond, tensile
-        table[c, TRIAL_N] = kn * (history[k, DILATION] - gap[k])
+        table[c, TRIAL_N] = kn * (history[k, DILATION] - value[k, GAP])
         table[c, TRIAL_T] = shear - kt * slip
         table[c, ADD_N], table[c, ADD_T], table[c, PLASTIC] = 0.0, 0.0, 0.0
         if history[k, BROKEN] == 0.0 and (bond > 0.0 or tensile > 0.0):
@@ -217,13 +218,12 @@ def joint_forces(
 
 
 @njit(cache=True)
-def move_trial(contacts, count, motion):
+def move_trial(which, rows, table, count, motion):
     """Trial reactions where the blocks have moved on by ``motion`` (n, n_dof), to first order."""
-    which, rows, table = contacts
     for c in range(count):
         a = which[c, BODY_A]
         b = which[c, BODY_B]
-        table[c, TRIAL_N] -= table[c, STIFF_N] * along(rows, c, GAP, motion, a, b)
+        table[c, TRIAL_N] -= table[c, STIFF_N] * along(rows, c, OF_GAP, motion, a, b)
         table[c, TRIAL_T] -= table[c, STIFF_T] * along(rows, c, MEASURED, motion, a, b)
 
 
@@ -243,8 +243,7 @@ def geometric_stiffness(slots, contacts, count, reaction, tangent):
         `Tangent`.
     """
     # Fields read once, and no views of rows: in the loop each would count references.
-    kind, normal, arm_a, arm_b = slots.kind, slots.normal, slots.arm_a, slots.arm_b
-    roll, ratio = slots.roll, slots.ratio
+    meets, value = slots
     which = contacts.which
     diagonal, upper, lower = tangent.diagonal, tangent.upper, tangent.lower
     diagonal[:, :, :] = 0.0
@@ -256,9 +255,7 @@ def geometric_stiffness(slots, contacts, count, reaction, tangent):
         if reaction[k, 0] == 0.0:
             continue
         hess[:, :] = 0.0
-        second_derivatives(
-            kind, normal, arm_a, arm_b, roll, ratio, k, reaction[k, 0], reaction[k, 1], hess
-        )
+        second_derivatives(meets[k, KIND], value, k, reaction[k, 0], reaction[k, 1], hess)
         add_blocks(hess, which[c, BODY_A], which[c, BODY_B], which[c, PAIR], diagonal, upper, lower)
 
 
@@ -322,9 +319,9 @@ def assemble(contacts, count, pairs, response, geometric, motion, force, tangent
         nn, nt = kn * response[c, NN], kt * response[c, NT]
         tn, tt = kn * response[c, TN], kt * response[c, TT]
         for i in range(2 * N_DOF):
-            by_gap = rows[c, GAP, i] * nn + rows[c, SLIP, i] * tn
-            by_slip = rows[c, GAP, i] * nt + rows[c, SLIP, i] * tt
+            by_gap = rows[c, OF_GAP, i] * nn + rows[c, OF_SLIP, i] * tn
+            by_slip = rows[c, OF_GAP, i] * nt + rows[c, OF_SLIP, i] * tt
             for j in range(2 * N_DOF):
-                hess[i, j] = by_gap * rows[c, GAP, j] + by_slip * rows[c, MEASURED, j]
+                hess[i, j] = by_gap * rows[c, OF_GAP, j] + by_slip * rows[c, MEASURED, j]
         add_force(rows, c, rn, rt, a, b, force)
         add_blocks(hess, a, b, which[c, PAIR], diagonal, upper, lower)

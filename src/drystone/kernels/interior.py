@@ -45,7 +45,7 @@ from drystone.kernels.law import (
     TN,
     TT,
 )  # fmt: skip
-from drystone.kernels.rows import GAP, MEASURED, N_DOF, add_force
+from drystone.kernels.rows import MEASURED, N_DOF, OF_GAP, add_force
 
 #: Columns of a contact's variables, and of their changes, which have those of T_n and T_t as well.
 #: The room that the shear has to either side is kept apart: its end is lost in rounding.
@@ -200,8 +200,8 @@ def changes(contacts, count, branch, inner, barrier, second, response, b, direct
         first_body, second_body = which[c, BODY_A], which[c, BODY_B]
         tn, tt = 0.0, 0.0
         for i in range(N_DOF):
-            tn += rows[c, GAP, i] * direction[first_body, i]
-            tn += rows[c, GAP, N_DOF + i] * direction[second_body, i]
+            tn += rows[c, OF_GAP, i] * direction[first_body, i]
+            tn += rows[c, OF_GAP, N_DOF + i] * direction[second_body, i]
             tt += rows[c, MEASURED, i] * direction[first_body, i]
             tt += rows[c, MEASURED, N_DOF + i] * direction[second_body, i]
         n, p, q = _lacking(table, inner, change, c, barrier, second)

@@ -38,7 +38,7 @@ from drystone.kernels.contacts import (
     TRIAL_N,
     TRIAL_T,
 )  # fmt: skip
-from drystone.kernels.rows import GAP, MEASURED, SLIP
+from drystone.kernels.rows import MEASURED, OF_GAP, OF_SLIP
 
 #: Branches: open, sticking, sliding under positive and under negative shear, held by a bond.
 OPEN, STICKING, FORWARD, BACKWARD, BONDED = 0, 1, 2, 3, 4
@@ -111,9 +111,8 @@ def reactions(table, c, branch):
 
 
 @njit(cache=True)
-def respond(contacts, count, branch, response):
+def respond(which, table, count, branch, response):
     """Fill reactions and their derivatives by the trial reactions, (n_slots, N_RESPONSE)."""
-    table, which = contacts.table, contacts.which
     for c in range(count):
         now = branch[which[c, SLOT]]
         response[c, RN], response[c, RT], _ = reactions(table, c, now)
@@ -200,14 +199,14 @@ def change(table, rows, c, before, after, u, v, k):
     if before == OPEN or after == OPEN:
         turn = -1.0 if before == OPEN else 1.0
         for i in range(u.shape[0]):
-            u[i] = turn * (rows[c, GAP, i] + sign * mu * rows[c, SLIP, i])
-            slid = mu * kn * rows[c, GAP, i] - sign * kt * rows[c, MEASURED, i]
-            v[k, 0, i] = lift * slid / along - kn * rows[c, GAP, i]
+            u[i] = turn * (rows[c, OF_GAP, i] + sign * mu * rows[c, OF_SLIP, i])
+            slid = mu * kn * rows[c, OF_GAP, i] - sign * kt * rows[c, MEASURED, i]
+            v[k, 0, i] = lift * slid / along - kn * rows[c, OF_GAP, i]
         return
     turn = 1.0 if before == STICKING else -1.0
     for i in range(u.shape[0]):
-        u[i] = turn * (sign * kt * rows[c, SLIP, i] - lift * rows[c, GAP, i])
-        slid = mu * kn * rows[c, GAP, i] - sign * kt * rows[c, MEASURED, i]
+        u[i] = turn * (sign * kt * rows[c, OF_SLIP, i] - lift * rows[c, OF_GAP, i])
+        slid = mu * kn * rows[c, OF_GAP, i] - sign * kt * rows[c, MEASURED, i]
         v[k, 0, i] = slid / along
 
 
@@ -280,9 +279,8 @@ def joint_law_violation(table, gap, slip, reaction, shear_before, whole):
 
 
 @njit(cache=True)
-def remember(contacts, count, history_before):
+def remember(which, table, count, history_before):
     """Sliding that has ended becomes part of what contacts bring along (n_slots, N_HISTORY)."""
-    table, which = contacts.table, contacts.which
     for c in range(count):
         k = which[c, SLOT]
         history_before[k, SHEAR] += table[c, ADD_T]

@@ -5,7 +5,18 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from drystone.kernels.contacts import NONE, PART_A, PART_B, VERTEX_B, A, B
+from drystone.kernels.contacts import (
+    ARM_A,
+    GAP,
+    KIND,
+    NONE,
+    NORMAL,
+    PART_A,
+    PART_B,
+    VERTEX_B,
+    A,
+    B,
+)
 
 
 @njit(cache=True)
@@ -73,50 +84,31 @@ def sum_blocks(
 
 
 @njit(cache=True)
-def count_contacts(kind, gap, status, counts):
+def count_contacts(slots, status, counts):
     """Count the contacts of each status into ``counts`` (3,); returns the deepest overlap [m]."""
+    which, value = slots
     counts[:] = 0
     deepest = 0.0
-    for k in range(kind.shape[0]):
-        deepest = max(deepest, -gap[k])
-        if kind[k] != NONE:
+    for k in range(which.shape[0]):
+        deepest = max(deepest, -value[k, GAP])
+        if which[k, KIND] != NONE:
             counts[status[k]] += 1
     return deepest
 
 
 @njit(cache=True)
-def collect_contacts(
-    slots, pairs, centroid, radius, pose, thickness, reaction, status, block_a, block_b, position,
-    normals, gaps, area, normal_reaction, tangential_reaction, statuses,
-):  # fmt: skip
-    """Used slots as the rows of `contact.forces.ContactForces`, filled from ``block_a`` on.
-
-    ``pose`` is (n, 3), ``reaction`` (n_slots, 2) [N], ``thickness`` in metres.
-    """
-    kind, normal, arm_a, gap, length = (
-        slots.kind,
-        slots.normal,
-        slots.arm_a,
-        slots.gap,
-        slots.length,
-    )
-    pair, of_pair = pairs.of_slot, pairs.which
-    row = 0
-    for k in range(kind.shape[0]):
-        if kind[k] == NONE:
-            continue
+def contact_points(slots, pairs, centroid, radius, pose, used, position):
+    """Fill ``position`` (n_contacts, dim) [m] of the slots ``used``, in the poses (n, n_dof)."""
+    (which, value), pair, of_pair = slots, pairs.of_slot, pairs.which
+    for row in range(used.shape[0]):
+        k = used[row]
         p = pair[k]
-        a, b = of_pair[p, A], of_pair[p, B]
-        reach = -radius[of_pair[p, PART_B]] if kind[k] == VERTEX_B else radius[of_pair[p, PART_A]]
-        block_a[row], block_b[row] = a, b
-        for d in range(2):
-            place = centroid[a, d] + pose[a, d] + arm_a[k, d]
-            position[row, d] = place + reach * normal[k, d]
-            normals[row, d] = normal[k, d]
-        gaps[row], area[row] = gap[k], length[k] * thickness
-        normal_reaction[row], tangential_reaction[row, 0] = reaction[k, 0], reaction[k, 1]
-        statuses[row] = status[k]
-        row += 1
+        a = of_pair[p, A]
+        on_b = which[k, KIND] == VERTEX_B
+        reach = -radius[of_pair[p, PART_B]] if on_b else radius[of_pair[p, PART_A]]
+        for d in range(position.shape[1]):
+            place = centroid[a, d] + pose[a, d] + value[k, ARM_A + d]
+            position[row, d] = place + reach * value[k, NORMAL + d]
 
 
 @njit(cache=True)
@@ -140,12 +132,12 @@ def mark_loose(pairs, slots, reaction, fixed, part):
     Bodies hold each other where a contact is closed or carries; ``part`` (n,) is filled with the
     first body of each one's connected part.
     """
-    pair, of_pair, kind, gap = pairs.of_slot, pairs.which, slots.kind, slots.gap
+    pair, of_pair, (which, value) = pairs.of_slot, pairs.which, slots
     n = fixed.shape[0]
     for i in range(n):
         part[i] = i
-    for k in range(kind.shape[0]):
-        if kind[k] == NONE or not (gap[k] <= 0.0 or reaction[k, 0] != 0.0):
+    for k in range(which.shape[0]):
+        if which[k, KIND] == NONE or not (value[k, GAP] <= 0.0 or reaction[k, 0] != 0.0):
             continue
         a, b = of_pair[pair[k], A], of_pair[pair[k], B]
         while part[a] != a:

@@ -36,10 +36,23 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drystone.kernels.contacts import (
+    ARM_A,
+    ARM_B,
+    EDGE_A,
+    EDGE_B,
+    FEATURE_A,
+    FEATURE_B,
     FIRST,
+    GAP,
+    KIND,
+    LENGTH,
     NONE,
+    NORMAL,
     PART_A,
     PART_B,
+    RATIO,
+    ROLL_A,
+    ROLL_B,
     VERTEX_A,
     VERTEX_B,
     VERTICES,
@@ -216,26 +229,25 @@ def _end(length, vertex, tangent, radii, ea, eb, va, vb, reference_is_a):
     return VERTEX_A, va, eb
 
 
+# Many: arrays one by one, for records that are handed on count references at every pair.
 @njit(cache=True)
 def _interface(
-    offset, following, length, setback, radii, vertex, tangent, k, a, b, reach,
-    kinds, features, edges, lengths,
-):  # fmt: skip
-    """Kinds, features, edges and tributary lengths of slots k and k + 1, of bodies a and b."""
-    kinds[k] = NONE
-    kinds[k + 1] = NONE
-    ea, apart_a = _best_edge(offset, vertex, tangent, a, b)
+    offset, following, length, setback, radii, vertex, tangent, p, q, reach, which, value, k
+):
+    """Kinds, features, edges and tributary lengths of slots k and k + 1, of parts p and q."""
+    which[k, KIND], which[k + 1, KIND] = NONE, NONE
+    ea, apart_a = _best_edge(offset, vertex, tangent, p, q)
     if apart_a > radii + reach:
         return
-    eb, apart_b = _best_edge(offset, vertex, tangent, b, a)
+    eb, apart_b = _best_edge(offset, vertex, tangent, q, p)
     if apart_b > radii + reach:
         return
     tie = 1e-9 * (length[ea] + length[eb])
     reference_is_a = apart_a >= apart_b - tie
     if reference_is_a:
-        eb = _most_opposed(offset, tangent, ea, b)
+        eb = _most_opposed(offset, tangent, ea, q)
     else:
-        ea = _most_opposed(offset, tangent, eb, a)
+        ea = _most_opposed(offset, tangent, eb, p)
     a0, a1 = ea, following[ea]
     b0, b1 = eb, following[eb]
     # Coordinates of b's vertices along a's edge; b1 faces a0 and b0 faces a1.
@@ -244,35 +256,30 @@ def _interface(
     length_a = length[ea]
     tributary = _overlap(length, setback, vertex, tangent, ea, eb, a1, b1)
     if reference_is_a:
-        beside, share = _nearly_as_opposed(offset[b], offset[b + 1], tangent, ea, eb)
+        beside, share = _nearly_as_opposed(offset[q], offset[q + 1], tangent, ea, eb)
         pa, pb = ea, beside
     else:
-        beside, share = _nearly_as_opposed(offset[a], offset[a + 1], tangent, eb, ea)
+        beside, share = _nearly_as_opposed(offset[p], offset[p + 1], tangent, eb, ea)
         pa, pb = beside, eb
     if share > 0.0:
         other = _overlap(length, setback, vertex, tangent, pa, pb, following[pa], following[pb])
         tributary += share * (other - tributary)
     for slot in range(k, k + 2):
-        lengths[slot] = tributary
-        edges[slot, 0] = ea
-        edges[slot, 1] = eb
+        value[slot, LENGTH] = tributary
+        which[slot, EDGE_A], which[slot, EDGE_B] = ea, eb
     if s1 > length_a or s0 < 0.0:  # b lies past an end of a's edge
         va = a1 if s1 > length_a else a0
         sa = _along(vertex, tangent, eb, va)
-        features[k, 0] = va
+        which[k, FEATURE_A] = va
         if 0.0 <= sa <= length[eb]:
-            kinds[k] = VERTEX_A
-            features[k, 1] = eb
+            which[k, KIND], which[k, FEATURE_B] = VERTEX_A, eb
         elif radii > 0.0:
-            kinds[k] = VERTICES
-            features[k, 1] = b0 if sa < 0.0 else b1
+            which[k, KIND], which[k, FEATURE_B] = VERTICES, b0 if sa < 0.0 else b1
         return
     va, vb = a0, b1
     for slot in range(k, k + 2):
         kind, fa, fb = _end(length, vertex, tangent, radii, ea, eb, va, vb, reference_is_a)
-        kinds[slot] = kind
-        features[slot, 0] = fa
-        features[slot, 1] = fb
+        which[slot, KIND], which[slot, FEATURE_A], which[slot, FEATURE_B] = kind, fa, fb
         va, vb = a1, b0
 
 
@@ -289,17 +296,15 @@ def _measure(bodies, pose, world, pairs, slots):
     # Fields read once: in the loop each reading would count references.
     centroid, local, radius = bodies.centroid, bodies.local, bodies.radius
     local_tangent, tangent, arm, turn = bodies.local_tangent, world.tangent, world.arm, world.turn
-    pair, of_pair, kinds, features = pairs.of_slot, pairs.which, slots.kind, slots.feature
-    gap, normal = slots.gap, slots.normal
-    arm_a, arm_b, roll, ratio = slots.arm_a, slots.arm_b, slots.roll, slots.ratio
-    for k in range(kinds.shape[0]):
-        kind = kinds[k]
+    pair, of_pair, (which, value) = pairs.of_slot, pairs.which, slots
+    for k in range(which.shape[0]):
+        kind = which[k, KIND]
         if kind == NONE:
-            gap[k] = np.inf
+            value[k, GAP] = np.inf
             continue
         p = pair[k]
         a, b = of_pair[p, A], of_pair[p, B]
-        va, vb = features[k, 0], features[k, 1]
+        va, vb = which[k, FEATURE_A], which[k, FEATURE_B]
         # From a vertex of a, or an edge's first, to one of b; the other way on an edge of b.
         sign = -1.0 if kind == VERTEX_A else 1.0
         between_x, between_y = centroid[b, 0] - centroid[a, 0], centroid[b, 1] - centroid[a, 1]
@@ -315,26 +320,28 @@ def _measure(bodies, pose, world, pairs, slots):
             dx, dy = x + moved_x, y + moved_y
             distance, before = np.sqrt(dx * dx + dy * dy), np.sqrt(x * x + y * y)
             grown = (moved_x * (x + dx) + moved_y * (y + dy)) / (distance + before)
-            gap[k] = (before - ra - rb) + grown
-            normal[k, 0], normal[k, 1] = dx / distance, dy / distance
-            roll[k, 0], roll[k, 1] = ra, rb
-            ratio[k] = (ra + rb) / distance
+            value[k, GAP] = (before - ra - rb) + grown
+            value[k, NORMAL], value[k, NORMAL + 1] = dx / distance, dy / distance
+            value[k, ROLL_A], value[k, ROLL_B] = ra, rb
+            value[k, RATIO] = (ra + rb) / distance
         else:
             owner, edge, rolling = (a, va, rb) if kind == VERTEX_B else (b, vb, ra)
             nx, ny = tangent[edge, 1], -tangent[edge, 0]
             before_x, before_y = local_tangent[edge, 1], -local_tangent[edge, 0]
             turned_x, turned_y = _turned(turn, owner, before_x, before_y)
             designed = before_x * x + before_y * y - ra - rb
-            gap[k] = designed + ((turned_x * x + turned_y * y) + (nx * moved_x + ny * moved_y))
-            normal[k, 0], normal[k, 1] = sign * nx, sign * ny
-            roll[k, 0], roll[k, 1] = -sign * rolling, sign * rolling
-            ratio[k] = 1.0
+            moved = (turned_x * x + turned_y * y) + (nx * moved_x + ny * moved_y)
+            value[k, GAP] = designed + moved
+            value[k, NORMAL], value[k, NORMAL + 1] = sign * nx, sign * ny
+            value[k, ROLL_A], value[k, ROLL_B] = -sign * rolling, sign * rolling
+            value[k, RATIO] = 1.0
         ax, ay, bx, by = arm[va, 0], arm[va, 1], arm[vb, 0], arm[vb, 1]
         if kind == VERTEX_B:
             ax, ay = between_x + shift_x + bx, between_y + shift_y + by
         elif kind == VERTEX_A:
             bx, by = ax - (between_x + shift_x), ay - (between_y + shift_y)
-        arm_a[k, 0], arm_a[k, 1], arm_b[k, 0], arm_b[k, 1] = ax, ay, bx, by
+        value[k, ARM_A], value[k, ARM_A + 1] = ax, ay
+        value[k, ARM_B], value[k, ARM_B + 1] = bx, by
 
 
 @njit(cache=True)
@@ -345,19 +352,17 @@ def find_contacts(bodies, pose, world, pairs, reach, slots):
     offset, following, length = bodies.offset, bodies.following, bodies.length
     setback, radius = bodies.setback, bodies.radius
     vertex, tangent = world.vertex, world.tangent
-    kinds, features, edges, lengths = slots.kind, slots.feature, slots.edges, slots.length
-    of_pair = pairs.which
-    for p in range(of_pair.shape[0]):
-        a = of_pair[p, PART_A]
-        b = of_pair[p, PART_B]
+    of_pair, (which, value) = pairs.which, slots
+    for k in range(of_pair.shape[0]):
+        p, q = of_pair[k, PART_A], of_pair[k, PART_B]
         _interface(
-            offset, following, length, setback, radius[a] + radius[b], vertex, tangent,
-            of_pair[p, FIRST], a, b, reach, kinds, features, edges, lengths,
+            offset, following, length, setback, radius[p] + radius[q], vertex, tangent, p, q,
+            reach, which, value, of_pair[k, FIRST],
         )  # fmt: skip
     _measure(bodies, pose, world, pairs, slots)
-    for k in range(slots.kind.shape[0]):
-        if slots.gap[k] > reach:
-            slots.kind[k] = NONE
+    for k in range(which.shape[0]):
+        if value[k, GAP] > reach:
+            which[k, KIND] = NONE
 
 
 @njit(cache=True)
@@ -368,29 +373,30 @@ def follow_contacts(bodies, pose, world, pairs, known, slots):
     each other, features would otherwise change to and fro with every correction.
     """
     place(bodies, pose, world)
-    for k in range(known.kind.shape[0]):
-        slots.kind[k] = known.kind[k]
-        slots.length[k] = known.length[k]
-        for i in range(2):
-            slots.feature[k, i] = known.feature[k, i]
-            slots.edges[k, i] = known.edges[k, i]
+    which, value = slots
+    for k in range(which.shape[0]):
+        value[k, LENGTH] = known.value[k, LENGTH]
+        for i in range(which.shape[1]):
+            which[k, i] = known.which[k, i]
     _measure(bodies, pose, world, pairs, slots)
 
 
 @njit(cache=True)
 def changed_contacts(before, after, depth):
     """Number of contacts that press more than ``depth`` [m] and are not the same in both."""
+    was, now = before.value, after.value
+    first, last = before.which, after.which
     changed = 0
-    for k in range(before.kind.shape[0]):
-        if before.gap[k] > -depth and after.gap[k] > -depth:
+    for k in range(first.shape[0]):
+        if was[k, GAP] > -depth and now[k, GAP] > -depth:
             continue
         if (
-            before.kind[k] == after.kind[k]
-            and before.feature[k, 0] == after.feature[k, 0]
-            and before.feature[k, 1] == after.feature[k, 1]
+            first[k, KIND] == last[k, KIND]
+            and first[k, FEATURE_A] == last[k, FEATURE_A]
+            and first[k, FEATURE_B] == last[k, FEATURE_B]
         ):
             continue
-        if abs(min(before.gap[k], 0.0) - min(after.gap[k], 0.0)) > depth:
+        if abs(min(was[k, GAP], 0.0) - min(now[k, GAP], 0.0)) > depth:
             changed += 1
     return changed
 
@@ -402,24 +408,27 @@ def find_predecessors(pairs, previous, slots, source):
     A slot goes on with itself while its interface keeps its edges.  When a block turns so far
     that another edge faces its neighbour, the contact that shares a vertex goes on.
     """
-    pair, kind, feature, edges = pairs.of_slot, slots.kind, slots.feature, slots.edges
-    was, were, along = previous.kind, previous.feature, previous.edges
-    n = kind.shape[0]
+    pair, was, now = pairs.of_slot, previous.which, slots.which
+    n = now.shape[0]
     first = 0  # slot of the pair
     for k in range(n):
         if pair[k] != pair[first]:
             first = k
         source[k] = -1
-        if kind[k] == NONE:
+        kind = now[k, KIND]
+        if kind == NONE:
             continue
-        if was[k] != NONE and along[k, 0] == edges[k, 0] and along[k, 1] == edges[k, 1]:
+        same_edges = was[k, EDGE_A] == now[k, EDGE_A] and was[k, EDGE_B] == now[k, EDGE_B]
+        if was[k, KIND] != NONE and same_edges:
             source[k] = k
             continue
         j = first
         while j < n and pair[j] == pair[k]:
-            vertex_a = was[j] != NONE and kind[k] != VERTEX_B and was[j] != VERTEX_B
-            vertex_b = was[j] != NONE and kind[k] != VERTEX_A and was[j] != VERTEX_A
-            same_a, same_b = were[j, 0] == feature[k, 0], were[j, 1] == feature[k, 1]
+            kind_before = was[j, KIND]
+            vertex_a = kind_before != NONE and kind != VERTEX_B and kind_before != VERTEX_B
+            vertex_b = kind_before != NONE and kind != VERTEX_A and kind_before != VERTEX_A
+            same_a = was[j, FEATURE_A] == now[k, FEATURE_A]
+            same_b = was[j, FEATURE_B] == now[k, FEATURE_B]
             if (same_a and vertex_a) or (same_b and vertex_b):
                 source[k] = j
                 break

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from drystone.kernels.contacts import BODY_A, BODY_B, FRICTION, PAIR, STIFF_N, Contacts
 from drystone.kernels.forces import add_blocks
 from drystone.kernels.law import OPEN, SLIDING, STICKING
-from drystone.kernels.rows import GAP, N_DOF, SLIP, add_force
+from drystone.kernels.rows import N_DOF, OF_GAP, OF_SLIP, add_force
 
 Array = NDArray[np.float64]
 
@@ -72,9 +72,9 @@ def apply_impulses(problem, impulse, velocity):
 def _push(rows, c, pn, pt, a, b, inverse_mass, velocity):
     """Add to the velocities of bodies a and b what impulses at contact c do to them."""
     for d in range(N_DOF):
-        velocity[a, d] += inverse_mass[a, d] * (rows[c, GAP, d] * pn + rows[c, SLIP, d] * pt)
+        velocity[a, d] += inverse_mass[a, d] * (rows[c, OF_GAP, d] * pn + rows[c, OF_SLIP, d] * pt)
         velocity[b, d] += inverse_mass[b, d] * (
-            rows[c, GAP, N_DOF + d] * pn + rows[c, SLIP, N_DOF + d] * pt
+            rows[c, OF_GAP, N_DOF + d] * pn + rows[c, OF_SLIP, N_DOF + d] * pt
         )
 
 
@@ -108,8 +108,14 @@ def sweep(problem, blocks, h, order, n_sweeps, impulse, velocity):
             un = 0.0
             ut = 0.0
             for d in range(N_DOF):
-                un += rows[c, GAP, d] * velocity[a, d] + rows[c, GAP, N_DOF + d] * velocity[b, d]
-                ut += rows[c, SLIP, d] * velocity[a, d] + rows[c, SLIP, N_DOF + d] * velocity[b, d]
+                un += (
+                    rows[c, OF_GAP, d] * velocity[a, d]
+                    + rows[c, OF_GAP, N_DOF + d] * velocity[b, d]
+                )
+                ut += (
+                    rows[c, OF_SLIP, d] * velocity[a, d]
+                    + rows[c, OF_SLIP, N_DOF + d] * velocity[b, d]
+                )
             wnn = blocks[c, 0, 0]
             wnt = blocks[c, 0, 1]
             wtt = blocks[c, 1, 1]
@@ -241,10 +247,10 @@ def held_law_tangent(problem, h, penalty, piece, diagonal, upper, lower):
             slope = table[c, FRICTION] if piece[c] == SLIDING else -table[c, FRICTION]
             hold = 0.0
         for i in range(2 * N_DOF):
-            gn = (rows[c, GAP, i] + slope * rows[c, SLIP, i]) * stiffness
-            gt = rows[c, SLIP, i] * hold
+            gn = (rows[c, OF_GAP, i] + slope * rows[c, OF_SLIP, i]) * stiffness
+            gt = rows[c, OF_SLIP, i] * hold
             for j in range(2 * N_DOF):
-                block[i, j] = gn * rows[c, GAP, j] + gt * rows[c, SLIP, j]
+                block[i, j] = gn * rows[c, OF_GAP, j] + gt * rows[c, OF_SLIP, j]
         add_blocks(
             block, which[c, BODY_A], which[c, BODY_B], which[c, PAIR], diagonal, upper, lower
         )

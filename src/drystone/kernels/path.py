@@ -41,7 +41,7 @@ from drystone.kernels.law import (
     landing,
 )  # fmt: skip
 from drystone.kernels.lu_numeric import solve
-from drystone.kernels.rows import GAP, MEASURED, along
+from drystone.kernels.rows import MEASURED, OF_GAP, along
 
 #: How a path ends: where it should; before it, as it turns back; at a change after which the
 #: matrix must be made anew; after too many changes; where there is no direction; with more
@@ -109,7 +109,7 @@ def border(frame, x, lag):
 @njit(cache=True)
 def _rates(table, rows, c, field, a, b):
     """Rates of the trial reactions of contact c along a field of the bodies' motion."""
-    gap, slip = along(rows, c, GAP, field, a, b), along(rows, c, MEASURED, field, a, b)
+    gap, slip = along(rows, c, OF_GAP, field, a, b), along(rows, c, MEASURED, field, a, b)
     return -table[c, STIFF_N] * gap, -table[c, STIFF_T] * slip
 
 
@@ -158,7 +158,7 @@ def _keep_slow(contacts, count, branch):
                 commit(table, c, now)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _next_change(contacts, count, branch, direction, ahead, whole, last, left_behind, rate):
     """The first contact that leaves its branch along the direction, which ``rate`` is filled for.
 
@@ -199,7 +199,7 @@ def _next_change(contacts, count, branch, direction, ahead, whole, last, left_be
     return nearest, chosen, following
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _add_change(structure, factors, frame, paced, contacts, chosen, before, following, new):
     """Take the change of a contact's branch into the matrix, as number ``new`` since it was made.
 
@@ -231,7 +231,7 @@ def _add_change(structure, factors, frame, paced, contacts, chosen, before, foll
     return pivots[new]
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _first_direction(structure, factors, frame, paced, force, lag, spring):
     """Fill the first direction; returns how the multiplier changes along it, NaN for none."""
     columns = frame.columns[:3] if paced else frame.columns[:1]
@@ -245,7 +245,7 @@ def _first_direction(structure, factors, frame, paced, force, lag, spring):
     return border(frame, columns[0], lag) if paced else 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _go(direction, length, x, rate, share, table, count):
     """Move increments and trial reactions along."""
     for i in range(x.shape[0]):
@@ -359,7 +359,7 @@ def follow_path(
             frame.sense[0] = ahead
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _bend(frame, contacts, chosen, new, scale, direction, by_direction):
     """Turn the direction by the latest change, over what is left of it; see `_add_change`."""
     which, w = contacts.which, frame.changes[new]

@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 
 from drystone.geometry.motion import translations
 from drystone.kernels import interior, lu_numeric, path
-from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import BODY_A, BODY_B, STIFF_N
 from drystone.solvers.linear_step import LinearStep, Pace
 
@@ -279,9 +278,8 @@ class InteriorPoint:
     def _told(self, x: Array, multiplier: float, geometry: Array, tolerance: float) -> bool:
         """Choose the branches; whether they leave nothing unbalanced."""
         step = self.step
-        every = step.contacts, step.count
-        interior.choose(*every, self.inner, step.branch)
-        joint_law.respond(*every, step.branch, step.response)
+        interior.choose(step.contacts, step.count, self.inner, step.branch)
+        step.respond()
         step.assemble(x, multiplier, x - geometry)
         if step.residual <= tolerance:
             return True

@@ -155,7 +155,12 @@ class LinearStep:
 
     def move_trial(self, motion: Array) -> None:
         """Trial reactions where the blocks have moved on by ``motion`` (n, n_dof)."""
-        forces.move_trial(self.contacts, self.count, motion)
+        forces.move_trial(*self.contacts, self.count, motion)
+
+    def respond(self) -> None:
+        """Make the contacts' ``response`` that of the branches they are in."""
+        which, _, table = self.contacts
+        joint_law.respond(which, table, self.count, self.branch, self.response)
 
     def linearise(
         self, x: Array, multiplier: float, away: Array, pace: Pace | None, gradient: Array
@@ -165,7 +170,7 @@ class LinearStep:
         The unbalanced forces, and the ``residual``, are made those at ``x``, which is ``away`` (n,
         n_dof) from there.
         """
-        joint_law.respond(self.contacts, self.count, self.branch, self.response)
+        self.respond()
         self.assemble(x, multiplier, away)
         self.damping[:] = 0.0
         return self.factorise(pace, gradient, 0.0)

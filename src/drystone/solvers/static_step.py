@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.certificate import JudgedContacts
-from drystone.contact.detection import Detector, empty_slots
+from drystone.contact.detection import Detector
 from drystone.contact.forces import OPEN, SLIDING, STICKING
 from drystone.geometry import motion
 from drystone.kernels import forces, narrow, path, rows
@@ -46,10 +46,10 @@ class StaticStep(LinearStep):
         n_dof = constants.loads.mass.shape[1]
         n_slots = pairs.n_slots
         place = motion.places(constants.detector.bodies.centroid, pairs.pose)
-        super().__init__(constants.loads, pairs, place, empty_slots(pairs))
+        super().__init__(constants.loads, pairs, place, Slots.empty(pairs.n_slots))
         self.constants = constants
-        self.known = empty_slots(pairs)  # contacts by the features that the step follows
-        self.found = empty_slots(pairs)  # contacts as they are found where the step ends
+        self.known = Slots.empty(pairs.n_slots)  # contacts by the features that the step follows
+        self.found = Slots.empty(pairs.n_slots)  # contacts as they are found where the step ends
         self.source = np.arange(n_slots)
         self.history_before = np.zeros((n_slots, N_HISTORY))
         self.history = np.zeros((n_slots, N_HISTORY))
@@ -139,7 +139,8 @@ class StaticStep(LinearStep):
 
     def remember(self) -> None:
         """Make sliding that has ended on the path part of the step's history."""
-        joint_law.remember(self.contacts, self.count, self.history_before)
+        which, _, table = self.contacts
+        joint_law.remember(which, table, self.count, self.history_before)
 
     def status(self) -> IntArray:
         """Status of every slot, (n_slots,)."""

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from drystone.assembly import Assembly, Corner
 from drystone.contact.certificate import Forces, JudgedContacts, certify
-from drystone.contact.detection import Detector, empty_slots
+from drystone.contact.detection import Detector
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.lmgc90.messages import Outcome, Ready, Setup, Step
@@ -157,7 +157,7 @@ class Lmgc90Engine:
             self.sharp.shapes.of(i) + assembly.centroid[i] for i in range(assembly.n_bodies)
         )
         area = np.array([abs(polygon.signed_area(outline)) for outline in polygons])
-        slots = empty_slots(self._pairs)
+        slots = Slots.empty(self._pairs.n_slots)
         self.detector.fill(self._pairs, rest, slots)
         stiffness = np.array([law.normal_stiffness for law in assembly.laws], dtype=float)
         joints: dict[tuple[int, int], float] = {}
@@ -314,7 +314,7 @@ class Lmgc90Engine:
         """All contacts in the given poses, those that LMGC90 has missed included."""
         if self.detector.outdated(self._pairs, pose):
             self._pairs = self.detector.pairs(pose)
-        slots = empty_slots(self._pairs)
+        slots = Slots.empty(self._pairs.n_slots)
         self.detector.fill(self._pairs, pose, slots)
         return slots
 
