@@ -17,6 +17,7 @@ from drystone.engines.measures import LoadArrays
 from drystone.kernels.contacts import Slots
 from drystone.limit import limits_beside
 from drystone.model import Analysis
+from structures import structure
 
 ENGINES = pytest.mark.parametrize("engine", ["equilibrium", "nscd", "distinct"])
 
@@ -295,3 +296,15 @@ def test_what_carries_all_that_is_applied_is_at_rest_in_the_published_strategy()
     model = stack((0.4, 0.9), joint=stiff_joint(0.65))
     curve = pushover(model, engine="equilibrium", strategy="published", max_displacement=0.01)
     assert 0.4 / 0.9 - 0.006 <= curve.peak.load_multiplier <= 0.4 / 0.9 + 1e-3
+
+
+def test_a_far_equilibrium_below_the_stop_value_ends_no_curve():
+    """Arch 333 stands on: a small step had found an equilibrium elsewhere, under a negative load.
+
+    The curve ended there, "finished", at a third of its peak; `distinct` moves on through it.
+    """
+    ours, other = (pushover(structure(333), engine=name) for name in ("equilibrium", "distinct"))
+    assert ours.status == "finished"
+    peaks = ours.peak.load_multiplier, other.peak.load_multiplier
+    assert peaks[0] == pytest.approx(peaks[1], rel=0.01)
+    assert ours.ultimate_displacement == pytest.approx(other.ultimate_displacement, rel=0.01)

@@ -79,7 +79,7 @@ def test_pairs_of_the_same_bodies_add_up_in_the_matrix():
     diagonal = random.normal(size=(n, 3, 3)) + 20.0 * np.eye(3)
     upper, lower = random.normal(size=(2, len(a), 3, 3))
     fixed = np.array([False, False, False, True])
-    structure = lu_symbolic.analyse(a, b, fixed, random.normal(size=(n, 2)))
+    structure = lu_symbolic.analyse(a, b, fixed, random.normal(size=(n, 2)), 3)
     factors = lu_numeric.allocate(structure)
     nothing = np.zeros(n)
     lu_numeric.factorise(structure, diagonal, upper, lower, factors, np.ones((n, 3)), nothing, 0.0)

@@ -620,8 +620,8 @@ class TestJumps:
                 new, report = super().step(state, demand)
                 if new.delta < 0.1:
                     return new, report
-                self.jumps += 1
-                return new, replace(report, static_multiplier=-0.05, motion=30.0 * STEP)
+                self.jumps += 1  # which its engine has followed in motion
+                return new, replace(report, static_multiplier=-0.05, motion=30.0 * STEP, crest=0.0)
 
         structure = Falling(prescribes=True)
         curve = trace(structure, "displacement")
@@ -640,7 +640,7 @@ class TestJumps:
                 new, report = super().step(state, demand)
                 if new.delta < 0.1:
                     return new, report
-                fallen = {"static_multiplier": -0.05, "motion": 30.0 * STEP}
+                fallen = {"static_multiplier": -0.05, "motion": 30.0 * STEP, "crest": 0.0}
                 back = report.control_displacement - 20.0 * STEP
                 return new, replace(report, control_displacement=back, **fallen)
 

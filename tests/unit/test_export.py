@@ -138,7 +138,7 @@ def test_contacts_may_come_and_go(tmp_path, model):
 
 
 def test_large_assemblies_are_compressed(tmp_path, monkeypatch, model, curve):
-    monkeypatch.setattr(hdf5, "LARGE", 1)
+    monkeypatch.setattr(hdf5, "MANY_BODIES", 1)
     synthetic.record(ResultsDirectory(tmp_path / "out"), model, curve)
     with h5py.File(tmp_path / "out/results.h5") as file:
         assert file["poses"].compression == "gzip"

@@ -143,8 +143,8 @@ def test_changes_solve_the_equations_linearised(dilation, second):
 class Recorded(InteriorPoint):
     """Notes whether branches were told."""
 
-    def __init__(self, step):
-        super().__init__(step)
+    def __init__(self, *args):
+        super().__init__(*args)
         self.told = []
 
     def solve(self, *args):
@@ -167,8 +167,8 @@ def test_a_step_from_the_interior_ends_where_the_path_leads(number, monkeypatch)
         followed, by_path = engine.step(state, demand)
         engine.interior.told.clear()
         with monkeypatch.context() as patch:
-            within = replace(engine.path_settings, worth=0, many_blocks=0)
-            patch.setattr(engine, "path_settings", within)
+            within = replace(engine.settings.path, worth=0, many_blocks=0)
+            patch.setattr(engine, "settings", replace(engine.settings, path=within))
             leapt, from_within = engine.step(state, demand)
         assert by_path.converged and from_within.converged
         assert engine.interior.told and engine.interior.told[0]

@@ -20,8 +20,6 @@ UNFINISHED = {
     "engines/equilibrium.py": {"_accept"},
     "engines/nscd.py": {"_step"},
     "kernels/explicit.py": {"cycle"},
-    "kernels/measures.py": {"collect_contacts"},
-    "kernels/narrow.py": {"_interface"},
     "solvers/interior.py": {"solve"},
     "solvers/nlgs.py": {"solve"},
 }

@@ -272,7 +272,11 @@ class DisplacementControl:
     def _snaps(self, state: _State, report: StepReport) -> bool:
         """Whether a step has passed a jump worth showing, where the path turned back."""
         s = self.settings
-        if state.time_step or (report.turn is None and state.stage != CROSSING):
+        if state.time_step:
+            return False
+        if self._leaps(state, report) and self._would_end(state, report):
+            return True
+        if report.turn is None and state.stage != CROSSING:
             return False
         if self._leaps(state, report):
             return True
@@ -284,6 +288,15 @@ class DisplacementControl:
             expected = state.last + (multiplier - state.last) / share
         scale = max(state.highest, 10.0 * s.stop_multiplier)
         return abs(report.static_multiplier - expected) > s.snap_share * scale
+
+    def _would_end(self, state: _State, report: StepReport) -> bool:
+        """Whether a step without motion between its ends comes down below the stop value.
+
+        The equilibrium that it has found far off need not be the one that a structure falls to; an
+        engine that tells of the way through its steps has followed them in motion.
+        """
+        below = report.static_multiplier < self.settings.stop_multiplier < state.last
+        return below and report.crest is None
 
     def _retry(self, state: _State, report: StepReport) -> Decision:
         s = self.settings

@@ -35,9 +35,18 @@ from drystone.engines.measures import (
     unstable_sentence,
 )
 from drystone.geometry import motion, polygon
-from drystone.kernels.contacts import BODY_A, BODY_B, FRICTION, STIFF_N, STIFF_T, Contacts, Slots
+from drystone.kernels.contacts import (
+    BODY_A,
+    BODY_B,
+    FRICTION,
+    STIFF_N,
+    STIFF_T,
+    VERTEX_B,
+    Contacts,
+    Slots,
+)
 from drystone.kernels.nlgs import ContactProblem, contact_velocities, delassus_blocks
-from drystone.kernels.rows import gradients
+from drystone.kernels.rows import slot_rows
 
 Array = NDArray[np.float64]
 
@@ -324,9 +333,10 @@ class Lmgc90Engine:
         contacts = Contacts.empty(n, 2, state.pose.shape[1])
         contacts.which[:, BODY_A], contacts.which[:, BODY_B] = a, b
         centre = motion.places(self.reference, self._to_reference(state.pose))
-        arms = outcome.position - centre[a], outcome.position - centre[b]
-        for c in range(n):
-            gradients(outcome.normal, *arms, np.zeros((n, 2)), np.ones(n), c, contacts.rows, c)
+        slots = Slots.empty(n)
+        slots.kind[:], slots.normal[:] = VERTEX_B, outcome.normal
+        slots.arm_a[:], slots.arm_b[:] = (outcome.position - centre[i] for i in (a, b))
+        slot_rows(slots, contacts.rows)
         relative, blocks = np.zeros((n, 2)), np.zeros((n, 2, 2))
         contact_velocities(contacts, outcome.velocity, relative)
         with np.errstate(divide="ignore"):
