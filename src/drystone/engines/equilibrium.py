@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
 from drystone.contact.bonds import apart, brittle, margins, yielded
-from drystone.contact.certificate import Forces, certify
+from drystone.contact.certificate import Forces, JudgedContacts, certify
 from drystone.contact.detection import (
     Detector,
     predecessor_pairs,
@@ -405,7 +405,8 @@ class EquilibriumEngine:
     def _accept(
         self, state: EquilibriumState, solved: StepSolution, h: float, *, paced: bool
     ) -> tuple[EquilibriumState, StepReport]:
-        equations, x = self.equations, solved.increment
+        """The state that a step has led to, and its figures."""
+        equations = self.equations
         slots = equations.found.copied()
         source = np.zeros(len(slots.kind), np.int64)
         narrow.find_predecessors(state.pairs, equations.known, slots, source)
@@ -418,46 +419,19 @@ class EquilibriumEngine:
             margin[judged.contacts.slot] = margins(judged, 0.0)
             margin = np.where(source >= 0, margin[source], np.inf)
         new = EquilibriumState(
-            pose=motion.moved(state.pose, x),
+            pose=motion.moved(state.pose, solved.increment),
             multiplier=solved.multiplier,
             pairs=state.pairs,
             slots=slots,
             history=history,
             reaction=reaction,
             branch=branch,
-            last_increment=x,
+            last_increment=solved.increment,
             margin=margin,
             due=np.zeros(0, np.int64),
             gone=state.gone,
         )
-        acceleration = x / h**2
-        certificate = certify(
-            judged,
-            Forces(
-                contact=equations.contact_force,
-                load=self.loads.dead + solved.multiplier * self.loads.pattern,
-                inertia=self.loads.mass * acceleration,
-            ),
-            self.constants.loads.extent,
-            self.constants.loads.fixed,
-        )
-        outcome = report(
-            self.problem,
-            self.loads,
-            StepOutcome(
-                multiplier=solved.multiplier,
-                pose=new.pose,
-                increment=x,
-                acceleration=acceleration,
-                velocity=x / h,
-                contact_force=equations.contact_force,
-                slots=slots,
-                status=STATUS_OF[branch],
-                certificate=certificate,
-                motion=self.detector.farthest(x),
-                n_iterations=solved.n_iterations,
-            ),
-        )
+        outcome = self._report(new, judged, solved.n_iterations, h)
         return new, changed(
             outcome,
             static_multiplier=solved.multiplier if paced else outcome.static_multiplier,
@@ -466,6 +440,32 @@ class EquilibriumEngine:
             bend=solved.bend,
             dynamic=outcome.inertia_ratio > self.settings.inertia_limit,
         )
+
+    def _report(
+        self, new: EquilibriumState, judged: JudgedContacts, n_iterations: int, h: float
+    ) -> StepReport:
+        """Figures and certificate of the step that has led to a state from rest, in time h [s]."""
+        x, loads, contact_force = new.last_increment, self.loads, self.equations.contact_force
+        acceleration = x / h**2
+        forces = Forces(
+            contact=contact_force,
+            load=loads.dead + new.multiplier * loads.pattern,
+            inertia=loads.mass * acceleration,
+        )
+        outcome = StepOutcome(
+            multiplier=new.multiplier,
+            pose=new.pose,
+            increment=x,
+            acceleration=acceleration,
+            velocity=x / h,
+            contact_force=contact_force,
+            slots=new.slots,
+            status=STATUS_OF[new.branch],
+            certificate=certify(judged, forces, self.constants.loads.extent, loads.fixed),
+            motion=self.detector.farthest(x),
+            n_iterations=n_iterations,
+        )
+        return report(self.problem, loads, outcome)
 
 
 def _inherited(

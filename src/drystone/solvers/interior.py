@@ -23,7 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.geometry.motion import translations
-from drystone.kernels import interior, lu_numeric, path
+from drystone.kernels import interior as kernel
+from drystone.kernels import lu_numeric, path
 from drystone.kernels.contacts import BODY_A, BODY_B, STIFF_N
 from drystone.solvers.linear_step import LinearStep, Pace
 
@@ -91,8 +92,8 @@ class InteriorPoint:
         self.step = step
         self.settings = settings or InteriorSettings()
         n_slots = step.pairs.n_slots
-        self.inner = np.zeros((n_slots, interior.N_INNER))
-        self.change = np.zeros((n_slots, interior.N_CHANGE))
+        self.inner = np.zeros((n_slots, kernel.N_INNER))
+        self.change = np.zeros((n_slots, kernel.N_CHANGE))
         self.offset = np.zeros_like(step.reaction)
         dead = np.abs(translations(step.loads.dead)[~step.loads.fixed]).max(axis=1)
         self.block_weight = float(dead.mean())
@@ -127,81 +128,15 @@ class InteriorPoint:
         -------
         Whether the branches could be told, and the multiplier.
         """
-        step, settings = self.step, self.settings
-        every = step.contacts, step.count
+        step = self.step
         if step.count == 0:
             return True, multiplier
-        stiffness = float(step.contacts.table[: step.count, STIFF_N].mean())
-        unit = self.block_weight**2 / stiffness
-        lag = pace.missing(geometry) if pace else 0.0
-        missing = lag - float(np.vdot(gradient, x - geometry)) if pace else 0.0
-        barrier = settings.start * unit + settings.reach * self.block_weight * abs(missing)
-        interior.centre(*every, step.branch, barrier, self.inner)
-        columns = step.frame.columns if pace else step.frame.columns[:1]
-        near, stalls, stuck, short = False, 0, 0, 0
-        damping = step.damping
-        damping[:] = 0.0
-        for _ in range(settings.max_iterations):
-            energy = self._assemble(x, multiplier, geometry)
-            missing = lag - float(np.vdot(gradient, x - geometry)) if pace else 0.0
-            near = (
-                step.residual <= settings.residual * self.block_weight
-                and energy <= settings.enough * unit
-            )
-            if near and self._told(x, multiplier, geometry, tolerance):
-                return True, multiplier
-            if near and energy <= settings.least * unit:
-                return True, multiplier
-            unrest = settings.hold * math.sqrt(stiffness * energy)
-            if self._restless(unrest) and self._rest(x, multiplier, geometry, energy, unrest):
-                self._assemble(x, multiplier, geometry)
-            if not step.factorise(pace, gradient, settings.least_damping):
-                return False, multiplier
-            if pace:
-                columns[1], columns[2] = step.frame.load, step.spring * step.frame.axis
-            wait = self._restless(unrest)
-            by_direction, room, limiting, by_way, by_square = self._direction(
-                columns, missing, pace, energy if wait else 0.0, second=False
-            )
-            if not step.stable:
-                self._hold(slice(None))
-                short = 0
-                continue
-            sure = near and energy <= settings.surely * unit
-            if sure and room <= settings.shortest:
-                break
-            if not wait:
-                way = min(1.0, room)
-                least = max(energy + way * (by_way + way * by_square), 0.0)
-                share = (least / energy) ** 3 if energy > 0.0 else 0.0  # bonds have none
-                barrier = min(max(share, 1e-3), 0.8) * energy
-                by_direction, room, limiting, _, _ = self._direction(
-                    columns[:1], missing, pace, barrier, second=True
-                )
-            margin = min(settings.margin, math.sqrt(max(energy / unit, 1e-16)))
-            length = min(1.0, (1.0 - margin) * room)
-            short = short + 1 if length < settings.short else 0
-            if not length > settings.shortest or short == settings.patience:
-                if stalls == settings.max_stalls or sure:
-                    break
-                stalls, stuck, short = stalls + 1, stuck + 1, 0
-                body = self._faster(limiting)
-                if near or damping[body] >= settings.most_damping:
-                    barrier = settings.raised * max(energy, barrier)
-                    interior.centre(*every, step.branch, barrier, self.inner)
-                    np.minimum(damping, settings.damping, out=damping)
-                else:
-                    self._hold(body if stuck <= settings.alone else slice(None))
-                continue
-            stuck = 0
-            self._move(x, length)
-            multiplier += length * by_direction
-        return near, multiplier
+        return _Descent(self, x, multiplier, geometry, pace, gradient).run(tolerance)
 
     def _assemble(self, x: Array, multiplier: float, geometry: Array) -> float:
         """Unbalanced forces and tangent at ``x``; returns the mean energy [J]."""
         step = self.step
-        energy = interior.respond(step.contacts, step.count, step.branch, self.inner, step.response)
+        energy = kernel.respond(step.contacts, step.count, step.branch, self.inner, step.response)
         step.assemble(x, multiplier, x - geometry)
         return energy
 
@@ -212,7 +147,7 @@ class InteriorPoint:
             step.damping *= settings.less
             step.damping[step.damping < settings.least_damping] = 0.0
         x += length * step.frame.columns[0]
-        interior.move(step.contacts, step.count, self.inner, self.change, length)
+        kernel.move(step.contacts, step.count, self.inner, self.change, length)
 
     def _hold(self, bodies: int | slice) -> None:
         """Hold bodies more."""
@@ -278,7 +213,7 @@ class InteriorPoint:
     def _told(self, x: Array, multiplier: float, geometry: Array, tolerance: float) -> bool:
         """Choose the branches; whether they leave nothing unbalanced."""
         step = self.step
-        interior.choose(step.contacts, step.count, self.inner, step.branch)
+        kernel.choose(step.contacts, step.count, self.inner, step.branch)
         step.respond()
         step.assemble(x, multiplier, x - geometry)
         if step.residual <= tolerance:
@@ -293,19 +228,126 @@ class InteriorPoint:
 
         Further columns, where there are any, are solved for as well.  Returns by how much the
         multiplier changes, the room, the contact that ends it, and how the energy changes on the
-        way, to first and second order, see `kernels.interior.changes`.
+        way, to first and second order, see `kernels.kernel.changes`.
         """
         step = self.step
         every = step.contacts, step.count, step.branch, self.inner
         columns[0] = step.force
-        interior.offset(
-            *every, barrier, second, self.change, step.response, self.offset, columns[0]
-        )
+        kernel.offset(*every, barrier, second, self.change, step.response, self.offset, columns[0])
         lu_numeric.solve(step.structure, step.factors, columns)
         by_direction = path.border(step.frame, columns[0], missing) if pace else 0.0
-        room, limiting, by_way, by_square = interior.changes(
+        room, limiting, by_way, by_square = kernel.changes(
             *every, barrier, second, step.response, self.offset, columns[0], self.change
         )
         if not math.isfinite(by_direction):
             room = 0.0
         return by_direction, room, limiting, by_way, by_square
+
+
+class _Descent:
+    """The iterations of one solution, from the first barrier down to none."""
+
+    def __init__(
+        self,
+        interior: InteriorPoint,
+        x: Array,
+        multiplier: float,
+        geometry: Array,
+        pace: Pace | None,
+        gradient: Array,
+    ) -> None:
+        step = interior.step
+        self.interior, self.step, self.settings = interior, step, interior.settings
+        self.x, self.multiplier, self.geometry = x, multiplier, geometry
+        self.pace, self.gradient = pace, gradient
+        self.stiffness = float(step.contacts.table[: step.count, STIFF_N].mean())
+        self.unit = interior.block_weight**2 / self.stiffness  # J
+        self.lag = pace.missing(geometry) if pace else 0.0
+        self.columns = step.frame.columns if pace else step.frame.columns[:1]
+        self.near = self.sure = False  # whether the energy is so low that the branches may tell
+        self.stalls, self.stuck, self.short = 0, 0, 0
+        reach = self.settings.reach * interior.block_weight * abs(self._missing())
+        self._centre(self.settings.start * self.unit + reach)
+        step.damping[:] = 0.0
+
+    def run(self, tolerance: float) -> tuple[bool, float]:
+        """See `InteriorPoint.solve`."""
+        interior, step, settings = self.interior, self.step, self.settings
+        for _ in range(settings.max_iterations):
+            energy = interior._assemble(self.x, self.multiplier, self.geometry)
+            weight = interior.block_weight
+            calm = step.residual <= settings.residual * weight
+            self.near = calm and energy <= settings.enough * self.unit
+            self.sure = self.near and energy <= settings.surely * self.unit
+            if self.near and interior._told(self.x, self.multiplier, self.geometry, tolerance):
+                return True, self.multiplier
+            if self.near and energy <= settings.least * self.unit:
+                return True, self.multiplier
+            unrest = settings.hold * math.sqrt(self.stiffness * energy)
+            at = self.x, self.multiplier, self.geometry
+            if interior._restless(unrest) and interior._rest(*at, energy, unrest):
+                interior._assemble(*at)
+            if not step.factorise(self.pace, self.gradient, settings.least_damping):
+                return False, self.multiplier
+            if not self._descend(energy, unrest):
+                break
+        return self.near, self.multiplier
+
+    def _missing(self) -> float:
+        """What is missing of the pacing displacement [m], where the unknowns are."""
+        if not self.pace:
+            return 0.0
+        return self.lag - float(np.vdot(self.gradient, self.x - self.geometry))
+
+    def _centre(self, barrier: float) -> None:
+        self.barrier = barrier
+        step = self.step
+        kernel.centre(step.contacts, step.count, step.branch, barrier, self.interior.inner)
+
+    def _descend(self, energy: float, unrest: float) -> bool:
+        """Predictor and corrector with the present factors; whether there is a way on."""
+        interior, step, settings = self.interior, self.step, self.settings
+        columns, missing = self.columns, self._missing()
+        if self.pace:
+            columns[1], columns[2] = step.frame.load, step.spring * step.frame.axis
+        wait = interior._restless(unrest)
+        by_direction, room, limiting, by_way, by_square = interior._direction(
+            columns, missing, self.pace, energy if wait else 0.0, second=False
+        )
+        if not step.stable:
+            interior._hold(slice(None))
+            self.short = 0
+            return True
+        if self.sure and room <= settings.shortest:
+            return False
+        if not wait:
+            way = min(1.0, room)
+            least = max(energy + way * (by_way + way * by_square), 0.0)
+            share = (least / energy) ** 3 if energy > 0.0 else 0.0  # bonds have none
+            self.barrier = min(max(share, 1e-3), 0.8) * energy
+            by_direction, room, limiting, _, _ = interior._direction(
+                columns[:1], missing, self.pace, self.barrier, second=True
+            )
+        margin = min(settings.margin, math.sqrt(max(energy / self.unit, 1e-16)))
+        length = min(1.0, (1.0 - margin) * room)
+        self.short = self.short + 1 if length < settings.short else 0
+        if not length > settings.shortest or self.short == settings.patience:
+            return self._stall(limiting, energy)
+        self.stuck = 0
+        interior._move(self.x, length)
+        self.multiplier += length * by_direction
+        return True
+
+    def _stall(self, limiting: int, energy: float) -> bool:
+        """Hold back what leaves no way on, or begin anew; False after too many times."""
+        interior, settings, damping = self.interior, self.settings, self.step.damping
+        if self.stalls == settings.max_stalls or self.sure:
+            return False
+        self.stalls, self.stuck, self.short = self.stalls + 1, self.stuck + 1, 0
+        body = interior._faster(limiting)
+        if self.near or damping[body] >= settings.most_damping:
+            self._centre(settings.raised * max(energy, self.barrier))
+            np.minimum(damping, settings.damping, out=damping)
+        else:
+            interior._hold(body if self.stuck <= settings.alone else slice(None))
+        return True
