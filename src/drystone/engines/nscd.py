@@ -32,7 +32,7 @@ from drystone.kernels.law import MU
 from drystone.kernels.nlgs import ContactProblem, contact_velocities
 from drystone.kernels.residual import add_contact_forces
 from drystone.solvers import nlgs
-from drystone.solvers.nlgs import BlockSystem, NlgsSettings
+from drystone.solvers.nlgs import BlockSystem, NlgsResult, NlgsSettings
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -146,47 +146,57 @@ class NscdEngine:
         if demand.multiplier is None or not demand.time_step > 0.0:
             raise ValueError("the nscd engine steps under a multiplier, with a time step")
         state = self._refresh(state)
-        assembly, loads, h = self.problem.assembly, self.loads, demand.time_step
-        pairs, slots = state.pairs, state.slots
-        contacts = Contacts.empty(len(slots.kind), assembly.dimension, assembly.n_dof)
-        count = forces.pack(slots, pairs, self.laws, assembly.thickness, contacts)
-        contacts = contacts.of(slice(count))
-        chosen = contacts.slot
-        problem = ContactProblem(contacts, slots.gap[chosen], self.inverse_mass)
+        h, problem = demand.time_step, self._contact_problem(state)
         before = np.zeros_like(state.velocity) if demand.stop_blocks else state.velocity
-        load = loads.dead + demand.multiplier * loads.pattern
+        load = self.loads.dead + demand.multiplier * self.loads.pattern
+        scale = self.problem.assembly.heaviest_weight
+        tolerance = self.settings.tolerance * scale
         solved = nlgs.solve(
             problem, self.system[1], self.extent,
             before + h * self.inverse_mass * load,
-            state.reaction[chosen] * h, state.increment / h, h,
-            NlgsSettings(
-                tolerance=self.settings.tolerance * assembly.heaviest_weight,
-                max_sweeps=self.settings.max_sweeps,
-            ),
+            state.reaction[problem.contacts.slot] * h, state.increment / h, h,
+            NlgsSettings(tolerance=tolerance, max_sweeps=self.settings.max_sweeps),
         )  # fmt: skip
-        iterations = solved.n_sweeps + solved.n_corrections
-        if solved.residual > self.settings.tolerance * assembly.heaviest_weight:
-            share = solved.residual / assembly.heaviest_weight
+        motion, reason = self.detector.farthest(h * solved.velocity), ""
+        if solved.residual > tolerance:
+            share = solved.residual / scale
+            reason = f"Gauss-Seidel left a residual of {share:.1e} after {solved.n_sweeps} sweeps"
+        elif motion > self.settings.max_motion * self.detector.reach:
+            reason = "a block moves too far in one step"
+        if reason:
             return state, StepReport(
                 converged=False,
-                reason=(
-                    f"Gauss-Seidel left a residual of {share:.1e} after {solved.n_sweeps} sweeps"
-                ),
-                n_iterations=iterations,
-            )
-        increment = h * solved.velocity
-        motion = self.detector.farthest(increment)
-        if motion > self.settings.max_motion * self.detector.reach:
-            return state, StepReport(
-                converged=False,
-                reason="a block moves too far in one step",
+                reason=reason,
                 motion=motion,
-                n_iterations=iterations,
+                n_iterations=solved.n_sweeps + solved.n_corrections,
             )
+        return self._accept(state, problem, solved, before, load, demand)
+
+    def _contact_problem(self, state: NscdState) -> ContactProblem:
+        """Contacts where the step starts."""
+        assembly, slots = self.problem.assembly, state.slots
+        contacts = Contacts.empty(len(slots.kind), assembly.dimension, assembly.n_dof)
+        count = forces.pack(slots, state.pairs, self.laws, assembly.thickness, contacts)
+        contacts = contacts.of(slice(count))
+        return ContactProblem(contacts, slots.gap[contacts.slot], self.inverse_mass)
+
+    def _accept(
+        self,
+        state: NscdState,
+        problem: ContactProblem,
+        solved: NlgsResult,
+        before: Array,
+        load: Array,
+        demand: Demand,
+    ) -> tuple[NscdState, StepReport]:
+        """The state that a step has led to, from the velocities ``before``, and its figures."""
+        assert demand.multiplier is not None
+        loads, h, chosen = self.loads, demand.time_step, problem.contacts.slot
+        increment = h * solved.velocity
         pose = moved(state.pose, increment)
         new, reaction = self._arrive(state, pose, solved.velocity, chosen, solved.impulse / h)
         force = np.zeros_like(pose)
-        add_contact_forces(contacts, reaction[chosen], force)
+        add_contact_forces(problem.contacts, reaction[chosen], force)
         acceleration = (solved.velocity - before) / h
         certificate = certify(
             _judged(problem, solved.velocity, reaction[chosen], h),
@@ -194,23 +204,20 @@ class NscdEngine:
             self.extent,
             loads.fixed,
         )
-        return new, report(
-            self.problem,
-            loads,
-            StepOutcome(
-                multiplier=demand.multiplier,
-                pose=pose,
-                increment=increment,
-                acceleration=acceleration,
-                velocity=solved.velocity,
-                contact_force=force,
-                slots=new.slots,
-                status=new.status,
-                certificate=certificate,
-                motion=motion,
-                n_iterations=iterations,
-            ),
+        outcome = StepOutcome(
+            multiplier=demand.multiplier,
+            pose=pose,
+            increment=increment,
+            acceleration=acceleration,
+            velocity=solved.velocity,
+            contact_force=force,
+            slots=new.slots,
+            status=new.status,
+            certificate=certificate,
+            motion=self.detector.farthest(increment),
+            n_iterations=solved.n_sweeps + solved.n_corrections,
         )
+        return new, report(self.problem, loads, outcome)
 
     def _refresh(self, state: NscdState) -> NscdState:
         """New pairs where the blocks have moved far, and the linear system that fits them."""

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,7 +52,7 @@ class NlgsResult:
     """Impulses and velocities with the residual they were measured to have."""
 
     impulse: Array  # (n_contacts, 2) N s
-    velocity: Array  # (n, 3) m/s, rad/s
+    velocity: Array  # (n, n_dof) m/s, rad/s
     residual: float  # N
     n_sweeps: int
     n_corrections: int
@@ -127,66 +126,38 @@ def solve(
     extent
         (n,) m, by which moments are divided.
     free_velocity
-        Velocities without contacts at the end of the step, (n, 3).
+        Velocities without contacts at the end of the step, (n, n_dof).
     impulse
-        Warm start, (n_contacts, 2) [N s].
+        Warm start, (n_contacts, dim) [N s].
     guess
-        Velocities that the accelerator is first tried from, (n, 3), as of a similar step before.
+        Velocities that the accelerator is first tried from, (n, n_dof), as of a similar step.
     h
         Time step [s].
     """
-    n, mass = len(problem.gap), system.mass
-    table, dim = problem.contacts.table, problem.contacts.rows.shape[1]
+    n, dim = impulse.shape
     blocks = np.zeros((n, dim, dim))
     kernels.delassus_blocks(problem, blocks)
-    table[:, STIFF_T] = 1.0 / (np.maximum(blocks[:, 1, 1], 1e-300) * h * h)
-    nothing = np.zeros(n)
-    relative = np.zeros((n, dim))
-    defect, fixed = np.zeros_like(free_velocity), mass[:, 0] == 0.0
-
-    def measure(p: Array, v: Array) -> float:
-        kernels.momentum_defect(problem, mass, free_velocity, v, p, defect)
-        unbalanced = unbalanced_force(defect / h, np.zeros_like(defect), extent, fixed)
-        kernels.contact_velocities(problem.contacts, v, relative)
-        reaction = p / h
-        normal, tangential, _ = joint_law_violation(
-            table, problem.gap + h * relative[:, 0], h * relative[:, 1], reaction, reaction[:, 1],
-            nothing,
-        )  # fmt: skip
-        return max(float(unbalanced), float(normal), float(tangential))
-
-    def velocity_of(p: Array) -> Array:
-        v = free_velocity.copy()
-        kernels.apply_impulses(problem, p, v)
-        return v
-
-    before, impulse = impulse, impulse.copy()
-    velocity = velocity_of(impulse)
-    order = np.arange(n)
+    problem.contacts.table[:, STIFF_T] = 1.0 / (np.maximum(blocks[:, 1, 1], 1e-300) * h * h)
+    step = _Step(problem, system, extent, free_velocity, h)
     accelerator = _Accelerator(problem, system, free_velocity, h, settings)
+    before, impulse = impulse, impulse.copy()
+    velocity = step.velocity_of(impulse)
     n_sweeps, chunk = 0, settings.first_sweeps
-    residual = measure(impulse, velocity)
+    residual = step.residual(impulse, velocity)
     while residual > settings.tolerance and n_sweeps < settings.max_sweeps:
         chunk = min(chunk, settings.max_sweeps - n_sweeps)
-        velocity = velocity_of(impulse)
-        kernels.sweep(problem, blocks, h, order, chunk, impulse, velocity)
+        velocity = step.velocity_of(impulse)
+        kernels.sweep(problem, blocks, h, np.arange(n), chunk, impulse, velocity)
         n_sweeps += chunk
-        velocity = velocity_of(impulse)  # rounding of the running sums does not pile up
-        residual = measure(impulse, velocity)
+        velocity = step.velocity_of(impulse)  # rounding of the running sums does not pile up
+        residual = step.residual(impulse, velocity)
         if residual <= settings.tolerance:
             break
         starts = [velocity]
         if n_sweeps == chunk:
             starts = [accelerator.predicted(before, guess), guess, velocity]
-        # Of what is found, velocities are kept beside impulses: made of them anew they would turn
-        # the last bit of an impulse, times the joint's stiffness over the mass, into forces.
-        for trial in chain.from_iterable(accelerator.trials(impulse, v) for v in starts):
-            trial_residual = measure(*trial)
-            if trial_residual < residual:
-                impulse, velocity = trial[0].copy(), trial[1].copy()
-                residual = trial_residual
-                if residual <= settings.tolerance:
-                    break
+        known = impulse, velocity, residual
+        impulse, velocity, residual = step.best(accelerator, starts, known, settings.tolerance)
         chunk *= 2
     return NlgsResult(
         impulse=impulse,
@@ -195,6 +166,61 @@ def solve(
         n_sweeps=n_sweeps,
         n_corrections=accelerator.n_solved,
     )
+
+
+class _Step:
+    """The equations of a step: velocities of impulses, and what either leave of it."""
+
+    def __init__(self, problem, system, extent, free_velocity, h) -> None:
+        self.problem, self.mass, self.extent = problem, system.mass, extent
+        self.free_velocity, self.h, self.fixed = free_velocity, h, system.mass[:, 0] == 0.0
+        self.nothing = np.zeros(len(problem.gap))
+        self.defect = np.zeros_like(free_velocity)
+
+    def velocity_of(self, impulse: Array) -> Array:
+        """Velocities (n, n_dof) that impulses lead to."""
+        velocity: Array = self.free_velocity.copy()
+        kernels.apply_impulses(self.problem, impulse, velocity)
+        return velocity
+
+    def best(
+        self,
+        accelerator: _Accelerator,
+        starts: list[Array],
+        known: tuple[Array, Array, float],
+        enough: float,
+    ) -> tuple[Array, Array, float]:
+        """Impulses, velocities and residual of the first trial that is good ``enough`` [N], or of
+        the best, that ``known`` included; each start goes on from the impulses known by then.
+
+        Velocities are kept beside impulses: made of them anew they would turn the last bit of an
+        impulse, times the joint's stiffness over the mass, into forces.
+        """
+        for start in starts:
+            for impulse, velocity in accelerator.trials(known[0], start):
+                residual = self.residual(impulse, velocity)
+                if residual < known[2]:
+                    known = impulse.copy(), velocity.copy(), residual
+                    if residual <= enough:
+                        return known
+        return known
+
+    def residual(self, impulse: Array, velocity: Array) -> float:
+        """The largest distance from balance and from the joint law [N]."""
+        problem, h, relative = self.problem, self.h, np.zeros_like(impulse)
+        kernels.momentum_defect(
+            problem, self.mass, self.free_velocity, velocity, impulse, self.defect
+        )
+        unbalanced = unbalanced_force(
+            self.defect / h, np.zeros_like(self.defect), self.extent, self.fixed
+        )
+        kernels.contact_velocities(problem.contacts, velocity, relative)
+        reaction = impulse / h
+        normal, tangential, _ = joint_law_violation(
+            problem.contacts.table, problem.gap + h * relative[:, 0], h * relative[:, 1], reaction,
+            reaction[:, 1], self.nothing,
+        )  # fmt: skip
+        return max(float(unbalanced), float(normal), float(tangential))
 
 
 class _Accelerator:
