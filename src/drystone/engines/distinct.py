@@ -35,7 +35,7 @@ from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_
 from drystone.kernels import explicit, narrow
 from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import BODY_A, BODY_B, NONE, SLOT, Contacts, Pairs, Slots
-from drystone.kernels.explicit import FrozenContacts, Loads, Motion
+from drystone.kernels.explicit import Drive, FrozenContacts, Loads, Motion
 from drystone.kernels.forces import pack
 from drystone.kernels.law import N_HISTORY
 from drystone.kernels.residual import add_contact_forces
@@ -207,15 +207,17 @@ class Workspace:
 
         Raises `RunAwayError`.
         """
-        s = self.engine.settings
         last = self.n_cycles + n_cycles
         while self.n_cycles < last:
-            why, used = explicit.cycle(
-                self.contacts, self.n_contacts, self.motion, self.loads, self.searched, self.dt,
-                min(last - self.n_cycles, ROUND), self.multiplier, not self.real_masses, guided,
-                rate, combined, s.local_damping,
-                s.viscous_damping, tolerance, self.engine.search_reach, self.meter,
-            )  # fmt: skip
+            why, used = self._cycle(
+                min(last - self.n_cycles, ROUND),
+                bonds_hold=not self.real_masses,
+                guided=guided,
+                rate=rate,
+                combined=combined,
+                tolerance=tolerance,
+                reach=self.engine.search_reach,
+            )
             self.n_cycles += used
             if why == explicit.MOVED:
                 self._stop_runaways()
@@ -273,13 +275,39 @@ class Workspace:
 
     def cycle_once(self) -> None:
         """One cycle at the present multiplier, without a search after it."""
-        s = self.engine.settings
-        explicit.cycle(
-            self.contacts, self.n_contacts, self.motion, self.loads, self.searched, self.dt, 1,
-            self.multiplier, False, False, 0.0, False, s.local_damping, s.viscous_damping, -1.0,
-            np.inf, self.meter,
-        )  # fmt: skip
+        self._cycle(1)
         self.n_cycles += 1
+
+    def _cycle(
+        self,
+        n_cycles: int,
+        *,
+        bonds_hold: bool = False,
+        guided: bool = False,
+        rate: float = 0.0,
+        combined: bool = False,
+        tolerance: float = -1.0,
+        reach: float = np.inf,
+    ) -> tuple[int, int]:
+        """Why the cycles ended, and how many there were; see `kernels.explicit`."""
+        settings = self.engine.settings
+        drive = Drive(
+            dt=self.dt,
+            multiplier=self.multiplier,
+            bonds_hold=bonds_hold,
+            guided=guided,
+            rate=float(rate),
+            combined=combined,
+            local_damping=float(settings.local_damping),
+            viscous_damping=float(settings.viscous_damping),
+            tolerance=float(tolerance),
+            reach=float(reach),
+        )
+        why, used = explicit.cycle(
+            self.contacts, self.n_contacts, self.motion, self.loads, self.searched, drive,
+            n_cycles, self.meter,
+        )  # fmt: skip
+        return why, used
 
     def let_go(self) -> None:
         """Take out blocks that have left; the rest does not feel it."""

@@ -255,12 +255,225 @@ def stiffness_blocks(slots, pairs, laws, thickness, watched, blocks):
                 blocks[body, i, j] = blocks[body, j, i]
 
 
+class Drive(NamedTuple):
+    """How cycles are driven, and when they end."""
+
+    dt: float  # s
+    multiplier: float  # load multiplier; where guided only a start
+    bonds_hold: bool  # whatever they carry: waves on the way to rest break none that rest would not
+    guided: bool  # see `cycle`
+    rate: float  # N m/s, F.v of the guided pattern
+    combined: bool  # damping is combined, see `cycle`
+    local_damping: float  # share of the unbalanced force
+    viscous_damping: float  # 1/s by which velocities are damped, in proportion to mass
+    tolerance: float  # N, `BALANCED` when no unbalanced force, or moment over extent, exceeds it;
+    # negative: never
+    reach: float  # m, `MOVED` when a body has moved so far from where it was searched
+
+
+@njit(cache=True, inline="always")
+def _act(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
+    """Add the contacts' forces on the bodies, with their law; returns the friction's work [J],
+    which is added to what it was."""
+    edge, other, shape, law = contacts.edge, contacts.other, contacts.shape, contacts.law
+    history, reaction, status = contacts.history, contacts.reaction, contacts.status
+    pose, velocity, turn, force = motion.pose, motion.velocity, motion.turn, motion.force
+    centroid = loads.centroid
+    for c in range(n_contacts):
+        e = edge[c]
+        o = other[c]
+        ce = turn[e, 0]
+        se = turn[e, 1]
+        co = turn[o, 0]
+        so = turn[o, 1]
+        ox = co * shape[c, OX] - so * shape[c, OY]
+        oy = so * shape[c, OX] + co * shape[c, OY]
+        ex = ce * shape[c, EX] - se * shape[c, EY]
+        ey = se * shape[c, EX] + ce * shape[c, EY]
+        dx = (centroid[o, 0] - centroid[e, 0]) + (pose[o, 0] - pose[e, 0]) + ox - ex
+        dy = (centroid[o, 1] - centroid[e, 1]) + (pose[o, 1] - pose[e, 1]) + oy - ey
+        if shape[c, ROUND] == 0.0:
+            nx = se * shape[c, TX] + ce * shape[c, TY]
+            ny = se * shape[c, TY] - ce * shape[c, TX]
+            gap = nx * dx + ny * dy - shape[c, R_SUM]
+            ex += dx
+            ey += dy
+            q = 1.0
+            roll_o = shape[c, R_O]
+            roll_e = -roll_o
+        else:
+            distance = np.sqrt(dx * dx + dy * dy)
+            nx = dx / distance
+            ny = dy / distance
+            gap = distance - shape[c, R_SUM]
+            q = shape[c, R_SUM] / distance
+            roll_o = shape[c, R_O]
+            roll_e = shape[c, R_SUM] - roll_o
+        kn = law[c, L_KN]
+        bonded = history[c, BROKEN] == 0.0
+        rn = kn * (history[c, DILATION] - gap)
+        held = bonded and bonds_hold and law[c, L_BOND] + law[c, L_TENSION] > 0.0
+        if rn < 0.0 and not held:
+            if bonded and gap > GRAZE and rn < -law[c, L_TENSION]:
+                history[c, BROKEN] = 1.0
+                bonded = False
+            if not bonded or law[c, L_TENSION] == 0.0:
+                rt = history[c, SHEAR]
+                if rt != 0.0 or status[c] != OPEN:
+                    friction_work += 0.5 * rt * rt / law[c, L_KS]
+                    history[c, SHEAR] = 0.0
+                    reaction[c, 0] = 0.0
+                    reaction[c, 1] = 0.0
+                    status[c] = OPEN
+                continue
+        # Moments per unit of normal and of tangential reaction.
+        me_n = nx * ey - ny * ex
+        mo_n = ny * ox - nx * oy
+        me_t = q * (ny * ey + nx * ex) + roll_e
+        mo_t = roll_o - q * (ny * oy + nx * ox)
+        slip = q * (ny * (velocity[o, 0] - velocity[e, 0]) - nx * (velocity[o, 1] - velocity[e, 1]))
+        slip += me_t * velocity[e, 2] + mo_t * velocity[o, 2]
+        ks = law[c, L_KS]
+        mu = law[c, L_MU]
+        rt = history[c, SHEAR] - ks * dt * slip
+        limit = mu * rn
+        if bonded:
+            limit += law[c, L_BOND]
+        now = STICKING
+        if abs(rt) > limit * (1.0 - TIE) and rt != 0.0 and not held:
+            history[c, BROKEN] = 1.0
+            if rn <= 0.0:
+                friction_work += 0.5 * rt * rt / ks
+                history[c, SHEAR] = 0.0
+                reaction[c, 0] = 0.0
+                reaction[c, 1] = 0.0
+                status[c] = OPEN
+                continue
+            now = SLIDING
+            tan_psi = law[c, L_TAN_PSI] if history[c, SLID] < law[c, L_END] else 0.0
+            gamma = slide(rn, abs(rt), ks, mu, kn * tan_psi)
+            rn += kn * tan_psi * gamma
+            rt = mu * rn if rt > 0.0 else -mu * rn
+            history[c, DILATION] += tan_psi * gamma
+            history[c, SLID] += gamma
+            # What sliding takes, less what it gives back by lifting the joint.
+            friction_work += (abs(rt) - rn * tan_psi) * gamma
+        history[c, SHEAR] = rt
+        reaction[c, 0] = rn
+        reaction[c, 1] = rt
+        status[c] = now
+        fx = rn * nx + q * rt * ny
+        fy = rn * ny - q * rt * nx
+        force[o, 0] += fx
+        force[o, 1] += fy
+        force[o, 2] += rn * mo_n + rt * mo_t
+        force[e, 0] -= fx
+        force[e, 1] -= fy
+        force[e, 2] += rn * me_n + rt * me_t
+    return friction_work
+
+
+@njit(cache=True, inline="always")
+def _accelerate(motion, loads, drive, applied, look, damping_work):
+    """Bring velocities on by the unbalanced forces, damped.
+
+    Returns the damping's work [J], added to what it was, F.v, and the square of the largest
+    unbalanced force [N2] where there is a ``look`` at it.
+    """
+    velocity, force, last = motion.velocity, motion.force, motion.last
+    mean, opposed = motion.mean, motion.opposed
+    pattern, inverse_mass, extent = loads.pattern, loads.inverse_mass, loads.extent
+    dt, viscous_damping = drive.dt, drive.viscous_damping
+    local_damping, combined = drive.local_damping, drive.combined
+    keep = (1.0 - 0.5 * viscous_damping * dt) / (1.0 + 0.5 * viscous_damping * dt)
+    push = dt / (1.0 + 0.5 * viscous_damping * dt)
+    worst, course = 0.0, 0.0
+    for i in range(force.shape[0]):
+        for d in range(N_DOF):
+            force[i, d] += applied * pattern[i, d]
+            mean[i, d] += force[i, d]
+        if inverse_mass[i, 0] == 0.0:
+            continue
+        if look:
+            worst = max(
+                worst,
+                force[i, 0] * force[i, 0] + force[i, 1] * force[i, 1],
+                (force[i, 2] / extent[i]) ** 2,
+            )
+        for d in range(N_DOF):
+            f = force[i, d]
+            v = velocity[i, d]
+            sense = 0.0
+            if v > 0.0:
+                sense = -1.0
+            elif v < 0.0:
+                sense = 1.0
+            if combined:
+                if f > last[i, d]:
+                    sense = 0.5 * (sense + 1.0)
+                elif f < last[i, d]:
+                    sense = 0.5 * (sense - 1.0)
+                last[i, d] = f
+            f += sense * local_damping * abs(f)
+            new = keep * v + push * inverse_mass[i, d] * f
+            course += pattern[i, d] * new
+            velocity[i, d] = new
+            middle = 0.5 * (v + new) * dt
+            damping_work += (force[i, d] - f) * middle
+            braked = viscous_damping * 0.5 * (v + new) / inverse_mass[i, d]
+            damping_work += braked * middle
+            opposed[i, d] += (new - v) / (inverse_mass[i, d] * dt) + force[i, d] - f + braked
+    return damping_work, course, worst
+
+
+@njit(cache=True, inline="always")
+def _move(motion, loads, origin, drive, applied, steer, load_work):
+    """Bring poses on by velocities, which are steered first where they are guided.
+
+    Returns the loads' work [J], added to what it was, and whether a body is too far from its
+    ``origin``, or lost.
+    """
+    pose, velocity, turn = motion.pose, motion.velocity, motion.turn
+    dead, pattern, inverse_mass = loads.dead, loads.pattern, loads.inverse_mass
+    extent = loads.extent
+    dt, guided, reach = drive.dt, drive.guided, drive.reach
+    moved = False
+    for i in range(pose.shape[0]):
+        if inverse_mass[i, 0] == 0.0:
+            continue
+        if guided:
+            for d in range(N_DOF):
+                velocity[i, d] += steer * inverse_mass[i, d] * pattern[i, d]
+        for d in range(N_DOF):
+            step = velocity[i, d] * dt
+            load_work += (dead[i, d] + applied * pattern[i, d]) * step
+            pose[i, d] += step
+        half = 0.5 * velocity[i, 2] * dt
+        # Cayley's rotation by 2 atan(half): exact but for half^3.
+        scale = 1.0 / (1.0 + half * half)
+        cosine = (1.0 - half * half) * scale
+        sine = 2.0 * half * scale
+        c_old = turn[i, 0]
+        turn[i, 0] = cosine * c_old - sine * turn[i, 1]
+        turn[i, 1] = sine * c_old + cosine * turn[i, 1]
+        far = abs(pose[i, 0] - origin[i, 0]) + abs(pose[i, 1] - origin[i, 1])
+        far += extent[i] * abs(pose[i, 2] - origin[i, 2])
+        moved = moved or not far <= reach  # nor where it is not a number
+    return load_work, moved
+
+
 @njit(cache=True)
-def cycle(
-    contacts, n_contacts, motion, loads, origin, dt, n_cycles, multiplier, bonds_hold, guided, rate,
-    combined, local_damping, viscous_damping, tolerance, reach, meter,
-):  # fmt: skip
+def cycle(contacts, n_contacts, motion, loads, origin, drive, n_cycles, meter):
     """Run cycles in place until one of three things happens; returns what, and the cycles run.
+
+    Where they are guided, the multiplier is the force that keeps the pattern's own displacement on
+    its course: F.v is the rate given at every half step.  From M a = f + lambda F and F.a = 0,
+    lambda = -F.M^-1 f / F.M^-1 F.
+
+    Local damping is a share of the unbalanced force that is taken off where it drives the motion,
+    and added where it brakes it (Cundall's damping), for every degree of freedom by itself:
+    - alpha |f| sgn(v).  Combined, it is alpha |f| (sgn(df) - sgn(v)) / 2, which damps what vibrates
+    upon a steady motion, and brakes the motion itself less.
 
     Parameters
     ----------
@@ -269,224 +482,44 @@ def cycle(
     motion, loads
         `Motion` and `Loads`.
     origin
-        (n, 3) poses at the last search.
-    dt
-        [s]
+        (n, n_dof) poses at the last search.
+    drive
+        `Drive`.
     n_cycles
         Return `DONE` after so many.
-    multiplier
-        Load multiplier; where ``guided`` only a start, see below.
-    bonds_hold
-        Bonds hold whatever they carry: waves on the way to rest break none that rest would not.
-    guided
-        The multiplier is the force that keeps the pattern's own displacement on its course:
-        F.v = ``rate`` [N m/s] at every half step.  From M a = f + lambda F and F.a = 0,
-        lambda = -F.M^-1 f / F.M^-1 F.
-    local_damping
-        Share of the unbalanced force that is taken off where it drives the motion, and added
-        where it brakes it (Cundall's damping), for every degree of freedom by itself:
-        - alpha |f| sgn(v).
-    combined
-        alpha |f| (sgn(df) - sgn(v)) / 2 instead (combined damping), which damps what vibrates upon
-        a steady motion, and brakes the motion itself less.
-    viscous_damping
-        [1/s] by which velocities are damped, in proportion to mass.
-    tolerance
-        Return `BALANCED` when no unbalanced force, or moment over extent, exceeds it [N];
-        negative: never.
-    reach
-        Return `MOVED` when a body has moved so far from ``origin`` [m], or is lost in
-        overflow.
     meter
         (N_METER,) multiplier of the last cycle; work done by friction, damping and loads, added
         to [J]; largest unbalanced force when last looked at [N]; cycles so far.
     """
-    edge, other, shape, law = contacts.edge, contacts.other, contacts.shape, contacts.law
-    history, reaction, status = contacts.history, contacts.reaction, contacts.status
-    pose, velocity, turn = motion.pose, motion.velocity, motion.turn
-    force, last, mean, opposed = motion.force, motion.last, motion.mean, motion.opposed
-    centroid, dead, pattern = loads.centroid, loads.dead, loads.pattern
-    inverse_mass, extent = loads.inverse_mass, loads.extent
-    n = pose.shape[0]
+    force, dead, pattern, inverse_mass = motion.force, loads.dead, loads.pattern, loads.inverse_mass
+    n, guided = force.shape[0], drive.guided
     flexibility = 0.0
     for i in range(n):
-        for d in range(3):
+        for d in range(N_DOF):
             flexibility += pattern[i, d] * pattern[i, d] * inverse_mass[i, d]
-    keep = (1.0 - 0.5 * viscous_damping * dt) / (1.0 + 0.5 * viscous_damping * dt)
-    push = dt / (1.0 + 0.5 * viscous_damping * dt)
-    friction_work = 0.0
-    damping_work = 0.0
-    load_work = 0.0
-    applied = multiplier
+    friction_work, damping_work, load_work = 0.0, 0.0, 0.0
+    applied = drive.multiplier
     before = int(meter[CYCLES])
     for count in range(n_cycles):
         for i in range(n):
-            force[i, 0] = dead[i, 0]
-            force[i, 1] = dead[i, 1]
-            force[i, 2] = dead[i, 2]
-        for c in range(n_contacts):
-            e = edge[c]
-            o = other[c]
-            ce = turn[e, 0]
-            se = turn[e, 1]
-            co = turn[o, 0]
-            so = turn[o, 1]
-            ox = co * shape[c, OX] - so * shape[c, OY]
-            oy = so * shape[c, OX] + co * shape[c, OY]
-            ex = ce * shape[c, EX] - se * shape[c, EY]
-            ey = se * shape[c, EX] + ce * shape[c, EY]
-            dx = (centroid[o, 0] - centroid[e, 0]) + (pose[o, 0] - pose[e, 0]) + ox - ex
-            dy = (centroid[o, 1] - centroid[e, 1]) + (pose[o, 1] - pose[e, 1]) + oy - ey
-            if shape[c, ROUND] == 0.0:
-                nx = se * shape[c, TX] + ce * shape[c, TY]
-                ny = se * shape[c, TY] - ce * shape[c, TX]
-                gap = nx * dx + ny * dy - shape[c, R_SUM]
-                ex += dx
-                ey += dy
-                q = 1.0
-                roll_o = shape[c, R_O]
-                roll_e = -roll_o
-            else:
-                distance = np.sqrt(dx * dx + dy * dy)
-                nx = dx / distance
-                ny = dy / distance
-                gap = distance - shape[c, R_SUM]
-                q = shape[c, R_SUM] / distance
-                roll_o = shape[c, R_O]
-                roll_e = shape[c, R_SUM] - roll_o
-            kn = law[c, L_KN]
-            bonded = history[c, BROKEN] == 0.0
-            rn = kn * (history[c, DILATION] - gap)
-            held = bonded and bonds_hold and law[c, L_BOND] + law[c, L_TENSION] > 0.0
-            if rn < 0.0 and not held:
-                if bonded and gap > GRAZE and rn < -law[c, L_TENSION]:
-                    history[c, BROKEN] = 1.0
-                    bonded = False
-                if not bonded or law[c, L_TENSION] == 0.0:
-                    rt = history[c, SHEAR]
-                    if rt != 0.0 or status[c] != OPEN:
-                        friction_work += 0.5 * rt * rt / law[c, L_KS]
-                        history[c, SHEAR] = 0.0
-                        reaction[c, 0] = 0.0
-                        reaction[c, 1] = 0.0
-                        status[c] = OPEN
-                    continue
-            # Moments per unit of normal and of tangential reaction.
-            me_n = nx * ey - ny * ex
-            mo_n = ny * ox - nx * oy
-            me_t = q * (ny * ey + nx * ex) + roll_e
-            mo_t = roll_o - q * (ny * oy + nx * ox)
-            slip = q * (
-                ny * (velocity[o, 0] - velocity[e, 0]) - nx * (velocity[o, 1] - velocity[e, 1])
-            )
-            slip += me_t * velocity[e, 2] + mo_t * velocity[o, 2]
-            ks = law[c, L_KS]
-            mu = law[c, L_MU]
-            rt = history[c, SHEAR] - ks * dt * slip
-            limit = mu * rn
-            if bonded:
-                limit += law[c, L_BOND]
-            now = STICKING
-            if abs(rt) > limit * (1.0 - TIE) and rt != 0.0 and not held:
-                history[c, BROKEN] = 1.0
-                if rn <= 0.0:
-                    friction_work += 0.5 * rt * rt / ks
-                    history[c, SHEAR] = 0.0
-                    reaction[c, 0] = 0.0
-                    reaction[c, 1] = 0.0
-                    status[c] = OPEN
-                    continue
-                now = SLIDING
-                tan_psi = law[c, L_TAN_PSI] if history[c, SLID] < law[c, L_END] else 0.0
-                gamma = slide(rn, abs(rt), ks, mu, kn * tan_psi)
-                rn += kn * tan_psi * gamma
-                rt = mu * rn if rt > 0.0 else -mu * rn
-                history[c, DILATION] += tan_psi * gamma
-                history[c, SLID] += gamma
-                # What sliding takes, less what it gives back by lifting the joint.
-                friction_work += (abs(rt) - rn * tan_psi) * gamma
-            history[c, SHEAR] = rt
-            reaction[c, 0] = rn
-            reaction[c, 1] = rt
-            status[c] = now
-            fx = rn * nx + q * rt * ny
-            fy = rn * ny - q * rt * nx
-            force[o, 0] += fx
-            force[o, 1] += fy
-            force[o, 2] += rn * mo_n + rt * mo_t
-            force[e, 0] -= fx
-            force[e, 1] -= fy
-            force[e, 2] += rn * me_n + rt * me_t
+            for d in range(N_DOF):
+                force[i, d] = dead[i, d]
+        friction_work = _act(
+            contacts, n_contacts, motion, loads, drive.dt, drive.bonds_hold, friction_work
+        )
         if guided:
-            drive = 0.0
+            driven = 0.0
             for i in range(n):
-                for d in range(3):
-                    drive += pattern[i, d] * inverse_mass[i, d] * force[i, d]
-            applied = -drive / flexibility
+                for d in range(N_DOF):
+                    driven += pattern[i, d] * inverse_mass[i, d] * force[i, d]
+            applied = -driven / flexibility
         look = (before + count) % LOOK == LOOK - 1
-        worst = 0.0
-        course = 0.0
-        for i in range(n):
-            for d in range(3):
-                force[i, d] += applied * pattern[i, d]
-                mean[i, d] += force[i, d]
-            if inverse_mass[i, 0] == 0.0:
-                continue
-            if look:
-                worst = max(
-                    worst,
-                    force[i, 0] * force[i, 0] + force[i, 1] * force[i, 1],
-                    (force[i, 2] / extent[i]) ** 2,
-                )
-            for d in range(3):
-                f = force[i, d]
-                v = velocity[i, d]
-                sense = 0.0
-                if v > 0.0:
-                    sense = -1.0
-                elif v < 0.0:
-                    sense = 1.0
-                if combined:
-                    if f > last[i, d]:
-                        sense = 0.5 * (sense + 1.0)
-                    elif f < last[i, d]:
-                        sense = 0.5 * (sense - 1.0)
-                    last[i, d] = f
-                f += sense * local_damping * abs(f)
-                new = keep * v + push * inverse_mass[i, d] * f
-                course += pattern[i, d] * new
-                velocity[i, d] = new
-                middle = 0.5 * (v + new) * dt
-                damping_work += (force[i, d] - f) * middle
-                braked = viscous_damping * 0.5 * (v + new) / inverse_mass[i, d]
-                damping_work += braked * middle
-                opposed[i, d] += (new - v) / (inverse_mass[i, d] * dt) + force[i, d] - f + braked
-        steer = (rate - course) / flexibility if guided else 0.0
-        moved = False
-        for i in range(n):
-            if inverse_mass[i, 0] == 0.0:
-                continue
-            if guided:
-                for d in range(3):
-                    velocity[i, d] += steer * inverse_mass[i, d] * pattern[i, d]
-            for d in range(3):
-                step = velocity[i, d] * dt
-                load_work += (dead[i, d] + applied * pattern[i, d]) * step
-                pose[i, d] += step
-            half = 0.5 * velocity[i, 2] * dt
-            # Cayley's rotation by 2 atan(half): exact but for half^3.
-            scale = 1.0 / (1.0 + half * half)
-            cosine = (1.0 - half * half) * scale
-            sine = 2.0 * half * scale
-            c_old = turn[i, 0]
-            turn[i, 0] = cosine * c_old - sine * turn[i, 1]
-            turn[i, 1] = sine * c_old + cosine * turn[i, 1]
-            far = abs(pose[i, 0] - origin[i, 0]) + abs(pose[i, 1] - origin[i, 1])
-            far += extent[i] * abs(pose[i, 2] - origin[i, 2])
-            moved = moved or not far <= reach  # nor where it is not a number
+        damping_work, course, worst = _accelerate(motion, loads, drive, applied, look, damping_work)
+        steer = (drive.rate - course) / flexibility if guided else 0.0
+        load_work, moved = _move(motion, loads, origin, drive, applied, steer, load_work)
         if look:
             meter[RESIDUAL] = np.sqrt(worst)
-        balanced = look and worst <= tolerance * tolerance and tolerance > 0.0
+        balanced = look and worst <= drive.tolerance**2 and drive.tolerance > 0.0
         if moved or balanced or count == n_cycles - 1:
             meter[MULTIPLIER] = applied
             meter[FRICTION_WORK] += friction_work
