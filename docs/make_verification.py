@@ -149,7 +149,7 @@ def rocking_bias(engine: str, f: float) -> tuple[float, float]:
 
 def at(curve: ds.CapacityCurve, values: Array, displacement: float, width: float = 0.01) -> float:
     """Median of a column near a control displacement [m]."""
-    near = static(curve) & (np.abs(curve.control_displacement - displacement) < width)
+    near = np.abs(curve.control_displacement - displacement) < width
     return float(np.median(values[near]))
 
 
