@@ -131,6 +131,18 @@ def test_architecture_names_every_module():
         assert name in page, f"{name} is not in docs/architecture.md"
 
 
+def test_what_a_stranger_would_touch_is_there_and_is_little():
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    section = page.split("## A stranger's minute")[1].split("\n## ")[0]
+    rows = [line.split("|")[1:3] for line in section.splitlines() if line.startswith("| ")][1:]
+    assert len(rows) > 10
+    for change, files in rows:
+        named = re.findall(r"`([a-z_0-9/]+(?:\.py|/))`", files)  # a folder stands for a new file
+        assert len(named) <= 3, change
+        for name in named:
+            assert (ROOT / "src" / "drystone" / name).exists(), f"{change}: {name}"
+
+
 def test_public_names_stay_what_they_are():
     # In a process of its own: a submodule of the same name must not take the place of a function.
     code = """
