@@ -228,7 +228,7 @@ class InteriorPoint:
 
         Further columns, where there are any, are solved for as well.  Returns by how much the
         multiplier changes, the room, the contact that ends it, and how the energy changes on the
-        way, to first and second order, see `kernels.kernel.changes`.
+        way, to first and second order, see `kernels.interior.changes`.
         """
         step = self.step
         every = step.contacts, step.count, step.branch, self.inner
