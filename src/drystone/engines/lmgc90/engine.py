@@ -447,6 +447,11 @@ def check(assembly: Assembly) -> tuple[str, ...]:
             "the lmgc90 engine has one friction coefficient for all joints: give the joints the "
             "same one, or take the equilibrium, the nscd or the distinct engine"
         )
+    if len(assembly.shapes.body) > assembly.n_bodies:
+        raise EngineError(
+            "the lmgc90 engine has blocks of one convex part each: take the equilibrium, the nscd "
+            "or the distinct engine"
+        )
     notes = []
     if any(law.shear_stiffness is not None for law in assembly.laws):
         notes.append("LMGC90 left the joints' shear stiffness out: its joints are rigid in shear")

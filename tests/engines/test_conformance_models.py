@@ -1,0 +1,417 @@
+"""Every engine that is installed over every kind of plane model, each point judged from outside.
+
+What is judged is what an engine gives out of a point: its residual against the limit that it
+states, and its contact forces against the loads, in sums that share nothing with the library.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_conformance import BONDED_JOINT, small_wall
+from test_parts import halved
+
+from builders import PUBLISHED_JOINT, rectangle, stack, with_corner, with_joint
+from drystone.analysis import pushover
+from drystone.assembly import Block, Corner
+from drystone.builders import make_model
+from drystone.curve import STATIC, CapacityCurve
+from drystone.engines import engine_names, make_engine, measures
+from drystone.engines.base import Engine, EngineError
+from drystone.engines.framed import framed
+from drystone.model import Model
+
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "own_engine.py"
+
+NEEDS = {"lmgc90": "compas_lmgc90"}  # what an engine of ours runs on that may be missing
+ENGINES = [
+    pytest.param(
+        name,
+        marks=pytest.mark.skipif(
+            name in NEEDS and importlib.util.find_spec(NEEDS[name]) is None,
+            reason=f"{NEEDS.get(name)} is not installed",
+        ),
+    )
+    for name in engine_names()
+]
+
+#: Joints by what they have beyond a dry one.
+JOINTS = {
+    "dry": PUBLISHED_JOINT,
+    "cohesive": BONDED_JOINT,
+    "dilatant": replace(PUBLISHED_JOINT, shear_stiffness=1e8, dilatancy_angle=10.0),
+}
+CORNERS = {
+    "sharp": Corner(),
+    "rounded": Corner(radius=0.02),
+    "chamfered": Corner(chamfer=0.02),
+}
+#: Formulations by impulses, and what they say of joints that are more than dry.
+STEPS_IN_TIME = ("nscd", "lmgc90")
+REFUSED = r"^the {} engine has no dilatancy, cohesion or tensile strength: set them to zero"
+
+#: What contacts given out by steps in time may miss of a force, over the heaviest weight: at rest
+#: the inertia that settling ends with, later what was carried, 2e-5 at most, by contacts that are
+#: none any more where the blocks have come to.
+MISSED = 1e-4
+
+
+@dataclass(frozen=True, kw_only=True)
+class Point:
+    """A point of a curve as it is given out, and what can be summed from that alone."""
+
+    model: Model
+    pose: np.ndarray  # (n, 3) m, rad
+    moved: np.ndarray  # (n, 3) m, rad, since the point before
+    time_step: float  # s; zero of a step without inertia
+    multiplier: float  # applied
+    contacts: object
+
+    def forces(self) -> np.ndarray:
+        """Of all contacts on each block, with moments about its centroid, (n, 3) [N, N m]."""
+        c, a = self.contacts, self.model.assembly
+        clockwise = np.stack((c.normal[:, 1], -c.normal[:, 0]), axis=1)
+        on_b = c.normal_reaction[:, None] * c.normal + c.tangential_reaction * clockwise
+        total = np.zeros((a.n_bodies, 3))
+        for k in range(len(on_b)):
+            for body, force in ((c.block_a[k], -on_b[k]), (c.block_b[k], on_b[k])):
+                x, y = c.position[k] - a.centroid[body] - self.pose[body, :2]
+                total[body] += (*force, x * force[1] - y * force[0])
+        return total
+
+    def loads(self) -> np.ndarray:
+        """Weights and what is applied in proportion to them, (n, 2) [N]."""
+        weight = self.model.assembly.weight[:, None]
+        return weight * (self.multiplier * np.asarray(self.model.load.direction) - (0.0, 1.0))
+
+    def inertia(self) -> np.ndarray:
+        """M a of a step from rest that ends at the speed it moves by, (n, 3) [N, N m]."""
+        if not self.time_step:
+            return np.zeros_like(self.moved)
+        return self.model.assembly.mass * self.moved / self.time_step**2
+
+    def left(self) -> np.ndarray:
+        """What is left of Newton's second law on movable blocks, (n, 3) [N, N m]."""
+        left = self.forces() - self.inertia()
+        left[:, :2] += self.loads()
+        return left[~self.model.assembly.fixed]
+
+    def left_of_whole(self) -> np.ndarray:
+        """The same of the structure, by the supports' reactions, moments about the origin."""
+        a, c = self.model.assembly, self.contacts
+        total = np.zeros(3)
+        clockwise = np.stack((c.normal[:, 1], -c.normal[:, 0]), axis=1)
+        on_b = c.normal_reaction[:, None] * c.normal + c.tangential_reaction * clockwise
+        for reaction, place, i, j in zip(on_b, c.position, c.block_a, c.block_b, strict=True):
+            handed = float(a.fixed[i]) - float(a.fixed[j])  # from a support, or to one
+            total[:2] += handed * reaction
+            total[2] += handed * (place[0] * reaction[1] - place[1] * reaction[0])
+        inertia = self.inertia()
+        for i in np.flatnonzero(~a.fixed):
+            fx, fy = self.loads()[i] - inertia[i, :2]
+            x, y = a.centroid[i] + self.pose[i, :2]
+            total += (fx, fy, x * fy - y * fx - inertia[i, 2])
+        return total
+
+    def carried(self) -> float:
+        """What the supports carry along the load beyond the weight, over the load's total."""
+        a, direction = self.model.assembly, np.asarray(self.model.load.direction)
+        handed = self.forces()[a.fixed, :2].sum(axis=0)
+        weight = a.weight[~a.fixed].sum()
+        return float((handed + (0.0, weight)) @ direction / weight)
+
+
+def points_of(model: Model, curve: CapacityCurve) -> list[Point]:
+    """The static points of a curve that has kept its poses and contacts."""
+    before = [curve.poses[0], *curve.poses[:-1]]
+    return [
+        Point(
+            model=model,
+            pose=pose,
+            moved=pose - last,
+            time_step=point.time_step if curve.engine in STEPS_IN_TIME else 0.0,
+            multiplier=point.applied_multiplier,
+            contacts=contacts,
+        )
+        for point, pose, last, contacts in zip(
+            curve.points, curve.poses, before, curve.contacts, strict=True
+        )
+        if point.status == STATIC
+    ]
+
+
+def traced(model: Model, name: str | Engine) -> tuple[Engine, CapacityCurve]:
+    """Over the peak where the joints are dry, or so far as to slide and to break bonds."""
+    solver = make_engine(name) if isinstance(name, str) else name
+    curve = pushover(
+        model,
+        engine=solver,
+        strategy="displacement",
+        max_displacement=5e-3,
+        max_steps=80,
+        keep_poses=True,
+        keep_contacts=True,
+    )
+    assert len(curve.points) > 5
+    return solver, curve
+
+
+def check_residual(solver: Engine, curve: CapacityCurve) -> None:
+    """Every point, in motion too, against the limit that the engine states."""
+    assert solver.residual_limit is not None
+    for column in ("residual", "friction_violation"):
+        found = curve.column(column)
+        assert np.all(found >= 0.0)  # so that what is not a number fails
+        assert found.max() <= solver.residual_limit
+
+
+def came(point: Point) -> tuple[float, float]:
+    """How far a contact's two blocks can have moved on each other in the step, and turned.
+
+    By so much the contacts of its end, which are given out, differ from those of its beginning.
+    """
+    turn = np.abs(point.moved[:, 2]).max()
+    way = np.hypot(*point.moved[:, :2].T).max() + turn * largest_extent(point.model)
+    return 2.0 * float(way), 2.0 * float(turn)
+
+
+def largest_extent(model: Model) -> float:
+    """Of a movable block [m]."""
+    movable = (block for block in model.assembly.blocks if not block.support)
+    return max(float(np.ptp(block.vertices, axis=0).max()) for block in movable)
+
+
+def check_balance(solver: Engine, point: Point) -> None:
+    """Newton's laws of a point, of every block and of the whole.
+
+    Steps in time take arms and normals from their beginning.  Slip of rounded corners is measured
+    on their discs, its reaction acts where they overlap: a share of closing over the diameter of
+    the shear is the difference.
+    """
+    a, c = point.model.assembly, point.contacts
+    limit = solver.residual_limit * a.heaviest_weight
+    way = turn = 0.0
+    if solver.name in STEPS_IN_TIME:
+        way, turn = came(point)
+        limit += MISSED * a.heaviest_weight
+    shear = np.abs(c.tangential_reaction[:, 0])
+    size = np.hypot(c.normal_reaction, shear)
+    disc = np.maximum(-c.gap, 0.0) / (2.0 * a.corner.radius) if a.corner.radius else 0.0 * size
+    force, moment = np.zeros((2, a.n_bodies))
+    extent = largest_extent(point.model)
+    for body in (c.block_a, c.block_b):
+        np.add.at(force, body, size * turn + shear * disc)
+        np.add.at(moment, body, size * way + shear * disc * extent)
+    free = ~a.fixed
+    force, moment = force[free] + limit, moment[free] + limit * extent
+    left = np.abs(point.left())
+    assert np.all(left[:, :2] <= force[:, None])
+    assert np.all(left[:, 2] <= moment)
+    # What is left of every block adds up, with arms from the origin.
+    far = float(np.abs(a.centroid + point.pose[:, :2])[free].max())
+    whole = np.abs(point.left_of_whole())
+    assert whole[:2].max() <= force.sum()
+    assert whole[2] <= 2.0 * far * force.sum() + moment.sum()
+
+
+def check_law(solver: Engine, point: Point) -> None:
+    """Compression, what closes the joint, and Coulomb's cone; one law for all joints here.
+
+    Areas, of which strength and stiffness follow, are those of the beginning of the step.
+    """
+    a, c = point.model.assembly, point.contacts
+    law, tolerance = a.joint, solver.residual_limit * a.heaviest_weight
+    way, turn = came(point)
+    normal, shear = c.normal_reaction, np.abs(c.tangential_reaction[:, 0])
+    assert normal.min() >= -tolerance  # none of these joints has tensile strength
+    area = c.area + a.thickness * way
+    assert np.all(shear <= law.friction_coefficient * normal + law.cohesion * area + tolerance)
+    if law.dilatancy_angle == 0.0 and solver.name != "lmgc90":  # which gives gaps of the beginning
+        closing = np.maximum(-c.gap, 0.0)
+        straight = way * turn if solver.name in STEPS_IN_TIME else 0.0  # of a gap that is linear
+        off = (area - c.area) * closing + area * straight
+        closed = law.normal_stiffness * closing * c.area
+        assert np.all(np.abs(normal - closed) <= tolerance + law.normal_stiffness * off)
+
+
+def check(model: Model, name: str | Engine) -> CapacityCurve:
+    """Everything that is known of a curve without knowing the engine."""
+    solver, curve = traced(model, name)
+    check_residual(solver, curve)
+    given = [point for point in curve.points if point.status == STATIC]
+    points = points_of(model, curve)
+    assert len(points) > 5
+    for point, told in zip(points, given, strict=True):
+        check_balance(solver, point)
+        check_law(solver, point)
+        # The engine's own sum, of the forces of its solver; LMGC90's come in single steps of time.
+        assert point.carried() == pytest.approx(told.carried_multiplier, abs=1e-6)
+    return curve
+
+
+def check_or_refuse(model: Model, name: str, joints: str) -> CapacityCurve | None:
+    """`check`; of what a formulation does not have, that it is said before anything is solved."""
+    if joints != "dry" and name in STEPS_IN_TIME:
+        with pytest.raises(EngineError, match=REFUSED.format(name)):
+            pushover(model, engine=name)
+        return None
+    return check(model, name)
+
+
+def random_wall(seed: int, joints: str) -> Model:
+    """Three courses of unequal pieces between slanting head joints, of unequal weight.
+
+    Every piece has its centroid well above the course below, so that all stand; friction, corners
+    and the direction of the load are drawn as well.
+    """
+    random = np.random.default_rng(seed)
+    blocks = [
+        Block(id="base", vertices=rectangle(-0.5, -0.3, 2.5, 0.3), unit_weight=20e3, support=True)
+    ]
+    low, width = 0.0, 1.2
+    for course in range(3):
+        high = low + random.uniform(0.15, 0.3)
+        n = int(random.integers(2, 4))
+        shares = random.uniform(1.0, 1.6, n)
+        cuts = width * np.append(0.0, np.cumsum(shares) / shares.sum())
+        slant = np.append(0.0, random.uniform(-0.02, 0.02, n))
+        slant[-1] = 0.0
+        for i in range(n):
+            vertices = [
+                [cuts[i] - slant[i], low],
+                [cuts[i + 1] - slant[i + 1], low],
+                [cuts[i + 1] + slant[i + 1], high],
+                [cuts[i] + slant[i], high],
+            ]
+            weight = 10.0 ** random.uniform(4.0, 4.6)
+            blocks.append(
+                Block(id=f"c{course}p{i}", vertices=np.array(vertices), unit_weight=weight)
+            )
+        low = high
+    law = replace(JOINTS[joints], friction_coefficient=random.uniform(0.4, 0.8))
+    return make_model(
+        blocks,
+        joint=law,
+        corner=(Corner(), Corner(radius=0.015), Corner(chamfer=0.015))[random.integers(3)],
+        thickness=random.uniform(0.3, 1.0),
+        load_direction=(random.choice((-1.0, 1.0)), random.uniform(-0.1, 0.1)),
+    )
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("joints", JOINTS)
+@pytest.mark.parametrize("corner", CORNERS)
+def test_a_small_wall(engine, joints, corner):
+    """Slides, rocks and, where it is bonded, breaks."""
+    model = with_corner(with_joint(small_wall(), JOINTS[joints]), CORNERS[corner])
+    check_or_refuse(model, engine, joints)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("joints", JOINTS)
+def test_blocks_of_two_parts(engine, joints):
+    model = with_joint(small_wall(), JOINTS[joints])
+    model = with_corner(model, Corner())
+    cut = replace(model, assembly=halved(model.assembly))
+    if engine == "lmgc90" and joints == "dry":
+        with pytest.raises(EngineError, match="blocks of one convex part"):
+            pushover(cut, engine=engine)
+        return
+    curve = check_or_refuse(cut, engine, joints)
+    if curve is not None:
+        whole = traced(model, engine)[1]
+        assert curve.peak.load_multiplier == pytest.approx(whole.peak.load_multiplier, rel=2e-3)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("seed", range(4))
+def test_random_walls_of_dry_joints(engine, seed):
+    check(random_wall(seed, "dry"), engine)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("joints", ["cohesive", "dilatant"])
+@pytest.mark.parametrize("seed", [10, 11])
+def test_random_walls_of_other_joints(engine, joints, seed):
+    check_or_refuse(random_wall(seed, joints), engine, joints)
+
+
+# What the suite would find
+
+
+def test_loads_that_an_engine_mistakes_are_found(monkeypatch):
+    """Its own residual is none, as it takes the same weights: a hundredth too much."""
+    real = measures.dead_load
+    monkeypatch.setattr(measures, "dead_load", lambda assembly: 1.01 * real(assembly))
+    model = with_corner(small_wall(), Corner())
+    solver, curve = traced(model, "distinct")
+    check_residual(solver, curve)
+    for point in points_of(model, curve):
+        with pytest.raises(AssertionError):
+            check_balance(solver, point)
+
+
+@pytest.mark.parametrize(
+    ("what", "by"), [("normal_reaction", 0.99), ("position", 1.01), ("gap", 0.9)]
+)
+def test_contacts_that_are_given_out_wrong_are_found(what, by):
+    model = with_corner(small_wall(), Corner())
+    solver, curve = traced(model, "equilibrium")
+    right = points_of(model, curve)[-1]
+    wrong = replace(
+        right, contacts=replace(right.contacts, **{what: by * getattr(right.contacts, what)})
+    )
+    check_balance(solver, right)
+    check_law(solver, right)
+    with pytest.raises(AssertionError):
+        check_balance(solver, wrong)
+        check_law(solver, wrong)
+
+
+def test_a_residual_that_is_not_kept_is_found():
+    """Of a point that the loop let pass, and of one that is no number."""
+    solver, curve = traced(stack((0.4, 0.3), (0.3, 0.6)), "equilibrium")
+    check_residual(solver, curve)
+    for residual in (2.0 * solver.residual_limit, np.nan):
+        last = replace(curve.points[-1], residual=residual)
+        with pytest.raises(AssertionError):
+            check_residual(solver, replace(curve, points=(*curve.points[:-1], last)))
+
+
+@pytest.fixture
+def rocking():
+    """The engine of the examples, which knows one block and a hinge."""
+    spec = importlib.util.spec_from_file_location("own_engine", EXAMPLE)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return framed(module.RockingEngine())
+
+
+class TestAnEngineOfOthers:
+    """It states no limit: its curve is judged by the supports' reactions alone."""
+
+    @staticmethod
+    def whole(rocking, model):
+        """Largest force that is left of the static points' balance, over the weight."""
+        _, curve = traced(model, rocking)
+        assert getattr(rocking, "residual_limit", None) is None and np.isnan(curve.residual).all()
+        assert "the toe is a hinge" in curve.reason  # what it leaves out is told
+        weight = model.assembly.weight[~model.assembly.fixed].sum()
+        # Its inertia does not reach the support: what it carries is less than what is applied.
+        points = points_of(model, curve)
+        told = [p.carried_multiplier for p in curve.points if p.status == STATIC]
+        return max(
+            np.abs(replace(point, multiplier=carried).left_of_whole()[:2]).max() / weight
+            for point, carried in zip(points, told, strict=True)
+        )
+
+    def test_what_it_knows_is_in_balance(self, rocking):
+        assert self.whole(rocking, stack((0.4, 1.2))) <= 1e-9
+
+    def test_what_it_does_not_know_is_found(self, rocking):
+        """A block below its own, whose weight it leaves out: a half of all."""
+        assert self.whole(rocking, stack((0.4, 1.2), (0.4, 1.2))) >= 0.4
