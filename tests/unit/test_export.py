@@ -439,6 +439,15 @@ def test_full_disk_at_the_end_does_not_say_finished(tmp_path, model, curve, monk
     assert summary["status"] == "stopped" and "No space left" in summary["reason"]
 
 
+@pytest.fixture
+def heard():
+    """SIGINT as at a terminal: what a shell puts into the background ignores it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("heard")
 def test_interrupted_write_is_finished_first(tmp_path, model, curve, monkeypatch):
     """The signal comes in the middle of a write, and is heard after it."""
     monkeypatch.setattr(hdf5, "SECONDS", 0.0)
