@@ -46,8 +46,8 @@ def contacts(n, *, mu=0.65, dilation=0.0, seed=0):
 
 
 def centred(every, barrier):
-    inner = np.zeros((every[1], interior.N_INNER))
-    interior.centre(*every, barrier, inner)
+    inner = np.zeros((every[1], joint_law.N_INNER))
+    joint_law.centre(*every, barrier, inner)
     return inner
 
 
@@ -56,7 +56,7 @@ def test_central_contacts_obey_the_law_with_its_products_at_the_barrier(barrier)
     every = contacts(200)
     table, v = every[0].table, centred(every, barrier)
     rn, rt, w, p, q, near, far = v.T
-    assert (v[:, [interior.RN, interior.W, interior.P, interior.Q]] > 0.0).all()
+    assert (v[:, [joint_law.RN, joint_law.W, joint_law.P, joint_law.Q]] > 0.0).all()
     # To the rounding of the larger of the terms.
     tn, tt = table[:, TRIAL_N], table[:, TRIAL_T]
     np.testing.assert_allclose(rn - w, tn, atol=1e-12 * np.abs(tn).max())
@@ -69,7 +69,7 @@ def test_central_contacts_obey_the_law_with_its_products_at_the_barrier(barrier)
 def test_without_a_barrier_the_branches_are_those_of_the_law():
     packed, n, branch = every = contacts(500)
     table, v = packed.table, centred(every, 1e-24)
-    interior.choose(packed, n, v, branch)
+    joint_law.choose(packed, n, v, branch)
     tn, tt = table[:, TRIAL_N], table[:, TRIAL_T]
     sliding = np.where(tt > 0.0, joint_law.FORWARD, joint_law.BACKWARD)
     sticks = np.abs(tt) <= table[:, FRICTION] * tn
@@ -84,7 +84,7 @@ def test_response_is_the_derivative_of_central_reactions(mu):
     table, barrier = every[0].table, 1e-3
     v = centred(every, barrier)
     response = np.zeros((100, joint_law.N_RESPONSE))
-    energy = interior.respond(*every, v, response)
+    energy = joint_law.respond_within(*every, v, response)
     assert energy == pytest.approx(barrier, rel=1e-9)
     for trial, columns, step in (
         (TRIAL_N, [joint_law.NN, joint_law.TN], 1e-3),
@@ -109,8 +109,8 @@ def test_changes_solve_the_equations_linearised(dilation, second):
     table, n = every[0].table, every[1]
     v = centred(every, 1e-2)
     response, b = np.zeros((n, joint_law.N_RESPONSE)), np.zeros((n, 2))
-    change, force = np.zeros((n, interior.N_CHANGE)), np.zeros((2, 3))
-    interior.respond(*every, v, response)
+    change, force = np.zeros((n, joint_law.N_CHANGE)), np.zeros((2, 3))
+    joint_law.respond_within(*every, v, response)
     direction = np.random.default_rng(1).normal(size=(2, 3)) * 1e-6
     barrier = 1e-3
     for again in (False, True)[: 1 + second]:
@@ -119,24 +119,24 @@ def test_changes_solve_the_equations_linearised(dilation, second):
         room, limiting, by_way, by_square = interior.changes(
             *every, v, barrier, again, response, b, direction, change
         )
-    moved, d = v + change[:, : interior.N_INNER], change
-    tn = table[:, TRIAL_N] + d[:, interior.D_TRIAL_N]
-    tt = table[:, TRIAL_T] + d[:, interior.D_TRIAL_T]
+    moved, d = v + change[:, : joint_law.N_INNER], change
+    tn = table[:, TRIAL_N] + d[:, joint_law.D_TRIAL_N]
+    tt = table[:, TRIAL_T] + d[:, joint_law.D_TRIAL_T]
     rn, rt, w, p, q, _, _ = moved.T
     np.testing.assert_allclose(rn, tn + w + KN * dilation / KT * (p + q), rtol=1e-9, atol=1e-6)
     np.testing.assert_allclose(rt, tt - p + q, rtol=1e-9, atol=1e-6)
-    names = ((interior.RN, interior.W, KN), (interior.NEAR, interior.P, KT))
-    for one, other, stiffness in (*names, (interior.FAR, interior.Q, KT)):
+    names = ((joint_law.RN, joint_law.W, KN), (joint_law.NEAR, joint_law.P, KT))
+    for one, other, stiffness in (*names, (joint_law.FAR, joint_law.Q, KT)):
         left = v[:, one] * v[:, other] + d[:, one] * v[:, other] + v[:, one] * d[:, other]
         if second:
             left += first[:, one] * first[:, other]
         np.testing.assert_allclose(left, stiffness * barrier, rtol=1e-6)
-    positive = (interior.RN, interior.W, interior.P, interior.Q, interior.NEAR, interior.FAR)
+    positive = (joint_law.RN, joint_law.W, joint_law.P, joint_law.Q, joint_law.NEAR, joint_law.FAR)
     falling = np.where(d[:, positive] < 0.0, -v[:, positive] / d[:, positive], np.inf)
     assert room == falling.min()
     assert limiting == falling.min(axis=1).argmin()
-    after = interior.respond(*every, moved, response)
-    before = interior.respond(*every, v, response)
+    after = joint_law.respond_within(*every, moved, response)
+    before = joint_law.respond_within(*every, v, response)
     assert after == pytest.approx(before + by_way + by_square, rel=1e-9)
 
 

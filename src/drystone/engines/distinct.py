@@ -381,7 +381,7 @@ class Workspace:
             edge=np.zeros(n_slots, np.int64),
             other=np.zeros(n_slots, np.int64),
             shape=np.zeros((n_slots, explicit.N_SHAPE)),
-            law=np.zeros((n_slots, explicit.N_CONTACT_LAW)),
+            law=np.zeros((n_slots, joint_law.N_CONTACT_LAW)),
             history=np.zeros((n_slots, N_HISTORY)),
             reaction=np.zeros((n_slots, 2)),
             status=np.zeros(n_slots, np.int64),
@@ -557,7 +557,7 @@ class DistinctEngine:
         velocity = 0.5 * (before + work.motion.velocity)
         return Energy(
             kinetic=0.5 * float(np.sum(work.acting.mass * velocity**2)),
-            elastic=0.5 * float(np.sum(reaction**2 / law[:, [explicit.L_KN, explicit.L_KS]])),
+            elastic=0.5 * float(np.sum(reaction**2 / law[:, [joint_law.L_KN, joint_law.L_KS]])),
             friction=state.friction_work + float(work.meter[explicit.FRICTION_WORK]),
             damping=state.damping_work + 0.5 * float(work.meter[explicit.DAMPING_WORK]),
             search=state.search_work,

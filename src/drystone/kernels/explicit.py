@@ -53,6 +53,13 @@ from drystone.kernels.law import (
     DILATION,
     KN,
     KS,
+    L_BOND,
+    L_END,
+    L_KN,
+    L_KS,
+    L_MU,
+    L_TAN_PSI,
+    L_TENSION,
     MU,
     OPEN,
     SHEAR,
@@ -61,25 +68,15 @@ from drystone.kernels.law import (
     STICKING,
     TAN_PSI,
     TENSION,
-    slide,
+    drag,
+    opens,
 )  # fmt: skip
 from drystone.kernels.rows import N_DOF, OF_GAP, OF_SLIP, gradients
-
-#: A contact this near to its cone slides.
-TIE = 1e-9
-
-#: Faces that are drawn apart by less are as they were laid but for rounding [m].
-GRAZE = 1e-9
 
 #: Columns of `FrozenContacts.shape`: local vertex of the other body, local vertex and tangent of
 #: the edge body [m], radius of the other body, sum of both, 1 where two vertices meet [m].
 OX, OY, EX, EY, TX, TY, R_O, R_SUM, ROUND = 0, 1, 2, 3, 4, 5, 6, 7, 8
 N_SHAPE = 9
-
-#: Columns of `FrozenContacts.law`: stiffnesses [N/m], friction, dilatancy, bond and tensile force
-#: [N].
-L_KN, L_KS, L_MU, L_TAN_PSI, L_BOND, L_TENSION, L_END = 0, 1, 2, 3, 4, 5, 6
-N_CONTACT_LAW = 7
 
 #: Entries of the meter, see `cycle`.
 MULTIPLIER, FRICTION_WORK, DAMPING_WORK, LOAD_WORK, RESIDUAL, CYCLES = 0, 1, 2, 3, 4, 5
@@ -102,7 +99,7 @@ class FrozenContacts(NamedTuple):
     edge: IntArray  # (n_contacts,) body that owns the normal
     other: IntArray  # (n_contacts,)
     shape: Array  # (n_contacts, N_SHAPE)
-    law: Array  # (n_contacts, N_CONTACT_LAW)
+    law: Array  # (n_contacts, N_CONTACT_LAW), see `kernels.law`
     history: Array  # (n_contacts, 4)
     reaction: Array  # (n_contacts, 2) N
     status: IntArray  # (n_contacts,)
@@ -309,15 +306,14 @@ def _act(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
             q = shape[c, R_SUM] / distance
             roll_o = shape[c, R_O]
             roll_e = shape[c, R_SUM] - roll_o
-        kn = law[c, L_KN]
+        rn = law[c, L_KN] * (history[c, DILATION] - gap)
         bonded = history[c, BROKEN] == 0.0
-        rn = kn * (history[c, DILATION] - gap)
         held = bonded and bonds_hold and law[c, L_BOND] + law[c, L_TENSION] > 0.0
-        if rn < 0.0 and not held:
-            if bonded and gap > GRAZE and rn < -law[c, L_TENSION]:
+        if not held:
+            is_open, whole = opens(rn, gap, law[c, L_TENSION], bonded)
+            if bonded and not whole:
                 history[c, BROKEN] = 1.0
-                bonded = False
-            if not bonded or law[c, L_TENSION] == 0.0:
+            if is_open:
                 rt = history[c, SHEAR]
                 if rt != 0.0 or status[c] != OPEN:
                     friction_work += 0.5 * rt * rt / law[c, L_KS]
@@ -334,34 +330,27 @@ def _act(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
         slip = q * (ny * (velocity[o, 0] - velocity[e, 0]) - nx * (velocity[o, 1] - velocity[e, 1]))
         slip += me_t * velocity[e, 2] + mo_t * velocity[o, 2]
         ks = law[c, L_KS]
-        mu = law[c, L_MU]
-        rt = history[c, SHEAR] - ks * dt * slip
-        limit = mu * rn
-        if bonded:
-            limit += law[c, L_BOND]
-        now = STICKING
-        if abs(rt) > limit * (1.0 - TIE) and rt != 0.0 and not held:
-            history[c, BROKEN] = 1.0
-            if rn <= 0.0:
-                friction_work += 0.5 * rt * rt / ks
-                history[c, SHEAR] = 0.0
-                reaction[c, 0] = 0.0
-                reaction[c, 1] = 0.0
-                status[c] = OPEN
-                continue
-            now = SLIDING
+        trial = history[c, SHEAR] - ks * dt * slip
+        rt, now = trial, STICKING
+        if not held:
             tan_psi = law[c, L_TAN_PSI] if history[c, SLID] < law[c, L_END] else 0.0
-            gamma = slide(rn, abs(rt), ks, mu, kn * tan_psi)
-            rn += kn * tan_psi * gamma
-            rt = mu * rn if rt > 0.0 else -mu * rn
-            history[c, DILATION] += tan_psi * gamma
-            history[c, SLID] += gamma
-            # What sliding takes, less what it gives back by lifting the joint.
-            friction_work += (abs(rt) - rn * tan_psi) * gamma
+            bond = law[c, L_BOND] if bonded else 0.0
+            rn, rt, now, gamma = drag(rn, trial, bond, law[c, L_KN], ks, law[c, L_MU], tan_psi)
+            if now != STICKING:
+                history[c, BROKEN] = 1.0
+            if now == OPEN:
+                friction_work += 0.5 * trial * trial / ks
+            elif now == SLIDING:
+                history[c, DILATION] += tan_psi * gamma
+                history[c, SLID] += gamma
+                # What sliding takes, less what it gives back by lifting the joint.
+                friction_work += (abs(rt) - rn * tan_psi) * gamma
         history[c, SHEAR] = rt
         reaction[c, 0] = rn
         reaction[c, 1] = rt
         status[c] = now
+        if now == OPEN:
+            continue
         fx = rn * nx + q * rt * ny
         fy = rn * ny - q * rt * nx
         force[o, 0] += fx

@@ -35,128 +35,27 @@ from drystone.kernels.contacts import (
     TRIAL_T,
 )
 from drystone.kernels.law import (
-    BACKWARD,
     BONDED,
-    FORWARD,
+    D_TRIAL_N,
+    D_TRIAL_T,
+    FAR,
+    N_INNER,
+    NEAR,
     NN,
     NT,
-    OPEN,
-    STICKING,
+    RN,
+    RT,
     TN,
     TT,
+    P,
+    Q,
+    W,
+    lacking,
 )  # fmt: skip
 from drystone.kernels.rows import MEASURED, N_DOF, OF_GAP, add_force
 
-#: Columns of a contact's variables, and of their changes, which have those of T_n and T_t as well.
-#: The room that the shear has to either side is kept apart: its end is lost in rounding.
-RN, RT, W, P, Q, NEAR, FAR, D_TRIAL_N, D_TRIAL_T = 0, 1, 2, 3, 4, 5, 6, 7, 8
-N_INNER, N_CHANGE = 7, 9
 #: Columns of b.
 B_N, B_T = 0, 1
-
-
-@njit(cache=True, error_model="numpy")
-def centre(contacts, count, branch, barrier, inner):
-    """Variables of every contact for its present trial reactions and a ``barrier`` [J].
-
-    Dilatancy is left out; the iterations make up for it.  Contacts whose bond holds are linear.
-    """
-    table, which = contacts.table, contacts.which
-    for c in range(count):
-        row = table[c]
-        v = inner[c]
-        tn, tt = row[TRIAL_N], row[TRIAL_T]
-        if branch[which[c, SLOT]] == BONDED:
-            v[RN], v[RT] = tn, tt
-            continue
-        product = row[STIFF_N] * barrier
-        larger = 0.5 * (abs(tn) + np.sqrt(tn * tn + 4.0 * product))
-        v[RN] = larger if tn > 0.0 else product / larger
-        v[W] = product / v[RN]
-        most = row[FRICTION] * v[RN]
-        v[RT], v[NEAR], v[FAR], v[P], v[Q] = 0.0, 0.0, 0.0, 0.0, 0.0
-        if most == 0.0:
-            continue
-        # T_t - r - product (1 / (most - r) - 1 / (most + r)) falls with r.
-        product = row[STIFF_T] * barrier
-        low, high = -most, most
-        r = min(max(tt, -0.5 * most), 0.5 * most)
-        for _ in range(60):
-            room = most * most - r * r
-            missing = tt - r - 2.0 * product * r / room
-            if missing > 0.0:
-                low = r
-            else:
-                high = r
-            slope = 1.0 + 2.0 * product * (most * most + r * r) / (room * room)
-            nearer = r + missing / slope
-            if not low < nearer < high:
-                nearer = 0.5 * (low + high)
-            done = abs(nearer - r) <= 1e-12 * most
-            r = nearer
-            if done:
-                break
-        v[RT] = r
-        # Of the larger slide and the room it leaves, by which r is too coarse to tell.
-        if tt > 0.0:
-            v[FAR] = most + r
-            v[Q] = product / v[FAR]
-            v[P] = tt - r + v[Q]
-            v[NEAR] = product / v[P]
-        else:
-            v[NEAR] = most - r
-            v[P] = product / v[NEAR]
-            v[Q] = r - tt + v[P]
-            v[FAR] = product / v[Q]
-
-
-@njit(cache=True, error_model="numpy")
-def respond(contacts, count, branch, inner, response):
-    """Fill reactions and A of every contact, (n_slots, N_RESPONSE); see `kernels.law.respond`.
-
-    Returns the mean of the products, as energies [J].
-    """
-    table, which = contacts.table, contacts.which
-    energy = 0.0
-    n = 0
-    for c in range(count):
-        row = table[c]
-        v = inner[c]
-        a = response[c]
-        a[RN], a[RT] = v[RN], v[RT]
-        if branch[which[c, SLOT]] == BONDED:
-            a[NN], a[NT], a[TN], a[TT] = 1.0, 0.0, 0.0, 1.0
-            continue
-        mu = row[FRICTION]
-        energy += v[RN] * v[W] / row[STIFF_N]
-        n += 1
-        if mu == 0.0:
-            a[NN], a[NT], a[TN], a[TT] = v[RN] / (v[RN] + v[W]), 0.0, 0.0, 0.0
-            continue
-        energy += (v[NEAR] * v[P] + v[FAR] * v[Q]) / row[STIFF_T]
-        n += 2
-        lift = row[LIFT] / row[STIFF_T]
-        p, q = v[P] / v[NEAR], v[Q] / v[FAR]
-        nn, nt = 1.0 + v[W] / v[RN] + lift * mu * (p + q), lift * (q - p)
-        tn, tt = mu * (q - p), 1.0 + p + q
-        over = 1.0 / (nn * tt - nt * tn)
-        a[NN], a[NT] = tt * over, -nt * over
-        a[TN], a[TT] = -tn * over, nn * over
-    return energy / max(n, 1)
-
-
-@njit(cache=True, error_model="numpy")
-def _lacking(table, inner, change, c, barrier, second):
-    """What the three products lack of the barrier, with the changes' own products if ``second``."""
-    kn, kt = table[c, STIFF_N] * barrier, table[c, STIFF_T] * barrier
-    n = kn - inner[c, RN] * inner[c, W]
-    p = kt - inner[c, NEAR] * inner[c, P]
-    q = kt - inner[c, FAR] * inner[c, Q]
-    if second:
-        n -= change[c, RN] * change[c, W]
-        p -= change[c, NEAR] * change[c, P]
-        q -= change[c, FAR] * change[c, Q]
-    return n, p, q
 
 
 @njit(cache=True, error_model="numpy")
@@ -166,7 +65,7 @@ def offset(contacts, count, branch, inner, barrier, second, change, response, b,
     for c in range(count):
         bn, bt = table[c, TRIAL_N] - inner[c, RN], table[c, TRIAL_T] - inner[c, RT]
         if branch[which[c, SLOT]] != BONDED:
-            n, p, q = _lacking(table, inner, change, c, barrier, second)
+            n, p, q = lacking(table, inner, change, c, barrier, second)
             bn += inner[c, W] + n / inner[c, RN]
             if table[c, FRICTION] > 0.0:
                 p = inner[c, P] + p / inner[c, NEAR]
@@ -204,7 +103,7 @@ def changes(contacts, count, branch, inner, barrier, second, response, b, direct
             tn += rows[c, OF_GAP, N_DOF + i] * direction[second_body, i]
             tt += rows[c, MEASURED, i] * direction[first_body, i]
             tt += rows[c, MEASURED, N_DOF + i] * direction[second_body, i]
-        n, p, q = _lacking(table, inner, change, c, barrier, second)
+        n, p, q = lacking(table, inner, change, c, barrier, second)
         tn *= -table[c, STIFF_N]
         tt *= -table[c, STIFF_T]
         change[c, D_TRIAL_N], change[c, D_TRIAL_T] = tn, tt
@@ -256,22 +155,3 @@ def move(contacts, count, inner, change, length):
             inner[c, i] += length * change[c, i]
         table[c, TRIAL_N] += length * change[c, D_TRIAL_N]
         table[c, TRIAL_T] += length * change[c, D_TRIAL_T]
-
-
-@njit(cache=True, error_model="numpy")
-def choose(contacts, count, inner, branch):
-    """Branch of every contact by the smaller factor of each product."""
-    which = contacts.which
-    for c in range(count):
-        k = which[c, SLOT]
-        if branch[k] == BONDED:
-            continue
-        v = inner[c]
-        if v[W] > v[RN]:
-            branch[k] = OPEN
-        elif v[NEAR] < v[P]:
-            branch[k] = FORWARD
-        elif v[FAR] < v[Q]:
-            branch[k] = BACKWARD
-        else:
-            branch[k] = STICKING

@@ -15,8 +15,10 @@ non-associative unless tan psi = mu).  A bond holds whatever it carries: when it
 between steps (see `contact.bonds`).  In each of these branches the reactions are linear in the
 trial reactions, and they are continuous.
 
-`kernels.interior` has the same law as products that vanish, `kernels.nlgs` as impulses without
-shear stiffness.
+Below it stands again in the forms of other solvers: as a residual; from its interior, as products
+that vanish (`kernels.interior`); as impulses, without shear stiffness (`kernels.nlgs`); and for
+cycles, where bonds may break at once (`kernels.explicit`).  Another law is this file, its tests,
+and the columns of its table in `contact.law`.
 """
 
 from __future__ import annotations
@@ -50,12 +52,23 @@ SLIDING = 2
 #: only: one that slides starts the next step on its cone to rounding.
 TIE = 1e-8
 
+#: A contact this near to its cone slides, where it is asked anew in every sweep or cycle.
+AT_CONE = 1e-9
+
+#: Faces that are drawn apart by less are as they were laid but for rounding [m].
+GRAZE = 1e-9
+
 #: A bond holds beyond its strength by this share of it: what is at its limit has not broken.
 BOND_TIE = 1e-6
 
 #: Columns of the history of a contact: shear [N], dilation [m], slid distance [m], broken bond.
 SHEAR, DILATION, SLID, BROKEN = 0, 1, 2, 3
 N_HISTORY = 4
+
+#: Columns of a contact's law in cycles: stiffnesses [N/m], friction, dilatancy, bond and tensile
+#: force [N], slide at which dilatancy ends [m].
+L_KN, L_KS, L_MU, L_TAN_PSI, L_BOND, L_TENSION, L_END = 0, 1, 2, 3, 4, 5, 6
+N_CONTACT_LAW = 7
 
 #: Columns of the table of joint laws: mu, k_n, k_s [Pa/m], tan psi, c, f_t [Pa], slide at which
 #: dilatancy ends [m].
@@ -66,6 +79,12 @@ N_LAW = 7
 #: the first by the normal one.
 RN, RT, NN, NT, TN, TT = 0, 1, 2, 3, 4, 5
 N_RESPONSE = 6
+
+#: Columns of a contact's variables within the law's products, see `centre`, after RN and RT; and of
+#: their changes, which have those of the trial reactions as well.  The room that the shear has to
+#: either side is kept apart: its end is lost in rounding.
+W, P, Q, NEAR, FAR, D_TRIAL_N, D_TRIAL_T = 2, 3, 4, 5, 6, 7, 8
+N_INNER, N_CHANGE = 7, 9
 
 
 @njit(cache=True)
@@ -304,3 +323,213 @@ def inherit(source, history, reaction, branch, new_history, new_reaction, new_br
         new_reaction[k, 0] = reaction[j, 0] if j >= 0 else 0.0
         new_reaction[k, 1] = reaction[j, 1] if j >= 0 else 0.0
         new_branch[k] = branch[j] if j >= 0 else OPEN
+
+
+@njit(cache=True, error_model="numpy")
+def centre(contacts, count, branch, barrier, inner):
+    """Variables of every contact for its present trial reactions and a ``barrier`` [J].
+
+    Dilatancy is left out; the iterations make up for it.  Contacts whose bond holds are linear.
+    """
+    table, which = contacts.table, contacts.which
+    for c in range(count):
+        row = table[c]
+        v = inner[c]
+        tn, tt = row[TRIAL_N], row[TRIAL_T]
+        if branch[which[c, SLOT]] == BONDED:
+            v[RN], v[RT] = tn, tt
+            continue
+        product = row[STIFF_N] * barrier
+        larger = 0.5 * (abs(tn) + np.sqrt(tn * tn + 4.0 * product))
+        v[RN] = larger if tn > 0.0 else product / larger
+        v[W] = product / v[RN]
+        most = row[FRICTION] * v[RN]
+        v[RT], v[NEAR], v[FAR], v[P], v[Q] = 0.0, 0.0, 0.0, 0.0, 0.0
+        if most == 0.0:
+            continue
+        # T_t - r - product (1 / (most - r) - 1 / (most + r)) falls with r.
+        product = row[STIFF_T] * barrier
+        low, high = -most, most
+        r = min(max(tt, -0.5 * most), 0.5 * most)
+        for _ in range(60):
+            room = most * most - r * r
+            missing = tt - r - 2.0 * product * r / room
+            if missing > 0.0:
+                low = r
+            else:
+                high = r
+            slope = 1.0 + 2.0 * product * (most * most + r * r) / (room * room)
+            nearer = r + missing / slope
+            if not low < nearer < high:
+                nearer = 0.5 * (low + high)
+            done = abs(nearer - r) <= 1e-12 * most
+            r = nearer
+            if done:
+                break
+        v[RT] = r
+        # Of the larger slide and the room it leaves, by which r is too coarse to tell.
+        if tt > 0.0:
+            v[FAR] = most + r
+            v[Q] = product / v[FAR]
+            v[P] = tt - r + v[Q]
+            v[NEAR] = product / v[P]
+        else:
+            v[NEAR] = most - r
+            v[P] = product / v[NEAR]
+            v[Q] = r - tt + v[P]
+            v[FAR] = product / v[Q]
+
+
+@njit(cache=True, error_model="numpy")
+def respond_within(contacts, count, branch, inner, response):
+    """Fill reactions and A of every contact, (n_slots, N_RESPONSE); see `respond`.
+
+    Returns the mean of the products, as energies [J].
+    """
+    table, which = contacts.table, contacts.which
+    energy = 0.0
+    n = 0
+    for c in range(count):
+        row = table[c]
+        v = inner[c]
+        a = response[c]
+        a[RN], a[RT] = v[RN], v[RT]
+        if branch[which[c, SLOT]] == BONDED:
+            a[NN], a[NT], a[TN], a[TT] = 1.0, 0.0, 0.0, 1.0
+            continue
+        mu = row[FRICTION]
+        energy += v[RN] * v[W] / row[STIFF_N]
+        n += 1
+        if mu == 0.0:
+            a[NN], a[NT], a[TN], a[TT] = v[RN] / (v[RN] + v[W]), 0.0, 0.0, 0.0
+            continue
+        energy += (v[NEAR] * v[P] + v[FAR] * v[Q]) / row[STIFF_T]
+        n += 2
+        lift = row[LIFT] / row[STIFF_T]
+        p, q = v[P] / v[NEAR], v[Q] / v[FAR]
+        nn, nt = 1.0 + v[W] / v[RN] + lift * mu * (p + q), lift * (q - p)
+        tn, tt = mu * (q - p), 1.0 + p + q
+        over = 1.0 / (nn * tt - nt * tn)
+        a[NN], a[NT] = tt * over, -nt * over
+        a[TN], a[TT] = -tn * over, nn * over
+    return energy / max(n, 1)
+
+
+@njit(cache=True, error_model="numpy")
+def lacking(table, inner, change, c, barrier, second):
+    """What the three products lack of the barrier, with the changes' own products if ``second``."""
+    kn, kt = table[c, STIFF_N] * barrier, table[c, STIFF_T] * barrier
+    n = kn - inner[c, RN] * inner[c, W]
+    p = kt - inner[c, NEAR] * inner[c, P]
+    q = kt - inner[c, FAR] * inner[c, Q]
+    if second:
+        n -= change[c, RN] * change[c, W]
+        p -= change[c, NEAR] * change[c, P]
+        q -= change[c, FAR] * change[c, Q]
+    return n, p, q
+
+
+@njit(cache=True, error_model="numpy")
+def choose(contacts, count, inner, branch):
+    """Branch of every contact by the smaller factor of each product."""
+    which = contacts.which
+    for c in range(count):
+        k = which[c, SLOT]
+        if branch[k] == BONDED:
+            continue
+        v = inner[c]
+        if v[W] > v[RN]:
+            branch[k] = OPEN
+        elif v[NEAR] < v[P]:
+            branch[k] = FORWARD
+        elif v[FAR] < v[Q]:
+            branch[k] = BACKWARD
+        else:
+            branch[k] = STICKING
+
+
+@njit(cache=True)
+def local_impulse(bn, bt, cnn, wnt, wtt, mu):
+    """Impulses of one contact for itself [N s]: see `kernels.nlgs` for its equations.
+
+    ``bn`` and ``bt`` are what its velocity would be without them, the first with the gap [m/s];
+    ``cnn``, ``wnt`` and ``wtt`` what they change of it [1/kg].
+    """
+    det = cnn * wtt - wnt * wnt
+    stick_n = (wnt * bt - wtt * bn) / det
+    stick_t = (wnt * bn - cnn * bt) / det
+    if stick_n > 0.0 and abs(stick_t) <= mu * stick_n:
+        return stick_n, stick_t
+    pn, pt = 0.0, 0.0
+    slope = mu if stick_t > 0.0 else -mu
+    along = cnn + slope * wnt
+    if bn < 0.0 and along > 0.0:
+        pn = -bn / along
+        pt = slope * pn
+        if (wnt * pn + wtt * pt + bt) * slope > 0.0:  # slides with its friction
+            slope = -slope
+            along = cnn + slope * wnt
+            if along > 0.0:
+                pn = -bn / along
+                pt = slope * pn
+    return pn, pt
+
+
+@njit(cache=True)
+def held_impulse(pn, pt, mu, held):
+    """Impulses of trial ones [N s], and their branch; one that is ``held`` sticks anyway."""
+    if pn <= 0.0:
+        return 0.0, 0.0, OPEN
+    limit = mu * pn
+    if abs(pt) > limit * (1.0 - AT_CONE) and pt != 0.0 and not held:
+        return pn, limit if pt > 0.0 else -limit, FORWARD if pt > 0.0 else BACKWARD
+    return pn, pt, STICKING
+
+
+@njit(cache=True)
+def impulse_in(branch, pn, pt, mu):
+    """Impulses [N s] in a branch, for trial ones."""
+    if branch == OPEN:
+        return 0.0, 0.0
+    if branch != STICKING:
+        return pn, mu * pn if branch == FORWARD else -mu * pn
+    return pn, pt
+
+
+@njit(cache=True)
+def branch_of_impulse(pn, pt, mu):
+    """The branch that impulses lie on."""
+    limit = mu * pn
+    if pn <= 0.0:
+        return OPEN
+    if abs(pt) < limit * (1.0 - AT_CONE) or limit == 0.0:
+        return STICKING
+    return FORWARD if pt > 0.0 else BACKWARD
+
+
+@njit(cache=True)
+def opens(rn, gap, tension, whole):
+    """Whether a contact is open in a cycle, and whether its bond is ``whole`` still.
+
+    ``rn`` is the trial reaction, ``tension`` the bond's strength [N].
+    """
+    if rn >= 0.0:
+        return False, whole
+    whole = whole and not (gap > GRAZE and rn < -tension)
+    return not whole or tension == 0.0, whole
+
+
+@njit(cache=True)
+def drag(rn, rt, bond, kn, ks, mu, tan_psi):
+    """Reactions [N] of trial ones in a cycle, the contact's status then, and how far it slid [m].
+
+    A bond that breaks under tension leaves the contact open.  ``bond`` is zero where it is broken.
+    """
+    limit = mu * rn + bond
+    if not (abs(rt) > limit * (1.0 - AT_CONE) and rt != 0.0):
+        return rn, rt, STICKING, 0.0
+    if rn <= 0.0:
+        return 0.0, 0.0, OPEN, 0.0
+    gamma = slide(rn, abs(rt), ks, mu, kn * tan_psi)
+    rn += kn * tan_psi * gamma
+    return rn, mu * rn if rt > 0.0 else -mu * rn, SLIDING, gamma

@@ -19,7 +19,15 @@ from numpy.typing import NDArray
 
 from drystone.kernels.contacts import BODY_A, BODY_B, FRICTION, PAIR, STIFF_N, Contacts
 from drystone.kernels.forces import add_blocks
-from drystone.kernels.law import OPEN, SLIDING, STICKING
+from drystone.kernels.law import (
+    FORWARD,
+    OPEN,
+    STICKING,
+    branch_of_impulse,
+    held_impulse,
+    impulse_in,
+    local_impulse,
+)
 from drystone.kernels.rows import N_DOF, OF_GAP, OF_SLIP, add_force
 
 Array = NDArray[np.float64]
@@ -93,9 +101,9 @@ def sweep(problem, blocks, h, order, n_sweeps, impulse, velocity):
     n_sweeps
         Number of sweeps, forward and backward ones in turn.
     impulse
-        (n_contacts, 2) [N s], normal and tangential.
+        (n_contacts, dim) [N s], normal and tangential.
     velocity
-        (n, 3), kept consistent with the impulses.
+        (n, n_dof), kept consistent with the impulses.
     """
     contacts, inverse_mass, gap = problem.contacts, problem.inverse_mass, problem.gap
     which, rows, table = contacts
@@ -122,27 +130,7 @@ def sweep(problem, blocks, h, order, n_sweeps, impulse, velocity):
             bn = un - wnn * impulse[c, 0] - wnt * impulse[c, 1] + gap[c] / h
             bt = ut - wnt * impulse[c, 0] - wtt * impulse[c, 1]
             cnn = wnn + 1.0 / (table[c, STIFF_N] * h * h)
-            pn = 0.0
-            pt = 0.0
-            det = cnn * wtt - wnt * wnt
-            stick_n = (wnt * bt - wtt * bn) / det
-            stick_t = (wnt * bn - cnn * bt) / det
-            mu = table[c, FRICTION]
-            if stick_n > 0.0 and abs(stick_t) <= mu * stick_n:
-                pn = stick_n
-                pt = stick_t
-            else:
-                slope = mu if stick_t > 0.0 else -mu
-                along = cnn + slope * wnt
-                if bn < 0.0 and along > 0.0:
-                    pn = -bn / along
-                    pt = slope * pn
-                    if (wnt * pn + wtt * pt + bt) * slope > 0.0:  # slides with its friction
-                        slope = -slope
-                        along = cnn + slope * wnt
-                        if along > 0.0:
-                            pn = -bn / along
-                            pt = slope * pn
+            pn, pt = local_impulse(bn, bt, cnn, wnt, wtt, table[c, FRICTION])
             dn = pn - impulse[c, 0]
             dt = pt - impulse[c, 1]
             impulse[c, 0] = pn
@@ -174,26 +162,15 @@ def held_law(problem, h, penalty, centre, held, velocity, impulse, piece):
 
     where P is ``penalty`` [kg] and ``centre`` (n_contacts,) [N s] the tangential impulse that is
     reached without slip.  Contacts that are ``held`` stick whatever the cone says.  ``piece``
-    (n_contacts,) tells the branch: 0 open, 1 sticking, 2 and 3 sliding.
+    (n_contacts,) tells the branch, see `kernels.law`.
     """
     table, gap = problem.contacts.table, problem.gap
     contact_velocities(problem.contacts, velocity, impulse)
     for c in range(gap.shape[0]):
         ut = impulse[c, 1]
         pn = -h * table[c, STIFF_N] * (gap[c] + h * impulse[c, 0])
-        if pn <= 0.0:
-            piece[c] = OPEN
-            impulse[c, 0] = 0.0
-            impulse[c, 1] = 0.0
-            continue
         pt = centre[c] - penalty * ut
-        limit = table[c, FRICTION] * pn
-        piece[c] = STICKING
-        if abs(pt) > limit * (1.0 - 1e-9) and pt != 0.0 and not held[c]:
-            piece[c] = SLIDING if pt > 0.0 else SLIDING + 1
-            pt = limit if pt > 0.0 else -limit
-        impulse[c, 0] = pn
-        impulse[c, 1] = pt
+        impulse[c, 0], impulse[c, 1], piece[c] = held_impulse(pn, pt, table[c, FRICTION], held[c])
 
 
 @njit(cache=True)
@@ -208,13 +185,7 @@ def branch_law(problem, h, penalty, centre, piece, velocity, impulse):
         ut = impulse[c, 1]
         pn = -h * table[c, STIFF_N] * (gap[c] + h * impulse[c, 0])
         pt = centre[c] - penalty * ut
-        if piece[c] == OPEN:
-            pn = 0.0
-            pt = 0.0
-        elif piece[c] != STICKING:
-            pt = table[c, FRICTION] * pn if piece[c] == SLIDING else -table[c, FRICTION] * pn
-        impulse[c, 0] = pn
-        impulse[c, 1] = pt
+        impulse[c, 0], impulse[c, 1] = impulse_in(piece[c], pn, pt, table[c, FRICTION])
 
 
 @njit(cache=True)
@@ -222,13 +193,7 @@ def branches(problem, impulse, piece):
     """The branches that impulses lie on, in place: see `held_law`."""
     table = problem.contacts.table
     for c in range(impulse.shape[0]):
-        limit = table[c, FRICTION] * impulse[c, 0]
-        if impulse[c, 0] <= 0.0:
-            piece[c] = OPEN
-        elif abs(impulse[c, 1]) < limit * (1.0 - 1e-9) or limit == 0.0:
-            piece[c] = STICKING
-        else:
-            piece[c] = SLIDING if impulse[c, 1] > 0.0 else SLIDING + 1
+        piece[c] = branch_of_impulse(impulse[c, 0], impulse[c, 1], table[c, FRICTION])
 
 
 @njit(cache=True)
@@ -244,7 +209,7 @@ def held_law_tangent(problem, h, penalty, piece, diagonal, upper, lower):
         slope = 0.0
         hold = penalty
         if piece[c] != STICKING:
-            slope = table[c, FRICTION] if piece[c] == SLIDING else -table[c, FRICTION]
+            slope = table[c, FRICTION] if piece[c] == FORWARD else -table[c, FRICTION]
             hold = 0.0
         for i in range(2 * N_DOF):
             gn = (rows[c, OF_GAP, i] + slope * rows[c, OF_SLIP, i]) * stiffness

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from drystone.geometry.motion import translations
 from drystone.kernels import interior as kernel
+from drystone.kernels import law as joint_law
 from drystone.kernels import lu_numeric, path
 from drystone.kernels.contacts import BODY_A, BODY_B, STIFF_N
 from drystone.solvers.linear_step import LinearStep, Pace
@@ -92,8 +93,8 @@ class InteriorPoint:
         self.step = step
         self.settings = settings or InteriorSettings()
         n_slots = step.pairs.n_slots
-        self.inner = np.zeros((n_slots, kernel.N_INNER))
-        self.change = np.zeros((n_slots, kernel.N_CHANGE))
+        self.inner = np.zeros((n_slots, joint_law.N_INNER))
+        self.change = np.zeros((n_slots, joint_law.N_CHANGE))
         self.offset = np.zeros_like(step.reaction)
         dead = np.abs(translations(step.loads.dead)[~step.loads.fixed]).max(axis=1)
         self.block_weight = float(dead.mean())
@@ -136,7 +137,9 @@ class InteriorPoint:
     def _assemble(self, x: Array, multiplier: float, geometry: Array) -> float:
         """Unbalanced forces and tangent at ``x``; returns the mean energy [J]."""
         step = self.step
-        energy = kernel.respond(step.contacts, step.count, step.branch, self.inner, step.response)
+        energy = joint_law.respond_within(
+            step.contacts, step.count, step.branch, self.inner, step.response
+        )
         step.assemble(x, multiplier, x - geometry)
         return energy
 
@@ -213,7 +216,7 @@ class InteriorPoint:
     def _told(self, x: Array, multiplier: float, geometry: Array, tolerance: float) -> bool:
         """Choose the branches; whether they leave nothing unbalanced."""
         step = self.step
-        kernel.choose(step.contacts, step.count, self.inner, step.branch)
+        joint_law.choose(step.contacts, step.count, self.inner, step.branch)
         step.respond()
         step.assemble(x, multiplier, x - geometry)
         if step.residual <= tolerance:
@@ -302,7 +305,7 @@ class _Descent:
     def _centre(self, barrier: float) -> None:
         self.barrier = barrier
         step = self.step
-        kernel.centre(step.contacts, step.count, step.branch, barrier, self.interior.inner)
+        joint_law.centre(step.contacts, step.count, step.branch, barrier, self.interior.inner)
 
     def _descend(self, energy: float, unrest: float) -> bool:
         """Predictor and corrector with the present factors; whether there is a way on."""

@@ -19,7 +19,7 @@ from drystone.kernels import lu_numeric, lu_symbolic
 from drystone.kernels import nlgs as kernels
 from drystone.kernels.contacts import STIFF_N, STIFF_T
 from drystone.kernels.forces import Tangent
-from drystone.kernels.law import joint_law_violation
+from drystone.kernels.law import BACKWARD, FORWARD, joint_law_violation
 from drystone.kernels.nlgs import ContactProblem
 from drystone.kernels.residual import unbalanced_force
 
@@ -338,4 +338,4 @@ class _Accelerator:
 
 def _sense(piece: IntArray) -> IntArray:
     """+1 and -1 for contacts that slide one way and the other, else 0."""
-    return np.where(piece == kernels.SLIDING, 1, 0) - np.where(piece == kernels.SLIDING + 1, 1, 0)
+    return np.where(piece == FORWARD, 1, 0) - np.where(piece == BACKWARD, 1, 0)
