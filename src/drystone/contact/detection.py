@@ -98,7 +98,7 @@ class Detector:
         Blocks that are ``gone`` (n,) have none.
         """
         fixed, of_part = self.assembly.fixed, self.bodies.of_part
-        lower, upper = self._part_extents(pose, np.eye(pose.shape[1] - 1))
+        lower, upper = self._part_extents(pose, np.eye(self.assembly.dimension))
         part_a, part_b = candidate_pairs(lower - self.reach, upper + self.reach)
         a, b = of_part[part_a], of_part[part_b]
         meet = (a != b) & ~(fixed[a] & fixed[b])
@@ -132,7 +132,7 @@ class Detector:
         self, pairs: Pairs, pose: Array, slots: Slots, reaction: Array, status: IntArray
     ) -> ContactForces:
         """Used slots as results; ``reaction`` (n_slots, dim) holds normal and tangential [N]."""
-        used, dim = np.flatnonzero(slots.kind), pose.shape[1] - 1
+        used, dim = np.flatnonzero(slots.kind), self.assembly.dimension
         which, value, bodies = pairs.which[pairs.of_slot[used]], slots.value[used], self.bodies
         position = np.empty((len(used), dim))
         kernels.contact_points(slots, pairs, bodies.centroid, bodies.radius, pose, used, position)

@@ -31,8 +31,8 @@ class Pairs(NamedTuple):
     """Candidate pairs, each with its joint law and its slots, and where they were made.
 
     A pair is one of convex parts; blocks of several may meet in several pairs.  The slots of a pair
-    follow each other.  (An array more is a quarter of a microsecond more at every call of a kernel:
-    therefore integers stand in one.)
+    follow each other.  (Integers stand in one array, as each more is a tenth of a microsecond more
+    at every call of a kernel.)
     """
 
     which: IntArray  # (n_pairs, 6) blocks, parts, law, first slot
