@@ -32,6 +32,7 @@ from drystone.engines.base import Demand, EngineError, Problem, StepReport, Unst
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
+from drystone.geometry.motion import difference, moved
 from drystone.kernels import explicit, narrow
 from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import BODY_A, BODY_B, NONE, SLOT, Contacts, Pairs, Slots
@@ -240,7 +241,7 @@ class Workspace:
         """Guided cycles; the mean multiplier over them, from the work that it did."""
         pose, done = self.motion.pose.copy(), float(self.meter[explicit.LOAD_WORK])
         self.run(n_cycles, guided=True, rate=rate, combined=True)
-        moved = self.motion.pose - pose
+        moved = difference(self.motion.pose, pose)
         done = float(self.meter[explicit.LOAD_WORK]) - done
         pushed = float(np.sum(self.acting.pattern * moved))
         return (done - float(np.sum(self.acting.dead * moved))) / pushed if pushed else 0.0
@@ -261,7 +262,9 @@ class Workspace:
         """How far each block has moved since the step began [m], (n,)."""
         pose = self.motion.pose
         finite = np.asarray(np.isfinite(pose).all(axis=1))
-        moved = self.engine.detector.motion(np.where(finite[:, None], pose - self.begin, 0.0))
+        moved = self.engine.detector.motion(
+            np.where(finite[:, None], difference(pose, self.begin), 0.0)
+        )
         return np.where(self.lost, 0.0, np.where(finite, moved, np.inf))
 
     def _stop_runaways(self) -> None:
@@ -348,7 +351,7 @@ class Workspace:
             self.search_work -= self.engine.elastic_energy(self.pairs, slots, history)
         self.n_searches += 1
         same = np.array_equal(old.feature, slots.feature) and np.array_equal(old.kind, slots.kind)
-        moved = detector.farthest(pose - self.weighed) > WATCHED * self.engine.size
+        moved = detector.farthest(difference(pose, self.weighed)) > WATCHED * self.engine.size
         self._pack(weigh=moved or not same)
 
     def _new_pairs(self, pairs: Pairs) -> None:
@@ -649,7 +652,7 @@ class DistinctEngine:
         sense = 1.0 if self.problem.load.direction @ control.direction >= 0.0 else -1.0
         begin = control.displacement(assembly, state.pose)
         last = state.increment
-        came = begin - control.displacement(assembly, state.pose - last)
+        came = begin - control.displacement(assembly, moved(state.pose, -last))
         pushed, rate = float(np.sum(pattern * last)), 0.0
         farthest = self.detector.farthest(last)
         onwards = came * increment > 1e-9 * farthest * abs(increment)  # else it is rounding
@@ -670,7 +673,7 @@ class DistinctEngine:
             gone = control.displacement(assembly, pose) - begin
             if gone / increment > left - 0.5 / CHUNKS:
                 break
-            if self.detector.farthest(pose - state.pose) > 3.0 * abs(increment):
+            if self.detector.farthest(difference(pose, state.pose)) > 3.0 * abs(increment):
                 break  # something else moves, which the increment does not measure
         for _ in range(STAGES):
             work.motion.velocity[:] *= SLOWER
@@ -786,7 +789,7 @@ class DistinctEngine:
         assembly, meter, pose = self.problem.assembly, work.meter, work.motion.pose
         acting = work.acting
         acceleration = np.where(acting.fixed[:, None], 0.0, unbalanced / assembly.mass)
-        increment = pose - state.pose
+        increment = difference(pose, state.pose)
         new = DistinctState(
             pose=pose,
             velocity=velocity,
