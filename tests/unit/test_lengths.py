@@ -15,9 +15,6 @@ MOST_ARGUMENTS = 12
 #: Above a function's decorators, or behind its ``def``: why it is longer, or takes more.
 REASON = re.compile(r"#:? (Long|Many)\b.{12,}")
 
-#: Functions still to be shortened.
-UNFINISHED = {}
-
 
 def too_large(text, most_lines):
     """Names of the functions over the limits that do not say why."""
@@ -40,13 +37,7 @@ def test_functions_are_short_or_say_why_not(path):
     name = path.relative_to(SOURCE).as_posix()
     kernel = name.startswith("kernels/")
     found = too_large(path.read_text(), MOST_LINES_OF_KERNELS if kernel else MOST_LINES)
-    known = UNFINISHED.get(name, set())
-    assert not found - known, "name their parts, or say why they are so (Long ..., Many ...)"
-    assert not known - found, "they are short now: take them off the list"
-
-
-def test_the_list_names_files_that_exist():
-    assert all((SOURCE / name).is_file() for name in UNFINISHED)
+    assert not found, "name their parts, or say why they are so (Long ..., Many ...)"
 
 
 def test_what_is_too_large_and_what_is_not():
