@@ -13,8 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import BOND, TENSILE, Contacts
 from drystone.kernels.law import joint_law_violation
+from drystone.kernels.nlgs import contact_velocities
 from drystone.kernels.residual import mark_held, unbalanced_force
 
 Array = NDArray[np.float64]
@@ -30,6 +32,40 @@ class JudgedContacts(NamedTuple):
     reaction: Array  # (n_contacts, dim) N
     shear_before: Array  # (n_contacts,) N
     whole: Array  # (n_contacts,) 1 where a bond has not broken, else 0
+
+    @classmethod
+    def with_history(
+        cls, contacts: Contacts, gap: Array, history: Array, reaction: Array, shear_before: Array
+    ) -> JudgedContacts:
+        """Of joints with a past (n_contacts, N_HISTORY), whose slips have entered the shear."""
+        return cls(
+            contacts=contacts,
+            gap=gap - history[:, joint_law.DILATION],
+            slip=np.zeros(len(gap)),
+            reaction=reaction,
+            shear_before=shear_before,
+            whole=np.where(history[:, joint_law.BROKEN] == 0.0, 1.0, 0.0),
+        )
+
+    @classmethod
+    def of_impulses(
+        cls, contacts: Contacts, gap: Array, velocity: Array, reaction: Array, h: float
+    ) -> JudgedContacts:
+        """Of a step of size ``h`` [s] that ends with a velocity (n, n_dof).
+
+        Gaps are mapped from where it starts, and friction has no shear stiffness but that of the
+        natural map, which ``contacts`` hold.
+        """
+        relative = np.zeros_like(reaction)
+        contact_velocities(contacts, velocity, relative)
+        return cls(
+            contacts=contacts,
+            gap=gap + h * relative[:, 0],
+            slip=h * relative[:, 1],
+            reaction=reaction,
+            shear_before=reaction[:, 1],
+            whole=np.zeros(len(gap)),
+        )
 
     @property
     def strength(self) -> tuple[Array, Array]:

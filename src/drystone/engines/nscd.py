@@ -29,7 +29,7 @@ from drystone.geometry.motion import difference, moved, places
 from drystone.kernels import forces, narrow
 from drystone.kernels.contacts import Contacts, Pairs, Slots
 from drystone.kernels.law import MU
-from drystone.kernels.nlgs import ContactProblem, contact_velocities
+from drystone.kernels.nlgs import ContactProblem
 from drystone.kernels.residual import add_contact_forces
 from drystone.solvers import nlgs
 from drystone.solvers.nlgs import BlockSystem, NlgsResult, NlgsSettings
@@ -170,7 +170,7 @@ class NscdEngine:
                 motion=motion,
                 n_iterations=solved.n_sweeps + solved.n_corrections,
             )
-        return self._accept(state, problem, solved, before, load, demand)
+        return self._accept(state, problem, solved, before, load, motion, demand)
 
     def _contact_problem(self, state: NscdState) -> ContactProblem:
         """Contacts where the step starts."""
@@ -187,6 +187,7 @@ class NscdEngine:
         solved: NlgsResult,
         before: Array,
         load: Array,
+        motion: float,
         demand: Demand,
     ) -> tuple[NscdState, StepReport]:
         """The state that a step has led to, from the velocities ``before``, and its figures."""
@@ -199,7 +200,9 @@ class NscdEngine:
         add_contact_forces(problem.contacts, reaction[chosen], force)
         acceleration = (solved.velocity - before) / h
         certificate = certify(
-            _judged(problem, solved.velocity, reaction[chosen], h),
+            JudgedContacts.of_impulses(
+                problem.contacts, problem.gap, solved.velocity, reaction[chosen], h
+            ),
             Forces(contact=force, load=load, inertia=loads.mass * acceleration),
             self.extent,
             loads.fixed,
@@ -214,7 +217,7 @@ class NscdEngine:
             slots=new.slots,
             status=new.status,
             certificate=certificate,
-            motion=self.detector.farthest(increment),
+            motion=motion,
             n_iterations=solved.n_sweeps + solved.n_corrections,
         )
         return new, report(self.problem, loads, outcome)
@@ -295,18 +298,3 @@ class NscdEngine:
 
     def close(self) -> None:
         """Nothing is held."""
-
-
-def _judged(problem: ContactProblem, velocity: Array, reaction: Array, h: float) -> JudgedContacts:
-    """Contacts of a step: gaps are mapped from where it starts, friction has no shear stiffness
-    but that of the natural map."""
-    relative = np.zeros_like(reaction)
-    contact_velocities(problem.contacts, velocity, relative)
-    return JudgedContacts(
-        contacts=problem.contacts,
-        gap=problem.gap + h * relative[:, 0],
-        slip=h * relative[:, 1],
-        reaction=reaction,
-        shear_before=reaction[:, 1],
-        whole=np.zeros(len(reaction)),
-    )

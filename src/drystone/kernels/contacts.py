@@ -1,8 +1,7 @@
 """Contacts as arrays that every kernel takes: candidate pairs, and what is found between them.
 
 A pair of blocks owns a number of slots, one for each contact point that it may have at a time; how
-many that are is nobody else's business.  Solvers work
-on the slots in use, packed.
+many that are is nobody else's business.  Solvers work on the slots in use, packed.
 """
 
 from __future__ import annotations

@@ -106,6 +106,15 @@ class BlockSystem:
         return velocity[0] + left[0]
 
 
+def natural_map(problem: ContactProblem, dim: int, h: float) -> Array:
+    """Delassus blocks (n_contacts, dim, dim) [1/kg] of contacts, which enter their shear stiffness:
+    the force that would move a contact by its slip in a step of size ``h`` [s]."""
+    blocks = np.zeros((len(problem.gap), dim, dim))
+    kernels.delassus_blocks(problem, blocks)
+    problem.contacts.table[:, STIFF_T] = 1.0 / (np.maximum(blocks[:, 1, 1], 1e-300) * h * h)
+    return blocks
+
+
 def solve(
     problem: ContactProblem,
     system: BlockSystem,
@@ -135,19 +144,17 @@ def solve(
         Time step [s].
     """
     n, dim = impulse.shape
-    blocks = np.zeros((n, dim, dim))
-    kernels.delassus_blocks(problem, blocks)
-    problem.contacts.table[:, STIFF_T] = 1.0 / (np.maximum(blocks[:, 1, 1], 1e-300) * h * h)
+    blocks = natural_map(problem, dim, h)
     step = _Step(problem, system, extent, free_velocity, h)
     accelerator = _Accelerator(problem, system, free_velocity, h, settings)
     before, impulse = impulse, impulse.copy()
     velocity = step.velocity_of(impulse)
-    n_sweeps, chunk = 0, settings.first_sweeps
+    order, n_sweeps, chunk = np.arange(n), 0, settings.first_sweeps
     residual = step.residual(impulse, velocity)
     while residual > settings.tolerance and n_sweeps < settings.max_sweeps:
         chunk = min(chunk, settings.max_sweeps - n_sweeps)
         velocity = step.velocity_of(impulse)
-        kernels.sweep(problem, blocks, h, np.arange(n), chunk, impulse, velocity)
+        kernels.sweep(problem, blocks, h, order, chunk, impulse, velocity)
         n_sweeps += chunk
         velocity = step.velocity_of(impulse)  # rounding of the running sums does not pile up
         residual = step.residual(impulse, velocity)

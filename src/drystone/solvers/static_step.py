@@ -46,10 +46,10 @@ class StaticStep(LinearStep):
         n_dof = constants.loads.mass.shape[1]
         n_slots = pairs.n_slots
         place = motion.places(constants.detector.bodies.centroid, pairs.pose)
-        super().__init__(constants.loads, pairs, place, Slots.empty(pairs.n_slots))
+        super().__init__(constants.loads, pairs, place, Slots.empty(n_slots))
         self.constants = constants
-        self.known = Slots.empty(pairs.n_slots)  # contacts by the features that the step follows
-        self.found = Slots.empty(pairs.n_slots)  # contacts as they are found where the step ends
+        self.known = Slots.empty(n_slots)  # contacts by the features that the step follows
+        self.found = Slots.empty(n_slots)  # contacts as they are found where the step ends
         self.source = np.arange(n_slots)
         self.history_before = np.zeros((n_slots, N_HISTORY))
         self.history = np.zeros((n_slots, N_HISTORY))
@@ -95,9 +95,8 @@ class StaticStep(LinearStep):
         for array in (self.history_before, *self.start, self.branch):
             array[:] = array[source]
             array[new] = 0
-        self.history_before[new, joint_law.BROKEN] = (
-            1.0  # blocks that come to touch later are not bonded
-        )
+        # Blocks that come to touch later are not bonded.
+        self.history_before[new, joint_law.BROKEN] = 1.0
         for mine, theirs in zip(known, slots, strict=True):
             mine[:] = theirs
 
@@ -142,22 +141,16 @@ class StaticStep(LinearStep):
         which, _, table = self.contacts
         joint_law.remember(which, table, self.count, self.history_before)
 
-    def status(self) -> IntArray:
-        """Status of every slot, (n_slots,)."""
-        return STATUS_OF[self.branch]
-
     def judged(self) -> JudgedContacts:
         """The contacts last evaluated: views, until something is evaluated again."""
         contacts = self.contacts.of(slice(self.count))
         used = contacts.slot
-        history = self.history[used]
-        return JudgedContacts(
-            contacts=contacts,
-            gap=self.slots.gap[used] - history[:, joint_law.DILATION],
-            slip=np.zeros(self.count),  # it is in the trial reaction
-            reaction=self.reaction[used],
-            shear_before=contacts.table[:, TRIAL_T],
-            whole=np.where(history[:, joint_law.BROKEN] == 0.0, 1.0, 0.0),
+        return JudgedContacts.with_history(
+            contacts,
+            self.slots.gap[used],
+            self.history[used],
+            self.reaction[used],
+            contacts.table[:, TRIAL_T],
         )
 
     def find(self, x: Array) -> None:

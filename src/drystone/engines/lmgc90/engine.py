@@ -40,13 +40,13 @@ from drystone.kernels.contacts import (
     BODY_B,
     FRICTION,
     STIFF_N,
-    STIFF_T,
     VERTEX_B,
     Contacts,
     Slots,
 )
-from drystone.kernels.nlgs import ContactProblem, contact_velocities, delassus_blocks
+from drystone.kernels.nlgs import ContactProblem
 from drystone.kernels.rows import slot_rows
+from drystone.solvers.nlgs import natural_map
 
 Array = NDArray[np.float64]
 
@@ -337,21 +337,13 @@ class Lmgc90Engine:
         slots.kind[:], slots.normal[:] = VERTEX_B, outcome.normal
         slots.arm_a[:], slots.arm_b[:] = (outcome.position - centre[i] for i in (a, b))
         slot_rows(slots, contacts.rows)
-        relative, blocks = np.zeros((n, 2)), np.zeros((n, 2, 2))
-        contact_velocities(contacts, outcome.velocity, relative)
+        contacts.table[:, STIFF_N] = outcome.stiffness
+        contacts.table[:, FRICTION] = self.friction
         with np.errstate(divide="ignore"):
             inverse = np.where(self.loads.mass > 0.0, 1.0 / self.loads.mass, 0.0)
-        delassus_blocks(ContactProblem(contacts, outcome.gap, inverse), blocks)
-        contacts.table[:, STIFF_N] = outcome.stiffness
-        contacts.table[:, STIFF_T] = 1.0 / (np.maximum(blocks[:, 1, 1], 1e-300) * h * h)
-        contacts.table[:, FRICTION] = self.friction
-        return JudgedContacts(
-            contacts=contacts,
-            gap=outcome.gap + h * relative[:, 0],
-            slip=h * relative[:, 1],
-            reaction=outcome.reaction,
-            shear_before=outcome.reaction[:, 1],
-            whole=np.zeros(n),
+        natural_map(ContactProblem(contacts, outcome.gap, inverse), 2, h)
+        return JudgedContacts.of_impulses(
+            contacts, outcome.gap, outcome.velocity, outcome.reaction, h
         )
 
     def _status(self, outcome: Outcome) -> NDArray[np.int64]:
