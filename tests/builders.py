@@ -212,6 +212,6 @@ def contacts_of(assembly: Assembly, pose: np.ndarray) -> tuple[Detector, Pairs, 
     """Pairs and contacts found from nothing in the given poses."""
     detector = Detector(assembly)
     pairs = detector.pairs(pose)
-    slots = Slots.empty(pairs.n_slots)
+    slots = Slots.empty(pairs.n_slots, 2)
     detector.fill(pairs, pose, slots)
     return detector, pairs, slots

@@ -115,6 +115,7 @@ class Assembly:
     volume: Array = field(init=False)  # (n,) m3
     weight: Array = field(init=False)  # (n,) N
     mass: Array = field(init=False)  # (n, n_dof) kg and kg m2, per degree of freedom
+    axes: Array = field(init=False)  # (n, dim, dim) columns: what rotations are about in space
     fixed: NDArray[np.bool_] = field(init=False)  # (n,)
     laws: tuple[JointLaw, ...] = field(init=False)  # laws[0] is `joint`
 
@@ -178,6 +179,7 @@ class Assembly:
             volume=volume,
             weight=weight,
             mass=np.column_stack((weight, weight, unit_weight * inertia)) / GRAVITY,
+            axes=np.tile(np.eye(2), (n, 1, 1)),
             fixed=np.array([block.support for block in self.blocks], dtype=bool),
             laws=(self.joint, *dict.fromkeys(self.joint_between.values())),
         )
@@ -246,8 +248,20 @@ class Assembly:
         return self._row[block_id]
 
     def rest_pose(self) -> Array:
-        """Poses of the blocks as designed: zeros, (n, n_dof)."""
+        """Poses of the blocks as designed, (n, n_pose); see `geometry.motion`."""
+        return motion.rest(self.n_bodies, self.dimension)
+
+    def no_motion(self) -> Array:
+        """Increments, velocities or forces that are none: zeros, (n, n_dof)."""
         return np.zeros((self.n_bodies, self.n_dof))
+
+    def moved(self, pose: Array, increment: Array) -> Array:
+        """Poses (n, n_pose) after increments (n, n_dof)."""
+        return motion.moved(pose, increment, self.axes)
+
+    def difference(self, pose: Array, before: Array) -> Array:
+        """Increments (n, n_dof) that lead from the poses ``before`` to ``pose``."""
+        return motion.difference(pose, before, self.axes)
 
     def law_index(self, a: IntArray, b: IntArray) -> IntArray:
         """Index into `laws` of the joint between blocks ``a[k]`` and ``b[k]``.

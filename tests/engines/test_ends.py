@@ -262,7 +262,7 @@ def test_blocks_below_the_ground_have_left(level):
     detector, pose = Detector(assembly), assembly.rest_pose()
     pose[1, 1] = 0.05  # lifted a little above the base
     pairs = detector.pairs(pose)
-    slots = Slots.empty(pairs.n_slots)
+    slots = Slots.empty(pairs.n_slots, 2)
     detector.fill(pairs, pose, slots)
     arguments = (detector, LoadArrays.of(problem), pose, 0.0, pairs, slots)
     left = departing(problem, *arguments, np.zeros((len(slots.kind), 2)))
@@ -278,7 +278,7 @@ def test_blocks_leave_together_past_what_is_no_obstacle():
     pose[1, :2] = 0.5, -0.2  # the small one beside the base
     pose[2, :2] = 2.0, 0.5  # the tall one high above it
     pairs = detector.pairs(pose)
-    slots = Slots.empty(pairs.n_slots)
+    slots = Slots.empty(pairs.n_slots, 2)
     detector.fill(pairs, pose, slots)
     arguments = (detector, LoadArrays.of(problem), pose, 0.0, pairs, slots)
     nothing = np.zeros((len(slots.kind), 2))

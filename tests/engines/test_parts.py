@@ -52,7 +52,7 @@ def test_seams_are_no_contacts():
     # Of each joint two halves, with two points each; halves across meet in a corner.
     facing = np.abs(pairs.which[:, PART_B] - pairs.which[:, PART_A])[pairs.of_slot] % 2 == 0
     assert np.count_nonzero(touching & facing) == 4 * (assembly.n_bodies - 1)
-    lengths = slots.length[touching & facing]
+    lengths = slots.size[touching & facing]
     assert lengths == pytest.approx(np.full(len(lengths), 0.1))
 
 

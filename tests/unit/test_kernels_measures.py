@@ -39,10 +39,10 @@ def test_sums_of_blocks(rng):
 
 
 def test_contacts_are_counted_where_there_are_any():
-    slots, counts = Slots.empty(5), np.full(3, 9)
+    slots, counts = Slots.empty(5, 2), np.full(3, 9)
     slots.kind[:] = VERTEX_B, VERTEX_A, NONE, VERTICES, VERTEX_B
     slots.gap[:] = -1e-3, 2e-3, np.inf, -2e-3, 0.0
     assert count_contacts(slots, np.array([1, 0, 1, 2, 1]), counts) == 2e-3
     assert counts.tolist() == [1, 2, 1]  # open, sticking, sliding
-    assert count_contacts(Slots.empty(0), np.zeros(0, np.int64), counts) == 0.0
+    assert count_contacts(Slots.empty(0, 2), np.zeros(0, np.int64), counts) == 0.0
     assert not counts.any()

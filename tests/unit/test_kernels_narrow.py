@@ -29,7 +29,7 @@ from drystone.geometry import GeometryError
 from drystone.geometry.broad import candidate_pairs
 from drystone.kernels import forces, narrow, rows
 from drystone.kernels import law as joint_law
-from drystone.kernels.contacts import LENGTH, NONE, VERTEX_A, VERTEX_B, VERTICES, Contacts, Slots
+from drystone.kernels.contacts import NONE, SIZE, VERTEX_A, VERTEX_B, VERTICES, Contacts, Slots
 from drystone.kernels.forces import Start, Tangent
 
 pytestmark = pytest.mark.kernels
@@ -192,7 +192,7 @@ class TestPressed:
         _, _, slots = contacts_of(assembly, pose)
         assert np.all(slots.kind != NONE)
         assert slots.gap == pytest.approx(-depth, abs=ROUNDING)
-        assert slots.length == pytest.approx(0.2, abs=ROUNDING)
+        assert slots.size == pytest.approx(0.2, abs=ROUNDING)
 
 
 def configurations(radius, n=40, pressed=True):
@@ -234,8 +234,8 @@ class JointOfPair:
         self.assembly, self.pose = assembly, pose
         self.detector, self.pairs, self.known = contacts_of(assembly, pose)
         n = len(self.known.kind)
-        self.slots = Slots.empty(self.pairs.n_slots)
-        self.known.length[:] = 0.1  # fixed within a step, as engines do
+        self.slots = Slots.empty(self.pairs.n_slots, 2)
+        self.known.size[:] = 0.1  # fixed within a step, as engines do
         self.laws = np.zeros((1, joint_law.N_LAW))
         law = assembly.joint
         self.laws[0, : joint_law.TAN_PSI + 1] = (
@@ -245,12 +245,10 @@ class JointOfPair:
         self.laws[0, joint_law.DILATANCY_END] = np.inf
         self.history = np.zeros((n, joint_law.N_HISTORY))
         self.history[:, joint_law.SHEAR] = shear
-        self.start = Start(
-            length=np.zeros(n), rows=np.zeros((n, 2, 6)), closed=np.ones(n, np.bool_)
-        )
+        self.start = Start(size=np.zeros(n), rows=np.zeros((n, 2, 6)), closed=np.ones(n, np.bool_))
         if linear is not None:
-            self.start.length[:] = 0.1
-            half = Slots.empty(self.pairs.n_slots)
+            self.start.size[:] = 0.1
+            half = Slots.empty(self.pairs.n_slots, 2)
             self.detector.follow(self.pairs, pose + 0.5 * linear, self.known, half)
             rows.slot_rows(half, self.start.rows)
 
@@ -437,7 +435,7 @@ class TestDerivatives:
             )
             used = np.flatnonzero(same & (found.kind != NONE))
             # All but lengths, which are those of the start.
-            mine, theirs = (np.delete(s.value[used], LENGTH, axis=1) for s in (pair.slots, found))
+            mine, theirs = (np.delete(s.value[used], SIZE, axis=1) for s in (pair.slots, found))
             assert mine == pytest.approx(theirs, abs=ROUNDING)
 
     @pytest.mark.parametrize("radius", [0.0, 0.03])
@@ -567,7 +565,7 @@ class TestPublishedWalls:
         assert slots.gap[k] == pytest.approx(0.0, abs=ROUNDING)
         # Half of the joint to each end: 0.1 m on a bed joint of half a unit of 0.4 m and 0.0875 m
         # on a head joint (the areas of the paper); whole units meet the base over 0.4 m.
-        lengths = slots.length[k]
+        lengths = slots.size[k]
         for row in lengths:
             assert min(abs(row - np.array([0.0875, 0.1, 0.2]))) < ROUNDING
         is_bed = np.abs(slots.normal[k, 1]) > 0.5
@@ -581,7 +579,7 @@ class TestPublishedWalls:
             # Boxes that touch: one side of their intersection is nothing, the other the joint.
             low, high = np.maximum(a.min(0), b.min(0)), np.minimum(a.max(0), b.max(0))
             designed = (high - low).max()
-            found = slots.length[k[pairs.of_slot[k] == p]].sum()
+            found = slots.size[k[pairs.of_slot[k] == p]].sum()
             assert found == pytest.approx(designed, abs=ROUNDING)
 
 
@@ -609,7 +607,7 @@ class TestLaterContacts:
             pose = pose + 0.2 * detector.reach * move / detector.motion(move)[:, None]
             if detector.outdated(pairs, pose):
                 pairs = detector.pairs(pose)
-                slots = Slots.empty(pairs.n_slots)
+                slots = Slots.empty(pairs.n_slots, 2)
             detector.fill(pairs, pose, slots)
             _, fresh_pairs, fresh = contacts_of(assembly, pose)
             found = {
@@ -645,7 +643,7 @@ class TestIdentity:
         for angle in np.radians(np.arange(1.0, 90.0, 2.0)):
             pose = np.zeros((2, 3))
             pose[1] = 0.0, radius - turned(corner, -angle)[1] - 0.1, -angle
-            new, source = Slots.empty(pairs.n_slots), np.full(2, -1)
+            new, source = Slots.empty(pairs.n_slots, 2), np.full(2, -1)
             detector.fill(pairs, pose, new)
             narrow.find_predecessors(pairs, slots, new, source)
             here = [k for k in np.flatnonzero(new.kind) if abs(new.gap[k]) < ROUNDING]
@@ -664,7 +662,7 @@ class TestIdentity:
         for x in np.arange(0.0, 0.398, 0.006):
             pose = np.zeros((2, 3))
             pose[1, 0] = x
-            new, source = Slots.empty(pairs.n_slots), np.full(2, -1)
+            new, source = Slots.empty(pairs.n_slots, 2), np.full(2, -1)
             detector.fill(pairs, pose, new)
             narrow.find_predecessors(pairs, slots, new, source)
             for k in np.flatnonzero(new.kind & (new.gap < ROUNDING)):
@@ -676,7 +674,7 @@ class TestIdentity:
     def test_a_new_contact_has_no_past(self):
         assembly = pair_of(self.unit, self.unit + (0.0, 0.2), radius=0.02)
         _, pairs, slots = contacts_of(assembly, assembly.rest_pose())
-        before, source = Slots.empty(pairs.n_slots), np.zeros(2, np.int64)
+        before, source = Slots.empty(pairs.n_slots, 2), np.zeros(2, np.int64)
         narrow.find_predecessors(pairs, before, slots, source)
         assert source.tolist() == [-1, -1]
 
@@ -706,7 +704,7 @@ class TestTributaryLength:
             pose[1] = *(vertex - turned(vertex, -angle)), -angle
             detector.fill(pairs, pose, slots)
             (here,) = np.flatnonzero(np.abs(slots.gap) < ROUNDING)
-            found.append(slots.length[here])
+            found.append(slots.size[here])
         return np.array(found)
 
     def turning(self, radius, outline):

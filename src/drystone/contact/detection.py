@@ -12,17 +12,15 @@ from numpy.typing import NDArray
 from drystone.assembly import Assembly
 from drystone.contact.forces import ContactForces
 from drystone.geometry.broad import candidate_pairs
-from drystone.geometry.motion import bound, difference
+from drystone.geometry.motion import bound
 from drystone.kernels import measures as kernels
 from drystone.kernels import narrow
 from drystone.kernels.contacts import (
-    ARM_A,
     FIRST,
     GAP,
-    LENGTH,
-    NORMAL,
     PART_A,
     PART_B,
+    SIZE,
     A,
     B,
     Pairs,
@@ -110,7 +108,11 @@ class Detector:
 
     def outdated(self, pairs: Pairs, pose: Array) -> bool:
         """Whether some block has moved so far that a pair may be missing."""
-        return self.farthest(difference(pose, pairs.pose)) > 0.5 * self.reach
+        return self.farthest(self.assembly.difference(pose, pairs.pose)) > 0.5 * self.reach
+
+    def travelled(self, pose: Array) -> Array:
+        """Bound on how far any point of each block is from its designed place [m], (n,)."""
+        return self.motion(self.assembly.difference(pose, self.assembly.rest_pose()))
 
     def motion(self, increment: Array) -> Array:
         """Bound on the displacement of any point of each block [m], (n,), for pose increments."""
@@ -119,6 +121,15 @@ class Detector:
     def farthest(self, increment: Array) -> float:
         """The largest of these bounds [m]; not a number where an increment is none."""
         return kernels.farthest(increment, self.extent)
+
+    def find(self, pairs: Pairs, pose: Array, before: Slots | None = None) -> Slots:
+        """All contacts of the pairs in the given poses.
+
+        Where two choices of features are as good, those are kept that slots had ``before``.
+        """
+        slots = Slots.empty(pairs.n_slots, self.assembly.dimension)
+        self.fill(pairs, pose, slots)
+        return slots
 
     def fill(self, pairs: Pairs, pose: Array, slots: Slots) -> None:
         """Find all contacts of the pairs in the given poses, into ``slots``."""
@@ -140,9 +151,9 @@ class Detector:
             block_a=which[:, A],
             block_b=which[:, B],
             position=position,
-            normal=value[:, NORMAL:ARM_A],
+            normal=slots.normal[used],
             gap=value[:, GAP],
-            area=value[:, LENGTH] * self.assembly.thickness,
+            area=value[:, SIZE] * self.assembly.thickness,
             normal_reaction=reaction[used, 0],
             tangential_reaction=reaction[used, 1:],
             status=status[used],

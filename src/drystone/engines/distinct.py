@@ -32,7 +32,6 @@ from drystone.engines.base import Demand, EngineError, Problem, StepReport, Unst
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
-from drystone.geometry.motion import difference, moved
 from drystone.kernels import explicit, narrow
 from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import BODY_A, BODY_B, NONE, SLOT, Contacts, Pairs, Slots
@@ -175,10 +174,10 @@ class Workspace:
             pose=state.pose.copy(),
             velocity=state.velocity.copy(),
             turn=np.zeros((len(state.pose), 2)),
-            force=np.zeros_like(state.pose),
-            last=np.zeros_like(state.pose),
-            mean=np.zeros_like(state.pose),
-            opposed=np.zeros_like(state.pose),
+            force=np.zeros_like(state.velocity),
+            last=np.zeros_like(state.velocity),
+            mean=np.zeros_like(state.velocity),
+            opposed=np.zeros_like(state.velocity),
         )
         self.meter = np.zeros(explicit.N_METER)
         self.meter[explicit.MULTIPLIER] = state.multiplier
@@ -241,7 +240,7 @@ class Workspace:
         """Guided cycles; the mean multiplier over them, from the work that it did."""
         pose, done = self.motion.pose.copy(), float(self.meter[explicit.LOAD_WORK])
         self.run(n_cycles, guided=True, rate=rate, combined=True)
-        moved = difference(self.motion.pose, pose)
+        moved = self.engine.problem.assembly.difference(self.motion.pose, pose)
         done = float(self.meter[explicit.LOAD_WORK]) - done
         pushed = float(np.sum(self.acting.pattern * moved))
         return (done - float(np.sum(self.acting.dead * moved))) / pushed if pushed else 0.0
@@ -260,11 +259,10 @@ class Workspace:
 
     def gone(self) -> Array:
         """How far each block has moved since the step began [m], (n,)."""
-        pose = self.motion.pose
+        pose, engine = self.motion.pose, self.engine
         finite = np.asarray(np.isfinite(pose).all(axis=1))
-        moved = self.engine.detector.motion(
-            np.where(finite[:, None], difference(pose, self.begin), 0.0)
-        )
+        known = np.where(finite[:, None], pose, self.begin)
+        moved = engine.detector.motion(engine.problem.assembly.difference(known, self.begin))
         return np.where(self.lost, 0.0, np.where(finite, moved, np.inf))
 
     def _stop_runaways(self) -> None:
@@ -339,8 +337,7 @@ class Workspace:
             self.search_work += self.engine.elastic_energy(self.pairs, self.slots, self.history)
         if detector.outdated(self.pairs, pose):
             self._new_pairs(detector.pairs(pose, self.lost))
-        slots = Slots.empty(self.pairs.n_slots)
-        detector.fill(self.pairs, pose, slots)
+        slots = detector.find(self.pairs, pose, self.slots)
         source = np.zeros(len(slots.kind), np.int64)
         old = self.slots
         narrow.find_predecessors(self.pairs, old, slots, source)
@@ -351,14 +348,15 @@ class Workspace:
             self.search_work -= self.engine.elastic_energy(self.pairs, slots, history)
         self.n_searches += 1
         same = np.array_equal(old.feature, slots.feature) and np.array_equal(old.kind, slots.kind)
-        moved = detector.farthest(difference(pose, self.weighed)) > WATCHED * self.engine.size
+        since = self.engine.problem.assembly.difference(pose, self.weighed)
+        moved = detector.farthest(since) > WATCHED * self.engine.size
         self._pack(weigh=moved or not same)
 
     def _new_pairs(self, pairs: Pairs) -> None:
         """Go over to another list of pairs, with the slots and histories of those that stay."""
         source = predecessor_slots(self.pairs, pairs)
         known = source >= 0
-        slots = Slots.empty(pairs.n_slots)
+        slots = Slots.empty(pairs.n_slots, self.slots.dim)
         for new, old in zip(slots, self.slots, strict=True):
             new[known] = old[source[known]]
         history = np.zeros((len(source), N_HISTORY))
@@ -479,15 +477,14 @@ class DistinctEngine:
         self.search_reach = self.settings.search_tolerance * self.size
         pose = assembly.rest_pose() if pose is None else np.array(pose, float)
         pairs = self.detector.pairs(pose)
-        slots = Slots.empty(pairs.n_slots)
-        self.detector.fill(pairs, pose, slots)
+        slots = self.detector.find(pairs, pose)
         n_slots = len(slots.kind)
         history = np.zeros((n_slots, N_HISTORY))
         history[apart(slots, 1e-9 * self.size), joint_law.BROKEN] = 1.0  # open when built
         self.brittle = brittle(self.laws)
         return DistinctState(
             pose=pose,
-            velocity=np.zeros_like(pose) if velocity is None else np.array(velocity, float),
+            velocity=assembly.no_motion() if velocity is None else np.array(velocity, float),
             multiplier=0.0,
             pairs=pairs,
             slots=slots,
@@ -495,7 +492,7 @@ class DistinctEngine:
             history=history,
             reaction=np.zeros((n_slots, 2)),
             status=np.zeros(n_slots, np.int64),
-            increment=np.zeros_like(pose),
+            increment=assembly.no_motion(),
             margin=np.full(n_slots, np.inf),
             due=np.zeros(0, np.int64),
             gone=np.zeros(assembly.n_bodies, np.bool_),
@@ -538,7 +535,7 @@ class DistinctEngine:
     def elastic_energy(self, pairs: Pairs, slots: Slots, history: Array) -> float:
         """Energy that the joints store [J]."""
         law = self.laws[pairs.law_of_slot]
-        area = slots.length * self.problem.assembly.thickness
+        area = slots.size * self.problem.assembly.thickness
         overlap = history[:, joint_law.DILATION] - slots.gap
         bonded = (history[:, joint_law.BROKEN] == 0.0) & (law[:, joint_law.TENSION] > 0.0)
         used = (slots.kind != NONE) & ((overlap > 0.0) | bonded)
@@ -652,7 +649,7 @@ class DistinctEngine:
         sense = 1.0 if self.problem.load.direction @ control.direction >= 0.0 else -1.0
         begin = control.displacement(assembly, state.pose)
         last = state.increment
-        came = begin - control.displacement(assembly, moved(state.pose, -last))
+        came = begin - control.displacement(assembly, assembly.moved(state.pose, -last))
         pushed, rate = float(np.sum(pattern * last)), 0.0
         farthest = self.detector.farthest(last)
         onwards = came * increment > 1e-9 * farthest * abs(increment)  # else it is rounding
@@ -673,7 +670,7 @@ class DistinctEngine:
             gone = control.displacement(assembly, pose) - begin
             if gone / increment > left - 0.5 / CHUNKS:
                 break
-            if self.detector.farthest(difference(pose, state.pose)) > 3.0 * abs(increment):
+            if self.detector.farthest(assembly.difference(pose, state.pose)) > 3.0 * abs(increment):
                 break  # something else moves, which the increment does not measure
         for _ in range(STAGES):
             work.motion.velocity[:] *= SLOWER
@@ -729,7 +726,7 @@ class DistinctEngine:
     def _rest(self, state: DistinctState, work: Workspace) -> tuple[DistinctState, StepReport]:
         """The state where all is balanced and has been stopped."""
         work.unpack()
-        still = np.zeros_like(state.pose)
+        still = np.zeros_like(state.velocity)
         contacts, contact_force = self._judged(work)
         forces = Forces(
             contact=contact_force,
@@ -782,7 +779,7 @@ class DistinctEngine:
         assembly, meter, pose = self.problem.assembly, work.meter, work.motion.pose
         acting = work.acting
         acceleration = np.where(acting.fixed[:, None], 0.0, unbalanced / assembly.mass)
-        increment = difference(pose, state.pose)
+        increment = assembly.difference(pose, state.pose)
         new = DistinctState(
             pose=pose,
             velocity=velocity,

@@ -127,8 +127,7 @@ class EquilibriumEngine:
         pairs, gone = self.detector.pairs(pose), np.zeros(assembly.n_bodies, np.bool_)
         self._write_equations(pairs, gone)
         self.accuracy = self._accuracy()
-        slots = Slots.empty(pairs.n_slots)
-        self.detector.fill(pairs, pose, slots)
+        slots = self.detector.find(pairs, pose)
         state = EquilibriumState(
             pose=pose,
             multiplier=0.0,
@@ -137,7 +136,7 @@ class EquilibriumEngine:
             history=self._first_history(slots),
             reaction=np.zeros_like(slots.normal),
             branch=self._first_branches(pairs, slots),
-            last_increment=np.zeros_like(pose),
+            last_increment=assembly.no_motion(),
             margin=np.full(len(slots.kind), np.inf),
             due=np.zeros(0, np.int64),
             gone=gone,
@@ -161,11 +160,11 @@ class EquilibriumEngine:
             state = new
             travelled += outcome.motion
             if h >= limit and outcome.inertia_ratio < self.settings.inertia_limit:
-                return replace(new, last_increment=np.zeros_like(new.pose)), outcome
+                return replace(new, last_increment=self.problem.assembly.no_motion()), outcome
             if travelled > farthest:
                 break
             h = min(100.0 * h, limit)
-        gone = self.problem.length * self.detector.motion(state.pose)
+        gone = self.problem.length * self.detector.travelled(state.pose)
         raise UnstableError(unstable_sentence(self.problem.assembly.ids, gone))
 
     def _missed(self, state: EquilibriumState) -> bool:
@@ -174,8 +173,7 @@ class EquilibriumEngine:
             return False
         pairs = self.detector.pairs(state.pose, state.gone)
         new = predecessor_pairs(state.pairs, pairs) < 0
-        slots = Slots.empty(pairs.n_slots)
-        self.detector.fill(pairs, state.pose, slots)
+        slots = self.detector.find(pairs, state.pose)
         return bool((slots.gap[new[pairs.of_slot]] < 0.0).any())
 
     def _settlement(self) -> float:
@@ -333,8 +331,7 @@ class EquilibriumEngine:
     def _paired(self, state: EquilibriumState, gone: BoolArray) -> EquilibriumState:
         """The state with new pairs, without the blocks that are ``gone``."""
         pairs = self.detector.pairs(state.pose, gone)
-        slots = Slots.empty(pairs.n_slots)
-        self.detector.fill(pairs, state.pose, slots)
+        slots = self.detector.find(pairs, state.pose)
         source = predecessor_slots(state.pairs, pairs)
         history, reaction, branch = _inherited(source, state.history, state.reaction, state.branch)
         margin, known = np.full(len(source), np.inf), source >= 0
@@ -389,7 +386,7 @@ class EquilibriumEngine:
 
         The last increments go on, turned with the blocks, where they moved the same way.
         """
-        nothing = np.zeros_like(state.pose)
+        nothing = self.problem.assembly.no_motion()
         if pace is None:
             assert demand.multiplier is not None
             return nothing, demand.multiplier
@@ -419,7 +416,7 @@ class EquilibriumEngine:
             margin[judged.contacts.slot] = margins(judged, 0.0)
             margin = np.where(source >= 0, margin[source], np.inf)
         new = EquilibriumState(
-            pose=motion.moved(state.pose, solved.increment),
+            pose=self.problem.assembly.moved(state.pose, solved.increment),
             multiplier=solved.multiplier,
             pairs=state.pairs,
             slots=slots,

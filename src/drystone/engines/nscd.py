@@ -25,7 +25,7 @@ from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
-from drystone.geometry.motion import difference, moved, places
+from drystone.geometry.motion import places
 from drystone.kernels import forces, narrow
 from drystone.kernels.contacts import Contacts, Pairs, Slots
 from drystone.kernels.law import MU
@@ -94,14 +94,13 @@ class NscdEngine:
         self.extent = np.maximum(self.detector.extent, 1e-12)
         pose = assembly.rest_pose()
         pairs = self.detector.pairs(pose)
-        slots = Slots.empty(pairs.n_slots)
-        self.detector.fill(pairs, pose, slots)
+        slots = self.detector.find(pairs, pose)
         gone = np.zeros(assembly.n_bodies, np.bool_)
         self._write_system(pairs, gone)
         state = NscdState(
             pose=pose,
-            velocity=np.zeros_like(pose),
-            increment=np.zeros_like(pose),
+            velocity=assembly.no_motion(),
+            increment=assembly.no_motion(),
             pairs=pairs,
             slots=slots,
             reaction=np.zeros_like(slots.normal),
@@ -124,9 +123,9 @@ class NscdEngine:
             # At rest: what a step from rest would move by is far below the joints' own closing.
             if outcome.motion < 1e-3 * max(outcome.penetration, 1e-9):
                 return state, outcome
-            if self.detector.farthest(state.pose) > limit:
+            if self.detector.travelled(state.pose).max() > limit:
                 break
-        motion = self.detector.motion(state.pose)
+        motion = self.detector.travelled(state.pose)
         raise UnstableError(
             unstable_sentence(self.problem.assembly.ids, self.problem.length * motion)
         )
@@ -194,9 +193,9 @@ class NscdEngine:
         assert demand.multiplier is not None
         loads, h, chosen = self.loads, demand.time_step, problem.contacts.slot
         increment = h * solved.velocity
-        pose = moved(state.pose, increment)
+        pose = self.problem.assembly.moved(state.pose, increment)
         new, reaction = self._arrive(state, pose, solved.velocity, chosen, solved.impulse / h)
-        force = np.zeros_like(pose)
+        force = np.zeros_like(increment)
         add_contact_forces(problem.contacts, reaction[chosen], force)
         acceleration = (solved.velocity - before) / h
         certificate = certify(
@@ -234,8 +233,7 @@ class NscdEngine:
         """The state with new pairs, without the blocks that are ``gone``."""
         pairs = self.detector.pairs(state.pose, gone)
         source = predecessor_slots(state.pairs, pairs)
-        slots = Slots.empty(pairs.n_slots)
-        self.detector.fill(pairs, state.pose, slots)
+        slots = self.detector.find(pairs, state.pose)
         known = source >= 0
         reaction = np.zeros_like(slots.normal)
         reaction[known] = state.reaction[source[known]]
@@ -269,8 +267,7 @@ class NscdEngine:
         """
         reaction = np.zeros_like(state.reaction)
         reaction[chosen] = found
-        slots = Slots.empty(state.pairs.n_slots)
-        self.detector.fill(state.pairs, pose, slots)
+        slots = self.detector.find(state.pairs, pose, state.slots)
         source = np.zeros(len(slots.kind), np.int64)
         narrow.find_predecessors(state.pairs, state.slots, slots, source)
         carried = np.where(source[:, None] >= 0, reaction[source], 0.0)
@@ -281,7 +278,7 @@ class NscdEngine:
         new = NscdState(
             pose=pose,
             velocity=velocity,
-            increment=difference(pose, state.pose),
+            increment=self.problem.assembly.difference(pose, state.pose),
             pairs=state.pairs,
             slots=slots,
             reaction=carried,

@@ -1,8 +1,13 @@
 """How rigid bodies move: poses, the increments between them, and what they do to points.
 
-A pose is a body's motion since the design, about its centroid; an increment leads from one pose to
-another.  In the plane both are (u_x, u_y, theta) [m, m, rad].  What the numbers of either are, and
-how they add up, is said here and, compiled, in `kernels.narrow` and `kernels.explicit`.
+A pose is a body's motion since the design, about its centroid.  In the plane it is (u_x, u_y,
+theta) [m, m, rad]; in space (u_x, u_y, u_z) and the unit quaternion (w, x, y, z) by which the body
+has turned.  An increment leads from one pose to another: a translation along the axes of the world,
+and a rotation, in space a vector about the body's own principal axes, which turn with it.  About
+these the body's inertia is diagonal, and stays so.
+
+What the numbers of either are, and how they add up, is said here and, compiled, in
+`kernels.narrow`, `kernels.rotation` and `kernels.explicit`.
 """
 
 from __future__ import annotations
@@ -15,7 +20,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: The axis that points up is the last one: y in the plane.
+#: The axis that points up is the last one: y in the plane, z in space.
 UP = -1
 
 
@@ -24,19 +29,47 @@ def n_dof(dimension: int) -> int:
     return 3 if dimension == 2 else 6
 
 
+def rest(n: int, dimension: int) -> Array:
+    """Poses of bodies as designed, (n, n_pose), with 3 numbers in the plane and 7 in space."""
+    pose = np.zeros((n, 3 if dimension == 2 else 7))
+    if dimension == 3:
+        pose[:, 3] = 1.0
+    return pose
+
+
 def translations(field: Array) -> Array:
-    """Those of a field of motions or forces (..., n_dof), a view (..., dim)."""
+    """Those of a field of poses, motions or forces, a view (..., dim)."""
     return field[..., : 2 if field.shape[-1] == 3 else 3]
 
 
-def moved(pose: Array, increment: Array) -> Array:
-    """Poses after an increment, (n, n_dof)."""
-    return pose + increment
+def rotations(field: Array) -> Array:
+    """The rest of a field of motions or forces (..., n_dof): rotations or moments, a view."""
+    return field[..., 2 if field.shape[-1] == 3 else 3 :]
 
 
-def difference(pose: Array, before: Array) -> Array:
-    """Increments that lead from the poses ``before``, (n, n_dof)."""
-    return pose - before
+def moved(pose: Array, increment: Array, axes: Array) -> Array:
+    """Poses (n, n_pose) after increments (n, n_dof).
+
+    ``axes`` (n, dim, dim) are the principal axes as designed, in columns; of space only.
+    """
+    if pose.shape[1] == 3:
+        return pose + increment
+    after = np.empty_like(pose)
+    after[:, :3] = pose[:, :3] + increment[:, :3]
+    after[:, 3:] = _times(pose[:, 3:], _quaternion(np.einsum("nij,nj->ni", axes, increment[:, 3:])))
+    after[:, 3:] /= np.linalg.norm(after[:, 3:], axis=1)[:, None]
+    return after
+
+
+def difference(pose: Array, before: Array, axes: Array) -> Array:
+    """Increments (n, n_dof) that lead from the poses ``before`` to ``pose``; see `moved`."""
+    if pose.shape[1] == 3:
+        return pose - before
+    increment = np.empty((len(pose), 6))
+    increment[:, :3] = pose[:, :3] - before[:, :3]
+    back = before[:, 3:] * np.array([1.0, -1.0, -1.0, -1.0])
+    increment[:, 3:] = np.einsum("nij,ni->nj", axes, _vector(_times(back, pose[:, 3:])))
+    return increment
 
 
 def places(centroid: Array, pose: Array) -> Array:
@@ -44,9 +77,11 @@ def places(centroid: Array, pose: Array) -> Array:
     return centroid + translations(pose)
 
 
-def turned(vectors: Array, motion: Array) -> Array:
-    """Vectors (n, dim) of bodies, after the rotation of each one's motion (n, n_dof)."""
-    c, s = np.cos(motion[:, 2]), np.sin(motion[:, 2])
+def turned(vectors: Array, pose: Array) -> Array:
+    """Vectors (n, dim) of bodies after the rotations of their poses (n, n_pose)."""
+    if pose.shape[1] == 7:
+        return vectors + _turn(pose[:, 3:], vectors)
+    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
     x, y = vectors[:, 0], vectors[:, 1]
     after = np.empty_like(vectors)
     after[:, 0], after[:, 1] = c * x - s * y, s * x + c * y
@@ -56,25 +91,31 @@ def turned(vectors: Array, motion: Array) -> Array:
 def moved_points(
     points: Array, owner: IntArray, centroid: Array, pose: Array, *, linear: bool = False
 ) -> Array:
-    """Material points (k, dim) [m] of blocks ``owner`` (k,), carried along in the poses (n, n_dof).
+    """Material points (k, dim) [m] of blocks ``owner`` (k,), carried along in the poses.
 
-    With ``linear`` every point goes straight on along its velocity.  What a velocity field holds
+    With ``linear`` poses are a velocity field (n, n_dof), in space with rotations about the axes of
+    the world, and every point goes straight on along its velocity.  What a velocity field holds
     together then stays together however far it is drawn: joints that do not open or slide are
     closed and hinges meet.  Blocks keep their form and grow by sqrt(1 + theta^2).
     """
     arm = points - centroid[owner]
-    theta = pose[owner, 2]
     # Rotation less identity, so that a block at rest stays to the last bit where it is.
+    if points.shape[1] == 3:
+        turn = np.cross(pose[owner, 3:], arm) if linear else _turn(pose[owner, 3:], arm)
+        return np.asarray(points + (pose[owner, :3] + turn), np.float64)
+    theta = pose[owner, 2]
     cosine, sine = (0.0 * theta, theta) if linear else (np.cos(theta) - 1.0, np.sin(theta))
     x, y = arm[:, 0], arm[:, 1]
     turn = np.column_stack((cosine * x - sine * y, sine * x + cosine * y))
     return np.asarray(points + (translations(pose)[owner] + turn), np.float64)
 
 
-def displacement(arm: Array, motion: Array) -> Array:
-    """Displacement (dim,) [m] of a point at ``arm`` (dim,) from its body's centroid, by a motion of
-    the body (n_dof,)."""
-    ux, uy, theta = motion.tolist()  # Python's numbers: this is asked for at every step
+def displacement(arm: Array, pose: Array) -> Array:
+    """Displacement (dim,) [m] of a point at ``arm`` (dim,) from its body's centroid, in a pose of
+    the body (n_pose,)."""
+    if len(pose) == 7:
+        return np.asarray(pose[:3] + _turn(pose[None, 3:], arm[None])[0])
+    ux, uy, theta = pose.tolist()  # Python's numbers: this is asked for at every step
     x, y = arm.tolist()
     c, s = math.cos(theta), math.sin(theta)
     return np.array([ux + (c - 1.0) * x - s * y, uy + s * x + (c - 1.0) * y])
@@ -102,9 +143,43 @@ def _turned_arm(arm: Array, motion: Array) -> tuple[float, float]:
 def bound(increment: Array, extent: Array) -> Array:
     """How far any point of a body may move at most, (n,) [m]; ``extent`` (n,) [m] is that of the
     farthest from the centroid."""
-    return np.hypot(increment[:, 0], increment[:, 1]) + extent * np.abs(increment[:, 2])
+    if increment.shape[1] == 3:
+        return np.hypot(increment[:, 0], increment[:, 1]) + extent * np.abs(increment[:, 2])
+    straight, turn = translations(increment), rotations(increment)
+    return np.asarray(np.linalg.norm(straight, axis=1) + extent * np.linalg.norm(turn, axis=1))
 
 
 def moments(arm: Array, force: Array) -> Array:
-    """Moments (n,) [N m] of forces (n, dim) that act at arms (n, dim)."""
-    return arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
+    """Moments of forces (..., dim) at arms (..., dim): (..., 1) in the plane, (..., 3) in space."""
+    if force.shape[-1] == 3:
+        return np.cross(arm, force)
+    return (arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0])[..., None]
+
+
+def _turn(quaternion: Array, vectors: Array) -> Array:
+    """What rotations (n, 4) add to vectors (n, 3): as precise as the rotations are small."""
+    w, v = quaternion[:, :1], quaternion[:, 1:]
+    across = np.cross(v, vectors)
+    return np.asarray(2.0 * (w * across + np.cross(v, across)))
+
+
+def _times(first: Array, second: Array) -> Array:
+    """Products of quaternions (n, 4): the rotations of the second, then those of the first."""
+    w1, v1, w2, v2 = first[:, :1], first[:, 1:], second[:, :1], second[:, 1:]
+    scalar = w1 * w2 - np.sum(v1 * v2, axis=1, keepdims=True)
+    return np.hstack((scalar, w1 * v2 + w2 * v1 + np.cross(v1, v2)))
+
+
+def _quaternion(vector: Array) -> Array:
+    """Of rotation vectors (n, 3) [rad]."""
+    angle = np.linalg.norm(vector, axis=1, keepdims=True)
+    return np.hstack((np.cos(0.5 * angle), 0.5 * np.sinc(angle / (2.0 * np.pi)) * vector))
+
+
+def _vector(quaternion: Array) -> Array:
+    """Rotation vectors (n, 3) [rad] of quaternions, the shorter way round."""
+    q = np.where(quaternion[:, :1] < 0.0, -quaternion, quaternion)
+    size = np.linalg.norm(q[:, 1:], axis=1, keepdims=True)
+    angle = 2.0 * np.arctan2(size, q[:, :1])
+    share = np.divide(angle, size, out=np.full_like(size, 2.0), where=size > 0.0)
+    return np.asarray(share * q[:, 1:])

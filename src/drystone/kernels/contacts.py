@@ -78,23 +78,33 @@ class Pairs(NamedTuple):
 #: edges of a and of b that face each other.
 KIND, FEATURE_A, FEATURE_B, EDGE_A, EDGE_B = range(5)
 
-#: Columns of `Slots.value`: gap [m], positive open; tributary length of joint [m]; see
-#: `kernels.narrow` for the others.  Of vectors the first of their columns.
-GAP, LENGTH, RATIO, ROLL_A, ROLL_B, NORMAL, ARM_A, ARM_B = 0, 1, 2, 3, 4, 5, 7, 9
+#: Columns of `Slots.value`: gap [m], positive open; tributary size of the joint [m], in space [m2];
+#: in the plane see `kernels.narrow` for the others.  Of vectors the first of their columns.
+GAP, SIZE, RATIO, ROLL_A, ROLL_B, NORMAL, ARM_A, ARM_B = 0, 1, 2, 3, 4, 5, 7, 9
 N_VALUES = 11
+
+#: The others in space: normal, first tangent, and arms from both centroids to the contact point,
+#: along the axes of the world.  Then what is frozen while a contact's features last: the point, in
+#: the axes of its body as designed; a place, the normal (away from the body) and the first tangent
+#: of the plane, in those of the plane's body; how far the surface lies beyond the point [m].
+NORMAL_3, TANGENT_3, ARM_A_3, ARM_B_3 = 2, 5, 8, 11
+POINT_3, PLACE_3, PLANE_NORMAL_3, PLANE_TANGENT_3, BALL_3 = 14, 17, 20, 23, 26
+N_VALUES_3 = 27
 
 
 class Slots(NamedTuple):
     """Contacts of all candidate pairs; see `kernels.narrow`."""
 
     which: IntArray  # (n_slots, 5)
-    value: Array  # (n_slots, N_VALUES)
+    value: Array  # (n_slots, N_VALUES or N_VALUES_3)
 
     @classmethod
-    def empty(cls, n: int) -> Slots:
+    def empty(cls, n: int, dim: int) -> Slots:
         """Slots of which none is in use."""
-        which, value = np.full((n, 5), -1), np.zeros((n, N_VALUES))
-        which[:, KIND], value[:, GAP], value[:, RATIO] = NONE, np.inf, 1.0
+        which, value = np.full((n, 5), -1), np.zeros((n, N_VALUES if dim == 2 else N_VALUES_3))
+        which[:, KIND], value[:, GAP] = NONE, np.inf
+        if dim == 2:
+            value[:, RATIO] = 1.0
         return cls(which, value)
 
     def copied(self) -> Slots:
@@ -124,24 +134,42 @@ class Slots(NamedTuple):
         return self.value[:, GAP]
 
     @property
-    def length(self) -> Array:
-        """(n_slots,) m"""
-        return self.value[:, LENGTH]
+    def size(self) -> Array:
+        """(n_slots,) m, in space m2"""
+        return self.value[:, SIZE]
+
+    @property
+    def dim(self) -> int:
+        """2 or 3."""
+        return 2 if self.value.shape[1] == N_VALUES else 3
 
     @property
     def normal(self) -> Array:
         """(n_slots, dim) from a to b."""
-        return self.value[:, NORMAL:ARM_A]
+        return self._vector(NORMAL, NORMAL_3)
+
+    @property
+    def tangents(self) -> Array:
+        """(n_slots, dim - 1, dim), along which tangential reactions are counted."""
+        normal = self.normal
+        if self.dim == 2:
+            return np.stack((normal[:, 1], -normal[:, 0]), axis=1)[:, None]
+        first = self._vector(NORMAL, TANGENT_3)
+        return np.stack((first, np.cross(normal, first)), axis=1)
 
     @property
     def arm_a(self) -> Array:
         """(n_slots, dim) m"""
-        return self.value[:, ARM_A:ARM_B]
+        return self._vector(ARM_A, ARM_A_3)
 
     @property
     def arm_b(self) -> Array:
         """(n_slots, dim) m"""
-        return self.value[:, ARM_B:]
+        return self._vector(ARM_B, ARM_B_3)
+
+    def _vector(self, in_plane: int, in_space: int) -> Array:
+        first, dim = (in_plane, 2) if self.dim == 2 else (in_space, 3)
+        return self.value[:, first : first + dim]
 
 
 #: Columns of the table of packed contacts: k_n, k_s [N/m], mu, k_n tan psi [N/m], c A, f_t A [N],

@@ -35,12 +35,12 @@ from drystone.kernels.contacts import (
     GAP,
     KIND,
     LAW,
-    LENGTH,
     NONE,
     NORMAL,
     PART_A,
     PART_B,
     RATIO,
+    SIZE,
     VERTEX_A,
     VERTICES,
     A,
@@ -158,7 +158,7 @@ def pack(slots, bodies, pairs, laws, thickness, history, contacts):
         shape[c, R_O] = radius_o
         shape[c, R_SUM] = radius_e + radius_o
         shape[c, ROUND] = 1.0 if meets[k, KIND] == VERTICES else 0.0
-        area = value[k, LENGTH] * thickness
+        area = value[k, SIZE] * thickness
         row = of_pair[p, LAW]
         law[c, L_KN] = laws[row, KN] * area
         law[c, L_KS] = laws[row, KS] * area
@@ -235,7 +235,7 @@ def stiffness_blocks(slots, pairs, laws, thickness, watched, blocks):
         if meets[k, KIND] == NONE or value[k, GAP] > watched:
             continue
         p = pair[k]
-        area = value[k, LENGTH] * thickness
+        area = value[k, SIZE] * thickness
         kn = 2.0 * laws[of_pair[p, LAW], KN] * area
         ks = 2.0 * laws[of_pair[p, LAW], KS] * area
         gradients(value, k, rows, 0)

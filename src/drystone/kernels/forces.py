@@ -23,11 +23,11 @@ from drystone.kernels.contacts import (
     GAP,
     KIND,
     LAW,
-    LENGTH,
     LIFT,
     NONE,
     PAIR,
     PLASTIC,
+    SIZE,
     SLOT,
     STIFF_N,
     STIFF_T,
@@ -92,7 +92,7 @@ class Tangent(NamedTuple):
 class Start(NamedTuple):
     """What contacts had when the step began."""
 
-    length: Array  # (n_slots,) m, tributary; zero where there was no contact
+    size: Array  # (n_slots,) m, tributary; zero where there was no contact
     rows: Array  # (n_slots, dim, 2 n_dof) of contacts that were there: gradients of the slip that
     # hold for the step; others slip by the exact distance
     closed: NDArray[np.bool_]  # (n_slots,) others do not dilate in the step
@@ -111,7 +111,7 @@ def pack(slots, pairs, laws, thickness, contacts):
         c = count
         count += 1
         p = pair[k]
-        law, area = of_pair[p, LAW], value[k, LENGTH] * thickness
+        law, area = of_pair[p, LAW], value[k, SIZE] * thickness
         which[c, SLOT], which[c, PAIR] = k, p
         which[c, BODY_A], which[c, BODY_B] = of_pair[p, A], of_pair[p, B]
         gradients(value, k, rows, c)
@@ -159,7 +159,7 @@ def joint_forces(
     meets, value = slots
     pair, of_pair = pairs.of_slot, pairs.which
     which, rows, table = contacts
-    start_length, start_rows, closed = start.length, start.rows, start.closed
+    start_size, start_rows, closed = start.size, start.rows, start.closed
     force[:, :] = 0.0
     count = 0
     for k in range(meets.shape[0]):
@@ -177,8 +177,8 @@ def joint_forces(
         a = of_pair[p, A]
         b = of_pair[p, B]
         law = of_pair[p, LAW]
-        known = start_length[k] > 0.0
-        area = thickness * (start_length[k] if known else value[k, LENGTH])
+        known = start_size[k] > 0.0
+        area = thickness * (start_size[k] if known else value[k, SIZE])
         c = count
         count += 1
         which[c, SLOT], which[c, PAIR], which[c, BODY_A], which[c, BODY_B] = k, p, a, b

@@ -61,9 +61,10 @@ GRAZE = 1e-9
 #: A bond holds beyond its strength by this share of it: what is at its limit has not broken.
 BOND_TIE = 1e-6
 
-#: Columns of the history of a contact: shear [N], dilation [m], slid distance [m], broken bond.
-SHEAR, DILATION, SLID, BROKEN = 0, 1, 2, 3
-N_HISTORY = 4
+#: Columns of the history of a contact: dilation [m], slid distance [m], broken bond, and shear [N],
+#: one for each tangent.
+DILATION, SLID, BROKEN, SHEAR = 0, 1, 2, 3
+N_HISTORY = 4  # in the plane
 
 #: Columns of a contact's law in cycles: stiffnesses [N/m], friction, dilatancy, bond and tensile
 #: force [N], slide at which dilatancy ends [m].
@@ -316,7 +317,7 @@ def inherit(source, history, reaction, branch, new_history, new_reaction, new_br
     new: open, without shear, and never bonded."""
     for k in range(source.shape[0]):
         j = source[k]
-        for i in range(N_HISTORY):
+        for i in range(history.shape[1]):
             new_history[k, i] = history[j, i] if j >= 0 else 0.0
         if j < 0:
             new_history[k, BROKEN] = 1.0

@@ -45,7 +45,6 @@ from drystone.kernels.contacts import (
     FIRST,
     GAP,
     KIND,
-    LENGTH,
     NONE,
     NORMAL,
     PART_A,
@@ -53,6 +52,7 @@ from drystone.kernels.contacts import (
     RATIO,
     ROLL_A,
     ROLL_B,
+    SIZE,
     VERTEX_A,
     VERTEX_B,
     VERTICES,
@@ -265,7 +265,7 @@ def _interface(
         other = _overlap(length, setback, vertex, tangent, pa, pb, following[pa], following[pb])
         tributary += share * (other - tributary)
     for slot in range(k, k + 2):
-        value[slot, LENGTH] = tributary
+        value[slot, SIZE] = tributary
         which[slot, EDGE_A], which[slot, EDGE_B] = ea, eb
     if s1 > length_a or s0 < 0.0:  # b lies past an end of a's edge
         va = a1 if s1 > length_a else a0
@@ -375,7 +375,7 @@ def follow_contacts(bodies, pose, world, pairs, known, slots):
     place(bodies, pose, world)
     which, value = slots
     for k in range(which.shape[0]):
-        value[k, LENGTH] = known.value[k, LENGTH]
+        value[k, SIZE] = known.value[k, SIZE]
         for i in range(which.shape[1]):
             which[k, i] = known.which[k, i]
     _measure(bodies, pose, world, pairs, slots)

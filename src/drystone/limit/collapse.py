@@ -304,7 +304,7 @@ def _without(
         upper_bound=value,
         status=status,
         reason=reason,
-        velocities=equilibrium.assembly.rest_pose() if velocities is None else velocities,
+        velocities=equilibrium.assembly.no_motion() if velocities is None else velocities,
         contacts=None,
         moving=moving,
         duality_gap=np.nan,

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from drystone.assembly import Assembly
+from drystone.geometry.motion import moments
 from drystone.limit.joints import ContactPoints, contact_points
 from drystone.loading import LoadPattern, dead_load
 
@@ -106,10 +107,3 @@ def _matrix(assembly: Assembly, points: ContactPoints, length: float) -> csc_arr
     matrix.eliminate_zeros()
     matrix.sort_indices()
     return matrix
-
-
-def moments(arm: Array, force: Array) -> Array:
-    """Moments of forces (..., dim) at arms (..., dim): one component in a plane, three in space."""
-    if force.shape[-1] == 3:
-        return np.cross(arm, force)
-    return (arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0])[..., None]

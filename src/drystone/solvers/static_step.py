@@ -46,16 +46,17 @@ class StaticStep(LinearStep):
         n_dof = constants.loads.mass.shape[1]
         n_slots = pairs.n_slots
         place = motion.places(constants.detector.bodies.centroid, pairs.pose)
-        super().__init__(constants.loads, pairs, place, Slots.empty(n_slots))
+        dim = place.shape[1]
+        super().__init__(constants.loads, pairs, place, Slots.empty(n_slots, dim))
         self.constants = constants
-        self.known = Slots.empty(n_slots)  # contacts by the features that the step follows
-        self.found = Slots.empty(n_slots)  # contacts as they are found where the step ends
+        self.known = Slots.empty(n_slots, dim)  # contacts by the features that the step follows
+        self.found = Slots.empty(n_slots, dim)  # contacts as they are found where the step ends
         self.source = np.arange(n_slots)
         self.history_before = np.zeros((n_slots, N_HISTORY))
         self.history = np.zeros((n_slots, N_HISTORY))
         self.start = Start(
-            length=np.zeros(n_slots),
-            rows=np.zeros((n_slots, place.shape[1], 2 * n_dof)),
+            size=np.zeros(n_slots),
+            rows=np.zeros((n_slots, dim, 2 * n_dof)),
             closed=np.zeros(n_slots, np.bool_),
         )
 
@@ -80,11 +81,10 @@ class StaticStep(LinearStep):
             mine[:] = theirs
         self.history_before[:] = history
         self.start.closed[:] = branch != OPEN
-        self.start.length[:] = np.where(slots.kind != NONE, slots.length, 0.0)
+        self.start.size[:] = np.where(slots.kind != NONE, slots.size, 0.0)
         half = self.slots
-        self.constants.detector.follow(
-            self.pairs, motion.moved(pose, 0.5 * guess), self.known, half
-        )
+        detector = self.constants.detector
+        detector.follow(self.pairs, detector.assembly.moved(pose, 0.5 * guess), self.known, half)
         rows.slot_rows(half, self.start.rows)
 
     def follow(self, slots: Slots) -> None:
@@ -103,7 +103,8 @@ class StaticStep(LinearStep):
     def evaluate(self, x: Array, multiplier: float) -> None:
         """Reactions, unbalanced forces and ``residual`` [N] at the increments ``x`` (n, n_dof)."""
         c = self.constants
-        c.detector.follow(self.pairs, motion.moved(self.pose, x), self.known, self.slots)
+        pose = c.detector.assembly.moved(self.pose, x)
+        c.detector.follow(self.pairs, pose, self.known, self.slots)
         self.bent = False
         self.count = forces.joint_forces(
             self.slots, self.pairs, c.laws, c.thickness, self.start, self.history_before, x,
@@ -155,4 +156,5 @@ class StaticStep(LinearStep):
 
     def find(self, x: Array) -> None:
         """Find the contacts anew where the blocks are now, into ``found``."""
-        self.constants.detector.fill(self.pairs, motion.moved(self.pose, x), self.found)
+        detector = self.constants.detector
+        detector.fill(self.pairs, detector.assembly.moved(self.pose, x), self.found)

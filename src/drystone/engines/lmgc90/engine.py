@@ -166,13 +166,12 @@ class Lmgc90Engine:
             self.sharp.shapes.of(i) + assembly.centroid[i] for i in range(assembly.n_bodies)
         )
         area = np.array([abs(polygon.signed_area(outline)) for outline in polygons])
-        slots = Slots.empty(self._pairs.n_slots)
-        self.detector.fill(self._pairs, rest, slots)
+        slots = self.detector.find(self._pairs, rest)
         stiffness = np.array([law.normal_stiffness for law in assembly.laws], dtype=float)
         joints: dict[tuple[int, int], float] = {}
         for k in np.flatnonzero(slots.kind).tolist():
             a, b, _, _, law, _ = self._pairs.which[self._pairs.of_slot[k]].tolist()
-            share = stiffness[law] * slots.length[k] * assembly.thickness
+            share = stiffness[law] * slots.size[k] * assembly.thickness
             key = (min(a, b), max(a, b))
             joints[key] = joints.get(key, 0.0) + float(share)
         return Setup(
@@ -271,7 +270,7 @@ class Lmgc90Engine:
         outcome = new.outcome
         assert outcome is not None
         assembly = self.problem.assembly
-        increment = motion.difference(new.pose, state.pose)
+        increment = self.problem.assembly.difference(new.pose, state.pose)
         farthest = self.detector.farthest(increment)
         if farthest > self.settings.max_motion * self.detector.reach:
             reason = "a block moves too far in one step"
@@ -323,9 +322,7 @@ class Lmgc90Engine:
         """All contacts in the given poses, those that LMGC90 has missed included."""
         if self.detector.outdated(self._pairs, pose):
             self._pairs = self.detector.pairs(pose)
-        slots = Slots.empty(self._pairs.n_slots)
-        self.detector.fill(self._pairs, pose, slots)
-        return slots
+        return self.detector.find(self._pairs, pose)
 
     def _judged(self, state: Lmgc90State, outcome: Outcome, h: float) -> JudgedContacts:
         """LMGC90's own contacts, with its gaps: those that it has missed cannot be judged here."""
@@ -333,7 +330,7 @@ class Lmgc90Engine:
         contacts = Contacts.empty(n, 2, state.pose.shape[1])
         contacts.which[:, BODY_A], contacts.which[:, BODY_B] = a, b
         centre = motion.places(self.reference, self._to_reference(state.pose))
-        slots = Slots.empty(n)
+        slots = Slots.empty(n, 2)
         slots.kind[:], slots.normal[:] = VERTEX_B, outcome.normal
         slots.arm_a[:], slots.arm_b[:] = (outcome.position - centre[i] for i in (a, b))
         slot_rows(slots, contacts.rows)
@@ -398,7 +395,7 @@ class Lmgc90Engine:
     def _about_reference(self, force: Array, pose: Array) -> Array:
         """Forces at our centroids with their moments about LMGC90's reference points."""
         shifted = force.copy()
-        shifted[:, 2] -= motion.moments(self._offset(pose), force)
+        shifted[:, 2] -= motion.moments(self._offset(pose), force)[:, 0]
         return shifted
 
 
