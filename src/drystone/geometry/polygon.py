@@ -1,4 +1,4 @@
-"""Plane convex polygons: checks, mass properties, corners taken off.
+"""Plane polygons: checks, mass properties, corners of convex ones taken off.
 
 Every polygon is an ``(n, 2)`` float64 array of vertices [m], counter-clockwise.
 Edge ``i`` runs from vertex ``i`` to vertex ``i + 1``.
@@ -44,6 +44,83 @@ def is_clockwise(vertices: Array) -> bool:
 
 def check_convex(vertices: Array) -> None:
     """Raise `GeometryError` unless the vertices make a convex, counter-clockwise polygon."""
+    angle = _checked_turns(vertices)
+    reflex = angle < -_rounding(vertices)
+    if np.any(reflex):
+        i = (int(np.argmin(angle)) + 1) % len(vertices)
+        x, y = vertices[i]
+        raise GeometryError(
+            f"the outline is not convex at vertex {i + 1} ({x:g}, {y:g}): "
+            "split the block into convex ones"
+        )
+
+
+def check_outline(vertices: Array) -> None:
+    """Raise `GeometryError` unless these make a counter-clockwise outline, concave or not, that
+    neither crosses nor touches itself."""
+    angle = _checked_turns(vertices)
+    if np.any(np.abs(angle) > np.pi - DEGENERATE):
+        i = (int(np.argmax(np.abs(angle))) + 1) % len(vertices)
+        x, y = vertices[i]
+        raise GeometryError(f"the outline turns back at vertex {i + 1} ({x:g}, {y:g}): remove it")
+    if np.any(angle < -_rounding(vertices)):
+        _check_simple(vertices)
+
+
+def reflex_corners(vertices: Array) -> NDArray[np.bool_]:
+    """Whether an outline turns clockwise at each vertex, (n,), by more than rounding."""
+    return np.asarray(_preceding(_turns(vertices)) < -_rounding(vertices))
+
+
+def _check_simple(vertices: Array) -> None:
+    """Raise `GeometryError` where two edges that do not follow each other meet."""
+    n = len(vertices)
+    start, end = vertices, _following(vertices)
+    near = DEGENERATE * float(np.ptp(vertices, axis=0).max())
+    edge = end - start
+    length = np.hypot(edge[:, 0], edge[:, 1])
+    tangent = edge / length[:, None]
+    arm = vertices[None] - start[:, None]  # (edge, vertex)
+    along = np.sum(arm * tangent[:, None], axis=2)
+    off = tangent[:, None, 0] * arm[..., 1] - tangent[:, None, 1] * arm[..., 0]
+    row, column = np.arange(n)[:, None], np.arange(n)[None]
+    # A vertex on an edge that is not its own, or edges that pass through each other.
+    own = (column == row) | (column == (row + 1) % n)
+    on = (np.abs(off) <= near) & (along >= -near) & (along <= length[:, None] + near) & ~own
+    across = off * np.roll(off, -1, axis=1) < 0.0
+    crossing = across & across.T & ~own & ~own.T
+    if np.any(on):
+        i, j = np.argwhere(on)[0]
+        x, y = vertices[j]
+        raise GeometryError(
+            f"the outline touches itself at vertex {j + 1} ({x:g}, {y:g}), which lies on the edge "
+            f"after vertex {i + 1}: make two blocks of it, or leave a gap"
+        )
+    if np.any(crossing):
+        i, j = np.argwhere(crossing)[0]
+        raise GeometryError(
+            f"the outline crosses itself: the edges after vertices {i + 1} and {j + 1} meet; list "
+            "the vertices in order around the block"
+        )
+
+
+def _turns(vertices: Array) -> Array:
+    """Angles [rad] by which the outline turns at the end of every edge, (n,)."""
+    edges = _following(vertices) - vertices
+    following = _following(edges)
+    turn = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
+    return np.arctan2(turn, np.sum(edges * following, axis=1))
+
+
+def _rounding(vertices: Array) -> float:
+    """Turn [rad] that may come of rounded coordinates."""
+    edges = _following(vertices) - vertices
+    shortest = np.hypot(edges[:, 0], edges[:, 1]).min()
+    return max(DEGENERATE, 4.0 * float(np.spacing(np.abs(vertices).max()) / shortest))
+
+
+def _checked_turns(vertices: Array) -> Array:
+    """Turns at the ends of the edges of an outline that may be concave."""
     if vertices.ndim != 2 or vertices.shape[1] != 2:
         raise GeometryError("vertices must be a list of [x, y] pairs")
     n = len(vertices)
@@ -65,9 +142,7 @@ def check_convex(vertices: Array) -> None:
             "the outline encloses no area: its vertices lie on one line, or it crosses itself; "
             "list them in order around the block"
         )
-    following = _following(edges)
-    turn = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
-    angle = np.arctan2(turn, np.sum(edges * following, axis=1))
+    angle = _turns(vertices)
     turns = round(float(angle.sum()) / (2.0 * np.pi))
     if abs(turns) != 1:
         raise GeometryError(
@@ -75,14 +150,7 @@ def check_convex(vertices: Array) -> None:
         )
     if turns < 0:
         raise GeometryError("the vertices run clockwise: list them counter-clockwise")
-    rounding = 4.0 * float(np.spacing(np.abs(vertices).max()) / lengths.min())
-    if np.any(angle < -max(DEGENERATE, rounding)):
-        i = (int(np.argmin(angle)) + 1) % n
-        x, y = vertices[i]
-        raise GeometryError(
-            f"the outline is not convex at vertex {i + 1} ({x:g}, {y:g}): "
-            "split the block into convex ones"
-        )
+    return angle
 
 
 @dataclass(frozen=True, kw_only=True)
