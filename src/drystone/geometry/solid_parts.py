@@ -66,10 +66,11 @@ def convex_parts(vertices: Array, faces: Faces, tolerance: float = FLAT) -> list
         for cell in _cells(points, cell, _inside(points, cell, surface, near), near)
         if _winding(_middle(points, cell), surface) > 0.5
     ]
-    solids = _united([packed(points, cell) for cell in cells], whole)
-    parts = [Part(*hull(vertices, tolerance)) for vertices in solids]
+    solids = [_plain(*packed(points, cell), tolerance) for cell in cells]
+    parts = _united(solids, whole, tolerance)
     missing = abs(sum(mass_properties(p.vertices, p.faces).volume for p in parts) - whole)
-    loose = unevenness(vertices, faces) * float(face_areas(vertices, faces).sum())
+    # Where a vertex counts as on a plane that it is near to, volume is lost or found.
+    loose = max(near, unevenness(vertices, faces)) * float(face_areas(vertices, faces).sum())
     if missing > DEGENERATE * whole + loose:
         raise GeometryError(
             f"the convex parts of the solid miss its volume by {missing / whole:.2g} of it: its "
@@ -225,36 +226,49 @@ def _clipped(piece: Array, height: Array, near: float) -> Array:
 # --- put together again -----------------------------------------------------------------------
 
 
-def _united(solids: Sequence[tuple[Array, Faces]], whole: float) -> list[Array]:
-    """Vertices of the cells, those united of which two fill their hull."""
-    cells = [(vertices, mass_properties(vertices, faces).volume) for vertices, faces in solids]
+def _plain(vertices: Array, faces: Faces, tolerance: float) -> Part:
+    """A cell without vertices amid edges and faces; as it is where it is too thin to tell."""
+    if is_plain(vertices, faces, tolerance):
+        return Part(vertices, faces)
+    try:
+        return Part(*hull(vertices, tolerance))
+    except GeometryError:
+        return Part(vertices, faces)
+
+
+def _united(parts: Sequence[Part], whole: float, tolerance: float) -> list[Part]:
+    """The parts, those united of which two fill their hull."""
+    parts = list(parts)
+    volumes = [mass_properties(part.vertices, part.faces).volume for part in parts]
     k = 0
-    while k < len(cells):
-        for m in range(k + 1, len(cells)):
-            union = _union(cells[k], cells[m], whole)
+    while k < len(parts):
+        for m in range(k + 1, len(parts)):
+            sum_of_two = volumes[k] + volumes[m]
+            union = _union(parts[k], parts[m], sum_of_two, 0.01 * DEGENERATE * whole, tolerance)
             if union is not None:
-                cells = [union, *(c for i, c in enumerate(cells) if i not in (k, m))]
+                parts[k], volumes[k] = union, sum_of_two
+                del parts[m], volumes[m]
                 k = -1
                 break
         k += 1
-    return [vertices for vertices, _ in cells]
+    return parts
 
 
-def _union(
-    a: tuple[Array, float], b: tuple[Array, float], whole: float
-) -> tuple[Array, float] | None:
-    """Corners and volume of two cells together where these are convex."""
+def _union(a: Part, b: Part, volume: float, more: float, tolerance: float) -> Part | None:
+    """Two parts as one where their hull has ``volume`` [m3] and not ``more``."""
     from scipy.spatial import ConvexHull
 
-    (p, volume_p), (q, volume_q) = a, b
+    p, q = a.vertices, b.vertices
     near = SEAM * size_of(np.vstack((p, q)))
     if np.any(p.min(axis=0) > q.max(axis=0) + near) or np.any(q.min(axis=0) > p.max(axis=0) + near):
         return None
     vertices = np.unique(np.vstack((p, q)), axis=0)
-    found = ConvexHull(vertices - vertices[0])
-    if abs(found.volume - volume_p - volume_q) > 0.01 * DEGENERATE * whole:
+    if abs(ConvexHull(vertices - vertices[0]).volume - volume) > more:
         return None
-    return vertices[np.sort(found.vertices)], volume_p + volume_q
+    try:
+        return Part(*hull(vertices, tolerance))
+    except GeometryError:  # too thin to tell what its faces are
+        return None
 
 
 # --- seams ------------------------------------------------------------------------------------
