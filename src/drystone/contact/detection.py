@@ -157,6 +157,7 @@ class Detector:
             normal_reaction=reaction[used, 0],
             tangential_reaction=reaction[used, 1:],
             status=status[used],
+            tangent=slots.tangents[used, 0] if dim == 3 else np.zeros((len(used), 0)),
         )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,10 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 OPEN, STICKING, SLIDING = 0, 1, 2
+
+
+def _of_none() -> Array:
+    return np.zeros((0, 0))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -27,15 +31,36 @@ class ContactForces:
     gap: Array  # (n_contacts,) m, positive open
     area: Array  # (n_contacts,) m2, tributary
     normal_reaction: Array  # (n_contacts,) N, compression positive
-    tangential_reaction: Array  # (n_contacts, dim - 1) N, along the normal turned clockwise
+    tangential_reaction: Array  # (n_contacts, dim - 1) N, along the tangents
     status: IntArray  # (n_contacts,) OPEN, STICKING or SLIDING
+    tangent: Array = field(default_factory=_of_none)  # (n_contacts, 3) in space: the first one;
+    # in the plane (n_contacts, 0), as it is the normal turned clockwise
+
+    def __post_init__(self) -> None:
+        """Tangents that follow from the normals take no memory."""
+        width = 3 if self.normal.shape[-1] == 3 else 0
+        if self.tangent.shape != (self.n_contacts, width):
+            if width and self.n_contacts:
+                raise ValueError("contacts in space have a tangent each: (n_contacts, 3)")
+            object.__setattr__(self, "tangent", np.zeros((self.n_contacts, width)))
 
     @property
     def n_contacts(self) -> int:
         """Number of contact points, open ones included."""
         return len(self.gap)
 
+    @property
+    def tangents(self) -> Array:
+        """Along which tangential reactions are counted, (n_contacts, dim - 1, dim); in space the
+        second is normal x first."""
+        if self.normal.shape[1] == 2:
+            return np.column_stack((self.normal[:, 1], -self.normal[:, 0]))[:, None]
+        return np.stack((self.tangent, np.cross(self.normal, self.tangent)), axis=1)
+
     def vectors(self) -> Array:
         """Reaction on block ``b`` as vectors, (n_contacts, dim) [N]."""
-        tangent = np.column_stack((self.normal[:, 1], -self.normal[:, 0]))
-        return self.normal_reaction[:, None] * self.normal + self.tangential_reaction * tangent
+        total = self.normal_reaction[:, None] * self.normal
+        tangents = self.tangents
+        for i in range(tangents.shape[1]):
+            total = total + self.tangential_reaction[:, [i]] * tangents[:, i]
+        return total

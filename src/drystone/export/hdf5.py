@@ -67,6 +67,8 @@ UNITS = {
 STORED_AS = {"block_a": "i4", "block_b": "i4", "status": "i1"}
 LEFT_TYPES = {"block": h5py.string_dtype(), "step": "i8", "control_displacement": "f8"}
 CONTACT_FIELDS = tuple(f.name for f in fields(ContactForces))
+#: What files of plane models do not hold: it follows from the rest.
+OF_SPACE = ("tangent",)
 
 
 class ResultsWriter:
@@ -160,7 +162,7 @@ class ResultsWriter:
         _put(self._file["poses"], n, np.array(self._poses))
         group = self._file["contacts"]
         counts = [contacts.n_contacts for contacts in self._contacts]
-        for name in CONTACT_FIELDS:
+        for name in filter(group.__contains__, CONTACT_FIELDS):
             values = np.concatenate([getattr(c, name) for c in self._contacts])
             _put(group[name], self._n_contacts, values)
         # Last: what it counts is there.
@@ -219,7 +221,10 @@ class ResultsWriter:
         contacts = self._file.create_group("contacts")
         widths = {"position": assembly.dimension, "normal": assembly.dimension}
         widths["tangential_reaction"] = assembly.dimension - 1
+        widths["tangent"] = assembly.dimension
         for name in CONTACT_FIELDS:
+            if name in OF_SPACE and assembly.dimension == 2:
+                continue
             width = (widths[name],) if name in widths else ()
             self._growing(contacts, name, width, np.dtype(STORED_AS.get(name, "f8")), rows=16384)
         self._growing(contacts, "offset", (), np.dtype("i8"), rows=512)
@@ -301,7 +306,8 @@ class ResultsReader:
     def contacts(self, k: int) -> ContactForces:
         """Contact points at point ``k``."""
         rows = slice(self._offset[k], self._offset[k + 1])
-        values = {name: self._file["contacts"][name][rows] for name in CONTACT_FIELDS}
+        group = self._file["contacts"]
+        values = {name: group[name][rows] for name in CONTACT_FIELDS if name in group}
         return ContactForces(
             **{n: v.astype(np.int64) if n in STORED_AS else v for n, v in values.items()}
         )
