@@ -1,24 +1,28 @@
 """Blocks and joints: what is designed, as plain arrays that kernels can take.
 
-Axes: x to the right, y up; gravity acts along -y.  A pose is the displacement of a block
-from its designed place, ``(u_x, u_y, theta)`` in two dimensions [m, m, rad], about its centroid.
+Axes: in the plane x to the right, y up; in space z up.  Gravity acts against the last one.  How
+blocks move, and what a pose is, see `geometry.motion`.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.geometry import GeometryError, motion, polygon
+from drystone.geometry import GeometryError, motion
+from drystone.geometry.cores import SolidCore
+from drystone.geometry.figure import Figure
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.outlines import Outlines
 from drystone.geometry.polygon import Core
+from drystone.geometry.polyhedra import Polyhedra
+from drystone.geometry.solid import Faces, Part
 
 #: Standard acceleration of gravity in this project [m/s2], the value the published runs used.
 GRAVITY = 9.81
@@ -54,24 +58,52 @@ class Corner:
             return f"rounded ({self.radius:g} m)"
         return f"chamfered ({self.chamfer:g} m)" if self.chamfer else "sharp"
 
-    def core(self, vertices: Array) -> Core:
-        """The contact shape of an outline; raises `GeometryError` where nothing is left."""
-        if self.radius:
-            return polygon.rounded_core(vertices, self.radius)
-        if self.chamfer:
-            return polygon.chamfered_core(vertices, self.chamfer)
-        return polygon.sharp_core(vertices)
+    def cores(self, figure: Figure) -> tuple[Core, ...] | tuple[SolidCore, ...]:
+        """Contact shapes of a block's parts; raises `GeometryError` where nothing is left."""
+        return figure.cores(radius=self.radius, chamfer=self.chamfer)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Block:
-    """One block as designed: a convex outline of one material, movable or a support."""
+    """One block as designed: a shape of one material, movable or a support.
+
+    A concave one is cut into convex parts that move as one; or these are given, and `vertices` are
+    those of all parts, one after the other.
+    """
 
     id: str
-    vertices: Array  # (n, 2) m, counter-clockwise, convex
+    vertices: Array  # (n, dim) m; in the plane around the outline, counter-clockwise
     unit_weight: float  # N/m3
     material: str = ""
     support: bool = False
+    faces: Faces = ()  # of space: rows of vertices, counter-clockwise from outside; none: the hull
+    parts: tuple[Part, ...] = ()  # convex, where they are given
+
+    @classmethod
+    def of_parts(cls, parts: Sequence[Part], **values: Any) -> Block:
+        """A block of convex parts that move as one."""
+        return cls(vertices=np.vstack([p.vertices for p in parts]), parts=tuple(parts), **values)
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+        return int(self.vertices.shape[-1])
+
+    def with_vertices(self, vertices: Array) -> Block:
+        """The block with its vertices elsewhere, (n, dim) [m]."""
+        last = np.cumsum([len(part.vertices) for part in self.parts])[:-1]
+        parts = zip(self.parts, np.split(vertices, last), strict=True) if self.parts else ()
+        moved = tuple(Part(own, part.faces) for part, own in parts)
+        return replace(self, vertices=vertices, parts=moved)
+
+    @property
+    def shape_key(self) -> str:
+        """What its shape is called in model files."""
+        return "parts" if self.parts else "vertices"
+
+    def figure(self) -> Figure:
+        """Parts and mass; raises `GeometryError`."""
+        return Figure.of(self.vertices, self.faces, self.parts)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -85,8 +117,30 @@ class Shapes:
     body: IntArray  # (n_parts,) row of the block that each part belongs to
     offset: IntArray  # (n_parts + 1,)
     vertices: Array  # (n_vertices, dim) m, core vertices relative to the block's centroid
-    setback: Array  # (n_vertices, 2) m, see `polygon.Core`
     radius: Array  # (n_parts,) m
+    setback: Array  # (n_vertices, 2) m, see `polygon.Core`; (0, 2) in space
+    faces: Polyhedra | None  # of space: the cores, relative to their block's centroid
+
+    @classmethod
+    def pack(cls, cores: Sequence[Sequence[Any]], centroid: Array) -> Shapes:
+        """Pack the cores of the parts of every block: `Core` in the plane, `SolidCore` in space."""
+        parts = [core for own in cores for core in own]
+        body = np.repeat(np.arange(len(cores)), [len(own) for own in cores])
+        vertices = [core.vertices - centroid[i] for core, i in zip(parts, body, strict=True)]
+        faces, setback = None, np.zeros((0, 2))
+        if centroid.shape[1] == 3:
+            rows = iter(vertices)
+            faces = Polyhedra.pack([[(next(rows), core.faces) for core in own] for own in cores])
+        else:
+            setback = np.vstack([core.setback for core in parts])
+        return cls(
+            body=body,
+            offset=np.cumsum([0] + [len(core.vertices) for core in parts]).astype(np.int64),
+            vertices=np.vstack(vertices),
+            radius=np.array([core.radius for core in parts]),
+            setback=setback,
+            faces=faces,
+        )
 
     def of(self, i: int) -> Array:
         """Core vertices of block ``i`` relative to its centroid, (m, dim) [m]."""
@@ -108,8 +162,11 @@ class Assembly:
     joint: JointLaw
     corner: Corner
     joint_between: Mapping[frozenset[str], JointLaw] = field(default_factory=dict)
+    points: int = 4  # contact points on a quadrilateral interface in space: 4, 9 or 16
+    up: Array  # (dim,) unit vector against gravity
 
     # Derived from the above, also in a copy by `dataclasses.replace`.
+    figures: tuple[Figure, ...] = field(init=False)
     shapes: Shapes = field(init=False)
     centroid: Array = field(init=False)  # (n, dim) m
     volume: Array = field(init=False)  # (n,) m3
@@ -128,16 +185,29 @@ class Assembly:
         corner: Corner | None = None,
         thickness: float = 1.0,
         joint_between: Mapping[frozenset[str], JointLaw] | None = None,
+        points: int = 4,
+        up: Sequence[float] | None = None,
     ) -> Assembly:
-        """A plane assembly; sharp corners and no exceptions where nothing is said.
+        """Of the blocks' dimension; sharp corners and no exceptions where nothing is said.
 
         Raises
         ------
         GeometryError
-            A block's outline or corner is impossible; the message names the block.
+            A block's shape or corner is impossible, or not of the first one's dimension; the
+            message names the block.
         """
+        dimension = blocks[0].dimension
+        for block in blocks:
+            if block.dimension != dimension:
+                raise GeometryError(
+                    f'block "{block.id}": has {block.dimension} coordinates a vertex, the first '
+                    f"block {dimension}"
+                )
+        along = np.eye(dimension)[-1] if up is None else np.asarray(up, np.float64)
         return cls(
-            dimension=2,
+            dimension=dimension,
+            points=points,
+            up=along,
             thickness=thickness,
             blocks=tuple(blocks),
             joint=joint,
@@ -147,39 +217,27 @@ class Assembly:
 
     def __post_init__(self) -> None:
         """Compute mass properties and contact shapes; raises `GeometryError`."""
-        n = len(self.blocks)
-        centroid = np.zeros((n, 2))
-        volume = np.zeros(n)
-        inertia = np.zeros(n)
-        cores = []
-        for i, block in enumerate(self.blocks):
+        figures, cores = [], []
+        for block in self.blocks:
             try:
-                polygon.check_convex(block.vertices)
-                core = self.corner.core(block.vertices)
+                figures.append(block.figure())
+                cores.append(self.corner.cores(figures[-1]))
             except GeometryError as error:
                 raise GeometryError(f'block "{block.id}": {error}') from None
-            properties = polygon.mass_properties(block.vertices)
-            centroid[i] = properties.centroid
-            volume[i] = properties.area * self.thickness
-            inertia[i] = properties.polar_moment * self.thickness
-            cores.append(core)
+        centroid = np.array([figure.centroid for figure in figures])
+        volume = np.array([figure.volume * self.thickness for figure in figures])
+        moments = np.array([figure.moments * self.thickness for figure in figures])
         unit_weight = np.array([block.unit_weight for block in self.blocks])
         weight = unit_weight * volume
+        along = [weight] * self.dimension
         self._derive(
-            shapes=Shapes(
-                body=np.arange(n),
-                offset=np.cumsum([0] + [len(core.vertices) for core in cores]).astype(np.int64),
-                vertices=np.vstack(
-                    [core.vertices - c for core, c in zip(cores, centroid, strict=True)]
-                ),
-                setback=np.vstack([core.setback for core in cores]),
-                radius=np.array([core.radius for core in cores]),
-            ),
+            figures=tuple(figures),
+            shapes=Shapes.pack(cores, centroid),
             centroid=centroid,
             volume=volume,
             weight=weight,
-            mass=np.column_stack((weight, weight, unit_weight * inertia)) / GRAVITY,
-            axes=np.tile(np.eye(2), (n, 1, 1)),
+            mass=np.column_stack((*along, unit_weight[:, None] * moments)) / GRAVITY,
+            axes=np.array([figure.axes for figure in figures]),
             fixed=np.array([block.support for block in self.blocks], dtype=bool),
             laws=(self.joint, *dict.fromkeys(self.joint_between.values())),
         )
@@ -312,8 +370,14 @@ class Assembly:
 
     @cached_property
     def outlines(self) -> Outlines:
-        """Outlines of all blocks as designed, packed."""
-        return Outlines.pack([block.vertices for block in self.blocks])
+        """Outlines of the parts of plane blocks as designed."""
+        return Outlines.pack([[p.vertices for p in figure.parts] for figure in self.figures])
+
+    @cached_property
+    def polyhedra(self) -> Polyhedra:
+        """Parts of blocks in space as designed."""
+        parts = [[(p.vertices, p.faces) for p in figure.parts] for figure in self.figures]
+        return Polyhedra.pack(parts)
 
     @cached_property
     def interfaces(self) -> Interfaces:

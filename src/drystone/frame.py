@@ -92,16 +92,15 @@ class Frame:
         """The assembly in own coordinates and units."""
         corner = drawn.corner
         last = np.cumsum([len(block.vertices) for block in drawn.blocks])[:-1]
-        outlines = np.split(self.place(np.vstack([b.vertices for b in drawn.blocks])), last)
+        shapes = np.split(self.place(np.vstack([b.vertices for b in drawn.blocks])), last)
         return replace(
             drawn,
             blocks=tuple(
                 replace(
-                    block,
-                    vertices=outline,
+                    block.with_vertices(vertices),
                     unit_weight=plain(block.unit_weight / self.unit_weight),
                 )
-                for block, outline in zip(drawn.blocks, outlines, strict=True)
+                for block, vertices in zip(drawn.blocks, shapes, strict=True)
             ),
             joint=self._law(drawn.joint),
             corner=replace(

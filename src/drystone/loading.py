@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
-from drystone.geometry.motion import UP, translations
+from drystone.geometry.motion import translations
 
 Array = NDArray[np.float64]
 
@@ -34,6 +34,6 @@ class LoadPattern:
 def dead_load(assembly: Assembly) -> Array:
     """Generalised forces of gravity, (n, n_dof) [N, N m]; zero on supports."""
     force = np.zeros((assembly.n_bodies, assembly.n_dof))
-    translations(force)[:, UP] = -assembly.weight
+    translations(force)[:] = -assembly.weight[:, None] * assembly.up
     force[assembly.fixed] = 0.0
     return force

@@ -32,6 +32,7 @@ def halved(assembly: Assembly) -> Assembly:
         vertices=np.vstack(parts),
         setback=np.zeros((4 * len(parts), 2)),
         radius=np.zeros(len(parts)),
+        faces=None,
     )
     cut._derive(shapes=shapes)
     return cut

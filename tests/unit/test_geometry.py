@@ -36,7 +36,7 @@ def convex_polygons(draw):
 
 
 def overlap_depth(a, b):
-    (depth,) = Outlines.pack([a, b]).overlap_depths(np.array([0]), np.array([1]))
+    (depth,) = Outlines.pack([[a], [b]]).overlap_depths(np.array([0]), np.array([1]))
     return depth
 
 
@@ -194,7 +194,7 @@ class TestOverlapDepth:
     @given(st.lists(convex_polygons(), min_size=2, max_size=6), angles, shifts)
     def test_many_at_once_are_the_same_as_one_by_one(self, polygons, angle, shift):
         polygons = [moved(p, angle * i, np.array(shift) * 0.01 * i) for i, p in enumerate(polygons)]
-        outlines = Outlines.pack(polygons)
+        outlines = Outlines.pack([[polygon] for polygon in polygons])
         a, b = np.triu_indices(len(polygons), k=1)
         one_by_one = [overlap_depth(polygons[i], polygons[j]) for i, j in zip(a, b, strict=True)]
         assert outlines.overlap_depths(a, b) == pytest.approx(one_by_one, abs=1e-10)

@@ -11,7 +11,7 @@ from drystone.geometry.outlines import TOUCHING, Outlines
 
 def found(*outlines, distance=None):
     return Interfaces.of(
-        Outlines.pack([np.array(outline, float) for outline in outlines]), distance
+        Outlines.pack([[np.array(outline, float)] for outline in outlines]), distance
     )
 
 
@@ -44,7 +44,7 @@ def test_one_tolerance_of_the_smaller_block_tells_what_touches(side):
         pair = rectangle(0, 0, 2, 1), rectangle(0, 1 + side * share * TOUCHING * smaller, 0.5, 0.3)
         assert len(found(*pair).block_a) == joints
         if side > 0.0:
-            outlines = Outlines.pack(pair)
+            outlines = Outlines.pack([[outline] for outline in pair])
             row = np.array([0]), np.array([1])
             assert outlines.touching(*row).tolist() == [bool(joints)]
         assert len(found(*pair, distance=1e-3).block_a) == 1
@@ -52,7 +52,7 @@ def test_one_tolerance_of_the_smaller_block_tells_what_touches(side):
 
 def test_what_is_left_between_treated_corners():
     """The nearer corner ends it at either side; short joints have nothing left."""
-    outlines = Outlines.pack([rectangle(0, 0, 1, 0.4), rectangle(0.1, 0.4, 1, 0.5)])
+    outlines = Outlines.pack([[rectangle(0, 0, 1, 0.4)], [rectangle(0.1, 0.4, 1, 0.5)]])
     joints = Interfaces.of(outlines)
     for back, left in ((0.03, [[0.97, 0.4], [0.13, 0.4]]), (0.46, None)):
         points, length = joints.between_corners(outlines, np.full((8, 2), back))

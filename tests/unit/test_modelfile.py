@@ -352,7 +352,6 @@ class TestBrokenKeys:
             (VERTICES, "[]", 'block[2] "b1" vertices: a polygon needs at least 3 vertices'),
             (VERTICES, "[[0, 0], [1, 0], [2, 0]]", "vertices: the outline encloses no area"),
             (VERTICES, "[[0, 0], [2, 2], [2, 0], [0, 1]]", "vertices: the outline crosses itself"),
-            (VERTICES, "[[0, 0], [2, 0], [1, 0.5], [0, 2]]", "not convex at vertex 3 (1, 0.5)"),
             (VERTICES, "[[0, 0], [1, 0], [1, 0], [1, 1]]", "vertices 2 and 3 are the same point"),
             (
                 VERTICES,

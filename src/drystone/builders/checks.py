@@ -9,7 +9,7 @@ import numpy as np
 
 from drystone.assembly import Assembly, Block, Corner, JointLaw
 from drystone.builders.words import millimetres
-from drystone.geometry import GeometryError, polygon
+from drystone.geometry import GeometryError
 from drystone.geometry.outlines import TOUCHING, Outlines
 from drystone.ranges import problem
 
@@ -57,12 +57,12 @@ def block_problems(blocks: Sequence[Block], corner: Corner, place: Place) -> lis
         if wrong:
             problems.append(f"{place(i)} {wrong}")
         try:
-            polygon.check_convex(block.vertices)
+            figure = block.figure()
         except GeometryError as error:
-            problems.append(f"{place(i)} vertices: {error}")
+            problems.append(f"{place(i)} {block.shape_key}: {error}")
             continue
         try:
-            corner.core(block.vertices)
+            corner.cores(figure)
         except GeometryError as error:
             too_round.append(f"corner, at {place(i)}: {error}")
     if too_round:  # one value is to blame for all of them

@@ -61,7 +61,7 @@ def fitted(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], tupl
         Largest gap or overlap that is closed, over the smallest edge of all blocks; no corner is
         moved further than that.
     """
-    outlines = Outlines.pack([block.vertices for block in blocks])
+    outlines = Outlines.pack([[block.vertices] for block in blocks])
     distance = tolerance * float(outlines.edges[1].min())
     if not distance > 0.0:
         return list(blocks), ()

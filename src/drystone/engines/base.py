@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
 from drystone.contact.forces import ContactForces
-from drystone.geometry.motion import UP
 from drystone.loading import LoadPattern
 from drystone.monitor import ControlPoint
 
@@ -45,7 +44,7 @@ class Problem:
         if self.ground is not None:
             return self.ground
         supports = [b.vertices for b in self.assembly.blocks if b.support]
-        return float(min(vertices[:, UP].min() for vertices in supports))
+        return float(min((vertices @ self.assembly.up).min() for vertices in supports))
 
 
 @dataclass(frozen=True, kw_only=True)

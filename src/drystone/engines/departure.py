@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from drystone.contact.detection import Detector
 from drystone.engines.base import Problem
 from drystone.engines.measures import LoadArrays
-from drystone.geometry.motion import UP, translations
+from drystone.geometry.motion import translations
 from drystone.kernels import measures as kernels
 from drystone.kernels.contacts import Pairs, Slots
 
@@ -49,8 +49,7 @@ def departing(
     if not kernels.mark_loose(pairs, slots, reaction, fixed | loads.fixed, part):
         return np.zeros(len(pose), np.bool_)
     loose = ~np.isin(part, part[fixed]) & ~loads.fixed
-    up = np.eye(problem.assembly.dimension)[[UP]]
-    top = detector.extents(pose, up)[1][:, 0]
+    top = detector.extents(pose, problem.assembly.up[None])[1][:, 0]
     there = ~loads.fixed | fixed
     obstacle = there & (top > problem.level)
     force = translations(loads.dead + multiplier * loads.pattern)

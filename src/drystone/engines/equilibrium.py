@@ -32,7 +32,6 @@ from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
 from drystone.geometry import motion
-from drystone.geometry.motion import UP
 from drystone.kernels import law as joint_law
 from drystone.kernels import narrow
 from drystone.kernels.contacts import Pairs, Slots
@@ -107,7 +106,7 @@ class EquilibriumEngine:
     def preferences(self, assembly: Assembly) -> dict[str, float]:
         """See `Engine`: a step is to turn a mechanism by about 1 in 500, whatever its height."""
         size = assembly.smallest_extent
-        height = float(np.ptp(assembly.centroid[~assembly.fixed, UP])) + size
+        height = float(np.ptp(assembly.centroid[~assembly.fixed] @ assembly.up)) + size
         return {"displacement_step": min(max(height / 500.0, 0.02 * size), 0.1 * size)}
 
     def start(self, problem: Problem) -> tuple[EquilibriumState, StepReport]:
@@ -182,7 +181,7 @@ class EquilibriumEngine:
         free = ~assembly.fixed
         area = assembly.smallest_extent * assembly.thickness
         heaviest = float(np.abs(motion.translations(self.loads.dead)[free]).max())
-        n = 1.0 + float(np.ptp(assembly.centroid[free, UP])) / assembly.smallest_extent
+        n = 1.0 + float(np.ptp(assembly.centroid[free] @ assembly.up)) / assembly.smallest_extent
         return 0.5 * n**2 * heaviest / (float(self.constants.laws[:, joint_law.KN].min()) * area)
 
     def contacts(self, state: EquilibriumState) -> ContactForces:
@@ -302,7 +301,7 @@ class EquilibriumEngine:
         bonded = (laws[:, joint_law.COHESION] > 0.0) | (laws[:, joint_law.TENSION] > 0.0)
         touching = np.where(bonded, joint_law.BONDED, joint_law.STICKING)
         # Weight presses on joints that lie; those that stand are shut, but hold by a bond only.
-        held = (np.abs(slots.normal[:, UP]) > 0.7) | bonded
+        held = (np.abs(slots.normal @ self.problem.assembly.up) > 0.7) | bonded
         return np.where(held & ~self._apart(slots), touching, joint_law.OPEN)
 
     def _first_history(self, slots: Slots) -> Array:

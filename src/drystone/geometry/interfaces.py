@@ -58,8 +58,8 @@ class Interfaces:
         face = outlines.offset[a] + i
         tangent = outlines.edges[0][face]
         return cls(
-            block_a=a,
-            block_b=b,
+            block_a=outlines.body[a],
+            block_b=outlines.body[b],
             face_a=face,
             face_b=outlines.offset[b] + j,
             points=outlines.vertices[face, None] + extent[:, :, None] * tangent[:, None],

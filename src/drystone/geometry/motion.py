@@ -20,9 +20,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: The axis that points up is the last one: y in the plane, z in space.
-UP = -1
-
 
 def n_dof(dimension: int) -> int:
     """Degrees of freedom of a body."""

@@ -6,9 +6,10 @@ blocks with the same numbers of vertices are treated together as one array.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,21 +28,31 @@ AT_ONCE = 1 << 16
 
 @dataclass(frozen=True, kw_only=True)
 class Outlines:
-    """Designed outlines, block after block; edge ``k`` runs from vertex ``k`` to its following."""
+    """Designed outlines, block after block; edge ``k`` runs from vertex ``k`` to its following.
+
+    A block is one convex part, or several that follow each other.
+    """
 
     vertices: Array  # (n_vertices, 2) m
-    offset: IntArray  # (n + 1,); block i owns vertices[offset[i]:offset[i + 1]]
+    offset: IntArray  # (n_parts + 1,); part p owns vertices[offset[p]:offset[p + 1]]
+    body: IntArray  # (n_parts,) row of the block
 
     @classmethod
-    def pack(cls, outlines: Sequence[Array]) -> Outlines:
-        """Pack outlines, each (n, 2) [m]."""
+    def pack(cls, blocks: Iterable[Sequence[Array]]) -> Outlines:
+        """Pack blocks, each a sequence of parts, outlines (n, 2) [m]."""
+        listed = [list(parts) for parts in blocks]
+        outlines = list(chain.from_iterable(listed))
         counts = [len(outline) for outline in outlines]
-        return cls(vertices=np.vstack(outlines), offset=np.cumsum([0, *counts]).astype(np.int64))
+        return cls(
+            vertices=np.vstack(outlines),
+            offset=np.cumsum([0, *counts]).astype(np.int64),
+            body=np.repeat(np.arange(len(listed)), [len(parts) for parts in listed]),
+        )
 
     @cached_property
     def owner(self) -> IntArray:
         """Row of the block that each vertex belongs to, (n_vertices,)."""
-        return np.repeat(np.arange(len(self.offset) - 1), np.diff(self.offset))
+        return np.repeat(self.body, np.diff(self.offset))
 
     @cached_property
     def following(self) -> IntArray:
@@ -59,33 +70,36 @@ class Outlines:
 
     @cached_property
     def lower(self) -> Array:
-        """Lower left corner of each block's bounding box, (n, 2) [m]."""
+        """Lower left corner of each part's bounding box, (n_parts, 2) [m]."""
         return np.asarray(np.minimum.reduceat(self.vertices, self.offset[:-1]))
 
     @cached_property
     def upper(self) -> Array:
-        """Upper right corner, (n, 2) [m]."""
+        """Upper right corner, (n_parts, 2) [m]."""
         return np.asarray(np.maximum.reduceat(self.vertices, self.offset[:-1]))
 
     @property
     def sizes(self) -> Array:
-        """Larger side of each block's bounding box, (n,) [m]."""
+        """Larger side of each part's bounding box, (n_parts,) [m]."""
         return (self.upper - self.lower).max(axis=1)
 
     def pair_size(self, a: IntArray, b: IntArray) -> Array:
-        """Size [m] of the smaller block of each pair, the measure of what counts as small."""
+        """Size [m] of the smaller part of each pair, the measure of what counts as small."""
         return np.minimum(self.sizes[a], self.sizes[b])
 
     def near_pairs(self, distance: float | None = None) -> tuple[IntArray, IntArray]:
-        """Pairs ``(a, b)`` whose boxes come as near as touching blocks do, or as ``distance``."""
+        """Pairs of parts of two blocks whose boxes come as near as touching ones do, or as near as
+        ``distance`` [m]."""
         # Imported here because it brings compiled code along, which a schema check does not need.
         from drystone.geometry.broad import candidate_pairs
 
         margin = TOUCHING * self.sizes[:, None] if distance is None else 0.5 * distance
-        return candidate_pairs(self.lower - margin, self.upper + margin)
+        p, q = candidate_pairs(self.lower - margin, self.upper + margin)
+        other = self.body[p] != self.body[q]
+        return p[other], q[other]
 
     def overlap_depths(self, a: IntArray, b: IntArray) -> Array:
-        """Depth [m] by which the blocks of each pair overlap; minus their gap when apart.
+        """Depth [m] by which the parts of each pair overlap; minus their gap when apart.
 
         By separating axes: of polygons that lie corner to corner, the gap is that along a normal.
         """
@@ -95,7 +109,7 @@ class Outlines:
         return depth
 
     def touching(self, a: IntArray, b: IntArray) -> NDArray[np.bool_]:
-        """Whether the blocks of each pair touch, at a corner at least."""
+        """Whether the parts of each pair touch, at a corner at least."""
         return self.overlap_depths(a, b) >= -TOUCHING * self.pair_size(a, b)
 
     def alike(self, a: IntArray, b: IntArray) -> Iterator[tuple[IntArray, Array, Array]]:

@@ -6,6 +6,7 @@ Edge ``i`` runs from vertex ``i`` to vertex ``i + 1``.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -176,6 +177,18 @@ def mass_properties(vertices: Array) -> MassProperties:
         centroid=origin + first,
         polar_moment=float(second - area * first @ first),
     )
+
+
+def sum_of(parts: Sequence[MassProperties]) -> MassProperties:
+    """Mass properties of several outlines that move as one."""
+    area = sum(part.area for part in parts)
+    near = parts[0].centroid
+    centroid = near + sum(part.area * (part.centroid - near) for part in parts) / area
+    moment = 0.0
+    for part in parts:
+        arm = part.centroid - centroid
+        moment += part.polar_moment + part.area * float(arm @ arm)
+    return MassProperties(area=area, centroid=centroid, polar_moment=moment)
 
 
 @dataclass(frozen=True, kw_only=True)

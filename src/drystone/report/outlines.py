@@ -32,6 +32,7 @@ class MovingOutlines(Outlines):
         return cls(
             vertices=designed.vertices,
             offset=designed.offset,
+            body=designed.body,
             centroid=assembly.centroid,
             linear=linear,
         )
