@@ -10,7 +10,7 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from drystone.analysis import pushover
     from drystone.assembly import Assembly, Block, Corner, JointLaw
-    from drystone.builders import ModelError, make_model, published_wall
+    from drystone.builders import ModelError, extruded, make_model, published_wall
     from drystone.builders import circular_arch as arch
     from drystone.builders import coursed_wall as wall
     from drystone.builders.column import column, stack
@@ -49,6 +49,7 @@ _PLACES = {
     "arch": "drystone.builders:circular_arch",
     "collapse_load": "drystone.limit",
     "column": "drystone.builders.column",
+    "extruded": "drystone.builders",
     "inspect": "drystone.inspection",
     "load_results": "drystone.export.results",
     "make_model": "drystone.builders",

@@ -1,0 +1,70 @@
+"""A plane model as solids: x stays, y becomes z, and its thickness runs along y."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.assembly import Assembly, Block
+from drystone.geometry import solid
+from drystone.geometry.solid import Part
+from drystone.loading import LoadPattern
+from drystone.model import Model
+from drystone.monitor import ControlPoint
+
+Array = NDArray[np.float64]
+
+
+def extruded(model: Model, *, points: int = 4) -> Model:
+    """The same structure in space, from y = 0 to its thickness.
+
+    Load and control point lie in the plane amid them; edges are treated as corners were, on all
+    sides of a block.
+
+    Parameters
+    ----------
+    points
+        Contact points on a quadrilateral interface: 4, 9 or 16.
+
+    Raises
+    ------
+    ValueError
+        The model is one of space already.
+    """
+    plane = model.assembly
+    if plane.dimension != 2:
+        raise ValueError("the model is one of space already: only plane ones can be extruded")
+    depth = plane.thickness
+    control = model.control_point
+    return replace(
+        model,
+        assembly=Assembly.build(
+            [_extruded(block, depth) for block in plane.blocks],
+            joint=plane.joint,
+            corner=plane.corner,
+            joint_between=plane.joint_between,
+            points=points,
+            up=_in_space(plane.up),
+        ),
+        load=LoadPattern(direction=_in_space(model.load.direction)),
+        control_point=ControlPoint(
+            block=control.block,
+            point=_in_space(control.point, 0.5 * depth),
+            direction=_in_space(control.direction),
+        ),
+    )
+
+
+def _extruded(block: Block, depth: float) -> Block:
+    outlines = [part.vertices for part in block.parts] or [block.vertices]
+    parts = [Part(*solid.extruded(outline, (0.0, depth))) for outline in outlines]
+    if block.parts:
+        vertices = np.vstack([part.vertices for part in parts])
+        return replace(block, vertices=vertices, parts=tuple(parts))
+    return replace(block, vertices=parts[0].vertices, faces=parts[0].faces)
+
+
+def _in_space(vector: Array, y: float = 0.0) -> Array:
+    return np.array([vector[0], y, vector[1]])
