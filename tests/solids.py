@@ -1,4 +1,4 @@
-"""Structures in space for tests: one block, leaves, façades, plane models made solid, and turned."""
+"""Structures in space for tests: one block, leaves, façades, and models turned as a whole."""
 
 from __future__ import annotations
 

@@ -186,7 +186,7 @@ class Assembly:
         thickness: float = 1.0,
         joint_between: Mapping[frozenset[str], JointLaw] | None = None,
         points: int = 4,
-        up: Sequence[float] | None = None,
+        up: Sequence[float] | Array | None = None,
     ) -> Assembly:
         """Of the blocks' dimension; sharp corners and no exceptions where nothing is said.
 
@@ -284,7 +284,11 @@ class Assembly:
 
     @cached_property
     def smallest_extent(self) -> float:
-        """Smallest side of a movable block's bounding box [m]."""
+        """Smallest side of a movable block's bounding box [m]; in space, however it is turned, the
+        least distance of a face from what lies farthest behind it."""
+        if self.dimension == 3:
+            figures = zip(self.figures, self.fixed, strict=True)
+            return min(figure.least_depth for figure, fixed in figures if not fixed)
         outlines = [block.vertices for block in self.blocks if not block.support]
         first = np.cumsum([0, *(len(outline) for outline in outlines[:-1])])
         vertices = np.vstack(outlines)

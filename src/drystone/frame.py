@@ -51,9 +51,12 @@ class Frame:
         movable = [block for block in assembly.blocks if not block.support]
         if not scaled or not movable:
             return cls(origin=origin, place_noise=noise, length=1.0, depth=1.0, unit_weight=1.0)
-        outline = np.vstack([block.vertices for block in movable])
-        first = np.cumsum([0] + [len(block.vertices) for block in movable[:-1]])
-        sides = np.maximum.reduceat(outline, first) - np.minimum.reduceat(outline, first)
+        if assembly.dimension == 2:
+            outline = np.vstack([block.vertices for block in movable])
+            first = np.cumsum([0] + [len(block.vertices) for block in movable[:-1]])
+            sides = np.maximum.reduceat(outline, first) - np.minimum.reduceat(outline, first)
+        else:
+            sides = np.array([assembly.smallest_extent])
         length = float(typed(sides, noise).min()) / SIZE
         return cls(
             origin=origin,
@@ -65,7 +68,7 @@ class Frame:
 
     @property
     def size(self) -> float:
-        """Smallest side of a movable block's bounding box [m], where units are scaled."""
+        """`Assembly.smallest_extent` [m], where units are scaled."""
         return plain(SIZE * self.length)
 
     @property

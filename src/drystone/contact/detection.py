@@ -1,4 +1,4 @@
-"""Contact detection: from an assembly and poses to the slots of `kernels.narrow`.
+"""Contact detection: from an assembly and poses to the slots of its narrow phase.
 
 The pair list is made for boxes grown by a margin and stays good until some block has moved by
 half of that since; blocks that come to touch later are therefore always found.
@@ -6,27 +6,19 @@ half of that since; blocks that come to touch later are therefore always found.
 
 from __future__ import annotations
 
+from functools import reduce
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
 from drystone.contact.forces import ContactForces
+from drystone.contact.plane import PlaneNarrowPhase
 from drystone.geometry.broad import candidate_pairs
 from drystone.geometry.motion import bound
 from drystone.kernels import measures as kernels
-from drystone.kernels import narrow
-from drystone.kernels.contacts import (
-    FIRST,
-    GAP,
-    PART_A,
-    PART_B,
-    SIZE,
-    A,
-    B,
-    Pairs,
-    Slots,
-)
-from drystone.kernels.narrow import POINTS, Bodies, World
+from drystone.kernels.contacts import FIRST, PART_A, PART_B, A, B, Contacts, Pairs, Slots
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -36,24 +28,51 @@ BoolArray = NDArray[np.bool_]
 MARGIN_SHARE = 0.25
 
 
-def bodies_of(assembly: Assembly) -> Bodies:
-    """Contact shapes of an assembly as the kernels take them."""
-    shapes = assembly.shapes
-    following = np.arange(1, len(shapes.vertices) + 1, dtype=np.int64)
-    following[shapes.offset[1:] - 1] = shapes.offset[:-1]
-    edge = shapes.vertices[following] - shapes.vertices
-    length = np.hypot(edge[:, 0], edge[:, 1])
-    return Bodies(
-        centroid=assembly.centroid,
-        of_part=shapes.body,
-        offset=shapes.offset,
-        following=following,
-        local=shapes.vertices,
-        local_tangent=edge / length[:, None],
-        length=length,
-        setback=shapes.setback,
-        radius=shapes.radius,
-    )
+class NarrowPhase(Protocol):
+    """What a dimension adds: contact points of pairs of convex parts, see `contact.plane`."""
+
+    def place(self, pose: Array) -> Array:
+        """Core vertices in poses."""
+        ...
+
+    def n_slots(self, part_a: IntArray, part_b: IntArray) -> IntArray:
+        """Contact points that pairs of parts may have."""
+        ...
+
+    def find(self, pairs: Pairs, pose: Array, reach: float, slots: Slots) -> None:
+        """Find all contacts."""
+        ...
+
+    def follow(self, pairs: Pairs, pose: Array, known: Slots, slots: Slots) -> None:
+        """Known contacts in other poses."""
+        ...
+
+    def predecessors(self, pairs: Pairs, before: Slots, now: Slots) -> IntArray:
+        """The slot that each one goes on with."""
+        ...
+
+    def carried(
+        self, before: Slots, now: Slots, source: IntArray, shear: Array
+    ) -> tuple[Array, float]:
+        """Tangential reactions taken along, and what is lost."""
+        ...
+
+    def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array, to: Contacts) -> int:
+        """Contacts with gradients, for solvers."""
+        ...
+
+    def positions(self, pairs: Pairs, pose: Array, slots: Slots, used: IntArray) -> Array:
+        """Places of contacts."""
+        ...
+
+
+def narrow_phase(assembly: Assembly) -> NarrowPhase:
+    """That of the assembly's dimension."""
+    if assembly.dimension == 2:
+        return PlaneNarrowPhase(assembly)
+    from drystone.contact.space import SpaceNarrowPhase  # plane models do without
+
+    return SpaceNarrowPhase(assembly)
 
 
 class Detector:
@@ -61,13 +80,8 @@ class Detector:
 
     def __init__(self, assembly: Assembly) -> None:
         self.assembly = assembly
-        self.bodies = bodies_of(assembly)
-        self.world = World(
-            vertex=np.zeros_like(self.bodies.local),
-            tangent=np.zeros_like(self.bodies.local),
-            arm=np.zeros_like(self.bodies.local),
-            turn=np.zeros((assembly.n_bodies, 2)),
-        )
+        #: What knows the dimension.
+        self.narrow = narrow_phase(assembly)
         #: Largest gap at which a contact is watched [m].
         self.reach = MARGIN_SHARE * assembly.smallest_extent
         shapes = assembly.shapes
@@ -75,7 +89,7 @@ class Detector:
         self.first_part = np.searchsorted(shapes.body, np.arange(assembly.n_bodies))
         first = shapes.offset[self.first_part]
         #: Farthest core vertex from the centroid, (n,) [m].
-        self.extent = np.maximum.reduceat(np.hypot(*shapes.vertices.T), first)
+        self.extent = np.maximum.reduceat(reduce(np.hypot, shapes.vertices.T), first)
 
     def extents(self, pose: Array, axes: Array) -> tuple[Array, Array]:
         """Lowest and highest coordinate of each body along unit vectors (k, dim), (n, k) each."""
@@ -84,9 +98,8 @@ class Detector:
         return np.minimum.reduceat(lower, first, axis=0), np.maximum.reduceat(upper, first, axis=0)
 
     def _part_extents(self, pose: Array, axes: Array) -> tuple[Array, Array]:
-        narrow.place(self.bodies, pose, self.world)
-        along = self.world.vertex @ axes.T
-        first, radius = self.bodies.offset[:-1], self.bodies.radius[:, None]
+        shapes, along = self.assembly.shapes, self.narrow.place(pose) @ axes.T
+        first, radius = shapes.offset[:-1], shapes.radius[:, None]
         lower = np.minimum.reduceat(along, first, axis=0) - radius
         return lower, np.maximum.reduceat(along, first, axis=0) + radius
 
@@ -95,7 +108,7 @@ class Detector:
 
         Blocks that are ``gone`` (n,) have none.
         """
-        fixed, of_part = self.assembly.fixed, self.bodies.of_part
+        fixed, of_part = self.assembly.fixed, self.assembly.shapes.body
         lower, upper = self._part_extents(pose, np.eye(self.assembly.dimension))
         part_a, part_b = candidate_pairs(lower - self.reach, upper + self.reach)
         a, b = of_part[part_a], of_part[part_b]
@@ -103,8 +116,9 @@ class Detector:
         if gone is not None and gone.any():
             meet &= ~(gone[a] | gone[b])
         a, b = a[meet], b[meet]
-        columns = a, b, part_a[meet], part_b[meet], self.assembly.law_index(a, b)
-        return Pairs.of(columns, np.full(len(a), POINTS), pose)
+        part_a, part_b = part_a[meet], part_b[meet]
+        columns = a, b, part_a, part_b, self.assembly.law_index(a, b)
+        return Pairs.of(columns, self.narrow.n_slots(part_a, part_b), pose)
 
     def outdated(self, pairs: Pairs, pose: Array) -> bool:
         """Whether some block has moved so far that a pair may be missing."""
@@ -128,36 +142,57 @@ class Detector:
         Where two choices of features are as good, those are kept that slots had ``before``.
         """
         slots = Slots.empty(pairs.n_slots, self.assembly.dimension)
+        if before is not None:
+            slots.which[:] = before.which
         self.fill(pairs, pose, slots)
         return slots
 
     def fill(self, pairs: Pairs, pose: Array, slots: Slots) -> None:
-        """Find all contacts of the pairs in the given poses, into ``slots``."""
-        narrow.find_contacts(self.bodies, pose, self.world, pairs, self.reach, slots)
+        """Find all contacts of the pairs in the given poses, into ``slots``, whose features are
+        those to be kept where others are as good."""
+        self.narrow.find(pairs, pose, self.reach, slots)
 
     def follow(self, pairs: Pairs, pose: Array, known: Slots, slots: Slots) -> None:
         """The contacts in ``known``, by their features, in the given poses, into ``slots``."""
-        narrow.follow_contacts(self.bodies, pose, self.world, pairs, known, slots)
+        self.narrow.follow(pairs, pose, known, slots)
+
+    def predecessors(self, pairs: Pairs, before: Slots, now: Slots) -> IntArray:
+        """The slot of the same pair whose history each one goes on with, or -1, (n_slots,)."""
+        return self.narrow.predecessors(pairs, before, now)
+
+    def carried(
+        self, before: Slots, now: Slots, source: IntArray, shear: Array
+    ) -> tuple[Array, float]:
+        """Tangential reactions (n_slots, dim - 1) [N] of the slots in ``source``, along the
+        tangents of ``now``; and the sum of those that nobody goes on with [N].
+
+        Both slots are those of one and the same pose.
+        """
+        return self.narrow.carried(before, now, source, shear)
+
+    def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array) -> Contacts:
+        """The slots in use, found in ``pose``, as contacts with gradients and stiffnesses."""
+        assembly = self.assembly
+        contacts = Contacts.empty(len(slots.kind), assembly.dimension, assembly.n_dof)
+        return contacts.of(slice(self.narrow.pack(pairs, pose, slots, laws, contacts)))
 
     def forces(
         self, pairs: Pairs, pose: Array, slots: Slots, reaction: Array, status: IntArray
     ) -> ContactForces:
         """Used slots as results; ``reaction`` (n_slots, dim) holds normal and tangential [N]."""
-        used, dim = np.flatnonzero(slots.kind), self.assembly.dimension
-        which, value, bodies = pairs.which[pairs.of_slot[used]], slots.value[used], self.bodies
-        position = np.empty((len(used), dim))
-        kernels.contact_points(slots, pairs, bodies.centroid, bodies.radius, pose, used, position)
+        used = np.flatnonzero(slots.kind)
+        which = pairs.which[pairs.of_slot[used]]
         return ContactForces(
             block_a=which[:, A],
             block_b=which[:, B],
-            position=position,
+            position=self.narrow.positions(pairs, pose, slots, used),
             normal=slots.normal[used],
-            gap=value[:, GAP],
-            area=value[:, SIZE] * self.assembly.thickness,
+            tangent=slots.tangents[used, 0],
+            gap=slots.gap[used],
+            area=slots.size[used] * self.assembly.thickness,
             normal_reaction=reaction[used, 0],
             tangential_reaction=reaction[used, 1:],
             status=status[used],
-            tangent=slots.tangents[used, 0] if dim == 3 else np.zeros((len(used), 0)),
         )
 
 

@@ -28,15 +28,15 @@ from drystone.contact.certificate import (
 from drystone.contact.detection import Detector, predecessor_slots
 from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
+from drystone.contact.plane import PlaneNarrowPhase
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
-from drystone.kernels import explicit, narrow
+from drystone.kernels import explicit
 from drystone.kernels import law as joint_law
-from drystone.kernels.contacts import BODY_A, BODY_B, NONE, SLOT, Contacts, Pairs, Slots
+from drystone.kernels.contacts import BODY_A, BODY_B, NONE, SLOT, Pairs, Slots
 from drystone.kernels.explicit import Drive, FrozenContacts, Loads, Motion
-from drystone.kernels.forces import pack
 from drystone.kernels.law import N_HISTORY
 from drystone.kernels.residual import add_contact_forces
 from drystone.kernels.rows import OF_GAP
@@ -338,9 +338,8 @@ class Workspace:
         if detector.outdated(self.pairs, pose):
             self._new_pairs(detector.pairs(pose, self.lost))
         slots = detector.find(self.pairs, pose, self.slots)
-        source = np.zeros(len(slots.kind), np.int64)
         old = self.slots
-        narrow.find_predecessors(self.pairs, old, slots, source)
+        source = detector.predecessors(self.pairs, old, slots)
         history = np.where(source[:, None] >= 0, self.history[source], 0.0)
         history[source < 0, joint_law.BROKEN] = 1.0  # what comes to touch later is not bonded
         self.slots, self.history, self.searched = slots, history, pose.copy()
@@ -387,8 +386,10 @@ class Workspace:
             reaction=np.zeros((n_slots, 2)),
             status=np.zeros(n_slots, np.int64),
         )
+        narrow = engine.detector.narrow
+        assert isinstance(narrow, PlaneNarrowPhase)
         self.n_contacts = explicit.pack(
-            self.slots, engine.detector.bodies, self.pairs, engine.laws,
+            self.slots, narrow.bodies, self.pairs, engine.laws,
             assembly.thickness, self.history, self.contacts,
         )  # fmt: skip
         rotation = self.motion.pose[:, 2]
@@ -745,10 +746,7 @@ class DistinctEngine:
         The gaps are those of the poses that the cycle began with; all slips have entered the shear.
         """
         slots, pairs, velocity = work.slots, work.pairs, work.motion.velocity
-        assembly = self.problem.assembly
-        contacts = Contacts.empty(len(slots.kind), assembly.dimension, assembly.n_dof)
-        count = pack(slots, pairs, self.laws, assembly.thickness, contacts)
-        contacts = contacts.of(slice(count))
+        contacts = self.detector.pack(pairs, work.motion.pose, slots, self.laws)
         k, a, b = (contacts.which[:, i] for i in (SLOT, BODY_A, BODY_B))
         force = np.zeros_like(velocity)
         history, reaction = work.history[k], work.reaction[k]

@@ -33,7 +33,6 @@ from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
 from drystone.geometry import motion
 from drystone.kernels import law as joint_law
-from drystone.kernels import narrow
 from drystone.kernels.contacts import Pairs, Slots
 from drystone.kernels.law import N_HISTORY
 from drystone.records import changed
@@ -404,8 +403,7 @@ class EquilibriumEngine:
         """The state that a step has led to, and its figures."""
         equations = self.equations
         slots = equations.found.copied()
-        source = np.zeros(len(slots.kind), np.int64)
-        narrow.find_predecessors(state.pairs, equations.known, slots, source)
+        source = self.detector.predecessors(state.pairs, equations.known, slots)
         history, reaction, branch = _inherited(
             source, equations.history, equations.reaction, equations.branch
         )

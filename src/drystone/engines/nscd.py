@@ -26,8 +26,7 @@ from drystone.engines.base import Demand, EngineError, Problem, StepReport, Unst
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
 from drystone.geometry.motion import places
-from drystone.kernels import forces, narrow
-from drystone.kernels.contacts import Contacts, Pairs, Slots
+from drystone.kernels.contacts import Pairs, Slots
 from drystone.kernels.law import MU
 from drystone.kernels.nlgs import ContactProblem
 from drystone.kernels.residual import add_contact_forces
@@ -173,11 +172,8 @@ class NscdEngine:
 
     def _contact_problem(self, state: NscdState) -> ContactProblem:
         """Contacts where the step starts."""
-        assembly, slots = self.problem.assembly, state.slots
-        contacts = Contacts.empty(len(slots.kind), assembly.dimension, assembly.n_dof)
-        count = forces.pack(slots, state.pairs, self.laws, assembly.thickness, contacts)
-        contacts = contacts.of(slice(count))
-        return ContactProblem(contacts, slots.gap[contacts.slot], self.inverse_mass)
+        contacts = self.detector.pack(state.pairs, state.pose, state.slots, self.laws)
+        return ContactProblem(contacts, state.slots.gap[contacts.slot], self.inverse_mass)
 
     def _accept(
         self,
@@ -268,8 +264,7 @@ class NscdEngine:
         reaction = np.zeros_like(state.reaction)
         reaction[chosen] = found
         slots = self.detector.find(state.pairs, pose, state.slots)
-        source = np.zeros(len(slots.kind), np.int64)
-        narrow.find_predecessors(state.pairs, state.slots, slots, source)
+        source = self.detector.predecessors(state.pairs, state.slots, slots)
         carried = np.where(source[:, None] >= 0, reaction[source], 0.0)
         friction = self.laws[state.pairs.law_of_slot, MU]
         limit = friction * carried[:, 0] * (1.0 - 1e-9)

@@ -53,6 +53,16 @@ class Figure:
         return len(self.centroid)
 
     @cached_property
+    def least_depth(self) -> float:
+        """Least distance of a face of a solid from what lies farthest behind it [m]."""
+        vertices = np.vstack([part.vertices for part in self.parts])
+        depths = []
+        for part, seam in zip(self.parts, self.seams, strict=True):
+            normals, _ = solid.face_planes(part.vertices, part.faces)
+            depths.append(np.ptp(vertices @ normals[~seam].T, axis=0).min(initial=np.inf))
+        return float(min(depths))
+
+    @cached_property
     def seams(self) -> list[BoolArray]:
         """Of each part, which of its edges, in space its faces, lie on other parts altogether."""
         if len(self.parts) == 1:

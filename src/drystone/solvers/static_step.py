@@ -15,7 +15,7 @@ from drystone.contact.certificate import JudgedContacts
 from drystone.contact.detection import Detector
 from drystone.contact.forces import OPEN, SLIDING, STICKING
 from drystone.geometry import motion
-from drystone.kernels import forces, narrow, path, rows
+from drystone.kernels import forces, path, rows
 from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import NONE, TRIAL_T, Pairs, Slots
 from drystone.kernels.forces import Start
@@ -45,7 +45,7 @@ class StaticStep(LinearStep):
     def __init__(self, constants: Constants, pairs: Pairs) -> None:
         n_dof = constants.loads.mass.shape[1]
         n_slots = pairs.n_slots
-        place = motion.places(constants.detector.bodies.centroid, pairs.pose)
+        place = motion.places(constants.detector.assembly.centroid, pairs.pose)
         dim = place.shape[1]
         super().__init__(constants.loads, pairs, place, Slots.empty(n_slots, dim))
         self.constants = constants
@@ -90,7 +90,7 @@ class StaticStep(LinearStep):
     def follow(self, slots: Slots) -> None:
         """Go on with the features of these contacts; each brings along what its forerunner had."""
         known, source = self.known, self.source
-        narrow.find_predecessors(self.pairs, known, slots, source)
+        source[:] = self.constants.detector.predecessors(self.pairs, known, slots)
         new = source < 0
         for array in (self.history_before, *self.start, self.branch):
             array[:] = array[source]
