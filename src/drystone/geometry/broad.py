@@ -17,7 +17,7 @@ def candidate_pairs(lower: Array, upper: Array) -> tuple[IntArray, IntArray]:
     Parameters
     ----------
     lower, upper
-        Corners of the boxes, (n, 2) [m].
+        Corners of the boxes, (n, dim) [m].
 
     Returns
     -------
@@ -28,17 +28,16 @@ def candidate_pairs(lower: Array, upper: Array) -> tuple[IntArray, IntArray]:
     upper = np.ascontiguousarray(upper, dtype=np.float64)
     if len(lower) < 2:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
-    grid = kernels.grid_of(lower, upper)
-    start = np.zeros(int(np.prod(grid[2])) + 1, np.int64)
-    entries = np.zeros(0, np.int64)
-    kernels.fill_cells(lower, upper, *grid, start, entries)
-    entries = np.zeros(int(start[-1]), np.int64)
-    kernels.fill_cells(lower, upper, *grid, start, entries)
+    origin, size, counts = kernels.grid_of(lower, upper)
+    cells = np.zeros((len(lower), 6), np.int64)
+    entries = np.zeros(kernels.cells_of(lower, upper, origin, size, counts, cells), np.int64)
+    start = np.zeros(int(counts.prod()) + 2, np.int64)
+    kernels.fill_cells(cells, counts, start, entries)
     out = np.zeros((8 * len(lower), 2), np.int64)
-    found = kernels.pairs_in_cells(lower, upper, *grid, start, entries, out)
+    found = kernels.pairs_in_cells(lower, upper, cells, counts, start, entries, out)
     if found > len(out):
         out = np.zeros((found, 2), np.int64)
-        kernels.pairs_in_cells(lower, upper, *grid, start, entries, out)
+        kernels.pairs_in_cells(lower, upper, cells, counts, start, entries, out)
     pairs = out[:found]
     pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
     return np.ascontiguousarray(pairs[:, 0]), np.ascontiguousarray(pairs[:, 1])

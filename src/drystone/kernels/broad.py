@@ -1,84 +1,104 @@
-"""Pairs of boxes that intersect, through a uniform grid of cells."""
+"""Pairs of boxes that intersect, through a uniform grid of cells; in the plane it has one layer."""
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
 
+#: Cells at most: this many a box, and some more, so that scattered blocks do not make empty grids.
+CELLS_PER_BOX, CELLS_MORE = 16, 1000
+
+
+def grid_of(lower, upper):
+    """Origin, cell size and cell counts (3,) of a grid with about one box a cell."""
+    dim = lower.shape[1]
+    origin = lower.min(axis=0)
+    extent = np.maximum(upper.max(axis=0) - origin, 1e-12)
+    size = np.maximum(np.median(upper - lower, axis=0), 1e-9 * extent.max())
+    most = CELLS_PER_BOX * len(lower) + CELLS_MORE
+    along = np.floor(extent / size) + 1.0
+    while along.prod() > most:
+        widest = along.argmax()
+        size[widest] *= 2.0
+        along[widest] = np.floor(extent[widest] / size[widest]) + 1.0
+    counts = np.ones(3, np.int64)
+    counts[:dim] = along
+    return origin, size, counts
+
 
 @njit(cache=True)
-def _cell_range(lower, upper, origin, size, counts, box, axis):
-    first = int((lower[box, axis] - origin[axis]) / size[axis])
-    last = int((upper[box, axis] - origin[axis]) / size[axis])
-    return max(first, 0), min(last, counts[axis] - 1)
+def cells_of(lower, upper, origin, size, counts, cells):
+    """First and last cell of each box along each axis, into ``cells`` (n, 6).
+
+    Returns how many cells there are that a box covers, of all boxes together.
+    """
+    total = 0
+    for box in range(lower.shape[0]):
+        covered = 1
+        for axis in range(lower.shape[1]):
+            first = int((lower[box, axis] - origin[axis]) / size[axis])
+            last = int((upper[box, axis] - origin[axis]) / size[axis])
+            cells[box, 2 * axis] = min(max(first, 0), counts[axis] - 1)
+            cells[box, 2 * axis + 1] = min(last, counts[axis] - 1)
+            covered *= cells[box, 2 * axis + 1] - cells[box, 2 * axis] + 1
+        total += covered
+    return total
 
 
 @njit(cache=True)
-def fill_cells(lower, upper, origin, size, counts, start, entries):
+def fill_cells(cells, counts, start, entries):
     """Counting sort of boxes into the cells they cover.
 
-    ``start`` (n_cells + 1,) is filled with the offsets of each cell's list in ``entries``.  With an
-    empty ``entries`` only the offsets are made, so that the caller can allocate it.
+    ``start`` (n_cells + 2,) is filled with the offsets of each cell's list in ``entries``: that of
+    cell c is ``entries[start[c]:start[c + 1]]``.
     """
-    n = lower.shape[0]
     start[:] = 0
+    n = cells.shape[0]
     for box in range(n):
-        i0, i1 = _cell_range(lower, upper, origin, size, counts, box, 0)
-        j0, j1 = _cell_range(lower, upper, origin, size, counts, box, 1)
-        for i in range(i0, i1 + 1):
-            for j in range(j0, j1 + 1):
-                start[i * counts[1] + j + 1] += 1
-    for cell in range(start.size - 1):
-        start[cell + 1] += start[cell]
-    if entries.size == 0:
-        return
-    cursor = start[:-1].copy()
+        for i in range(cells[box, 0], cells[box, 1] + 1):
+            for j in range(cells[box, 2], cells[box, 3] + 1):
+                row = (i * counts[1] + j) * counts[2]
+                for cell in range(row + cells[box, 4], row + cells[box, 5] + 1):
+                    start[cell + 2] += 1
+    for cell in range(2, start.size):
+        start[cell] += start[cell - 1]
     for box in range(n):
-        i0, i1 = _cell_range(lower, upper, origin, size, counts, box, 0)
-        j0, j1 = _cell_range(lower, upper, origin, size, counts, box, 1)
-        for i in range(i0, i1 + 1):
-            for j in range(j0, j1 + 1):
-                cell = i * counts[1] + j
-                entries[cursor[cell]] = box
-                cursor[cell] += 1
+        for i in range(cells[box, 0], cells[box, 1] + 1):
+            for j in range(cells[box, 2], cells[box, 3] + 1):
+                row = (i * counts[1] + j) * counts[2]
+                for cell in range(row + cells[box, 4], row + cells[box, 5] + 1):
+                    entries[start[cell + 1]] = box
+                    start[cell + 1] += 1
 
 
 @njit(cache=True)
-def pairs_in_cells(lower, upper, origin, size, counts, start, entries, out):
+def pairs_in_cells(lower, upper, cells, counts, start, entries, out):
     """Write intersecting pairs (a < b) into ``out`` (m, 2) and return how many there are.
 
     A pair that shares several cells is taken in the one that holds the lower corner of the
     boxes' intersection.  With too small an ``out`` the pairs are only counted.
     """
+    dim = lower.shape[1]
     found = 0
     for i in range(counts[0]):
         for j in range(counts[1]):
-            cell = i * counts[1] + j
-            for p in range(start[cell], start[cell + 1]):
-                a = entries[p]
-                for q in range(p + 1, start[cell + 1]):
-                    b = entries[q]
-                    x = max(lower[a, 0], lower[b, 0])
-                    y = max(lower[a, 1], lower[b, 1])
-                    if x > min(upper[a, 0], upper[b, 0]) or y > min(upper[a, 1], upper[b, 1]):
-                        continue
-                    home_i = min(max(int((x - origin[0]) / size[0]), 0), counts[0] - 1)
-                    home_j = min(max(int((y - origin[1]) / size[1]), 0), counts[1] - 1)
-                    if home_i != i or home_j != j:
-                        continue
-                    if found < out.shape[0]:
-                        out[found, 0] = min(a, b)
-                        out[found, 1] = max(a, b)
-                    found += 1
+            for k in range(counts[2]):
+                cell = (i * counts[1] + j) * counts[2] + k
+                last = start[cell + 1]
+                for p in range(start[cell], last):
+                    a = entries[p]
+                    for q in range(p + 1, last):
+                        b = entries[q]
+                        meet = max(cells[a, 0], cells[b, 0]) == i
+                        meet = meet and max(cells[a, 2], cells[b, 2]) == j
+                        meet = meet and max(cells[a, 4], cells[b, 4]) == k
+                        for axis in range(dim):
+                            meet = meet and lower[a, axis] <= upper[b, axis]
+                            meet = meet and lower[b, axis] <= upper[a, axis]
+                        if not meet:
+                            continue
+                        if found < out.shape[0]:
+                            out[found, 0] = min(a, b)
+                            out[found, 1] = max(a, b)
+                        found += 1
     return found
-
-
-def grid_of(lower, upper):
-    """Origin, cell size and cell counts of a grid with about one box a cell."""
-    origin = lower.min(axis=0)
-    extent = np.maximum(upper.max(axis=0) - origin, 1e-12)
-    size = np.maximum(np.median(upper - lower, axis=0), 1e-9 * extent.max())
-    limit = 4.0 * np.sqrt(len(lower)) + 16.0  # keeps scattered blocks from making empty grids
-    size = np.maximum(size, extent / limit)
-    counts = np.floor(extent / size).astype(np.int64) + 1
-    return origin, size, counts
