@@ -1,0 +1,614 @@
+"""Narrow phase in space: the contact points of every pair of nearby convex parts.
+
+Every contact point is a material point of one body, v, on a plane that another body, f, carries
+along (`contacts.VERTEX_B`: v is b and f is a; `VERTEX_A`: the reverse):
+
+    p      the point, relative to v's centroid        LOCAL_POINT
+    o, n   a place on the plane and its normal,       LOCAL_PLACE, LOCAL_NORMAL
+           from f to v
+    t      unit vector in the plane                   LOCAL_TANGENT
+
+each in the axes of the design.  With R the rotation and u the displacement of a body,
+
+    d_0 = c_v - c_f + p - o,     D = u_v - u_f + (R_v - I) p - (R_f - I) o
+    gap = n . d_0 + (R_f - I) n . d_0 + R_f n . D - radii
+
+so that a gap is what it is as designed and the change since, each for itself, and as precise as the
+displacements: a stiff joint closes by less than the rounding of its place.  Bodies touch at the
+point, or where the ball around it (BALL, the radius of a rounded part) meets the plane: both arms
+lead there, from the centroids.  With unit normal n, now from a to b, tangents t_1 = R_f t and
+t_2 = n x t_1, and motions (u_a, w_a, u_b, w_b),
+
+    d gap    = n . (du_b + dw_b x arm_b - du_a - dw_a x arm_a),      slips likewise with t_1, t_2
+
+are exact, and reactions along them balance in force and in moment.
+
+Which points there are
+----------------------
+The *reference* face is the one, of both parts, that separates them most; the face of the other part
+that is most opposed to it is the *incident* one.  Both are kept as long as they are nearly as good
+(HELD), so that a block that rests does not change them with every rounding error.  Their overlap,
+seen along the reference normal (see `overlap`), gives the points:
+
+    a vertex of the incident face              on the plane of the reference face
+    a vertex of the reference face alone       on the plane of the incident face
+    sides that cross, and points in between    of the incident face, on the reference plane
+
+A face that tilts on an edge or on a vertex keeps its points, and those that open their area: it is
+that of the overlap, as in the plane.  An overlap that is only a line or a point, or next to it,
+has LEAST_SHARE of the smaller face.
+
+Where no point of the overlap is as near as the separation says, the faces are not what touches.
+Then edges that cross and separate the parts more by MARGIN make one point, on a normal that a
+carries along; of rounded parts, likewise the nearest points of all edges.  Its area is LEAST_SHARE
+of the smaller of the two faces.
+
+Features are numbers: vertices of all parts, then edges, then faces, then points between.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from drystone.kernels.contacts import (
+    EDGE_A,
+    EDGE_B,
+    FEATURE_A,
+    FEATURE_B,
+    FIRST,
+    KIND,
+    NONE,
+    PART_A,
+    PART_B,
+    VERTEX_A,
+    VERTEX_B,
+    A,
+    B,
+)
+from drystone.kernels.overlap import (
+    CLIP,
+    CROSSING,
+    INNER,
+    LEAVES,
+    MERGE,
+    OF_P,
+    OF_Q,
+    ON_SIDE,
+    ROUNDING,
+    TYPE,
+    VERTEX_P,
+    VERTEX_Q,
+    clip,
+    measure,
+    merge_corners,
+    n_spread,
+    name_corners,
+    scale,
+    spread,
+    width_of,
+)
+from drystone.kernels.separation import (
+    best_edges,
+    best_face,
+    most_opposed,
+    most_opposed_near,
+    nearest_edges,
+)
+
+#: Columns of `Slots.value` in space.  Of vectors the first of their columns.
+GAP, SIZE, NORMAL, TANGENT, ARM_A, ARM_B = 0, 1, 2, 5, 8, 11
+LOCAL_POINT, LOCAL_PLACE, LOCAL_NORMAL, LOCAL_TANGENT, BALL = 14, 17, 20, 23, 26
+N_VALUES = 27
+
+#: The area of an interface is at least this share of its smaller face.
+LEAST_SHARE = 0.01
+
+#: Faces are kept while others separate the parts by no more than this share of their size more, or
+#: are more opposed by no more than this.
+HELD = 1e-3
+
+#: Edges count where they separate the parts by this share of their size more than faces do.
+MARGIN = 1e-2
+
+#: A history goes on at a point no farther than this share of the interface's width.
+NEAR = 0.35
+
+#: An incident face with a cosine below this to the reference face is seen edge on.
+EDGE_ON = 0.05
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+class Shapes(NamedTuple):
+    """Contact shapes of all convex parts; vertices, faces and edges of a part follow each other.
+
+    Faces run counter-clockwise seen from outside.  An edge leads from its first vertex to its
+    second one around its first face, and against the sense of its second face.
+    """
+
+    centroid: Array  # (n, 3) m, as designed
+    axes: Array  # (n, 3, 3) columns are the bodies' principal axes as designed
+    of_part: IntArray  # (n_parts,) body of each part
+    radius: Array  # (n_parts,) m, by which the surface lies outside the faces
+    size: Array  # (n_parts,) m, six times volume over surface: the edge of a cube
+    first: IntArray  # (n_parts + 1, 3) first vertex, face and edge of each part
+    local: Array  # (n_vertices, 3) m, relative to the body's centroid
+    ring: IntArray  # (n_faces + 1,) first corner of each face
+    corner: IntArray  # (n_corners, 2) vertex, and the edge from there to the next corner
+    plane: Array  # (n_faces, 6) outward normal, and first tangent
+    extent: Array  # (n_faces, 2) area [m2] and width [m]
+    edge: IntArray  # (n_edges, 4) two vertices, two faces
+
+
+class World(NamedTuple):
+    """Bodies in their present places; scratch, refilled for every pose."""
+
+    turn: Array  # (n, 3, 3) rotation less identity
+    axes: Array  # (n, 3, 3) columns are the principal axes
+    vertex: Array  # (n_vertices, 3) m
+    normal: Array  # (n_faces, 3)
+
+    @classmethod
+    def of(cls, shapes: Shapes) -> World:
+        """Memory for these shapes."""
+        n = len(shapes.centroid)
+        turn, axes = np.zeros((n, 3, 3)), np.zeros((n, 3, 3))
+        return cls(turn, axes, np.zeros_like(shapes.local), np.zeros((len(shapes.plane), 3)))
+
+
+def slots_of(shapes: Shapes, points: int, part_a: IntArray, part_b: IntArray) -> IntArray:
+    """How many contact points each pair of parts may have, (n_pairs,).
+
+    Overlaps have at most as many corners as both faces have.  With 9 points per quadrilateral there
+    is room for those of any overlap; with 16 for 16, or 9 of a polygon with many corners.
+    """
+    corners = np.maximum.reduceat(np.diff(shapes.ring), shapes.first[:-1, 1])
+    most = corners[part_a] + corners[part_b]
+    if points == 4:
+        return np.asarray(most, np.int64)
+    return np.asarray(np.maximum(2 * most + 1, points), np.int64)
+
+
+@njit(cache=True)
+def _rotate(q0, x, y, z, turn, body):
+    """Rotation less identity of a unit quaternion: 2 w [v] + 2 [v]^2."""
+    turn[body, 0, 0] = -2.0 * (y * y + z * z)
+    turn[body, 1, 1] = -2.0 * (x * x + z * z)
+    turn[body, 2, 2] = -2.0 * (x * x + y * y)
+    turn[body, 0, 1] = 2.0 * (x * y - q0 * z)
+    turn[body, 1, 0] = 2.0 * (x * y + q0 * z)
+    turn[body, 0, 2] = 2.0 * (x * z + q0 * y)
+    turn[body, 2, 0] = 2.0 * (x * z - q0 * y)
+    turn[body, 1, 2] = 2.0 * (y * z - q0 * x)
+    turn[body, 2, 1] = 2.0 * (y * z + q0 * x)
+
+
+@njit(cache=True)
+def turn_bodies(shapes, pose, world):
+    """Rotations and principal axes of all bodies in poses (n, 7)."""
+    designed, turn, axes = shapes.axes, world.turn, world.axes
+    for body in range(pose.shape[0]):
+        _rotate(pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6], turn, body)
+        for i in range(3):
+            for j in range(3):
+                total = designed[body, i, j]
+                for k in range(3):
+                    total += turn[body, i, k] * designed[body, k, j]
+                axes[body, i, j] = total
+
+
+@njit(cache=True)
+def place(shapes, pose, world):
+    """Vertices and face normals of all parts in poses (n, 7), and what `turn_bodies` does."""
+    turn_bodies(shapes, pose, world)
+    turn, vertex, normal = world.turn, world.vertex, world.normal
+    first, of_part, centroid = shapes.first, shapes.of_part, shapes.centroid
+    local, plane = shapes.local, shapes.plane
+    for part in range(of_part.shape[0]):
+        body = of_part[part]
+        for v in range(first[part, 0], first[part + 1, 0]):
+            for i in range(3):
+                arm = local[v, i]
+                for k in range(3):
+                    arm += turn[body, i, k] * local[v, k]
+                vertex[v, i] = centroid[body, i] + pose[body, i] + arm
+        for f in range(first[part, 1], first[part + 1, 1]):
+            for i in range(3):
+                along = plane[f, i]
+                for k in range(3):
+                    along += turn[body, i, k] * plane[f, k]
+                normal[f, i] = along
+
+
+@njit(cache=True)
+def _turned(turn, body, table, row, column, out):
+    """What the rotation of a body adds to the vector in three columns of a table."""
+    x, y, z = table[row, column], table[row, column + 1], table[row, column + 2]
+    for i in range(3):
+        out[i] = turn[body, i, 0] * x + turn[body, i, 1] * y + turn[body, i, 2] * z
+
+
+# Many: arrays one by one, for records that are handed on count references at every slot.
+@njit(cache=True)
+def _evaluate(centroid, radius, turn, pose, which, value, k, a, b, part_a, part_b, work):
+    """Gap, normal, tangent and arms of slot k, whose local data is given; see the module."""
+    at_point, at_place, at_normal = work[0], work[1], work[2]
+    if which[k, KIND] == VERTEX_B:
+        v, f, sign = b, a, 1.0
+    else:
+        v, f, sign = a, b, -1.0
+    _turned(turn, v, value, k, LOCAL_POINT, at_point)
+    _turned(turn, f, value, k, LOCAL_PLACE, at_place)
+    _turned(turn, f, value, k, LOCAL_NORMAL, at_normal)
+    designed, moved, ball = 0.0, 0.0, value[k, BALL]
+    for i in range(3):
+        before = value[k, LOCAL_NORMAL + i]
+        now = before + at_normal[i]
+        d = centroid[v, i] - centroid[f, i] + (value[k, LOCAL_POINT + i] - value[k, LOCAL_PLACE + i])
+        designed += before * d
+        moved += at_normal[i] * d + now * (pose[v, i] - pose[f, i] + (at_point[i] - at_place[i]))
+        value[k, NORMAL + i] = sign * now
+        arm = value[k, LOCAL_POINT + i] + at_point[i] - ball * now
+        other = (centroid[v, i] - centroid[f, i]) + (pose[v, i] - pose[f, i]) + arm
+        value[k, ARM_B + i] = arm if v == b else other
+        value[k, ARM_A + i] = other if v == b else arm
+    value[k, GAP] = (designed - radius[part_a] - radius[part_b]) + moved
+    _turned(turn, f, value, k, LOCAL_TANGENT, at_point)
+    for i in range(3):
+        value[k, TANGENT + i] = value[k, LOCAL_TANGENT + i] + at_point[i]
+
+
+@njit(cache=True)
+def _project(ring, corner, vertex, face, origin, t1, t2, backwards, out):
+    """Corners of a face in the coordinates of a plane, (m, 2); returns m."""
+    begin, m = ring[face], ring[face + 1] - ring[face]
+    for j in range(m):
+        v = corner[begin + (m - 1 - j if backwards else j), 0]
+        x, y = 0.0, 0.0
+        for i in range(3):
+            d = vertex[v, i] - vertex[origin, i]
+            x += t1[i] * d
+            y += t2[i] * d
+        out[j, 0], out[j, 1] = x, y
+    return m
+
+
+@njit(cache=True)
+def _side(ring, corner, face, j, backwards):
+    """Edge that leaves corner j of a face, listed forwards or backwards."""
+    begin, m = ring[face], ring[face + 1] - ring[face]
+    return corner[begin + ((m - 2 - j) % m if backwards else j), 1]
+
+
+@njit(cache=True)
+def _vertex(ring, corner, face, j, backwards):
+    """Vertex of corner j of a face, listed forwards or backwards."""
+    begin, m = ring[face], ring[face + 1] - ring[face]
+    return corner[begin + (m - 1 - j if backwards else j), 0]
+
+
+@njit(cache=True)
+def _overlap(reference, incident, m, n, near, polygon, name):
+    """Corners of the overlap, by name: which half of the arrays, how many, area and centroid."""
+    half, count = clip(incident, m, reference, n, ROUNDING * near / CLIP, polygon, name)
+    area, cx, cy, perimeter = measure(polygon[half], count)
+    if area == 0.0:
+        half, count = clip(incident, m, reference, n, near, polygon, name)
+        _, cx, cy, perimeter = measure(polygon[half], count)
+    if count > 0:
+        short = max(MERGE * width_of(area, perimeter), near)
+        name_corners(polygon[half], name[half], count, incident, m, reference, n, near)
+        count = merge_corners(polygon[half], name[half], count, short)
+    return half, count, area, cx, cy
+
+
+@njit(cache=True)
+def _on_face(ring, corner, local, face, incident, m, x, y, value, k):
+    """Material point of the incident face that is seen at (x, y), into slot k."""
+    i, j, far, widest = 1, 2, 0.0, 0.0  # corners that, with the first one, span the face best
+    for c in range(1, m):
+        ux, uy = incident[c, 0] - incident[0, 0], incident[c, 1] - incident[0, 1]
+        if ux * ux + uy * uy > far:
+            i, far = c, ux * ux + uy * uy
+    for c in range(1, m):
+        ux, uy = incident[i, 0] - incident[0, 0], incident[i, 1] - incident[0, 1]
+        vx, vy = incident[c, 0] - incident[0, 0], incident[c, 1] - incident[0, 1]
+        if abs(ux * vy - uy * vx) > widest:
+            j, widest = c, abs(ux * vy - uy * vx)
+    ux, uy = incident[i, 0] - incident[0, 0], incident[i, 1] - incident[0, 1]
+    vx, vy = incident[j, 0] - incident[0, 0], incident[j, 1] - incident[0, 1]
+    dx, dy = x - incident[0, 0], y - incident[0, 1]
+    det = ux * vy - uy * vx
+    s, t = (dx * vy - dy * vx) / det, (ux * dy - uy * dx) / det
+    v0, v1 = _vertex(ring, corner, face, 0, True), _vertex(ring, corner, face, i, True)
+    v2 = _vertex(ring, corner, face, j, True)
+    for c in range(3):
+        along = s * (local[v1, c] - local[v0, c]) + t * (local[v2, c] - local[v0, c])
+        value[k, LOCAL_POINT + c] = local[v0, c] + along
+
+
+@njit(cache=True)
+def _features(ring, corner, face_p, face_q, mark, i, n, m, n_vertices, n_edges):
+    """Features of point i on the reference body and on the incident one; see the module."""
+    faces = n_vertices + n_edges
+    between = faces + ring.shape[0] - 1
+    type_, of_p, of_q, number = mark[i, TYPE], mark[i, OF_P], mark[i, OF_Q], mark[i, LEAVES]
+    if type_ == ON_SIDE:
+        if of_p < m:
+            edge = n_vertices + _side(ring, corner, face_q, of_p, True)
+            return between + number, edge
+        edge = n_vertices + _side(ring, corner, face_p, of_p - m, False)
+        return edge, between + number
+    plus = 0
+    if type_ == INNER:
+        if number == 0:
+            return faces + face_p, faces + face_q
+        type_, plus = number - 1, between + 3
+    if type_ == VERTEX_Q:
+        return plus + faces + face_p, _vertex(ring, corner, face_q, of_q, True)
+    if type_ == VERTEX_P:
+        return plus + _vertex(ring, corner, face_p, of_p, False), faces + face_q
+    edge_p = n_vertices + _side(ring, corner, face_p, of_p, False)
+    return plus + edge_p, n_vertices + _side(ring, corner, face_q, of_q, True)
+
+
+# Many: arrays one by one, for records that are handed on count references at every pair.
+@njit(cache=True)
+def _write_points(
+    ring, corner, local, plane, edge, faces, flat, sizes, n_points, first, end,
+    which, value, polygon, mark, weight,
+):  # fmt: skip
+    """Points of an overlap as slots from ``first`` on, but for what `_evaluate` adds."""
+    incident = flat[1]
+    face_p, face_q, p_is_a = faces
+    n, m = sizes
+    n_vertices, n_edges = local.shape[0], edge.shape[0]
+    k = first
+    for i in range(n_points):
+        if k >= end:
+            break
+        type_ = mark[i, TYPE]
+        swapped = type_ == VERTEX_P
+        carrier = face_q if swapped else face_p
+        on_p, on_q = _features(ring, corner, face_p, face_q, mark, i, n, m, n_vertices, n_edges)
+        which[k, KIND] = VERTEX_B if p_is_a != swapped else VERTEX_A
+        which[k, FEATURE_A], which[k, FEATURE_B] = (on_p, on_q) if p_is_a else (on_q, on_p)
+        which[k, EDGE_A], which[k, EDGE_B] = (face_p, face_q) if p_is_a else (face_q, face_p)
+        value[k, SIZE] = weight[i]
+        origin = corner[ring[carrier], 0]
+        for c in range(3):
+            value[k, LOCAL_PLACE + c] = local[origin, c]
+            value[k, LOCAL_NORMAL + c] = plane[carrier, c]
+            value[k, LOCAL_TANGENT + c] = plane[carrier, 3 + c]
+        if type_ == VERTEX_P or type_ == VERTEX_Q:
+            v = on_p if swapped else on_q
+            for c in range(3):
+                value[k, LOCAL_POINT + c] = local[v, c]
+        elif type_ == CROSSING:
+            j = mark[i, OF_Q]
+            after = j + 1 if j + 1 < m else 0
+            ex, ey = incident[after, 0] - incident[j, 0], incident[after, 1] - incident[j, 1]
+            share = (polygon[i, 0] - incident[j, 0]) * ex + (polygon[i, 1] - incident[j, 1]) * ey
+            share = min(max(share / (ex * ex + ey * ey), 0.0), 1.0)
+            v = _vertex(ring, corner, face_q, j, True)
+            w = _vertex(ring, corner, face_q, after, True)
+            for c in range(3):
+                value[k, LOCAL_POINT + c] = local[v, c] + share * (local[w, c] - local[v, c])
+        else:
+            x, y = polygon[i, 0], polygon[i, 1]
+            _on_face(ring, corner, local, face_q, incident, m, x, y, value, k)
+        k += 1
+    return k
+
+
+# Many: arrays one by one, for records that are handed on count references at every pair.
+@njit(cache=True)
+def _face_points(
+    ring, corner, local, plane, edge, extent, turn, vertex, normal, of_part, face_p, face_q, part_p,
+    p_is_a, points, first, end, which, value, flat, polygon, name, point, mark, weight, tangents,
+):  # fmt: skip
+    """Points of the overlap of a reference face p and an incident face q; the slot behind them."""
+    body = of_part[part_p]
+    t1, t2 = tangents[0], tangents[1]
+    _turned(turn, body, plane, face_p, 3, t1)
+    for c in range(3):
+        t1[c] += plane[face_p, 3 + c]
+    nx, ny, nz = normal[face_p, 0], normal[face_p, 1], normal[face_p, 2]
+    t2[0], t2[1], t2[2] = ny * t1[2] - nz * t1[1], nz * t1[0] - nx * t1[2], nx * t1[1] - ny * t1[0]
+    origin = corner[ring[face_p], 0]
+    reference, incident = flat[0], flat[1]
+    n = _project(ring, corner, vertex, face_p, origin, t1, t2, False, reference)
+    m = _project(ring, corner, vertex, face_q, origin, t1, t2, True, incident)
+    near = CLIP * min(extent[face_p, 1], extent[face_q, 1])
+    half, count, area, cx, cy = _overlap(reference, incident, m, n, near, polygon, name)
+    if count == 0:
+        return first
+    cosine = 0.0
+    for c in range(3):
+        cosine -= normal[face_p, c] * normal[face_q, c]
+    n_points = n_spread(count, points if cosine > EDGE_ON and area > 0.0 else 4, end - first)
+    spread(polygon[half], name[half], count, cx, cy, n_points, point, mark, weight)
+    least = LEAST_SHARE * min(extent[face_p, 0], extent[face_q, 0])
+    scale(point, n_points, cx, cy, max(area, least), weight)
+    return _write_points(
+        ring, corner, local, plane, edge, (face_p, face_q, p_is_a), flat, (n, m), n_points,
+        first, end, which, value, point, mark, weight,
+    )  # fmt: skip
+
+
+# Many: arrays one by one, for records that are handed on count references at every pair.
+@njit(cache=True)
+def _edge_point(
+    local, edge, plane, extent, turn, body_a, k, edges, faces, which, value, axis, shares
+):
+    """The point where edges of a and b cross, as slot k, but for what `_evaluate` adds."""
+    edge_a, edge_b = edges
+    face_a, face_b = faces
+    n_vertices = local.shape[0]
+    which[k, KIND] = VERTEX_B
+    which[k, FEATURE_A], which[k, FEATURE_B] = n_vertices + edge_a, n_vertices + edge_b
+    which[k, EDGE_A], which[k, EDGE_B] = face_a, face_b
+    value[k, SIZE] = LEAST_SHARE * min(extent[face_a, 0], extent[face_b, 0])
+    a0, a1, b0, b1 = edge[edge_a, 0], edge[edge_a, 1], edge[edge_b, 0], edge[edge_b, 1]
+    for c in range(3):
+        value[k, LOCAL_PLACE + c] = local[a0, c] + shares[0] * (local[a1, c] - local[a0, c])
+        value[k, LOCAL_POINT + c] = local[b0, c] + shares[1] * (local[b1, c] - local[b0, c])
+        back = axis[c]
+        for i in range(3):
+            back += turn[body_a, i, c] * axis[i]
+        value[k, LOCAL_NORMAL + c] = back
+    # A tangent: of the edge of a and the first tangent of its face, what is farther off the normal.
+    best = -1.0
+    for trial in range(2):
+        along, size = 0.0, 0.0
+        for c in range(3):
+            t = local[a1, c] - local[a0, c] if trial == 0 else plane[face_a, 3 + c]
+            along += t * value[k, LOCAL_NORMAL + c]
+            size += t * t
+        off = 1.0 - along * along / size
+        if off <= best:
+            continue
+        best = off
+        for c in range(3):
+            t = local[a1, c] - local[a0, c] if trial == 0 else plane[face_a, 3 + c]
+            t -= along * value[k, LOCAL_NORMAL + c]
+            value[k, LOCAL_TANGENT + c] = t / np.sqrt(size * off)
+
+
+# Long: the phases of one pair, with the arrays they take, one by one (many: for records that are
+# handed on count references at every pair).
+@njit(cache=True)
+def _find(shapes, pose, world, of_pair, reach, points, which, value):
+    centroid, of_part, radius, size = shapes.centroid, shapes.of_part, shapes.radius, shapes.size
+    first, local, ring, corner = shapes.first, shapes.local, shapes.ring, shapes.corner
+    plane, extent, edge = shapes.plane, shapes.extent, shapes.edge
+    turn, vertex, normal = world.turn, world.vertex, world.normal
+    most = 0
+    for f in range(ring.shape[0] - 1):
+        most = max(most, ring[f + 1] - ring[f])
+    flat = (np.empty((most, 2)), np.empty((most, 2)))
+    room = 2 * most + 8
+    polygon, name = np.empty((2, room, 2)), np.empty((2, room, 4), np.int64)
+    point, mark = np.empty((4 * room, 2)), np.empty((4 * room, 4), np.int64)
+    weight, work, tangents = np.empty(4 * room), np.empty((5, 3)), np.empty((2, 3))
+    n_pairs, n_slots = of_pair.shape[0], which.shape[0]
+    for i in range(n_pairs):
+        begin = of_pair[i, FIRST]
+        end = of_pair[i + 1, FIRST] if i + 1 < n_pairs else n_slots
+        if begin == end:
+            continue
+        p, q, a, b = of_pair[i, PART_A], of_pair[i, PART_B], of_pair[i, A], of_pair[i, B]
+        kept_a, kept_b = which[begin, EDGE_A], which[begin, EDGE_B]
+        for k in range(begin, end):
+            which[k, KIND], value[k, GAP] = NONE, np.inf
+        radii = radius[p] + radius[q]
+        limit = reach + radii
+        face_a, apart_a, held_a = best_face(
+            first, ring, corner, vertex, normal, p, q, kept_a, limit
+        )
+        if apart_a > limit:
+            continue
+        face_b, apart_b, held_b = best_face(
+            first, ring, corner, vertex, normal, q, p, kept_b, limit
+        )
+        if apart_b > limit:
+            continue
+        slack = HELD * min(size[p], size[q])
+        best = max(apart_a, apart_b)
+        stop, tried, least = begin, -1, np.inf
+        p_is_a, face_p, face_q, cosine = True, face_a, face_b, 0.0
+        for attempt in range(2):
+            if attempt == 0 and held_a >= best - slack:
+                p_is_a, face_p, apart = True, kept_a, held_a
+            elif attempt == 0 and held_b >= best - slack:
+                p_is_a, face_p, apart = False, kept_b, held_b
+            elif apart_a >= apart_b - slack:
+                p_is_a, face_p, apart = True, face_a, apart_a
+            else:
+                p_is_a, face_p, apart = False, face_b, apart_b
+            if face_p == tried:
+                break
+            tried = face_p
+            part_p, part_q = (p, q) if p_is_a else (q, p)
+            face_q, cosine = most_opposed(
+                first, normal, face_p, part_q, kept_b if p_is_a else kept_a, HELD
+            )
+            if cosine > -1.0 + HELD:  # on a vertex or an edge: of a face that has it
+                trial, better = most_opposed_near(
+                    first, ring, corner, vertex, normal, face_p, part_q, apart + slack
+                )
+                if better > cosine + 2.0 * HELD:
+                    face_q, cosine = trial, better
+            stop = _face_points(
+                ring, corner, local, plane, edge, extent, turn, vertex, normal, of_part, face_p,
+                face_q, part_p, p_is_a, points, begin, end, which, value, flat, polygon, name,
+                point, mark, weight, tangents,
+            )  # fmt: skip
+            for k in range(begin, stop):
+                value[k, BALL] = radius[q] if which[k, KIND] == VERTEX_B else radius[p]
+                _evaluate(centroid, radius, turn, pose, which, value, k, a, b, p, q, work)
+                least = min(least, value[k, GAP])
+            if stop > begin:
+                break
+        face_a, face_b = (face_p, face_q) if p_is_a else (face_q, face_p)
+        if least > best - radii + slack and (radii > 0.0 or cosine > -1.0 + HELD * HELD):
+            edge_a, edge_b, across = best_edges(first, edge, vertex, normal, p, q, work)
+            found = across > best + MARGIN * min(size[p], size[q]) and across <= limit
+            if not found and radii > 0.0:
+                edge_a, edge_b, across = nearest_edges(first, edge, vertex, p, q, work)
+                found = slack < across <= limit and across - radii < least - slack
+            if found:
+                for k in range(begin, stop):
+                    which[k, KIND], value[k, GAP] = NONE, np.inf
+                _edge_point(
+                    local, edge, plane, extent, turn, a, begin, (edge_a, edge_b),
+                    (face_a, face_b), which, value, work[0], work[1],
+                )  # fmt: skip
+                value[begin, BALL] = radius[q]
+                stop = begin + 1
+                _evaluate(centroid, radius, turn, pose, which, value, begin, a, b, p, q, work)
+        for k in range(begin, stop):
+            if value[k, GAP] > reach:
+                which[k, KIND] = NONE
+
+
+@njit(cache=True)
+def find(shapes, pose, world, pairs, reach, points, slots):
+    """Fill the slots of all pairs in poses (n, 7); ``reach`` [m] is the largest gap watched.
+
+    ``points`` is 4, 9 or 16 per quadrilateral overlap.  What the slots hold before says which faces
+    were used last, and is otherwise of no account.
+    """
+    which, value = slots
+    place(shapes, pose, world)
+    _find(shapes, pose, world, pairs.which, reach, points, which, value)
+
+
+@njit(cache=True)
+def follow(shapes, pose, world, pairs, known, slots):
+    """Fill the slots in poses (n, 7) with the points that ``known`` slots have, bodies moved on.
+
+    Within a step this is cheaper than finding contacts anew, and smooth.
+    """
+    turn_bodies(shapes, pose, world)
+    centroid, radius, turn = shapes.centroid, shapes.radius, world.turn
+    (which, value), of_pair, pair = slots, pairs.which, pairs.of_slot
+    first, known_value = known
+    work = np.empty((3, 3))
+    for k in range(which.shape[0]):
+        for c in range(which.shape[1]):
+            which[k, c] = first[k, c]
+        if which[k, KIND] == NONE:
+            value[k, GAP] = np.inf
+            continue
+        value[k, SIZE] = known_value[k, SIZE]
+        for c in range(LOCAL_POINT, BALL + 1):
+            value[k, c] = known_value[k, c]
+        i = pair[k]
+        a, b, p, q = of_pair[i, A], of_pair[i, B], of_pair[i, PART_A], of_pair[i, PART_B]
+        _evaluate(centroid, radius, turn, pose, which, value, k, a, b, p, q, work)
