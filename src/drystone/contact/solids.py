@@ -1,4 +1,4 @@
-"""Convex parts in space as contact shapes: packed vertices, faces and edges for `kernels.manifold`."""
+"""Convex parts in space as contact shapes: vertices, faces and edges, packed."""
 
 from __future__ import annotations
 

@@ -3,10 +3,10 @@
 Every contact point is a material point of one body, v, on a plane that another body, f, carries
 along (`contacts.VERTEX_B`: v is b and f is a; `VERTEX_A`: the reverse):
 
-    p      the point, relative to v's centroid        LOCAL_POINT
-    o, n   a place on the plane and its normal,       LOCAL_PLACE, LOCAL_NORMAL
+    p      the point, relative to v's centroid        POINT_3
+    o, n   a place on the plane and its normal,       PLACE_3, PLANE_NORMAL_3
            from f to v
-    t      unit vector in the plane                   LOCAL_TANGENT
+    t      unit vector in the plane                   PLANE_TANGENT_3
 
 each in the axes of the design.  With R the rotation and u the displacement of a body,
 
@@ -15,7 +15,7 @@ each in the axes of the design.  With R the rotation and u the displacement of a
 
 so that a gap is what it is as designed and the change since, each for itself, and as precise as the
 displacements: a stiff joint closes by less than the rounding of its place.  Bodies touch at the
-point, or where the ball around it (BALL, the radius of a rounded part) meets the plane: both arms
+point, or where the ball around it (BALL_3, the radius of a rounded part) meets the plane: both arms
 lead there, from the centroids.  With unit normal n, now from a to b, tangents t_1 = R_f t and
 t_2 = n x t_1, and motions (u_a, w_a, u_b, w_b),
 
@@ -39,9 +39,9 @@ that of the overlap, as in the plane.  An overlap that is only a line or a point
 has LEAST_SHARE of the smaller face.
 
 Where no point of the overlap is as near as the separation says, the faces are not what touches.
-Then edges that cross and separate the parts more by MARGIN make one point, on a normal that a
-carries along; of rounded parts, likewise the nearest points of all edges.  Its area is LEAST_SHARE
-of the smaller of the two faces.
+Then edges that cross and separate the parts more by MARGIN, or touch where those points are open
+by as much, make one point, on a normal that a carries along; of rounded parts, likewise the nearest
+points of all edges.  Its area is LEAST_SHARE of the smaller of the two faces.
 
 Features are numbers: vertices of all parts, then edges, then faces, then points between.
 """
@@ -55,15 +55,26 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drystone.kernels.contacts import (
+    ARM_A_3,
+    ARM_B_3,
+    BALL_3,
     EDGE_A,
     EDGE_B,
     FEATURE_A,
     FEATURE_B,
     FIRST,
+    GAP,
     KIND,
     NONE,
+    NORMAL_3,
     PART_A,
     PART_B,
+    PLACE_3,
+    PLANE_NORMAL_3,
+    PLANE_TANGENT_3,
+    POINT_3,
+    SIZE,
+    TANGENT_3,
     VERTEX_A,
     VERTEX_B,
     A,
@@ -88,6 +99,7 @@ from drystone.kernels.overlap import (
     n_spread,
     name_corners,
     scale,
+    sort_corners,
     spread,
     width_of,
 )
@@ -99,11 +111,6 @@ from drystone.kernels.separation import (
     nearest_edges,
 )
 
-#: Columns of `Slots.value` in space.  Of vectors the first of their columns.
-GAP, SIZE, NORMAL, TANGENT, ARM_A, ARM_B = 0, 1, 2, 5, 8, 11
-LOCAL_POINT, LOCAL_PLACE, LOCAL_NORMAL, LOCAL_TANGENT, BALL = 14, 17, 20, 23, 26
-N_VALUES = 27
-
 #: The area of an interface is at least this share of its smaller face.
 LEAST_SHARE = 0.01
 
@@ -113,9 +120,6 @@ HELD = 1e-3
 
 #: Edges count where they separate the parts by this share of their size more than faces do.
 MARGIN = 1e-2
-
-#: A history goes on at a point no farther than this share of the interface's width.
-NEAR = 0.35
 
 #: An incident face with a cosine below this to the reference face is seen edge on.
 EDGE_ON = 0.05
@@ -242,25 +246,25 @@ def _evaluate(centroid, radius, turn, pose, which, value, k, a, b, part_a, part_
         v, f, sign = b, a, 1.0
     else:
         v, f, sign = a, b, -1.0
-    _turned(turn, v, value, k, LOCAL_POINT, at_point)
-    _turned(turn, f, value, k, LOCAL_PLACE, at_place)
-    _turned(turn, f, value, k, LOCAL_NORMAL, at_normal)
-    designed, moved, ball = 0.0, 0.0, value[k, BALL]
+    _turned(turn, v, value, k, POINT_3, at_point)
+    _turned(turn, f, value, k, PLACE_3, at_place)
+    _turned(turn, f, value, k, PLANE_NORMAL_3, at_normal)
+    designed, moved, ball = 0.0, 0.0, value[k, BALL_3]
     for i in range(3):
-        before = value[k, LOCAL_NORMAL + i]
+        before = value[k, PLANE_NORMAL_3 + i]
         now = before + at_normal[i]
-        d = centroid[v, i] - centroid[f, i] + (value[k, LOCAL_POINT + i] - value[k, LOCAL_PLACE + i])
+        d = centroid[v, i] - centroid[f, i] + (value[k, POINT_3 + i] - value[k, PLACE_3 + i])
         designed += before * d
         moved += at_normal[i] * d + now * (pose[v, i] - pose[f, i] + (at_point[i] - at_place[i]))
-        value[k, NORMAL + i] = sign * now
-        arm = value[k, LOCAL_POINT + i] + at_point[i] - ball * now
+        value[k, NORMAL_3 + i] = sign * now
+        arm = value[k, POINT_3 + i] + at_point[i] - ball * now
         other = (centroid[v, i] - centroid[f, i]) + (pose[v, i] - pose[f, i]) + arm
-        value[k, ARM_B + i] = arm if v == b else other
-        value[k, ARM_A + i] = other if v == b else arm
+        value[k, ARM_B_3 + i] = arm if v == b else other
+        value[k, ARM_A_3 + i] = other if v == b else arm
     value[k, GAP] = (designed - radius[part_a] - radius[part_b]) + moved
-    _turned(turn, f, value, k, LOCAL_TANGENT, at_point)
+    _turned(turn, f, value, k, PLANE_TANGENT_3, at_point)
     for i in range(3):
-        value[k, TANGENT + i] = value[k, LOCAL_TANGENT + i] + at_point[i]
+        value[k, TANGENT_3 + i] = value[k, PLANE_TANGENT_3 + i] + at_point[i]
 
 
 @njit(cache=True)
@@ -303,7 +307,8 @@ def _overlap(reference, incident, m, n, near, polygon, name):
     if count > 0:
         short = max(MERGE * width_of(area, perimeter), near)
         name_corners(polygon[half], name[half], count, incident, m, reference, n, near)
-        count = merge_corners(polygon[half], name[half], count, short)
+        count = merge_corners(polygon[half], name[half], count, short, near)
+        half = sort_corners(polygon, name, half, count)
     return half, count, area, cx, cy
 
 
@@ -329,7 +334,7 @@ def _on_face(ring, corner, local, face, incident, m, x, y, value, k):
     v2 = _vertex(ring, corner, face, j, True)
     for c in range(3):
         along = s * (local[v1, c] - local[v0, c]) + t * (local[v2, c] - local[v0, c])
-        value[k, LOCAL_POINT + c] = local[v0, c] + along
+        value[k, POINT_3 + c] = local[v0, c] + along
 
 
 @njit(cache=True)
@@ -382,13 +387,13 @@ def _write_points(
         value[k, SIZE] = weight[i]
         origin = corner[ring[carrier], 0]
         for c in range(3):
-            value[k, LOCAL_PLACE + c] = local[origin, c]
-            value[k, LOCAL_NORMAL + c] = plane[carrier, c]
-            value[k, LOCAL_TANGENT + c] = plane[carrier, 3 + c]
+            value[k, PLACE_3 + c] = local[origin, c]
+            value[k, PLANE_NORMAL_3 + c] = plane[carrier, c]
+            value[k, PLANE_TANGENT_3 + c] = plane[carrier, 3 + c]
         if type_ == VERTEX_P or type_ == VERTEX_Q:
             v = on_p if swapped else on_q
             for c in range(3):
-                value[k, LOCAL_POINT + c] = local[v, c]
+                value[k, POINT_3 + c] = local[v, c]
         elif type_ == CROSSING:
             j = mark[i, OF_Q]
             after = j + 1 if j + 1 < m else 0
@@ -398,7 +403,7 @@ def _write_points(
             v = _vertex(ring, corner, face_q, j, True)
             w = _vertex(ring, corner, face_q, after, True)
             for c in range(3):
-                value[k, LOCAL_POINT + c] = local[v, c] + share * (local[w, c] - local[v, c])
+                value[k, POINT_3 + c] = local[v, c] + share * (local[w, c] - local[v, c])
         else:
             x, y = polygon[i, 0], polygon[i, 1]
             _on_face(ring, corner, local, face_q, incident, m, x, y, value, k)
@@ -456,19 +461,19 @@ def _edge_point(
     value[k, SIZE] = LEAST_SHARE * min(extent[face_a, 0], extent[face_b, 0])
     a0, a1, b0, b1 = edge[edge_a, 0], edge[edge_a, 1], edge[edge_b, 0], edge[edge_b, 1]
     for c in range(3):
-        value[k, LOCAL_PLACE + c] = local[a0, c] + shares[0] * (local[a1, c] - local[a0, c])
-        value[k, LOCAL_POINT + c] = local[b0, c] + shares[1] * (local[b1, c] - local[b0, c])
+        value[k, PLACE_3 + c] = local[a0, c] + shares[0] * (local[a1, c] - local[a0, c])
+        value[k, POINT_3 + c] = local[b0, c] + shares[1] * (local[b1, c] - local[b0, c])
         back = axis[c]
         for i in range(3):
             back += turn[body_a, i, c] * axis[i]
-        value[k, LOCAL_NORMAL + c] = back
+        value[k, PLANE_NORMAL_3 + c] = back
     # A tangent: of the edge of a and the first tangent of its face, what is farther off the normal.
     best = -1.0
     for trial in range(2):
         along, size = 0.0, 0.0
         for c in range(3):
             t = local[a1, c] - local[a0, c] if trial == 0 else plane[face_a, 3 + c]
-            along += t * value[k, LOCAL_NORMAL + c]
+            along += t * value[k, PLANE_NORMAL_3 + c]
             size += t * t
         off = 1.0 - along * along / size
         if off <= best:
@@ -476,8 +481,8 @@ def _edge_point(
         best = off
         for c in range(3):
             t = local[a1, c] - local[a0, c] if trial == 0 else plane[face_a, 3 + c]
-            t -= along * value[k, LOCAL_NORMAL + c]
-            value[k, LOCAL_TANGENT + c] = t / np.sqrt(size * off)
+            t -= along * value[k, PLANE_NORMAL_3 + c]
+            value[k, PLANE_TANGENT_3 + c] = t / np.sqrt(size * off)
 
 
 # Long: the phases of one pair, with the arrays they take, one by one (many: for records that are
@@ -550,7 +555,7 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
                 point, mark, weight, tangents,
             )  # fmt: skip
             for k in range(begin, stop):
-                value[k, BALL] = radius[q] if which[k, KIND] == VERTEX_B else radius[p]
+                value[k, BALL_3] = radius[q] if which[k, KIND] == VERTEX_B else radius[p]
                 _evaluate(centroid, radius, turn, pose, which, value, k, a, b, p, q, work)
                 least = min(least, value[k, GAP])
             if stop > begin:
@@ -558,7 +563,9 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
         face_a, face_b = (face_p, face_q) if p_is_a else (face_q, face_p)
         if least > best - radii + slack and (radii > 0.0 or cosine > -1.0 + HELD * HELD):
             edge_a, edge_b, across = best_edges(first, edge, vertex, normal, p, q, work)
-            found = across > best + MARGIN * min(size[p], size[q]) and across <= limit
+            margin = MARGIN * min(size[p], size[q])
+            found = (across > best + margin or least + radii > across + margin) and across <= limit
+            found = found and edge_a >= 0 and across > -np.inf
             if not found and radii > 0.0:
                 edge_a, edge_b, across = nearest_edges(first, edge, vertex, p, q, work)
                 found = slack < across <= limit and across - radii < least - slack
@@ -569,7 +576,7 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
                     local, edge, plane, extent, turn, a, begin, (edge_a, edge_b),
                     (face_a, face_b), which, value, work[0], work[1],
                 )  # fmt: skip
-                value[begin, BALL] = radius[q]
+                value[begin, BALL_3] = radius[q]
                 stop = begin + 1
                 _evaluate(centroid, radius, turn, pose, which, value, begin, a, b, p, q, work)
         for k in range(begin, stop):
@@ -607,7 +614,7 @@ def follow(shapes, pose, world, pairs, known, slots):
             value[k, GAP] = np.inf
             continue
         value[k, SIZE] = known_value[k, SIZE]
-        for c in range(LOCAL_POINT, BALL + 1):
+        for c in range(POINT_3, BALL_3 + 1):
             value[k, c] = known_value[k, c]
         i = pair[k]
         a, b, p, q = of_pair[i, A], of_pair[i, B], of_pair[i, PART_A], of_pair[i, PART_B]

@@ -167,8 +167,17 @@ def _worse(name, i, j):
 
 
 @njit(cache=True)
-def merge_corners(corner, name, count, short):
-    """Step 2 of the module's; returns how many corners remain."""
+def _drop(corner, name, count, gone):
+    """Take one corner out of a list."""
+    for i in range(gone, count - 1):
+        corner[i, 0], corner[i, 1] = corner[i + 1, 0], corner[i + 1, 1]
+        for c in range(4):
+            name[i, c] = name[i + 1, c]
+
+
+@njit(cache=True)
+def merge_corners(corner, name, count, short, near):
+    """Steps 2 and 3 of the module's; returns how many corners remain."""
     while count > 1:
         shortest, at = short * short, -1
         for i in range(count):
@@ -179,17 +188,42 @@ def merge_corners(corner, name, count, short):
         if at < 0:
             break
         after = at + 1 if at + 1 < count else 0
-        if _worse(name, at, after):
-            gone = at
-        else:
+        gone = at
+        if not _worse(name, at, after):
             gone = after
             name[at, LEAVES] = name[after, LEAVES]
-        for i in range(gone, count - 1):
-            corner[i, 0], corner[i, 1] = corner[i + 1, 0], corner[i + 1, 1]
-            for c in range(4):
-                name[i, c] = name[i + 1, c]
+        _drop(corner, name, count, gone)
         count -= 1
+    i = 0
+    while i < count and count > 3:
+        before, after = i - 1 if i > 0 else count - 1, i + 1 if i + 1 < count else 0
+        ux, uy = corner[after, 0] - corner[before, 0], corner[after, 1] - corner[before, 1]
+        dx, dy = corner[i, 0] - corner[before, 0], corner[i, 1] - corner[before, 1]
+        off = abs(ux * dy - uy * dx)
+        if name[i, TYPE] == CROSSING and off <= near * np.sqrt(ux * ux + uy * uy):
+            _drop(corner, name, count, i)
+            count -= 1
+        else:
+            i += 1
     return count
+
+
+@njit(cache=True)
+def sort_corners(corner, name, half, count):
+    """Begin the list with the corner that is defined best; returns the half that holds it then."""
+    start = 0
+    for i in range(1, count):
+        if _worse(name[half], start, i):
+            start = i
+    if start == 0:
+        return half
+    other = 1 - half
+    for i in range(count):
+        j = i + start if i + start < count else i + start - count
+        corner[other, i, 0], corner[other, i, 1] = corner[half, j, 0], corner[half, j, 1]
+        for c in range(4):
+            name[other, i, c] = name[half, j, c]
+    return other
 
 
 @njit(cache=True)
