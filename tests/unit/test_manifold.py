@@ -322,11 +322,11 @@ def brute_area(scene, slots):
 class TestRandomPairs:
     """Convex solids that press on each other, or all but touch, by any of their features."""
 
-    @pytest.mark.parametrize("block", range(5))
+    @pytest.mark.parametrize("block", range(2))
     def test_gaps_equal_brute_force(self, block):
         """Each is the distance of its point from its plane, and the smallest that of the solids."""
         seen = set()
-        for scene, slots in in_contact(20, 100 * block):
+        for scene, slots in in_contact(12, 100 * block):
             shapes, value = scene.shapes, slots.value
             for i in used(slots):
                 b_is_v = slots.kind[i] == VERTEX_B
@@ -350,20 +350,20 @@ class TestRandomPairs:
             assert abs(slots.gap[used(slots)].min() - best) <= margin
         assert seen == {True, False}
 
-    @pytest.mark.parametrize("block", range(5))
+    @pytest.mark.parametrize("block", range(2))
     def test_areas_add_up_to_the_overlap(self, block):
-        for scene, slots in in_contact(20, 1000 + 100 * block, reach=np.inf):
+        for scene, slots in in_contact(12, 1000 + 100 * block, reach=np.inf):
             if not crossing_edges(scene, slots):
                 assert slots.size[used(slots)].sum() == pytest.approx(
                     brute_area(scene, slots), rel=1e-9
                 )
 
-    @pytest.mark.parametrize("block", range(5))
+    @pytest.mark.parametrize("block", range(2))
     @pytest.mark.parametrize("radius", [0.0, 0.02])
     def test_gradients_equal_central_differences(self, block, radius):
         # The error of a central difference is some h^2 + rounding / h.
         h = 1e-5
-        for scene, slots in in_contact(8, 2000 + 100 * block, radius=radius):
+        for scene, slots in in_contact(4, 2000 + 100 * block, radius=radius):
             rng = np.random.default_rng(block)
             pose = moved(scene.pose, 0.1 * rng.normal(size=(2, 6)), scene.axes)
             now = scene.follow(slots, pose)
@@ -395,7 +395,7 @@ class TestRandomPairs:
 
     def test_forces_balance(self):
         """What acts on a acts on b, reversed, in force and in moment about the origin."""
-        for scene, slots in in_contact(30, 3000):
+        for scene, slots in in_contact(8, 3000):
             pose = moved(scene.pose, 0.1 * np.ones((2, 6)), scene.axes)
             slots = scene.follow(slots, pose)
             rows = scene.rows(slots)
@@ -409,7 +409,7 @@ class TestRandomPairs:
                     assert total == pytest.approx(0.0, abs=ROUNDING)
 
     def test_a_motion_of_the_whole_changes_nothing(self):
-        for i, (scene, slots) in enumerate(in_contact(60, 4000, points=9)):
+        for i, (scene, slots) in enumerate(in_contact(8, 4000, points=9)):
             rng = np.random.default_rng(i)
             vector, shift = rng.normal(size=3), rng.uniform(-5, 5, 3)
             turn = rotation(vector)
@@ -428,7 +428,7 @@ class TestRandomPairs:
             assert after.tangents[k] == pytest.approx(slots.tangents[k] @ turn.T, abs=1e-9)
 
     def test_following_to_the_same_pose_is_finding(self):
-        for scene, slots in in_contact(20, 5000):
+        for scene, slots in in_contact(6, 5000):
             after = scene.follow(slots, scene.pose)
             k = used(slots)
             assert np.array_equal(after.value[k], slots.value[k])
@@ -594,7 +594,7 @@ class TestTilted:
 class TestRounded:
     @pytest.mark.parametrize("radius", [0.01, 0.05])
     def test_gaps_are_less_by_both_radii(self, radius):
-        for seed in range(10):
+        for seed in range(5):
             sharp, round_ = (
                 random_scene(np.random.default_rng(seed), radius=r) for r in (0, radius)
             )
@@ -683,7 +683,7 @@ class TestBroadPhase:
 def test_edges_that_cross_separate_as_brute_force_says():
     """Where edges count, no other axis says more, and all the others are not missed."""
     found = 0
-    for seed in range(40):
+    for seed in range(16):
         scene = random_scene(np.random.default_rng(7000 + seed))
         (p, faces_p), (q, faces_q) = scene.solids
         best, of_p, of_q = brute_separation(p, faces_p, q, faces_q)
@@ -697,4 +697,4 @@ def test_edges_that_cross_separate_as_brute_force_says():
             found += 1
         elif across > -np.inf:
             assert across <= best + 1e-9
-    assert found > 10
+    assert found > 3

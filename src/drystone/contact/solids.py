@@ -25,7 +25,8 @@ def _topology(faces: Faces) -> tuple[IntArray, IntArray, IntArray]:
     """
     count = np.array([len(face) for face in faces])
     edge_of: dict[tuple[int, int], int] = {}
-    edges, corners = [], []
+    edges: list[list[int]] = []
+    corners = []
     for f, face in enumerate(faces):
         for i, j in pairwise((*face, face[0])):
             if (j, i) in edge_of:
@@ -36,6 +37,25 @@ def _topology(faces: Faces) -> tuple[IntArray, IntArray, IntArray]:
                 edges.append([i, j, f, f])
             corners.append((i, j, edge))
     return count, np.array(corners), np.array(edges)
+
+
+def _planes(local: Array, ring: IntArray, corner: IntArray) -> tuple[Array, Array, Array]:
+    """Outward normal times area, first tangent, and area and width of each face.
+
+    ``corner`` (k, 2) holds the vertex of each corner and the next one.
+    """
+    owner = np.repeat(np.arange(len(ring) - 1), np.diff(ring))
+    start = local[corner[ring[:-1], 0]]
+    here, after = local[corner[:, 0]], local[corner[:, 1]]
+    swept = np.cross(here - start[owner], after - start[owner])
+    swept = 0.5 * np.add.reduceat(swept, ring[:-1], axis=0)
+    area = np.linalg.norm(swept, axis=1)
+    perimeter = np.add.reduceat(np.linalg.norm(after - here, axis=1), ring[:-1])
+    normal = swept / area[:, None]
+    tangent = after[ring[:-1]] - start
+    tangent -= np.einsum("ij,ij->i", tangent, normal)[:, None] * normal
+    tangent /= np.linalg.norm(tangent, axis=1)[:, None]
+    return swept, tangent, np.column_stack((area, 4.0 * area / perimeter))
 
 
 def pack(
@@ -77,19 +97,9 @@ def pack(
     edge = np.vstack(
         [edges + (v, v, f, f) for (v, f, _), (_, _, edges) in zip(first, topology, strict=False)]
     )
-    owner = np.repeat(np.arange(len(count)), count)
+    swept, tangent, extent = _planes(local, ring, corner[:, :2])
+    area = extent[:, 0]
     start = local[corner[ring[:-1], 0]]
-    here, after = local[corner[:, 0]], local[corner[:, 1]]
-    swept = 0.5 * np.add.reduceat(
-        np.cross(here - start[owner], after - start[owner]), ring[:-1], axis=0
-    )
-    area = np.linalg.norm(swept, axis=1)
-    side = np.linalg.norm(after - here, axis=1)
-    perimeter = np.add.reduceat(side, ring[:-1])
-    normal = swept / area[:, None]
-    tangent = after[ring[:-1]] - start
-    tangent -= np.einsum("ij,ij->i", tangent, normal)[:, None] * normal
-    tangent /= np.linalg.norm(tangent, axis=1)[:, None]
     volume = np.add.reduceat(np.einsum("ij,ij->i", swept, start), first[:-1, 1]) / 3.0
     return Shapes(
         centroid=np.ascontiguousarray(centroid, dtype=np.float64),
@@ -101,7 +111,7 @@ def pack(
         local=local,
         ring=ring,
         corner=np.ascontiguousarray(corner[:, (0, 2)]),
-        plane=np.ascontiguousarray(np.hstack((normal, tangent))),
-        extent=np.column_stack((area, 4.0 * area / perimeter)),
+        plane=np.ascontiguousarray(np.hstack((swept / area[:, None], tangent))),
+        extent=extent,
         edge=np.ascontiguousarray(edge),
     )
