@@ -118,7 +118,7 @@ class Shapes:
     offset: IntArray  # (n_parts + 1,)
     vertices: Array  # (n_vertices, dim) m, core vertices relative to the block's centroid
     radius: Array  # (n_parts,) m
-    setback: Array  # (n_vertices, 2) m, see `polygon.Core`; (0, 2) in space
+    setback: Array  # m, see `polygon.Core` (n_vertices, 2), `cores.SolidCore` (n_corners,)
     faces: Polyhedra | None  # of space: the cores, relative to their block's centroid
 
     @classmethod
@@ -127,12 +127,11 @@ class Shapes:
         parts = [core for own in cores for core in own]
         body = np.repeat(np.arange(len(cores)), [len(own) for own in cores])
         vertices = [core.vertices - centroid[i] for core, i in zip(parts, body, strict=True)]
-        faces, setback = None, np.zeros((0, 2))
+        faces = None
+        setback = np.concatenate([core.setback for core in parts])
         if centroid.shape[1] == 3:
             rows = iter(vertices)
             faces = Polyhedra.pack([[(next(rows), core.faces) for core in own] for own in cores])
-        else:
-            setback = np.vstack([core.setback for core in parts])
         return cls(
             body=body,
             offset=np.cumsum([0] + [len(core.vertices) for core in parts]).astype(np.int64),

@@ -79,7 +79,8 @@ class Scene:
         centroid = np.array([vertices.mean(axis=0) for vertices, _ in solids])
         cores = [(v - c, faces) for (v, faces), c in zip(solids, centroid, strict=True)]
         self.axes = np.tile(np.eye(3), (n, 1, 1)) if axes is None else axes
-        self.shapes = pack(cores, np.arange(n), np.full(n, radius), centroid, self.axes)
+        untreated = np.zeros(sum(len(face) for _, faces in cores for face in faces))
+        self.shapes = pack(cores, np.arange(n), np.full(n, radius), untreated, centroid, self.axes)
         self.world = manifold.World.of(self.shapes)
         self.pose = rest(n, 3)
         a, b = np.triu_indices(n, 1)

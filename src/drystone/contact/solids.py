@@ -62,6 +62,7 @@ def pack(
     cores: Sequence[tuple[Array, Faces]],
     of_part: IntArray,
     radius: Array,
+    setback: Array,
     centroid: Array,
     axes: Array,
 ) -> Shapes:
@@ -76,6 +77,8 @@ def pack(
         Body of each part, (n_parts,).
     radius
         By which the surface lies outside the core, (n_parts,) [m].
+    setback
+        By how much the sides of faces lie inside of the designed ones, (n_corners,) [m].
     centroid
         Of the bodies as designed, (n, 3) [m].
     axes
@@ -111,6 +114,7 @@ def pack(
         local=local,
         ring=ring,
         corner=np.ascontiguousarray(corner[:, (0, 2)]),
+        setback=np.ascontiguousarray(setback, dtype=np.float64),
         plane=np.ascontiguousarray(np.hstack((swept / area[:, None], tangent))),
         extent=extent,
         edge=np.ascontiguousarray(edge),

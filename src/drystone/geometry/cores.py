@@ -31,13 +31,18 @@ class SolidCore:
     vertices: Array  # (n, 3) m
     faces: Faces
     origin: IntArray  # (n_faces,) the solid's face that each lies on or behind; -1: a cut edge
+    setback: Array  # (n_corners,) m, by how much each side of each face lies inside of that face's
     radius: float  # m
 
 
 def sharp_solid(vertices: Array, faces: Faces) -> SolidCore:
     """The solid itself."""
     return SolidCore(
-        vertices=vertices.copy(), faces=faces, origin=np.arange(len(faces)), radius=0.0
+        vertices=vertices.copy(),
+        faces=faces,
+        origin=np.arange(len(faces)),
+        setback=np.zeros(sum(map(len, faces))),
+        radius=0.0,
     )
 
 
@@ -52,15 +57,14 @@ def rounded_solid(
     back = np.full(len(faces), radius) if seam is None else np.where(seam, 0.0, radius)
     core = _same_faces(vertices, faces, normal, back)
     if core is not None:
-        origin = np.arange(len(faces))
-        return SolidCore(vertices=core, faces=faces, origin=origin, radius=radius)
+        return _cored(vertices, faces, core, faces, np.arange(len(faces)), radius)
     points, cell = cell_of(vertices, faces)
     on = vertices[[face[0] for face in faces]] - back[:, None] * normal
     planes = np.hstack((normal, on)).tolist()
     cuts = [(planes[i], i) for i in np.flatnonzero(back > 0.0).tolist()]
     left = _cut(points, cell, cuts, DEGENERATE * size_of(vertices))
     _check_faces(left, faces, f"the corner radius {radius:g} m", "take a smaller radius")
-    return _core_of(points, left, radius)
+    return _cored(vertices, faces, *_taken(points, left), radius)
 
 
 def chamfered_solid(
@@ -93,7 +97,7 @@ def chamfered_solid(
         cuts = [(plane, -1) for plane in planes.tolist()]
     left = _cut(points, cell, cuts, DEGENERATE * size_of(vertices))
     _check_faces(left, faces, f"the chamfer of {leg:g} m", "take a smaller chamfer")
-    return _core_of(points, left, 0.0)
+    return _cored(vertices, faces, *_taken(points, left), 0.0)
 
 
 def _same_faces(vertices: Array, faces: Faces, normal: Array, back: Array) -> Array | None:
@@ -143,10 +147,34 @@ def _check_faces(cell: Cell | None, faces: Faces, what: str, mend: str) -> None:
         raise GeometryError(f"{what} leaves nothing of face {gone[0] + 1} [{names}]: {mend}")
 
 
-def _core_of(points: list[Point], cell: Cell | None, radius: float) -> SolidCore:
+def _taken(points: list[Point], cell: Cell | None) -> tuple[Array, Faces, IntArray]:
+    """Vertices, faces and origins of what is left."""
     assert cell is not None  # a cell with nothing left has lost its faces
     vertices, faces = packed(points, cell)
-    return SolidCore(vertices=vertices, faces=faces, origin=np.array(cell.tags), radius=radius)
+    return vertices, faces, np.array(cell.tags)
+
+
+def _cored(
+    vertices: Array, faces: Faces, core: Array, left: Faces, origin: IntArray, radius: float
+) -> SolidCore:
+    """The core, with faces ``left``, of a solid; and how far their sides lie inside the solid's."""
+    setback, k = np.zeros(sum(map(len, left))), 0
+    normals, _ = face_planes(core, left)
+    for face, normal, whole in zip(left, normals, origin.tolist(), strict=True):
+        if whole >= 0:
+            start, outline = core[list(face)], vertices[list(faces[whole])]
+            outward = _across(np.concatenate((start[1:], start[:1])) - start, normal)
+            outward /= np.sqrt((outward * outward).sum(axis=1))[:, None]
+            reach = (outline @ outward.T).max(axis=0) - (start * outward).sum(axis=1)
+            setback[k : k + len(face)] = np.maximum(reach, 0.0)
+        k += len(face)
+    return SolidCore(vertices=core, faces=left, origin=origin, setback=setback, radius=radius)
+
+
+def _across(rows: Array, normal: Array) -> Array:
+    """Vectors (n, 3) x one: `np.cross` in a tenth of its time."""
+    x, y, z = normal.tolist()
+    return rows @ np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 # --- parts of concave blocks in the plane -----------------------------------------------------

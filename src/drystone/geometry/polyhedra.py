@@ -51,6 +51,16 @@ class Polyhedra:
             body=np.repeat(np.arange(len(listed)), [len(parts) for parts in listed]),
         )
 
+    def faces_of_parts(self) -> list[tuple[tuple[int, ...], ...]]:
+        """The faces of each part, by rows of its own vertices."""
+        loops = [tuple(loop.tolist()) for loop in np.split(self.rows, self.face_offset[1:-1])]
+        firsts = self.offset[:-1].tolist()
+        spans = zip(self.part_faces[:-1], self.part_faces[1:], firsts, strict=True)
+        return [
+            tuple(tuple(row - first for row in loop) for loop in loops[begin:end])
+            for begin, end, first in spans
+        ]
+
     @cached_property
     def following(self) -> IntArray:
         """Row of the vertex at which each edge ends, (n_edges,) into `vertices`."""

@@ -101,9 +101,21 @@ class Start(NamedTuple):
 @njit(cache=True)
 def pack(slots, pairs, laws, thickness, contacts):
     """Fill ``contacts`` from the slots in use, but for what the last step did; their number."""
+    count = pack_laws(slots, pairs, laws, thickness, contacts)
+    which, rows, value = contacts.which, contacts.rows, slots.value
+    for c in range(count):
+        gradients(value, which[c, SLOT], rows, c)
+        for i in range(2 * N_DOF):
+            rows[c, MEASURED, i] = rows[c, OF_SLIP, i]
+    return count
+
+
+@njit(cache=True)
+def pack_laws(slots, pairs, laws, thickness, contacts):
+    """The same but for the gradients, in both dimensions; in space ``thickness`` is one."""
     meets, value = slots
     pair, of_pair = pairs.of_slot, pairs.which
-    which, rows, table = contacts
+    which, table = contacts.which, contacts.table
     count = 0
     for k in range(meets.shape[0]):
         if meets[k, KIND] == NONE:
@@ -114,9 +126,6 @@ def pack(slots, pairs, laws, thickness, contacts):
         law, area = of_pair[p, LAW], value[k, SIZE] * thickness
         which[c, SLOT], which[c, PAIR] = k, p
         which[c, BODY_A], which[c, BODY_B] = of_pair[p, A], of_pair[p, B]
-        gradients(value, k, rows, c)
-        for i in range(2 * N_DOF):
-            rows[c, MEASURED, i] = rows[c, OF_SLIP, i]
         table[c, :] = 0.0
         table[c, STIFF_N], table[c, STIFF_T] = laws[law, KN] * area, laws[law, KS] * area
         table[c, FRICTION] = laws[law, MU]

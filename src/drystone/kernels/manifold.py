@@ -28,7 +28,8 @@ Which points there are
 The *reference* face is the one, of both parts, that separates them most; the face of the other part
 that is most opposed to it is the *incident* one.  Both are kept as long as they are nearly as good
 (HELD), so that a block that rests does not change them with every rounding error.  Their overlap,
-seen along the reference normal (see `overlap`), gives the points:
+seen along the reference normal (see `overlap`), gives the points, and its area, to which what
+treated edges take off the faces is added again:
 
     a vertex of the incident face              on the plane of the reference face
     a vertex of the reference face alone       on the plane of the incident face
@@ -101,6 +102,7 @@ from drystone.kernels.overlap import (
     scale,
     sort_corners,
     spread,
+    widened,
     width_of,
 )
 from drystone.kernels.separation import (
@@ -144,6 +146,7 @@ class Shapes(NamedTuple):
     local: Array  # (n_vertices, 3) m, relative to the body's centroid
     ring: IntArray  # (n_faces + 1,) first corner of each face
     corner: IntArray  # (n_corners, 2) vertex, and the edge from there to the next corner
+    setback: Array  # (n_corners,) m, by how much that edge lies inside of the designed face
     plane: Array  # (n_faces, 6) outward normal, and first tangent
     extent: Array  # (n_faces, 2) area [m2] and width [m]
     edge: IntArray  # (n_edges, 4) two vertices, two faces
@@ -414,8 +417,9 @@ def _write_points(
 # Many: arrays one by one, for records that are handed on count references at every pair.
 @njit(cache=True)
 def _face_points(
-    ring, corner, local, plane, edge, extent, turn, vertex, normal, of_part, face_p, face_q, part_p,
-    p_is_a, points, first, end, which, value, flat, polygon, name, point, mark, weight, tangents,
+    ring, corner, setback, local, plane, edge, extent, turn, vertex, normal, of_part, face_p,
+    face_q, part_p, p_is_a, points, first, end, which, value, flat, polygon, name, point, mark,
+    weight, tangents,
 ):  # fmt: skip
     """Points of the overlap of a reference face p and an incident face q; the slot behind them."""
     body = of_part[part_p]
@@ -436,6 +440,12 @@ def _face_points(
     cosine = 0.0
     for c in range(3):
         cosine -= normal[face_p, c] * normal[face_q, c]
+    if area > 0.0:
+        for i in range(count):
+            j = name[half, i, LEAVES]
+            at = ring[face_q] + (m - 2 - j) % m if j < m else ring[face_p] + j - m
+            weight[i] = setback[at]
+        area += widened(polygon[half], count, weight)
     n_points = n_spread(count, points if cosine > EDGE_ON and area > 0.0 else 4, end - first)
     spread(polygon[half], name[half], count, cx, cy, n_points, point, mark, weight)
     least = LEAST_SHARE * min(extent[face_p, 0], extent[face_q, 0])
@@ -491,6 +501,7 @@ def _edge_point(
 def _find(shapes, pose, world, of_pair, reach, points, which, value):
     centroid, of_part, radius, size = shapes.centroid, shapes.of_part, shapes.radius, shapes.size
     first, local, ring, corner = shapes.first, shapes.local, shapes.ring, shapes.corner
+    setback = shapes.setback
     plane, extent, edge = shapes.plane, shapes.extent, shapes.edge
     turn, vertex, normal = world.turn, world.vertex, world.normal
     most = 0
@@ -550,9 +561,9 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
                 if better > cosine + 2.0 * HELD:
                     face_q, cosine = trial, better
             stop = _face_points(
-                ring, corner, local, plane, edge, extent, turn, vertex, normal, of_part, face_p,
-                face_q, part_p, p_is_a, points, begin, end, which, value, flat, polygon, name,
-                point, mark, weight, tangents,
+                ring, corner, setback, local, plane, edge, extent, turn, vertex, normal, of_part,
+                face_p, face_q, part_p, p_is_a, points, begin, end, which, value, flat, polygon,
+                name, point, mark, weight, tangents,
             )  # fmt: skip
             for k in range(begin, stop):
                 value[k, BALL_3] = radius[q] if which[k, KIND] == VERTEX_B else radius[p]

@@ -73,6 +73,27 @@ def measure(corner, n):
 
 
 @njit(cache=True)
+def widened(corner, n, reach):
+    """What a polygon of n corners gains in area where its sides move out by ``reach`` (n,) [m2].
+
+    A corner goes to where both sides meet then; where these are nearly one, no farther than either.
+    """
+    gained = 0.0
+    for i in range(n):
+        before, after = (i - 1) % n, (i + 1) % n
+        ux, uy = corner[i, 0] - corner[before, 0], corner[i, 1] - corner[before, 1]
+        vx, vy = corner[after, 0] - corner[i, 0], corner[after, 1] - corner[i, 1]
+        u, v = np.sqrt(ux * ux + uy * uy), np.sqrt(vx * vx + vy * vy)
+        gained += v * reach[i]
+        sine, cosine = ux * vy - uy * vx, ux * vx + uy * vy
+        if sine > 1e-3 * u * v:
+            # Twice the kite between the corner, the feet on both sides and where these meet.
+            s, t = reach[before], reach[i]
+            gained += s * t * u * v / sine - 0.5 * (s * s + t * t) * cosine / sine
+    return max(gained, 0.0)
+
+
+@njit(cache=True)
 def clip(incident, m, reference, n, slack, corner, name):
     """What of the incident polygon (m corners) lies in the reference polygon (n corners).
 

@@ -8,7 +8,17 @@ from __future__ import annotations
 
 from numba import njit
 
-from drystone.kernels.contacts import ARM_A_3, ARM_B_3, KIND, NONE, NORMAL_3, TANGENT_3
+from drystone.kernels.contacts import (
+    ARM_A_3,
+    ARM_B_3,
+    BODY_A,
+    BODY_B,
+    KIND,
+    NONE,
+    NORMAL_3,
+    SLOT,
+    TANGENT_3,
+)
 
 
 @njit(cache=True)
@@ -49,3 +59,14 @@ def slot_rows_in_space(slots, of_slot, of_pair, axes, rows):
         if which[k, KIND] != NONE:
             i = of_slot[k]
             gradients_in_space(value, k, axes, of_pair[i, 0], of_pair[i, 1], rows, k)
+
+
+@njit(cache=True)
+def packed_rows_in_space(value, which, count, axes, rows):
+    """Gradients of contacts, packed, into ``rows`` (n, 5, 12): of gap and slips, and those by which
+    slips are measured."""
+    for c in range(count):
+        gradients_in_space(value, which[c, SLOT], axes, which[c, BODY_A], which[c, BODY_B], rows, c)
+        for i in range(12):
+            rows[c, 3, i] = rows[c, 1, i]
+            rows[c, 4, i] = rows[c, 2, i]
