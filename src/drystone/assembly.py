@@ -385,7 +385,7 @@ class Assembly:
     @cached_property
     def interfaces(self) -> Interfaces:
         """Joints as designed, those between two supports included."""
-        return Interfaces.of(self.outlines)
+        return Interfaces.of(self.outlines if self.dimension == 2 else self.polyhedra)
 
     def outline(self, i: int, pose: Array | None = None) -> Array:
         """Outline of block ``i`` [m] as designed, or moved to ``pose`` (n, n_dof)."""

@@ -33,7 +33,7 @@ def test_a_joint_is_what_both_faces_cover(angle):
     # Places of the order of 1 m, to some rounding errors.
     np.testing.assert_allclose(joints.normal[0], np.array([0.0, 1.0]) @ turn, atol=1e-14)
     # Block a to the left of the way along the points: from right to left on its upper face.
-    np.testing.assert_allclose(joints.points[0], np.array([[2, 1], [1.5, 1.0]]) @ turn, atol=1e-14)
+    np.testing.assert_allclose(joints.ends[0], np.array([[2, 1], [1.5, 1.0]]) @ turn, atol=1e-14)
     assert joints.size == pytest.approx([0.5], rel=1e-14)
 
 
@@ -55,7 +55,7 @@ def test_what_is_left_between_treated_corners():
     outlines = Outlines.pack([[rectangle(0, 0, 1, 0.4)], [rectangle(0.1, 0.4, 1, 0.5)]])
     joints = Interfaces.of(outlines)
     for back, left in ((0.03, [[0.97, 0.4], [0.13, 0.4]]), (0.46, None)):
-        points, length = joints.between_corners(outlines, np.full((8, 2), back))
-        assert length == pytest.approx([0.9 - 2 * back], abs=1e-14)
+        corners, offset = joints.between_edges(outlines, np.full((8, 2), back))
+        assert offset.tolist() == [0, 2 if left else 0]
         if left:
-            np.testing.assert_allclose(points[0], left, atol=1e-14)
+            np.testing.assert_allclose(corners, left, atol=1e-14)

@@ -1,4 +1,4 @@
-"""Limit analysis with associative flow: one linear program, exact from both sides.
+"""Limit analysis with associative flow: one program of cones, exact from both sides.
 
 The lower bound theorem: the largest multiplier under which forces within the joints' strength
 balance the loads,
@@ -10,8 +10,8 @@ its slip, and whose power balance gives the upper bound
 
     lambda = (D(u) - G.u) / F.u,      D = sum over contacts of (c + mu l) |v_t| - l v_n
 
-with l the normal force at which a contact gives way in tension.  Two further programs of the same
-kind tell what is the matter where there is no such multiplier: how much of the dead load alone can
+with l the normal force at which a contact gives way in tension.  In the plane, where t is a number,
+the program is linear; in space friction is a round cone.  Two further programs of the same kind tell what is the matter where there is no such multiplier: how much of the dead load alone can
 be carried (all of it, or the structure does not stand), and whether forces exist that carry the
 load pattern by itself (then friction locks the structure and no multiple of it brings it down).
 """
@@ -26,8 +26,9 @@ from scipy.sparse import csc_array, eye_array, hstack, vstack
 
 from drystone.limit import interior_point
 from drystone.limit.cones import Rays, least_normal, shear_strength
+from drystone.limit.cone_program import ConeProgram, force_program
 from drystone.limit.equilibrium import Equilibrium
-from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer, ForceProgram
+from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer
 
 Array = NDArray[np.float64]
 
@@ -46,11 +47,11 @@ def collapse(equilibrium: Equilibrium) -> Answer:
 
     Unbounded where friction locks the structure.
     """
-    large = equilibrium.assembly.n_blocks >= INTERIOR_POINT_FROM
+    large = _is_large(equilibrium)
     answer = _by_interior_point(equilibrium, equilibrium.live, -equilibrium.dead) if large else None
     if answer is None and not (large and is_locked(equilibrium)):
-        answer = _by_simplex(equilibrium, equilibrium.live, -equilibrium.dead)
-    if answer is None or (answer.status == UNBOUNDED and is_locked(equilibrium)):
+        answer = _by_program(equilibrium, equilibrium.live, -equilibrium.dead)
+    if answer is None or (answer.status != OPTIMAL and is_locked(equilibrium)):
         return _no_answer(equilibrium, UNBOUNDED)
     return answer if answer.status == OPTIMAL else _no_answer(equilibrium, FAILED)
 
@@ -68,6 +69,8 @@ def fall(equilibrium: Equilibrium) -> Array:
     need not fall does not move.  It is the dual of balancing the dead load with as little help
     from outside as possible.
     """
+    if equilibrium.points.dimension == 3:
+        return ConeProgram.of_strength(equilibrium).fall()
     rays = Rays.of(equilibrium)
     n_amounts, n_rows = rays.combination.shape[1], len(equilibrium.dead)
     n_shared = rays.sharing.shape[0]
@@ -128,7 +131,7 @@ def upper_bound(equilibrium: Equilibrium, velocity: Array) -> float:
     relative = equilibrium.relative(velocity)
     low = least_normal(equilibrium)
     strength = shear_strength(equilibrium, low)
-    dissipated = float(strength @ np.abs(relative[:, 1]) - low @ relative[:, 0])
+    dissipated = float(strength @ equilibrium.slip(relative) - low @ relative[:, 0])
     dead, live = float(equilibrium.dead @ velocity), float(equilibrium.live @ velocity)
     return (dissipated - dead) / live
 
@@ -140,7 +143,7 @@ def flow_violation(equilibrium: Equilibrium, velocity: Array, tangent: Array) ->
     """
     relative = equilibrium.relative(velocity)
     largest = float(np.abs(relative).max(initial=0.0))
-    missing = float((tangent * np.abs(relative[:, 1]) - relative[:, 0]).max(initial=0.0))
+    missing = float((tangent * equilibrium.slip(relative) - relative[:, 0]).max(initial=0.0))
     return missing / largest if largest > 0.0 else 0.0
 
 
@@ -152,7 +155,7 @@ def _no_answer(equilibrium: Equilibrium, status: str) -> Answer:
     return Answer(
         status=status,
         factor=np.inf if status == UNBOUNDED else np.nan,
-        forces=np.zeros((equilibrium.n_contacts, 2)),
+        forces=np.zeros((equilibrium.n_contacts, equilibrium.points.dimension)),
         velocity=np.zeros_like(equilibrium.dead),
         n_iterations=0,
     )
@@ -162,14 +165,20 @@ def _strongest(
     equilibrium: Equilibrium, column: Array, right: Array, *, recession: bool = False
 ) -> Answer:
     """Maximise s, at most 1, with B f + s column = right and the strength of the contacts."""
-    if equilibrium.assembly.n_blocks >= INTERIOR_POINT_FROM:
+    if _is_large(equilibrium):
         answer = _by_interior_point(equilibrium, column, right, largest=1.0, recession=recession)
         if answer is not None:
             return answer
-    return _by_simplex(equilibrium, column, right, largest=1.0, recession=recession)
+    return _by_program(equilibrium, column, right, largest=1.0, recession=recession)
 
 
-def _by_simplex(
+def _is_large(equilibrium: Equilibrium) -> bool:
+    """Whether it is a plane structure of so many blocks that the simplex method would be slow."""
+    n_blocks = equilibrium.assembly.n_blocks
+    return equilibrium.points.dimension == 2 and n_blocks >= INTERIOR_POINT_FROM
+
+
+def _by_program(
     equilibrium: Equilibrium,
     column: Array,
     right: Array,
@@ -178,7 +187,7 @@ def _by_simplex(
     recession: bool = False,
 ) -> Answer:
     nothing = np.zeros(equilibrium.n_contacts)
-    program = ForceProgram(
+    program = force_program(
         equilibrium,
         column=column,
         right=right,

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
+from drystone.geometry.motion import moved_points
 from drystone.limit import associative as bounds
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.non_associative import (
@@ -64,7 +65,8 @@ class Collapse:
     status: str
     reason: str
     velocities: Array
-    """Mechanism, (n, n_dof) [m, rad]: rates of motion; the fastest vertex has 1."""
+    """Mechanism, (n, n_dof) [m, rad]: rates of motion, in space with rotations about the axes of the
+    world; the fastest vertex has 1."""
     contacts: ContactForces | None
     """Forces at collapse, None where there is none."""
     moving: tuple[str, ...]
@@ -78,7 +80,7 @@ class Collapse:
     dilatancy_violation: float
     """Largest deviation from the flow rule where contacts slide, over the fastest contact."""
     n_iterations: int
-    """Linear programs (non-associative), else steps of one."""
+    """Programs (non-associative), else steps of one."""
     n_paths: int = 1
     """Paths that ended in a certified collapse state."""
 
@@ -151,7 +153,7 @@ def default_paths(assembly: Assembly) -> int:
     return FEW if assembly.n_blocks >= FEW_FROM else MANY
 
 
-NOT_SOLVED = "the linear program could not be solved: are blocks or strengths of extreme sizes?"
+NOT_SOLVED = "the program could not be solved: are blocks or strengths of extreme sizes?"
 LOCKED = (
     "no finite multiplier: the joints' friction alone can carry any multiple of the load in this "
     "direction"
@@ -271,7 +273,7 @@ def _flow_deviation(equilibrium: Equilibrium, state: State, tangent: Array) -> f
     """Largest closing, and at contacts that carry force also opening, off the flow rule."""
     relative = equilibrium.relative(state.velocity)
     largest = float(np.abs(relative).max(initial=0.0))
-    off = relative[:, 0] - tangent * np.abs(relative[:, 1])
+    off = relative[:, 0] - tangent * equilibrium.slip(relative)
     loaded = state.forces[:, 0] > NO_FORCE
     wrong = np.where(loaded, np.abs(off), np.maximum(-off, 0.0))
     return float(wrong.max(initial=0.0)) / largest if largest > 0.0 else 0.0
@@ -324,13 +326,13 @@ def _normalised(equilibrium: Equilibrium, velocity: Array) -> Array:
 
 
 def _speeds(assembly: Assembly, velocities: Array) -> Array:
-    """Speed of the fastest vertex of each plane block, (n,)."""
-    speeds = np.zeros(assembly.n_bodies)
-    for i, block in enumerate(assembly.blocks):
-        arm = block.vertices - assembly.centroid[i]
-        turn = velocities[i, 2] * np.column_stack((-arm[:, 1], arm[:, 0]))
-        speeds[i] = np.linalg.norm(velocities[i, :2] + turn, axis=1).max()
-    return speeds
+    """Speed of the fastest vertex of each block, (n,)."""
+    counts = np.array([len(block.vertices) for block in assembly.blocks])
+    owner = np.repeat(np.arange(assembly.n_bodies), counts)
+    arm = np.vstack([block.vertices for block in assembly.blocks]) - assembly.centroid[owner]
+    moved = moved_points(arm, owner, np.zeros_like(assembly.centroid), velocities, linear=True)
+    speeds = np.linalg.norm(moved - arm, axis=1)
+    return np.asarray(np.maximum.reduceat(speeds, np.cumsum(counts) - counts))
 
 
 def _moving(assembly: Assembly, velocities: Array, slowest: float = AT_REST) -> tuple[str, ...]:
@@ -343,8 +345,8 @@ def _contacts(equilibrium: Equilibrium, forces: Array, velocity: Array) -> Conta
     points = equilibrium.points
     relative = equilibrium.relative(velocity)
     largest = float(np.abs(relative).max(initial=0.0))
-    sliding = np.abs(relative[:, 1]) > AT_REST * largest
-    none = np.hypot(*forces.T) <= NO_FORCE
+    sliding = equilibrium.slip(relative) > AT_REST * largest
+    none = np.linalg.norm(forces, axis=1) <= NO_FORCE
     return ContactForces(
         block_a=points.block_a,
         block_b=points.block_b,

@@ -47,7 +47,8 @@ class Equilibrium:
         points = contact_points(assembly)
         force = assembly.heaviest_weight
         movable = np.flatnonzero(~assembly.fixed)
-        length = float(np.sqrt(assembly.volume[movable] / assembly.thickness).mean())
+        size = assembly.volume[movable] / assembly.thickness  # area in the plane, else volume
+        length = float((size ** (1.0 / assembly.dimension)).mean())
         scale = np.full(assembly.n_dof, 1.0 / force)
         scale[assembly.dimension :] /= length
         return cls(
@@ -75,6 +76,12 @@ class Equilibrium:
     def relative(self, velocity: Array) -> Array:
         """Velocities of b seen from a at the contacts, (n_contacts, dim), from scaled ones."""
         return (self.matrix.T @ velocity).reshape(self.n_contacts, -1)
+
+    def slip(self, relative: Array) -> Array:
+        """Size of the tangential part of relative velocities (n_contacts, dim), (n_contacts,)."""
+        if relative.shape[1] == 2:
+            return np.abs(relative[:, 1])
+        return np.asarray(np.linalg.norm(relative[:, 1:], axis=1))
 
     def block_velocities(self, velocity: Array) -> Array:
         """Scaled velocities (n_rows,) as those of all blocks, (n, n_dof) [m/s, rad/s]."""

@@ -1,8 +1,8 @@
-"""Joints of an assembly as designed, each reduced to contact points at its ends.
+"""Joints of an assembly as designed, each reduced to contact points at its corners.
 
-Limit analysis works in the designed shape: a joint is where edges of two blocks lie on each other,
-and all it can carry is carried by a force at either end.  Where corners are rounded or cut off the
-ends lie back from the corners, as far as the contact shapes reach.
+Limit analysis works in the designed shape: a joint is where faces of two blocks lie on each other,
+and all it can carry is carried by forces at its corners, in the plane at its two ends.  Where edges
+are rounded or cut off the corners lie back from them, as far as the contact shapes reach.
 """
 
 from __future__ import annotations
@@ -13,6 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
+from drystone.geometry.interfaces import corner_shares
+from drystone.geometry.outlines import Outlines
+from drystone.geometry.polyhedra import Polyhedra
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -43,18 +46,28 @@ class ContactPoints:
         return self.position.shape[1]
 
 
-def contact_points(assembly: Assembly) -> ContactPoints:
-    """The contact points of a plane assembly: two to a joint.
+def contact_points(assembly: Assembly, *, set_back: float | None = None) -> ContactPoints:
+    """The contact points of an assembly: the corners of its joints, in the plane two to a joint.
 
-    A joint so short that the treated corners leave nothing of it has none.
+    A joint so small that the treated corners leave nothing of it has none.
+
+    Parameters
+    ----------
+    set_back
+        How far from the edges of the faces the points lie [m], instead of where the treated corners
+        of the blocks leave them.
     """
     joints = assembly.interfaces
-    ends, left = joints.between_corners(assembly.outlines, outline_setbacks(assembly))
+    shapes, setback = _setbacks(assembly, set_back)
+    corners, offset = joints.between_edges(shapes, setback)
+    joint = np.repeat(np.arange(len(offset) - 1), np.diff(offset))
     still = assembly.fixed[joints.block_a] & assembly.fixed[joints.block_b]
-    two = np.repeat(np.flatnonzero(~still & (left > 0.0)), 2)
-    a, b, normal = joints.block_a[two], joints.block_b[two], joints.normal[two]
-    tangent = np.column_stack((normal[:, 1], -normal[:, 0]))
-    area = 0.5 * assembly.thickness * joints.size[two]
+    kept = np.flatnonzero(~still[joint])
+    row = joint[kept]
+    a, b, normal, tangent = (
+        values[row] for values in (joints.block_a, joints.block_b, joints.normal, joints.tangent)
+    )
+    area = assembly.thickness * joints.size[row] * corner_shares(corners, offset)[kept]
     laws = [
         (
             law.friction_coefficient,
@@ -65,17 +78,30 @@ def contact_points(assembly: Assembly) -> ContactPoints:
         for law in assembly.laws
     ]
     friction, dilatancy, cohesion, tension = np.array(laws)[assembly.law_index(a, b)].T
+    across = [np.cross(normal, tangent)] if assembly.dimension == 3 else []
     return ContactPoints(
         block_a=a,
         block_b=b,
-        position=ends[two[::2]].reshape(-1, 2),
-        frame=np.stack((normal, tangent), axis=1),
+        position=corners[kept],
+        frame=np.stack((normal, tangent, *across), axis=1),
         area=area,
         friction=friction,
         dilatancy=np.minimum(dilatancy, friction),
         cohesion=cohesion * area,
         tension=tension * area,
     )
+
+
+def _setbacks(assembly: Assembly, set_back: float | None) -> tuple[Outlines | Polyhedra, Array]:
+    """The designed shapes and how far their faces recede, see `Interfaces.between_edges`."""
+    if assembly.dimension == 3:
+        solids, corner = assembly.polyhedra, assembly.corner
+        if set_back is not None:
+            return solids, solids.setbacks(leg=set_back)
+        return solids, solids.setbacks(radius=corner.radius or 0.0, leg=corner.chamfer or 0.0)
+    if set_back is not None:
+        return assembly.outlines, np.full((len(assembly.outlines.vertices), 2), set_back)
+    return assembly.outlines, outline_setbacks(assembly)
 
 
 def outline_setbacks(assembly: Assembly) -> Array:

@@ -33,6 +33,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.limit.cone_program import ConeProgram, force_program
 from drystone.limit.cones import least_normal, shear_strength
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.program import OPTIMAL, UNBOUNDED, Answer, ForceProgram
@@ -80,7 +81,7 @@ class State:
 
     multiplier: float  # the lowest that the mechanism leaves open
     highest: float
-    forces: Array  # (n_contacts, 2) in units of force, at the lowest
+    forces: Array  # (n_contacts, dim) in units of force, at the lowest
     velocity: Array  # (n_rows,) scaled, F.u = 1
     n_iterations: int
 
@@ -115,7 +116,7 @@ def follow_paths(
     states: list[State] = []
     unbounded = failed = iterations = 0
     for start, beta in _starts(associative, resting, settings):
-        program = ForceProgram(
+        program = force_program(
             equilibrium,
             column=equilibrium.live,
             right=-equilibrium.dead,
@@ -159,7 +160,7 @@ def _starts(
 
 def _follow(
     equilibrium: Equilibrium,
-    program: ForceProgram,
+    program: ForceProgram | ConeProgram,
     slope: Array,
     start: Array,
     beta: float,
@@ -204,14 +205,17 @@ def _certify(
     )
 
 
-def compatible_forces(equilibrium: Equilibrium, velocity: Array, slope: Array) -> ForceProgram:
+def compatible_forces(
+    equilibrium: Equilibrium, velocity: Array, slope: Array
+) -> ForceProgram | ConeProgram:
     """The program of the forces that belong to a mechanism, in balance at any multiplier."""
     relative = equilibrium.relative(velocity)
     still = STILL * float(np.abs(relative).max(initial=0.0))
     low = least_normal(equilibrium)
-    slides = np.abs(relative[:, 1]) > still
-    opens = relative[:, 0] > slope * np.abs(relative[:, 1]) + still
-    program = ForceProgram(
+    slip = equilibrium.slip(relative)
+    slides = slip > still
+    opens = relative[:, 0] > slope * slip + still
+    program = force_program(
         equilibrium,
         column=equilibrium.live,
         right=-equilibrium.dead,
@@ -221,7 +225,7 @@ def compatible_forces(equilibrium: Equilibrium, velocity: Array, slope: Array) -
     program.limit_shear(equilibrium.cohesion)
     contact = np.flatnonzero(slides)
     # The force on b is against the velocity of b.
-    way = -np.sign(relative[contact, 1]).astype(np.int64)
+    way = -relative[contact, 1:] / slip[contact, None]
     program.slide(contact, way, equilibrium.cohesion[contact])
     contact = np.flatnonzero(opens)
     program.hold_normal(contact, low[contact])
@@ -230,7 +234,7 @@ def compatible_forces(equilibrium: Equilibrium, velocity: Array, slope: Array) -
 
 def strength_violation(equilibrium: Equilibrium, forces: Array) -> float:
     """Largest excess of contact forces over tension and friction, in units of force."""
-    normal, tangential = forces.T
+    normal, tangential = forces[:, 0], equilibrium.slip(forces)
     tension = least_normal(equilibrium) - normal
-    shear = np.abs(tangential) - shear_strength(equilibrium, normal)
+    shear = tangential - shear_strength(equilibrium, normal)
     return float(max(tension.max(initial=0.0), shear.max(initial=0.0)))

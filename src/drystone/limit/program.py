@@ -37,11 +37,11 @@ OPTIMAL, INFEASIBLE, UNBOUNDED, FAILED = "optimal", "infeasible", "unbounded", "
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """What came of one linear program."""
+    """What came of one program."""
 
     status: str  # one of the four above
     factor: float  # s
-    forces: Array  # (n_contacts, 2) in units of force
+    forces: Array  # (n_contacts, dim) in units of force
     velocity: Array  # (n_rows,) of the blocks, scaled: the dual values, with q.u = 1
     n_iterations: int
 
@@ -105,9 +105,9 @@ class ForceProgram:
         lower = np.full(len(rows), -self._high.kHighsInf)
         self._solver.changeRowsBounds(len(rows), rows, lower, np.repeat(intercept, 2))
 
-    def slide(self, contact: NDArray[np.int64], way: NDArray[np.int64], intercept: Array) -> None:
-        """Hold contacts at their limit: t = way (k + m n), for ways of 1 or -1 and limits k."""
-        rows = (self._n_rows + 2 * contact + (way < 0)).astype(np.int32)
+    def slide(self, contact: NDArray[np.int64], way: Array, intercept: Array) -> None:
+        """Hold contacts at their limit: t = way (k + m n), for ways (., 1) of 1 or -1, limits k."""
+        rows = (self._n_rows + 2 * contact + (way[:, 0] < 0.0)).astype(np.int32)
         self._solver.changeRowsBounds(len(rows), rows, intercept, intercept)
 
     def hold_normal(self, contact: NDArray[np.int64], normal: Array) -> None:

@@ -33,7 +33,7 @@ class Joints:
 
     def faces(self, pose: Array) -> tuple[Array, Array]:
         """Ends of each joint on block a and on block b in the poses, two (k, 2, 2) [m]."""
-        ends = self.designed.points
+        ends = self.designed.ends
         face_a, face_b = (
             moved_points(
                 ends.reshape(-1, 2), np.repeat(owner, 2), self.centroid, pose, linear=self.linear
