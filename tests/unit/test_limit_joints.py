@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from builders import rectangle
 from drystone.assembly import Assembly, Block, Corner, JointLaw
 from drystone.builders import coursed_wall
-from drystone.limit.equilibrium import Equilibrium, moments
+from drystone.geometry.motion import moments
+from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.joints import contact_points
 from drystone.loading import LoadPattern
 

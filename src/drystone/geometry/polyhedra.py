@@ -140,21 +140,22 @@ class Polyhedra:
         other = self.body[p] != self.body[q]
         return p[other], q[other]
 
-    def setbacks(self, *, radius: float = 0.0, leg: float = 0.0) -> Array:
-        """By how much faces recede from their edges where these are treated, (n_edges,) [m].
+    def setbacks(self, back: Array) -> Array:
+        """By how much faces recede from their edges where these are rounded, (n_edges,) [m].
 
-        ``radius`` [m] of rounded edges: r tan(a / 2), with a the angle by which the surface turns.
-        ``leg`` [m] of edges that are cut off, measured along both faces.
+        ``back`` (n_faces,) [m] is how far each face lies outside of the core: the radius, or 0
+        where the block goes on behind it.  Where the surface turns by the angle a, the edge of a
+        core's face lies r tan(a / 2) back along the face, and further by how much less the one
+        next to it is moved, over sin(a), less.
         """
-        if not radius:
-            return np.full(len(self.rows), leg)
         n = len(self.vertices)
         forward = self.rows * n + self.following
-        order = np.argsort(forward)
         backward = self.following * n + self.rows
+        order = np.argsort(forward)
         place = np.minimum(np.searchsorted(forward, backward, sorter=order), len(order) - 1)
-        twin = order[place]
-        one, other = self.normals[self.face_of_edge], self.normals[self.face_of_edge[twin]]
-        sine = np.linalg.norm(np.cross(one, other), axis=1)
-        back = radius * sine / (1.0 + np.sum(one * other, axis=1))
-        return np.asarray(np.where(forward[twin] == backward, back, 0.0))
+        own, other = self.face_of_edge, self.face_of_edge[order[place]]
+        sine = np.linalg.norm(np.cross(self.normals[own], self.normals[other]), axis=1)
+        cosine = np.sum(self.normals[own] * self.normals[other], axis=1)
+        away = np.zeros_like(sine)
+        np.divide(back[other] - back[own], sine, out=away, where=back[other] != back[own])
+        return np.asarray(np.maximum(back[own] * sine / (1.0 + cosine) + away, 0.0))

@@ -356,6 +356,7 @@ def _contacts(equilibrium: Equilibrium, forces: Array, velocity: Array) -> Conta
         area=points.area,
         normal_reaction=forces[:, 0] * equilibrium.force,
         tangential_reaction=forces[:, 1:] * equilibrium.force,
+        tangent=points.frame[:, 1] if points.dimension == 3 else np.zeros((len(forces), 0)),
         status=np.where(none, OPEN, np.where(sliding, SLIDING, STICKING)),
     )
 

@@ -16,6 +16,7 @@ from drystone.assembly import Assembly
 from drystone.geometry.interfaces import corner_shares
 from drystone.geometry.outlines import Outlines
 from drystone.geometry.polyhedra import Polyhedra
+from drystone.geometry.solid_parts import touched_edges
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -94,26 +95,52 @@ def contact_points(assembly: Assembly, *, set_back: float | None = None) -> Cont
 
 def _setbacks(assembly: Assembly, set_back: float | None) -> tuple[Outlines | Polyhedra, Array]:
     """The designed shapes and how far their faces recede, see `Interfaces.between_edges`."""
-    if assembly.dimension == 3:
-        solids, corner = assembly.polyhedra, assembly.corner
+    if assembly.dimension == 2:
+        outlines = assembly.outlines
         if set_back is not None:
-            return solids, solids.setbacks(leg=set_back)
-        return solids, solids.setbacks(radius=corner.radius or 0.0, leg=corner.chamfer or 0.0)
+            return outlines, np.full((len(outlines.vertices), 2), set_back)
+        return outlines, outline_setbacks(assembly)
+    solids, corner = assembly.polyhedra, assembly.corner
     if set_back is not None:
-        return assembly.outlines, np.full((len(assembly.outlines.vertices), 2), set_back)
-    return assembly.outlines, outline_setbacks(assembly)
+        return solids, np.full(len(solids.rows), set_back)
+    if corner.radius:
+        seam = np.concatenate([own for figure in assembly.figures for own in figure.seams])
+        return solids, solids.setbacks(np.where(seam, 0.0, corner.radius))
+    return solids, _cut_back(assembly, corner.chamfer or 0.0)
+
+
+def _cut_back(assembly: Assembly, leg: float) -> Array:
+    """How far faces recede from edges that are cut off, (n_edges,) [m]: nothing at seams."""
+    solids = assembly.polyhedra
+    setback = np.full(len(solids.rows), leg)
+    part = 0
+    for figure in assembly.figures:
+        several = len(figure.parts) > 1 and leg > 0.0
+        for uncut in touched_edges(figure.parts) if several else ():
+            edges = slice(*solids.face_offset[solids.part_faces[part : part + 2]])
+            first = solids.offset[part]
+            ends = np.stack((solids.rows[edges], solids.following[edges])) - first
+            named = zip(*np.sort(ends, axis=0).tolist(), strict=True)
+            setback[edges][[edge in uncut for edge in named]] = 0.0
+            part += 1
+        part += 0 if several else len(figure.parts)
+    return setback
 
 
 def outline_setbacks(assembly: Assembly) -> Array:
     """By how much the contact shape is shorter than each edge of the outlines at its two ends.
 
     (n_vertices, 2) [m], in the order of the outlines' vertices; a chamfer puts an edge of its own
-    after each edge of the outline, which is left out.
+    after an edge of the outline, which is left out.
     """
-    shapes = assembly.shapes
-    corners = np.array([len(block.vertices) for block in assembly.blocks])
-    per_corner = np.diff(shapes.offset) // corners
-    offset = np.cumsum(corners) - corners
-    edge = np.arange(corners.sum()) - np.repeat(offset, corners)
+    shapes, outlines = assembly.shapes, assembly.outlines
+    corners, rows = np.diff(outlines.offset), np.diff(shapes.offset)
+    per_corner = rows // corners
+    edge = np.arange(corners.sum()) - np.repeat(outlines.offset[:-1], corners)
     row = np.repeat(shapes.offset[:-1], corners) + np.repeat(per_corner, corners) * edge
+    for part in np.flatnonzero(rows % corners):  # some corners are cut off, others are not
+        at = shapes.offset[part]
+        for i in range(outlines.offset[part], outlines.offset[part + 1]):
+            row[i] = at
+            at += 2 if shapes.setback[at, 1] > 0.0 else 1
     return shapes.setback[row]
