@@ -133,7 +133,9 @@ def test_corners_go_round_the_normal():
 
 def test_shares_of_corners():
     """A quarter each in a rectangle, a third in a triangle, together one."""
-    corners = np.array([[0, 0, 0], [3, 0, 0], [3, 1, 0], [0, 1, 0], [0, 0, 1], [2, 0, 1], [0, 1, 1]])
+    corners = np.array(
+        [[0, 0, 0], [3, 0, 0], [3, 1, 0], [0, 1, 0], [0, 0, 1], [2, 0, 1], [0, 1, 1]]
+    )
     shares = corner_shares(corners.astype(float), np.array([0, 4, 4, 7]))
     np.testing.assert_allclose(shares, [0.25] * 4 + [1 / 3] * 3, rtol=EXACT)
     np.testing.assert_array_equal(corner_shares(np.zeros((4, 2)), np.array([0, 2, 4])), 0.5)

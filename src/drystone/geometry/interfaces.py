@@ -32,7 +32,9 @@ class Interfaces:
     block_b: IntArray  # (n,)
     face_a: IntArray  # (n,) row of the face among all; in the plane that of its first vertex
     face_b: IntArray  # (n,)
-    corners: Array  # (n_corners, dim) m, joint after joint, around the normal; of a segment its ends
+    corners: (
+        Array  # (n_corners, dim) m, joint after joint, around the normal; of a segment its ends
+    )
     offset: IntArray  # (n + 1,); joint j owns corners[offset[j]:offset[j + 1]]
     normal: Array  # (n, dim) from a to b; in the plane to the right of the way along the corners
     tangent: Array  # (n, dim) in face a and carried along with it; in the plane clockwise of normal
@@ -57,9 +59,7 @@ class Interfaces:
         """Row of the joint that each corner belongs to, (n_corners,)."""
         return np.repeat(np.arange(len(self.offset) - 1), np.diff(self.offset))
 
-    def between_edges(
-        self, shapes: Outlines | Polyhedra, setback: Array
-    ) -> tuple[Array, IntArray]:
+    def between_edges(self, shapes: Outlines | Polyhedra, setback: Array) -> tuple[Array, IntArray]:
         """What is left of the joints where edges are treated: corners [m] and offset, as above.
 
         Parameters
@@ -125,7 +125,10 @@ def _of_polyhedra(solids: Polyhedra, distance: float | None) -> Interfaces:
         tolerance = np.full(len(p), distance)
     arrays = (solids.vertices, solids.rows, solids.face_offset)
     more = (solids.part_faces, solids.normals, solids.inwards, solids.discs)
-    room = (4 * len(solids.body) + 16, 16 * len(solids.body) + 64)  # a wall has three joints a block
+    room = (
+        4 * len(solids.body) + 16,
+        16 * len(solids.body) + 64,
+    )  # a wall has three joints a block
     while True:
         found, corners = np.zeros((room[0], 5), np.int64), np.zeros((room[1], 3))
         needed = kernels.find_joints(
@@ -158,9 +161,7 @@ def _of_polyhedra(solids: Polyhedra, distance: float | None) -> Interfaces:
     )
 
 
-def _set_back(
-    joints: Interfaces, solids: Polyhedra, setback: Array
-) -> tuple[Array, IntArray]:
+def _set_back(joints: Interfaces, solids: Polyhedra, setback: Array) -> tuple[Array, IntArray]:
     from drystone.kernels import faces as kernels
 
     faces = np.column_stack((joints.face_a, joints.face_b))

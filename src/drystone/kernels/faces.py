@@ -19,9 +19,7 @@ def clip(polygon, count, x, y, z, nx, ny, nz, out):
     before = 0.0
     if count > 0:
         k = count - 1
-        before = (
-            (polygon[k, 0] - x) * nx + (polygon[k, 1] - y) * ny + (polygon[k, 2] - z) * nz
-        )
+        before = (polygon[k, 0] - x) * nx + (polygon[k, 1] - y) * ny + (polygon[k, 2] - z) * nz
     previous = count - 1
     for k in range(count):
         here = (polygon[k, 0] - x) * nx + (polygon[k, 1] - y) * ny + (polygon[k, 2] - z) * nz
@@ -108,7 +106,9 @@ def area_and_length(polygon, count, nx, ny, nz):
 def _far(a, b, tolerance, normals, discs):
     """Whether faces cannot lie on each other, by their normals and the balls they lie in."""
     cosine = (
-        normals[a, 0] * normals[b, 0] + normals[a, 1] * normals[b, 1] + normals[a, 2] * normals[b, 2]
+        normals[a, 0] * normals[b, 0]
+        + normals[a, 1] * normals[b, 1]
+        + normals[a, 2] * normals[b, 2]
     )
     if cosine > OPPOSED:
         return True
@@ -217,9 +217,7 @@ def set_back(corners, offset, faces, vertices, rows, face_offset, inwards, back,
         for side in range(2):
             face = faces[j, side]
             first, last = face_offset[face], face_offset[face + 1]
-            count = clip_to_face(
-                polygon, count, vertices, rows, first, last, inwards, back, spare
-            )
+            count = clip_to_face(polygon, count, vertices, rows, first, last, inwards, back, spare)
         count = merge(polygon, count, SAME * size[j])
         left[j] = count
         for k in range(count):

@@ -11,9 +11,10 @@ its slip, and whose power balance gives the upper bound
     lambda = (D(u) - G.u) / F.u,      D = sum over contacts of (c + mu l) |v_t| - l v_n
 
 with l the normal force at which a contact gives way in tension.  In the plane, where t is a number,
-the program is linear; in space friction is a round cone.  Two further programs of the same kind tell what is the matter where there is no such multiplier: how much of the dead load alone can
-be carried (all of it, or the structure does not stand), and whether forces exist that carry the
-load pattern by itself (then friction locks the structure and no multiple of it brings it down).
+the program is linear; in space friction is a round cone.  Two further programs of the same kind
+tell what is the matter where there is no such multiplier: how much of the dead load alone can be
+carried (all of it, or the structure does not stand), and whether forces exist that carry the load
+pattern by itself (then friction locks the structure and no multiple of it brings it down).
 """
 
 from __future__ import annotations
@@ -25,8 +26,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, eye_array, hstack, vstack
 
 from drystone.limit import interior_point
-from drystone.limit.cones import Rays, least_normal, shear_strength
 from drystone.limit.cone_program import ConeProgram, force_program
+from drystone.limit.cones import Rays, least_normal, shear_strength
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer
 

@@ -65,8 +65,8 @@ class Collapse:
     status: str
     reason: str
     velocities: Array
-    """Mechanism, (n, n_dof) [m, rad]: rates of motion, in space with rotations about the axes of the
-    world; the fastest vertex has 1."""
+    """Mechanism, (n, n_dof) [m, rad]: rates of motion, in space with rotations about the axes of
+    the world; the fastest vertex has 1."""
     contacts: ContactForces | None
     """Forces at collapse, None where there is none."""
     moving: tuple[str, ...]

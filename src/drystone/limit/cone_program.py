@@ -6,11 +6,11 @@ over the contact forces f = (n, t) and one factor s, as `program` has it; with o
 component the cones are the inequalities of a linear program.  Nothing is kept from one solution to
 the next: the method goes through the interior.
 
-What the solver takes for a solution depends on the units of what it is given.  Walls of thousands of
-blocks came out 1e-4 too low while it called them solved: with the dual condition F.u = 1 velocities
-are of the order of one over the number of blocks, and its tolerance on them means nothing.  The
-objective is therefore multiplied by the number of blocks, and forces are measured in what blocks
-high up press on those below.
+What the solver takes for a solution depends on the units of what it is given.  Walls of thousands
+of blocks came out 1e-4 too low while it called them solved: with the dual condition F.u = 1
+velocities are of the order of one over the number of blocks, and its tolerance on them means
+nothing.  The objective is therefore multiplied by the number of blocks, and forces are measured in
+what blocks high up press on those below.
 """
 
 from __future__ import annotations

@@ -65,9 +65,8 @@ def contact_points(assembly: Assembly, *, set_back: float | None = None) -> Cont
     still = assembly.fixed[joints.block_a] & assembly.fixed[joints.block_b]
     kept = np.flatnonzero(~still[joint])
     row = joint[kept]
-    a, b, normal, tangent = (
-        values[row] for values in (joints.block_a, joints.block_b, joints.normal, joints.tangent)
-    )
+    a, b = joints.block_a[row], joints.block_b[row]
+    normal, tangent = joints.normal[row], joints.tangent[row]
     area = assembly.thickness * joints.size[row] * corner_shares(corners, offset)[kept]
     laws = [
         (

@@ -1,0 +1,77 @@
+"""Limit analysis in space against published figures and an independent program.
+
+The façades: an independent program of ours, five digits, associative.  The dome: J. Heyman, *The
+stone skeleton* (1995), least thickness 0.042 of the radius for infinitely many voussoirs without
+friction's limit; 0.0427 of 16 rings by 24 sectors is ours, by an independent program.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import solids
+from drystone.assembly import Block, Corner
+from drystone.limit import ASSOCIATIVE, collapse_load, stands
+
+CASES = Path(__file__).parents[1] / "cases" / "solids"
+OUT, IN, ALONG = (0.0, -1.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)
+FACADES = {
+    ("facade_5x3x8", OUT): (0.39307, 0.33958),
+    ("facade_5x3x8", IN): (0.54795, 0.50070),
+    ("facade_5x3x8", ALONG): (0.35326, 0.29659),
+    ("facade_2.4m", OUT): (0.38933, 0.34402),
+    ("facade_2.4m", IN): (0.52604, 0.46983),
+    ("facade_2.4m", ALONG): (0.40728, 0.34051),
+}
+
+
+@pytest.mark.parametrize(("name", "push"), FACADES)
+@pytest.mark.parametrize("set_back", [0.0, 0.02])
+def test_facade(name, push, set_back):
+    corner = Corner(chamfer=set_back) if set_back else None
+    model = solids.from_boxes(CASES / f"{name}.toml", push=push, corner=corner)
+    found = collapse_load(model, flow=ASSOCIATIVE)
+    assert round(found.load_multiplier, 5) == FACADES[name, push][1 if set_back else 0]
+    assert found.duality_gap < 1e-9 and found.residual < 1e-9
+    assert found.dilatancy_violation < 1e-9
+
+
+WEDGE = ((2, 1, 0), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))
+BOX = solids.solid.box([[0, 0, 0], [1, 1, 1]])[1]
+
+
+def dome(ratio, friction, *, rings=16, sectors=24):
+    """A hemisphere of mean radius 1 m and thickness ``ratio`` [m], of radial voussoirs."""
+    polar = np.linspace(0.0, 0.5 * np.pi, rings + 1)
+    around = 2.0 * np.pi * np.arange(sectors + 1) / sectors
+    blocks = [solids.box("base", (-2, -2, -0.3), (2, 2, 0), support=True)]
+    for i in range(rings):
+        for j in range(sectors):
+            corners = [
+                (np.sin(p) * np.cos(t), np.sin(p) * np.sin(t), np.cos(p))
+                for p in polar[i : i + 2]
+                for t in around[j : j + (2 if p > 0.0 else 1)]
+            ]
+            if len(corners) == 3:  # wedges that meet at the crown
+                faces, order = WEDGE, [0, 1, 2]
+            else:
+                faces, order = BOX, [0, 2, 3, 1]
+            ring = np.array(corners)[order]
+            vertices = np.vstack(((1.0 - 0.5 * ratio) * ring, (1.0 + 0.5 * ratio) * ring))
+            blocks.append(
+                Block(
+                    id=f"r{i}s{j}", vertices=vertices, faces=faces, unit_weight=solids.UNIT_WEIGHT
+                )
+            )
+    return solids.model_of(
+        blocks, solids.joint(friction), push=(1, 0, 0), control="r0s0", point=vertices[0]
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("friction", [0.25, 0.7])
+def test_least_thickness_of_a_dome(friction):
+    """To 1 % of the mean radius."""
+    assert stands(dome(1.01 * 0.0427, friction).assembly)
+    assert not stands(dome(0.99 * 0.0427, friction).assembly)
