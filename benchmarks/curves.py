@@ -19,6 +19,7 @@ from drystone.engines import engine_names
 from drystone.engines.base import EngineError
 from drystone.engines.nscd import NscdEngine
 from drystone.kernels import nlgs as kernels
+from drystone.kernels.rows import IN_PLANE
 from drystone.solvers import nlgs
 
 SWEEPS = 2000
@@ -50,13 +51,13 @@ def time_sweep(name: str, model: ds.Model) -> SweepTiming:
         nlgs.solve = original
     problem, _, _, _, free_velocity, impulse, _, h, _ = caught[-1]
     blocks = np.zeros((len(problem.gap), 2, 2))
-    kernels.delassus_blocks(problem, blocks)
+    kernels.delassus_blocks(IN_PLANE, problem, blocks)
     order = np.arange(len(problem.gap))
 
     def sweeps() -> None:
         p, v = impulse.copy(), free_velocity.copy()
-        kernels.apply_impulses(problem, p, v)
-        kernels.sweep(problem, blocks, h, order, SWEEPS, p, v)
+        kernels.apply_impulses(IN_PLANE, problem, p, v)
+        kernels.sweep(IN_PLANE, problem, blocks, h, order, SWEEPS, p, v)
 
     seconds = harness.median_seconds(sweeps)
     n = len(problem.gap)

@@ -45,10 +45,10 @@ def margins(judged: JudgedContacts, slack: float) -> Array:
 
     ``slack`` [N] is how well reactions are known: none breaks for less.
     """
-    normal, tangential = judged.reaction.T
+    normal, tangential = judged.reaction[:, 0], np.linalg.norm(judged.reaction[:, 1:], axis=1)
     bond, tension = judged.strength
     bonded = bond + tension > 0.0
-    along = judged.contacts.table[:, FRICTION] * normal + bond + slack - np.abs(tangential)
+    along = judged.contacts.table[:, FRICTION] * normal + bond + slack - tangential
     along = np.divide(along, np.maximum(bond, LEAST_SCALE * tension), where=bonded, out=along)
     across = normal + tension + slack
     across = np.divide(across, np.maximum(tension, LEAST_SCALE * bond), where=bonded, out=across)

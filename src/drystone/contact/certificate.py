@@ -18,6 +18,7 @@ from drystone.kernels.contacts import BOND, TENSILE, Contacts
 from drystone.kernels.law import joint_law_violation
 from drystone.kernels.nlgs import contact_velocities
 from drystone.kernels.residual import mark_held, unbalanced_force
+from drystone.kernels.rows import dof_of
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -28,9 +29,9 @@ class JudgedContacts(NamedTuple):
 
     contacts: Contacts  # bodies, stiffnesses, friction and strengths, (n_contacts,)
     gap: Array  # (n_contacts,) m, at the end of the step, less dilation
-    slip: Array  # (n_contacts,) m, since the shear before; zero where it has entered that already
+    slip: Array  # (n_contacts, dim - 1) m, since the shear before; zero where it has entered that already
     reaction: Array  # (n_contacts, dim) N
-    shear_before: Array  # (n_contacts,) N
+    shear_before: Array  # (n_contacts, dim - 1) N
     whole: Array  # (n_contacts,) 1 where a bond has not broken, else 0
 
     @classmethod
@@ -41,7 +42,7 @@ class JudgedContacts(NamedTuple):
         return cls(
             contacts=contacts,
             gap=gap - history[:, joint_law.DILATION],
-            slip=np.zeros(len(gap)),
+            slip=np.zeros_like(shear_before),
             reaction=reaction,
             shear_before=shear_before,
             whole=np.where(history[:, joint_law.BROKEN] == 0.0, 1.0, 0.0),
@@ -57,13 +58,13 @@ class JudgedContacts(NamedTuple):
         natural map, which ``contacts`` hold.
         """
         relative = np.zeros_like(reaction)
-        contact_velocities(contacts, velocity, relative)
+        contact_velocities(dof_of(velocity), contacts, velocity, relative)
         return cls(
             contacts=contacts,
             gap=gap + h * relative[:, 0],
-            slip=h * relative[:, 1],
+            slip=h * relative[:, 1:],
             reaction=reaction,
-            shear_before=reaction[:, 1],
+            shear_before=reaction[:, 1:],
             whole=np.zeros(len(gap)),
         )
 

@@ -753,7 +753,7 @@ class DistinctEngine:
         add_contact_forces(contacts, reaction, force)
         moved = work.dt * np.column_stack((velocity[a], velocity[b]))
         gap = slots.gap[k] - np.sum(contacts.rows[:, OF_GAP] * moved, axis=1)
-        judged = JudgedContacts.with_history(contacts, gap, history, reaction, reaction[:, 1])
+        judged = JudgedContacts.with_history(contacts, gap, history, reaction, reaction[:, 1:])
         return judged, force
 
     def _margin(self, work: Workspace, contacts: JudgedContacts) -> Array:

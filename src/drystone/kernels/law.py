@@ -58,6 +58,9 @@ AT_CONE = 1e-9
 #: Faces that are drawn apart by less are as they were laid but for rounding [m].
 GRAZE = 1e-9
 
+#: Angles of friction in space are found to this [rad], from at least so many.
+ANGLE, N_ANGLES = 1e-9, 32
+
 #: A bond holds beyond its strength by this share of it: what is at its limit has not broken.
 BOND_TIE = 1e-6
 
@@ -252,10 +255,11 @@ def commit(table, c, before):
 def joint_law_violation(table, gap, slip, reaction, shear_before, whole):
     """Largest distances [N] of reactions from those that the joint law gives.
 
-    The law's reaction is r_n = k_n <-g> and r_t = clip(t_0 - k_s s, +-(mu r_n + bond)); a bond
-    also pulls, r_n = -k_n g, up to its tensile strength.  For friction without shear stiffness,
-    pass the reaction itself as ``shear_before`` and any positive stiffness: the distance is then
-    zero only where the law holds (natural map).  Without a slip, what is left of it is the cone.
+    The law's reaction is r_n = k_n <-g> and r_t = t_0 - k_s s, drawn back to mu r_n + bond where it
+    is larger; a bond also pulls, r_n = -k_n g, up to its tensile strength.  For friction without
+    shear stiffness, pass the reaction itself as ``shear_before`` and any positive stiffness: the
+    distance is then zero only where the law holds (natural map).  Without a slip, what is left of
+    it is the cone.
 
     Parameters
     ----------
@@ -264,11 +268,11 @@ def joint_law_violation(table, gap, slip, reaction, shear_before, whole):
     gap
         At the end of the step, less dilation, (n_contacts,) [m].
     slip
-        Sliding distance in the step, (n_contacts,) [m].
+        Sliding in the step, (n_contacts, dim - 1) [m].
     reaction
-        (n_contacts, 2) [N], normal and tangential.
+        (n_contacts, dim) [N], normal and tangential.
     shear_before
-        (n_contacts,) [N], tangential reaction at the start of the step.
+        (n_contacts, dim - 1) [N], tangential reaction at the start of the step.
     whole
         (n_contacts,) 1 where a bond has not broken, else 0.
 
@@ -287,13 +291,22 @@ def joint_law_violation(table, gap, slip, reaction, shear_before, whole):
         if law_n < -tension - BOND_TIE * strength or (law_n < 0.0 and strength == 0.0):
             law_n = 0.0
         limit = max(table[c, FRICTION] * reaction[c, 0] + bond, 0.0)
-        law_t = shear_before[c] - table[c, STIFF_T] * slip[c]
-        law_t = min(max(law_t, -limit), limit)
+        if slip.shape[1] == 1:
+            law_t = shear_before[c, 0] - table[c, STIFF_T] * slip[c, 0]
+            law_t = min(max(law_t, -limit), limit)
+            size, away = abs(reaction[c, 1]), abs(reaction[c, 1] - law_t)
+        else:
+            first = shear_before[c, 0] - table[c, STIFF_T] * slip[c, 0]
+            second = shear_before[c, 1] - table[c, STIFF_T] * slip[c, 1]
+            trial = np.hypot(first, second)
+            share = limit / trial if trial > limit else 1.0
+            size = np.hypot(reaction[c, 1], reaction[c, 2])
+            away = np.hypot(reaction[c, 1] - share * first, reaction[c, 2] - share * second)
         normal = max(normal, abs(reaction[c, 0] - law_n))
-        tangential = max(tangential, abs(reaction[c, 1] - law_t))
-        cone = max(cone, abs(reaction[c, 1]) - limit)
+        tangential = max(tangential, away)
+        cone = max(cone, size - limit)
         # Comparisons lose what is not a number.
-        if not np.isfinite(law_n + law_t + reaction[c, 0] + reaction[c, 1]):
+        if not np.isfinite(law_n + away + size + reaction[c, 0]):
             return np.nan, np.nan, np.nan
     return normal, tangential, cone
 
@@ -477,6 +490,90 @@ def local_impulse(bn, bt, cnn, wnt, wtt, mu):
 
 
 @njit(cache=True)
+def _sliding(angle, a1, a2, m11, m12, m21, m22):
+    """Of the sliding velocity a + M t for friction along t, at an angle: its part across t, how
+    that goes with the angle, and its part along t."""
+    c, s = np.cos(angle), np.sin(angle)
+    v1, v2 = a1 + m11 * c + m12 * s, a2 + m21 * c + m22 * s
+    along = c * v1 + s * v2
+    return c * v2 - s * v1, c * (m22 * c - m21 * s) - s * (m12 * c - m11 * s) - along, along
+
+
+@njit(cache=True)
+def _sliding_angle(start, a1, a2, m11, m12, m21, m22):
+    """Angle of the friction that opposes sliding, and whether there is one: see `_sliding`.
+
+    Newton's method from an angle; where that fails, bisection wherever what is across changes sign.
+    """
+    angle = start
+    for _ in range(20):
+        across, slope, along = _sliding(angle, a1, a2, m11, m12, m21, m22)
+        step = across / slope if slope != 0.0 else 1.0
+        if abs(step) < ANGLE and along <= 0.0:
+            return angle - step, True
+        angle -= min(max(step, -0.5), 0.5)
+    high, after, _ = start, _sliding(start, a1, a2, m11, m12, m21, m22)[0], 0.0
+    for k in range(1, N_ANGLES + 1):
+        low, before = high, after
+        high = start + 2.0 * np.pi * k / N_ANGLES
+        after = _sliding(high, a1, a2, m11, m12, m21, m22)[0]
+        if (before < 0.0) == (after < 0.0):
+            continue
+        x, y = low, high
+        for _ in range(60):
+            angle = 0.5 * (x + y)
+            across, slope, along = _sliding(angle, a1, a2, m11, m12, m21, m22)
+            if (across < 0.0) == (before < 0.0):
+                x = angle
+            else:
+                y = angle
+        if along <= 0.0:
+            return angle, True
+    return start, False
+
+
+@njit(cache=True)
+def local_impulse_in_space(bn, b1, b2, w, cnn, mu, p):
+    """Fill ``p`` (3,) with the impulses of one contact for itself [N s]; see `local_impulse`.
+
+    What slides does so against friction along (cos a, sin a), where the velocity across that is a
+    trigonometric polynomial of second degree in the angle.
+
+    Parameters
+    ----------
+    bn, b1, b2
+        Velocity without the impulses, the first with the gap [m/s].
+    w
+        Delassus block (3, 3) [1/kg]; of its first entry ``cnn``, with the joint's compliance, takes
+        the place.
+    """
+    w01, w02, w11, w12, w22 = w[0, 1], w[0, 2], w[1, 1], w[1, 2], w[2, 2]
+    # Tangential impulses that hold the contact: -h - g p_n.
+    det = w11 * w22 - w12 * w12
+    g1, g2 = (w22 * w01 - w12 * w02) / det, (w11 * w02 - w12 * w01) / det
+    h1, h2 = (w22 * b1 - w12 * b2) / det, (w11 * b2 - w12 * b1) / det
+    pn = (w01 * h1 + w02 * h2 - bn) / (cnn - w01 * g1 - w02 * g2)
+    p1, p2 = -h1 - g1 * pn, -h2 - g2 * pn
+    p[0], p[1], p[2] = pn, p1, p2
+    if pn > 0.0 and p1 * p1 + p2 * p2 <= mu * mu * pn * pn:
+        return
+    p[0], p[1], p[2] = 0.0, 0.0, 0.0
+    if bn >= 0.0:
+        return
+    start = np.arctan2(p2, p1) if pn > 0.0 else np.arctan2(-h2, -h1)
+    # Times p_n over its force without coupling, which is positive.
+    a1, a2 = cnn * b1 - bn * w01, cnn * b2 - bn * w02
+    m11, m12 = mu * (b1 * w01 - bn * w11), mu * (b1 * w02 - bn * w12)
+    m21, m22 = mu * (b2 * w01 - bn * w12), mu * (b2 * w02 - bn * w22)
+    angle, found = _sliding_angle(start, a1, a2, m11, m12, m21, m22)
+    c, s = np.cos(angle), np.sin(angle)
+    along = cnn + mu * (c * w01 + s * w02)
+    if found and along > 0.0:
+        p[0] = -bn / along
+        p[1], p[2] = mu * p[0] * c, mu * p[0] * s
+
+
+@njit(cache=True)
 def held_impulse(pn, pt, mu, held):
     """Impulses of trial ones [N s], and their branch; one that is ``held`` sticks anyway."""
     if pn <= 0.0:
@@ -506,6 +603,18 @@ def branch_of_impulse(pn, pt, mu):
     if abs(pt) < limit * (1.0 - AT_CONE) or limit == 0.0:
         return STICKING
     return FORWARD if pt > 0.0 else BACKWARD
+
+
+@njit(cache=True)
+def held_impulse_in_space(pn, p1, p2, mu, held):
+    """`held_impulse` with two tangential ones; what slides has the branch SLIDING."""
+    if pn <= 0.0:
+        return 0.0, 0.0, 0.0, OPEN
+    limit, size = mu * pn, np.sqrt(p1 * p1 + p2 * p2)
+    if size > limit * (1.0 - AT_CONE) and size > 0.0 and not held:
+        share = limit / size
+        return pn, share * p1, share * p2, SLIDING
+    return pn, p1, p2, STICKING
 
 
 @njit(cache=True)

@@ -19,9 +19,10 @@ from drystone.kernels import lu_numeric, lu_symbolic
 from drystone.kernels import nlgs as kernels
 from drystone.kernels.contacts import STIFF_N, STIFF_T
 from drystone.kernels.forces import Tangent
-from drystone.kernels.law import BACKWARD, FORWARD, joint_law_violation
+from drystone.kernels.law import BACKWARD, FORWARD, SLIDING, joint_law_violation
 from drystone.kernels.nlgs import ContactProblem
 from drystone.kernels.residual import unbalanced_force
+from drystone.kernels.rows import IN_SPACE, dof_of
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -51,7 +52,7 @@ class NlgsSettings:
 class NlgsResult:
     """Impulses and velocities with the residual they were measured to have."""
 
-    impulse: Array  # (n_contacts, 2) N s
+    impulse: Array  # (n_contacts, dim) N s
     velocity: Array  # (n, n_dof) m/s, rad/s
     residual: float  # N
     n_sweeps: int
@@ -110,8 +111,9 @@ def natural_map(problem: ContactProblem, dim: int, h: float) -> Array:
     """Delassus blocks (n_contacts, dim, dim) [1/kg] of contacts, which enter their shear stiffness:
     the force that would move a contact by its slip in a step of size ``h`` [s]."""
     blocks = np.zeros((len(problem.gap), dim, dim))
-    kernels.delassus_blocks(problem, blocks)
-    problem.contacts.table[:, STIFF_T] = 1.0 / (np.maximum(blocks[:, 1, 1], 1e-300) * h * h)
+    kernels.delassus_blocks(dof_of(problem.inverse_mass), problem, blocks)
+    easiest = np.einsum("kii->ki", blocks)[:, 1:].max(axis=1, initial=1e-300)
+    problem.contacts.table[:, STIFF_T] = 1.0 / (easiest * h * h)
     return blocks
 
 
@@ -154,7 +156,7 @@ def solve(
     while residual > settings.tolerance and n_sweeps < settings.max_sweeps:
         chunk = min(chunk, settings.max_sweeps - n_sweeps)
         velocity = step.velocity_of(impulse)
-        kernels.sweep(problem, blocks, h, order, chunk, impulse, velocity)
+        kernels.sweep(step.dof, problem, blocks, h, order, chunk, impulse, velocity)
         n_sweeps += chunk
         velocity = step.velocity_of(impulse)  # rounding of the running sums does not pile up
         residual = step.residual(impulse, velocity)
@@ -179,6 +181,7 @@ class _Step:
     """The equations of a step: velocities of impulses, and what either leave of it."""
 
     def __init__(self, problem, system, extent, free_velocity, h) -> None:
+        self.dof = dof_of(system.mass)
         self.problem, self.mass, self.extent = problem, system.mass, extent
         self.free_velocity, self.h, self.fixed = free_velocity, h, system.mass[:, 0] == 0.0
         self.nothing = np.zeros(len(problem.gap))
@@ -187,7 +190,7 @@ class _Step:
     def velocity_of(self, impulse: Array) -> Array:
         """Velocities (n, n_dof) that impulses lead to."""
         velocity: Array = self.free_velocity.copy()
-        kernels.apply_impulses(self.problem, impulse, velocity)
+        kernels.apply_impulses(self.dof, self.problem, impulse, velocity)
         return velocity
 
     def best(
@@ -216,16 +219,16 @@ class _Step:
         """The largest distance from balance and from the joint law [N]."""
         problem, h, relative = self.problem, self.h, np.zeros_like(impulse)
         kernels.momentum_defect(
-            problem, self.mass, self.free_velocity, velocity, impulse, self.defect
+            self.dof, problem, self.mass, self.free_velocity, velocity, impulse, self.defect
         )
         unbalanced = unbalanced_force(
             self.defect / h, np.zeros_like(self.defect), self.extent, self.fixed
         )
-        kernels.contact_velocities(problem.contacts, velocity, relative)
+        kernels.contact_velocities(self.dof, problem.contacts, velocity, relative)
         reaction = impulse / h
         normal, tangential, _ = joint_law_violation(
-            problem.contacts.table, problem.gap + h * relative[:, 0], h * relative[:, 1], reaction,
-            reaction[:, 1], self.nothing,
+            problem.contacts.table, problem.gap + h * relative[:, 0], h * relative[:, 1:], reaction,
+            reaction[:, 1:], self.nothing,
         )  # fmt: skip
         return max(float(unbalanced), float(normal), float(tangential))
 
@@ -238,6 +241,7 @@ class _Accelerator:
     """
 
     def __init__(self, problem, system, free_velocity, h, settings) -> None:
+        self.dof = dof_of(system.mass)
         self.problem, self.system = problem, system
         self.mass, self.free_velocity, self.h = system.mass, free_velocity, h
         self.corrections, self.holds = settings.corrections, settings.holds
@@ -248,6 +252,7 @@ class _Accelerator:
         # Momentum defect at which the branches count as settled, from the tolerance on forces.
         self.enough = 0.1 * settings.tolerance * h * np.sqrt(problem.inverse_mass.max(initial=0.0))
         self.defect = np.zeros_like(free_velocity)
+        self.turn = np.zeros((len(problem.gap), len(self.dof) - 3))  # see `kernels.held_law`
         self.n_solved = 0
 
     def trials(self, impulse: Array, velocity: Array) -> Iterator[tuple[Array, Array]]:
@@ -266,11 +271,13 @@ class _Accelerator:
         In stiff joints, the curvature of a step's motion alone opens what stays shut or presses it
         many times as much: velocities of the step before are on other branches than its impulses.
         """
-        piece, centre = np.zeros(len(impulse), np.int64), impulse[:, 1].copy()
-        kernels.branches(self.problem, impulse, piece)
+        piece, centre = np.zeros(len(impulse), np.int64), impulse[:, 1:].copy()
+        kernels.branches(self.dof, self.problem, impulse, piece)
         self.penalty = self.holds[0][0] * self.stiffest
         found = np.zeros_like(impulse)
-        kernels.branch_law(self.problem, self.h, self.penalty, centre, piece, velocity, found)
+        kernels.branch_law(
+            self.dof, self.problem, self.h, self.penalty, centre, piece, velocity, found, self.turn
+        )
         self._defect(velocity, found)
         try:
             return velocity + self._direction(piece)
@@ -283,18 +290,21 @@ class _Accelerator:
         piece = np.zeros(len(impulse), np.int64)
         for hold in holds:
             self.penalty = hold * self.stiffest
-            centre = impulse[:, 1].copy()
+            centre = impulse[:, 1:].copy()
             if not self._newton(centre, velocity, impulse, piece):
                 return
             yield impulse, velocity
 
     def _law(self, centre, held, velocity, impulse, piece) -> float:
-        kernels.held_law(self.problem, self.h, self.penalty, centre, held, velocity, impulse, piece)
+        kernels.held_law(
+            self.dof, self.problem, self.h, self.penalty, centre, held, velocity, impulse, piece,
+            self.turn,
+        )  # fmt: skip
         return self._defect(velocity, impulse)
 
     def _defect(self, velocity: Array, impulse: Array) -> float:
         return kernels.momentum_defect(
-            self.problem, self.mass, self.free_velocity, velocity, impulse, self.defect
+            self.dof, self.problem, self.mass, self.free_velocity, velocity, impulse, self.defect
         )
 
     def _direction(self, piece: IntArray) -> Array:
@@ -303,7 +313,9 @@ class _Accelerator:
             block[:] = 0.0
         diagonal = np.einsum("kii->ki", tangent.diagonal)
         diagonal += self.mass
-        kernels.held_law_tangent(self.problem, self.h, self.penalty, piece, *tangent)
+        kernels.held_law_tangent(
+            self.dof, self.problem, self.h, self.penalty, piece, self.turn, *tangent
+        )
         direction = self.system.solve(self.defect)
         self.n_solved += 1
         return direction
@@ -315,7 +327,7 @@ class _Accelerator:
         for _ in range(self.corrections):
             if merit <= self.enough:
                 return True
-            base, sense = velocity.copy(), _sense(piece)
+            base, sense = velocity.copy(), self._sense(piece)
             held = none.copy()
             try:
                 direction = self._direction(piece)
@@ -324,7 +336,7 @@ class _Accelerator:
                 # A contact that flips from sliding one way to sliding the other passes the narrow
                 # band in which it sticks: hold it there and ask again.
                 for _ in range(8):
-                    skipped = (sense * _sense(piece) < 0) & ~held
+                    skipped = ((sense * self._sense(piece)).sum(axis=1) < 0) & ~held
                     if trial <= merit or not skipped.any():
                         break
                     held |= skipped
@@ -342,7 +354,10 @@ class _Accelerator:
             merit = trial
         return merit <= self.enough
 
-
-def _sense(piece: IntArray) -> IntArray:
-    """+1 and -1 for contacts that slide one way and the other, else 0."""
-    return np.where(piece == FORWARD, 1, 0) - np.where(piece == BACKWARD, 1, 0)
+    def _sense(self, piece: IntArray) -> Array:
+        """Directions in which contacts slide, in the plane +1 and -1; else 0, (n_contacts, k)."""
+        if len(self.dof) == len(IN_SPACE):
+            return np.where(piece[:, None] == SLIDING, self.turn[:, :2], 0.0)
+        return (np.where(piece == FORWARD, 1.0, 0.0) - np.where(piece == BACKWARD, 1.0, 0.0))[
+            :, None
+        ]

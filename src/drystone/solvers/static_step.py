@@ -151,7 +151,7 @@ class StaticStep(LinearStep):
             self.slots.gap[used],
             self.history[used],
             self.reaction[used],
-            contacts.table[:, TRIAL_T],
+            contacts.table[:, TRIAL_T : TRIAL_T + 1],
         )
 
     def find(self, x: Array) -> None:
