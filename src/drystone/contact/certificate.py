@@ -29,7 +29,7 @@ class JudgedContacts(NamedTuple):
 
     contacts: Contacts  # bodies, stiffnesses, friction and strengths, (n_contacts,)
     gap: Array  # (n_contacts,) m, at the end of the step, less dilation
-    slip: Array  # (n_contacts, dim - 1) m, since the shear before; zero where it has entered that already
+    slip: Array  # (n_contacts, dim - 1) m, since the shear before; zero where it has entered that
     reaction: Array  # (n_contacts, dim) N
     shear_before: Array  # (n_contacts, dim - 1) N
     whole: Array  # (n_contacts,) 1 where a bond has not broken, else 0

@@ -25,7 +25,7 @@ from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
-from drystone.geometry.motion import places
+from drystone.geometry.motion import places, spun_on
 from drystone.kernels.contacts import Pairs, Slots
 from drystone.kernels.law import MU
 from drystone.kernels.nlgs import ContactProblem
@@ -52,12 +52,12 @@ class NscdSettings:
 class NscdState:
     """Poses, velocities and the reactions that the next step starts from."""
 
-    pose: Array  # (n, n_dof) m, rad
+    pose: Array  # (n, n_pose) m, rad
     velocity: Array  # (n, n_dof) m/s, rad/s
     increment: Array  # (n, n_dof) m, rad, of the last step
     pairs: Pairs
     slots: Slots  # contacts in `pose`
-    reaction: Array  # (n_slots, 2) N
+    reaction: Array  # (n_slots, dim) N
     status: IntArray  # (n_slots,)
     gone: BoolArray  # (n,) blocks that have left
 
@@ -146,6 +146,7 @@ class NscdEngine:
         state = self._refresh(state)
         h, problem = demand.time_step, self._contact_problem(state)
         before = np.zeros_like(state.velocity) if demand.stop_blocks else state.velocity
+        before = spun_on(before, state.increment, self.problem.assembly.mass, h)
         load = self.loads.dead + demand.multiplier * self.loads.pattern
         scale = self.problem.assembly.heaviest_weight
         tolerance = self.settings.tolerance * scale
@@ -266,9 +267,12 @@ class NscdEngine:
         slots = self.detector.find(state.pairs, pose, state.slots)
         source = self.detector.predecessors(state.pairs, state.slots, slots)
         carried = np.where(source[:, None] >= 0, reaction[source], 0.0)
+        # Where the step starts is near enough: the next one only begins with them.
+        carried[:, 1:], _ = self.detector.carried(state.slots, slots, source, reaction[:, 1:])
         friction = self.laws[state.pairs.law_of_slot, MU]
         limit = friction * carried[:, 0] * (1.0 - 1e-9)
-        status = np.where(np.abs(carried[:, 1]) >= limit, SLIDING, STICKING)
+        shear = np.linalg.norm(carried[:, 1:], axis=1)
+        status = np.where(shear >= limit, SLIDING, STICKING)
         status[carried[:, 0] <= 0.0] = OPEN
         new = NscdState(
             pose=pose,

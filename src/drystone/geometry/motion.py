@@ -17,6 +17,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.kernels import rotation
+
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
@@ -67,6 +69,19 @@ def difference(pose: Array, before: Array, axes: Array) -> Array:
     back = before[:, 3:] * np.array([1.0, -1.0, -1.0, -1.0])
     increment[:, 3:] = np.einsum("nij,ni->nj", axes, _vector(_times(back, pose[:, 3:])))
     return increment
+
+
+def spun_on(velocity: Array, increment: Array, mass: Array, time_step: float) -> Array:
+    """Velocities (n, n_dof) after velocities ``velocity`` in which no force acts.
+
+    Translations go on; in space a body keeps its moment of momentum, and so changes its spin.  See
+    `kernels.rotation.spin_on`, also for ``increment`` (n, n_dof), which led to the present place.
+    """
+    if velocity.shape[1] == 3 or not rotations(velocity).any():
+        return velocity
+    after = velocity.copy()
+    rotation.spin_on(increment, mass, time_step, after)
+    return after
 
 
 def places(centroid: Array, pose: Array) -> Array:
