@@ -30,6 +30,10 @@ GRAVITY = 9.81
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+#: Contact points that a quadrilateral joint in space may have, and has where nothing is said.
+POINTS_KNOWN = (4, 9, 16)
+POINTS = 4
+
 
 @dataclass(frozen=True, kw_only=True)
 class JointLaw:
@@ -161,7 +165,7 @@ class Assembly:
     joint: JointLaw
     corner: Corner
     joint_between: Mapping[frozenset[str], JointLaw] = field(default_factory=dict)
-    points: int = 4  # contact points on a quadrilateral interface in space: 4, 9 or 16
+    points: int = POINTS  # contact points on a quadrilateral interface in space: 4, 9 or 16
     up: Array  # (dim,) unit vector against gravity
 
     # Derived from the above, also in a copy by `dataclasses.replace`.
@@ -184,7 +188,7 @@ class Assembly:
         corner: Corner | None = None,
         thickness: float = 1.0,
         joint_between: Mapping[frozenset[str], JointLaw] | None = None,
-        points: int = 4,
+        points: int = POINTS,
         up: Sequence[float] | Array | None = None,
     ) -> Assembly:
         """Of the blocks' dimension; sharp corners and no exceptions where nothing is said.
@@ -382,10 +386,15 @@ class Assembly:
         parts = [[(p.vertices, p.faces) for p in figure.parts] for figure in self.figures]
         return Polyhedra.pack(parts)
 
+    @property
+    def packed(self) -> Outlines | Polyhedra:
+        """Parts of all blocks as designed, of either dimension."""
+        return self.outlines if self.dimension == 2 else self.polyhedra
+
     @cached_property
     def interfaces(self) -> Interfaces:
         """Joints as designed, those between two supports included."""
-        return Interfaces.of(self.outlines if self.dimension == 2 else self.polyhedra)
+        return Interfaces.of(self.packed)
 
     def outline(self, i: int, pose: Array | None = None) -> Array:
         """Outline of block ``i`` [m] as designed, or moved to ``pose`` (n, n_dof)."""

@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from drystone.assembly import GRAVITY, Assembly
 from drystone.builders.words import listed, millimetres
 from drystone.geometry.outlines import Array, IntArray, Outlines
+from drystone.geometry.polyhedra import Polyhedra
 from drystone.model import Model
 
 #: Beyond these a unit has been mistaken: m, N/m3 (cork weighs 1200, lead 111e3).
@@ -35,15 +36,18 @@ class Inspection:
     n_joints: int
     """Pairs of blocks, not both supports, with edges that lie on each other at rest."""
     n_contacts: int
-    """Contact points at rest, two to a joint in two dimensions."""
+    """Contact points at rest, two to a joint in two dimensions; in three as many as [contact]
+    says."""
+    volume: float
+    """Of the movable blocks [m3]."""
     weight: float
-    """Of the movable blocks [N]."""
-    lower: tuple[float, float]
-    """Lower left corner of the box around the movable blocks [m]."""
-    upper: tuple[float, float]
-    """Its upper right corner [m]."""
+    """Of the movable blocks [N]: what the supports carry at rest."""
+    lower: tuple[float, ...]
+    """Lowest corner of the box around the movable blocks [m]."""
+    upper: tuple[float, ...]
+    """Its highest corner [m]."""
     control_block: str
-    control_point: tuple[float, float]
+    control_point: tuple[float, ...]
     """On the block as designed [m]."""
     warnings: tuple[str, ...]
     """Sentences on what is allowed but worth knowing."""
@@ -54,44 +58,45 @@ class Inspection:
 def inspect(model: Model) -> Inspection:
     """Count the blocks, joints and contacts of a model, and say what is worth knowing."""
     assembly = model.assembly
-    outlines, joints = assembly.outlines, assembly.interfaces
-    a, b = outlines.near_pairs()
-    keep = ~(assembly.fixed[a] & assembly.fixed[b])
-    a, b = a[keep], b[keep]
+    packed, joints = assembly.packed, assembly.interfaces
+    p, q = packed.near_pairs()
+    keep = ~(assembly.fixed[packed.body[p]] & assembly.fixed[packed.body[q]])
+    p, q = p[keep], q[keep]
     loose = ~(assembly.fixed[joints.block_a] & assembly.fixed[joints.block_b])
     # Once each: next to a block as thin as the tolerance, one may have a joint at either face.
     n_joints = len(set(zip(joints.block_a[loose], joints.block_b[loose], strict=True)))
     movable = ~assembly.fixed
-    x, y = model.control_point.point
-    problems = (*model.notes, *doubts(model, outlines, a, b))
+    parts = movable[packed.body]
+    problems = (*model.notes, *doubts(model, packed, p, q))
     return Inspection(
         title=model.title,
         dimension=assembly.dimension,
         n_blocks=assembly.n_blocks,
         n_supports=assembly.n_supports,
         n_joints=n_joints,
-        n_contacts=2 * n_joints,
+        n_contacts=(2 if assembly.dimension == 2 else assembly.points) * n_joints,
+        volume=float(assembly.volume[movable].sum()),
         weight=float(assembly.weight[movable].sum()),
-        lower=_pair(outlines.lower[movable].min(axis=0)),
-        upper=_pair(outlines.upper[movable].max(axis=0)),
+        lower=_place(packed.lower[parts].min(axis=0)),
+        upper=_place(packed.upper[parts].max(axis=0)),
         control_block=assembly.blocks[model.control_point.block].id,
-        control_point=(float(x), float(y)),
+        control_point=_place(model.control_point.point),
         warnings=(*_law_notes(assembly), *problems),
         problems=problems,
     )
 
 
-def _pair(point: Array) -> tuple[float, float]:
-    return float(point[0]), float(point[1])
+def _place(point: Array) -> tuple[float, ...]:
+    return tuple(map(float, point))
 
 
-def doubts(model: Model, outlines: Outlines, a: IntArray, b: IntArray) -> list[str]:
-    """Sentences on what is hardly meant; ``a`` and ``b`` are blocks that lie near each other."""
+def doubts(model: Model, packed: Outlines | Polyhedra, p: IntArray, q: IntArray) -> list[str]:
+    """Sentences on what is hardly meant; ``p`` and ``q`` are parts that lie near each other."""
     assembly = model.assembly
     return [
-        *_floating(assembly, outlines, a, b),
-        *_unit_doubts(assembly, outlines),
-        *_law_doubts(assembly, outlines),
+        *_floating(assembly, packed, p, q),
+        *_unit_doubts(assembly),
+        *_law_doubts(assembly),
     ]
 
 
@@ -109,10 +114,12 @@ def _law_notes(assembly: Assembly) -> list[str]:
     return warnings
 
 
-def _floating(assembly: Assembly, outlines: Outlines, a: IntArray, b: IntArray) -> list[str]:
+def _floating(
+    assembly: Assembly, packed: Outlines | Polyhedra, p: IntArray, q: IntArray
+) -> list[str]:
     """Blocks that no chain of touching blocks connects to a support, supports that bear nothing."""
-    touching = outlines.touching(a, b)
-    a, b = a[touching], b[touching]
+    touching = packed.touching(p, q)
+    a, b = packed.body[p[touching]], packed.body[q[touching]]
     n = assembly.n_bodies
     links = coo_array((np.ones(len(a)), (a, b)), shape=(n, n))
     _, group = connected_components(links, directed=False)
@@ -128,10 +135,11 @@ def _floating(assembly: Assembly, outlines: Outlines, a: IntArray, b: IntArray) 
     return warnings
 
 
-def _unit_doubts(assembly: Assembly, outlines: Outlines) -> list[str]:
+def _unit_doubts(assembly: Assembly) -> list[str]:
     """Sizes and weights so far from masonry that a unit may have been mistaken."""
     found = []
-    largest = float(outlines.sizes[~assembly.fixed].max())
+    movable = [block.vertices for block in assembly.blocks if not block.support]
+    largest = max(float(np.ptp(vertices, axis=0).max()) for vertices in movable)
     if largest > LONGEST_BLOCK:
         found.append(f"block: the largest is {largest:g} m long: are the coordinates in metres?")
     weights = [block.unit_weight for block in assembly.blocks if not block.support]
@@ -147,10 +155,15 @@ def _unit_doubts(assembly: Assembly, outlines: Outlines) -> list[str]:
     return found
 
 
-def _law_doubts(assembly: Assembly, outlines: Outlines) -> list[str]:
+def _law_doubts(assembly: Assembly) -> list[str]:
     """Friction that is an angle, joints that close by more than a hair under the weight."""
     found = []
-    highest, lowest = outlines.upper[:, -1].max(), outlines.lower[~assembly.fixed, -1].min()
+    highest = max(float((block.vertices @ assembly.up).max()) for block in assembly.blocks)
+    lowest = min(
+        float((block.vertices @ assembly.up).min())
+        for block in assembly.blocks
+        if not block.support
+    )
     densest = max(block.unit_weight for block in assembly.blocks if not block.support)
     smallest = assembly.smallest_extent
     for law in dict.fromkeys(assembly.laws):

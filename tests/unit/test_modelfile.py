@@ -294,10 +294,10 @@ class TestBrokenKeys:
         ("old", "new", "said"),
         [
             # dimension, thickness
-            ("dimension = 2\n", "", "dimension is missing: add it (dimension = 2)"),
-            ("dimension = 2", "dimension = 3", "dimension: this version reads two dimensions only"),
-            ("dimension = 2", "dimension = 4", "dimension: must be 2, it is 4"),
-            ("dimension = 2", 'dimension = "2"', 'dimension: must be 2, it is the text "2"'),
+            ("dimension = 2\n", "", "dimension is missing: add it (dimension = 2, or 3)"),
+            ("dimension = 2", "dimension = 3", "thickness: is of two dimensions: take it out"),
+            ("dimension = 2", "dimension = 4", "dimension: must be 2 or 3, it is 4"),
+            ("dimension = 2", 'dimension = "2"', "dimension: must be 2 or 3, it is the text"),
             ("thickness = 1.0\n", "", "thickness is missing"),
             ("thickness", "thicknes", 'unknown key "thicknes": did you mean "thickness"?'),
             ("thickness = 1.0", "thickness = 0", "thickness: must be greater than 0, it is 0"),

@@ -11,6 +11,7 @@ from drystone.assembly import Assembly, Block, Corner, JointLaw
 from drystone.builders.words import millimetres
 from drystone.geometry import GeometryError
 from drystone.geometry.outlines import TOUCHING, Outlines
+from drystone.geometry.polyhedra import Polyhedra
 from drystone.ranges import problem
 
 #: Overlap, relative to the smaller block, that is taken for rounding of the coordinates.
@@ -93,35 +94,40 @@ def layout_problems(assembly: Assembly, place: Place) -> list[str]:
         )
     if assembly.n_blocks == 0:
         problems.append("block: every block is a support, nothing can move: add a block")
-    outlines = assembly.outlines
-    a, b = outlines.near_pairs()
-    depth = outlines.overlap_depths(a, b)
-    size = outlines.pair_size(a, b)
-    for k in np.flatnonzero(depth > OVERLAPPING * size):
+    packed = assembly.packed
+    p, q = packed.near_pairs()
+    depth = packed.overlap_depths(p, q)
+    size = packed.pair_size(p, q)
+    a, b = packed.body[p], packed.body[q]
+    deepest: dict[tuple[int, int], float] = {}  # of the parts of two blocks
+    for k in np.flatnonzero(depth > OVERLAPPING * size).tolist():
+        pair = int(a[k]), int(b[k])
+        deepest[pair] = max(float(depth[k]), deepest.get(pair, 0.0))
+    for (i, j), by in deepest.items():
         problems.append(
-            f"{place(a[k])} and {place(b[k])} overlap by {millimetres(depth[k])}: "
+            f"{place(i)} and {place(j)} overlap by {millimetres(by)}: "
             "move them apart, or make one smaller"
         )
     touches = np.zeros(assembly.n_bodies, dtype=bool)
     near = depth >= -TOUCHING * size
     touches[a[near]] = touches[b[near]] = True
     if assembly.n_bodies > 1:
-        problems.extend(_lonely(outlines, np.flatnonzero(~touches & ~assembly.fixed), place))
+        problems.extend(_lonely(packed, np.flatnonzero(~touches & ~assembly.fixed), place))
     return problems
 
 
-def _lonely(outlines: Outlines, lonely: Iterable[int], place: Place) -> list[str]:
+def _lonely(packed: Outlines | Polyhedra, lonely: Iterable[int], place: Place) -> list[str]:
     """Sentences on movable blocks that touch nothing, the first few with their nearest block."""
     problems = []
     for told, i in enumerate(lonely):
         nearest = ""
         if told < 10:  # each one looks at all blocks, so that only those that get listed may
-            between = np.maximum(outlines.lower - outlines.upper[i], 0.0)
-            between += np.maximum(outlines.lower[i] - outlines.upper, 0.0)
-            between[i] = np.inf
-            distance = np.hypot(between[:, 0], between[:, 1])
-            j = int(np.argmin(distance))
-            gap = -outlines.overlap_depths(np.array([i]), np.array([j]))[0]
-            nearest = f" ({place(j)} is nearest, {millimetres(gap)} away)"
+            own, others = np.flatnonzero(packed.body == i), np.flatnonzero(packed.body != i)
+            between = np.maximum(packed.lower[others] - packed.upper[own, None], 0.0)
+            between += np.maximum(packed.lower[own, None] - packed.upper[others], 0.0)
+            distance = np.linalg.norm(between, axis=2)
+            k, j = np.unravel_index(int(np.argmin(distance)), distance.shape)
+            gap = -packed.overlap_depths(own[[k]], others[[j]])[0]
+            nearest = f" ({place(packed.body[others[j]])} is nearest, {millimetres(gap)} away)"
         problems.append(f"{place(i)} touches no other block{nearest}: move it, or take it out")
     return problems

@@ -17,24 +17,26 @@ Array = NDArray[np.float64]
 #: Relative size under which two heights are the same, or a point is on an outline.
 SAME = 1e-6
 
-#: Named points, as fractions of the block's bounding box.
-NAMED_POINTS = {
+#: Corners of the plane that have names, as fractions of the block's bounding box.
+CORNERS = {
     "top right": (1.0, 1.0),
     "top left": (0.0, 1.0),
     "bottom right": (1.0, 0.0),
     "bottom left": (0.0, 0.0),
-    "centre": None,
 }
+#: Named points by dimension: the top is the middle of the highest vertices.
+NAMED_POINTS = {2: (*CORNERS, "centre"), 3: ("top", "centre")}
 
 
-def unit_vector(direction: Sequence[float], key: str) -> Array:
+def unit_vector(direction: Sequence[float], key: str, dimension: int) -> Array:
     """Direction scaled to length one; ``key`` names it in the error if it has none."""
+    words, example = ("three", "[1.0, 0.0, 0.0]") if dimension == 3 else ("two", "[1.0, 0.0]")
     vector = np.array(direction, dtype=np.float64)
-    if vector.shape != (2,) or not np.all(np.isfinite(vector)):
-        raise ModelError([f"{key}: must be two finite numbers, as in [1.0, 0.0]"])
+    if vector.shape != (dimension,) or not np.all(np.isfinite(vector)):
+        raise ModelError([f"{key}: must be {words} finite numbers, as in {example}"])
     largest = np.abs(vector).max()
     if largest == 0.0:
-        raise ModelError([f"{key}: has no length: give a direction, as in [1.0, 0.0]"])
+        raise ModelError([f"{key}: has no length: give a direction, as in {example}"])
     length = largest * np.linalg.norm(vector / largest)  # neither overflows nor vanishes
     if abs(length - 1.0) < 4.0 * np.finfo(float).eps:
         return vector  # so that what was written comes back bit by bit
@@ -54,13 +56,13 @@ def choose_control_point(
     Parameters
     ----------
     load_direction
-        (2,) unit vector of the load pattern.
+        (dim,) unit vector of the load pattern.
     block
         Id of a movable block.  Default: the one whose top is highest; of those, the one that
         reaches furthest along the load.
     point
-        A name of `NAMED_POINTS`, or ``[x, y]`` [m] on the block as designed.  Default: the
-        block's highest vertex; of those, the furthest along the load.
+        A name of `NAMED_POINTS`, or ``[x, y]``, in space ``[x, y, z]`` [m], on the block as
+        designed.  Default: the block's highest vertex; of those, the furthest along the load.
     direction
         In which the displacement is read.  Default: that of the load.
 
@@ -74,16 +76,17 @@ def choose_control_point(
     else:
         row = _named_block(assembly, block)
     vertices = assembly.blocks[row].vertices
+    height = vertices @ assembly.up
     if point is None:
-        place = vertices[_highest_furthest(vertices[:, 1], vertices @ load_direction, vertices)]
+        place = vertices[_highest_furthest(height, vertices @ load_direction, vertices)]
     elif isinstance(point, str):
-        place = _named_point(point, vertices, assembly.centroid[row])
+        place = _named_point(point, vertices, height, assembly.centroid[row])
     else:
-        place = _given_point(point, vertices, assembly.blocks[row].id)
+        place = _given_point(point, assembly, row)
     if direction is None:
         read_along = load_direction
     else:
-        read_along = unit_vector(direction, "control.direction")
+        read_along = unit_vector(direction, "control.direction", assembly.dimension)
     return ControlPoint(block=row, point=np.array(place), direction=read_along)
 
 
@@ -103,45 +106,50 @@ def _named_block(assembly: Assembly, block: str) -> int:
 def _default_block(assembly: Assembly, load_direction: Array) -> int:
     movable = np.flatnonzero(~assembly.fixed)
     outlines = [assembly.blocks[i].vertices for i in movable]
-    top = np.array([outline[:, 1].max() for outline in outlines])
+    top = np.array([(outline @ assembly.up).max() for outline in outlines])
     reach = np.array([(outline @ load_direction).max() for outline in outlines])
     return int(movable[_highest_furthest(top, reach, np.vstack(outlines))])
 
 
 def _highest_furthest(height: Array, reach: Array, extent: Array) -> int:
-    """Index of the highest, of those the furthest; equal within a part of the extent (n, 2)."""
+    """Index of the highest, of those the furthest; equal within a part of the extent (n, dim)."""
     tolerance = SAME * np.ptp(extent, axis=0).max()
     high = np.flatnonzero(height >= height.max() - tolerance)
     far = high[reach[high] >= reach[high].max() - tolerance]
     return int(far[0])
 
 
-def _named_point(name: str, vertices: Array, centroid: Array) -> Array:
-    """Centroid, or the vertex nearest to that corner of the bounding box."""
-    if name not in NAMED_POINTS:
+def _named_point(name: str, vertices: Array, height: Array, centroid: Array) -> Array:
+    """Centroid, middle of the top, or the vertex nearest to that corner of the bounding box."""
+    known = NAMED_POINTS[vertices.shape[1]]
+    if name not in known:
         raise ModelError(
-            [f'control.point: there is no point "{name}": {suggestion(name, list(NAMED_POINTS))}']
+            [f'control.point: there is no point "{name}": {suggestion(name, list(known))}']
         )
-    fraction = NAMED_POINTS[name]
-    if fraction is None:
+    if name == "centre":
         return centroid
-    corner = vertices.min(axis=0) + np.array(fraction) * np.ptp(vertices, axis=0)
+    extent = np.ptp(vertices, axis=0)
+    if name == "top":
+        return np.asarray(vertices[height >= height.max() - SAME * extent.max()].mean(axis=0))
+    corner = vertices.min(axis=0) + np.array(CORNERS[name]) * extent
     return vertices[int(np.argmin(np.hypot(*(vertices - corner).T)))]
 
 
-def _given_point(point: Sequence[float], vertices: Array, block_id: str) -> Array:
+def _given_point(point: Sequence[float], assembly: Assembly, row: int) -> Array:
     place = np.array(point, dtype=np.float64)
-    edges = np.roll(vertices, -1, axis=0) - vertices
-    arm = place - vertices
-    length = np.hypot(edges[:, 0], edges[:, 1])
-    inside = (edges[:, 0] * arm[:, 1] - edges[:, 1] * arm[:, 0]) / length
-    if not np.all(inside >= -SAME * np.ptp(vertices, axis=0).max()):
-        (x0, y0), (x1, y1) = vertices.min(axis=0), vertices.max(axis=0)
+    block = assembly.blocks[row]
+    if place.shape != (assembly.dimension,):
+        raise ModelError(
+            [f"control.point: must be {assembly.dimension} numbers, one for each coordinate"]
+        )
+    low, high = block.vertices.min(axis=0), block.vertices.max(axis=0)
+    if not assembly.figures[row].distance(place) <= SAME * float((high - low).max()):
+        names, given = "xyz"[: len(place)], ", ".join(f"{x:g}" for x in place)
+        spans = [f"{name} from {a:g} to {b:g}" for name, a, b in zip(names, low, high, strict=True)]
         raise ModelError(
             [
-                f'control.point: ({place[0]:g}, {place[1]:g}) is not on block "{block_id}", which '
-                f"spans x from {x0:g} to {x1:g} and y from {y0:g} to {y1:g} m: "
-                "move the point onto it"
+                f'control.point: ({given}) is not on block "{block.id}", which spans '
+                f"{', '.join(spans[:-1])} and {spans[-1]} m: move the point onto it"
             ]
         )
     return place

@@ -25,18 +25,20 @@ def model_to_dict(model: Model) -> dict[str, Any]:
     data: dict[str, Any] = {
         "title": model.title,
         "dimension": assembly.dimension,
-        "thickness": float(assembly.thickness),
+        **({"thickness": float(assembly.thickness)} if assembly.dimension == 2 else {}),
         "material": {name: {"unit_weight": weight} for (_, weight), name in names.items()},
         "joint": _joint(assembly),
     }
     corner = {key: float(v) for key, v in vars(assembly.corner).items() if v}
     if corner:
         data["corner"] = corner
+    if assembly.dimension == 3:
+        data["contact"] = {"points": assembly.points}
     data["block"] = [
         {
             "id": block.id,
             "material": names[block.material, float(block.unit_weight)],
-            "vertices": block.vertices.tolist(),
+            **_shape(block),
             "support": bool(block.support),
         }
         for block in assembly.blocks
@@ -91,6 +93,18 @@ def material_names(blocks: Sequence[Block]) -> dict[tuple[str, float], str]:
             )
         names[material, weight] = name
     return names
+
+
+def _shape(block: Block) -> dict[str, Any]:
+    """Vertices and faces of a block, or those of its parts where these were given."""
+    if block.parts:
+        return {"parts": [_solid(part.vertices, part.faces) for part in block.parts]}
+    return _solid(block.vertices, block.faces)
+
+
+def _solid(vertices: Any, faces: Any) -> dict[str, Any]:
+    listed = {"faces": [list(map(int, face)) for face in faces]} if faces else {}
+    return {"vertices": vertices.tolist(), **listed}
 
 
 def _joint(assembly: Assembly) -> dict[str, Any]:

@@ -5,7 +5,8 @@ each other would be a joint that carries nothing, or one under stress before any
 lie on each other within a tolerance, and all that lie on those, are therefore given one line:
 that of a support where there is one, otherwise the mean of their own.  Every corner of a block
 then stands where the lines of its two edges meet.  What fits already stays as it is, to the last
-bit.
+bit.  Solids stay as they were drawn, but for faces that run the wrong way round: a vertex of three
+faces and more has no place to go that keeps all of them flat.
 """
 
 from __future__ import annotations
@@ -20,9 +21,10 @@ from scipy.sparse.csgraph import connected_components
 
 from drystone.assembly import Block
 from drystone.builders.words import listed, millimetres
-from drystone.geometry import polygon
+from drystone.geometry import polygon, solid
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.outlines import Outlines
+from drystone.geometry.solid import Part
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -36,18 +38,40 @@ STRAIGHT = 1e-2
 
 
 def turned_round(blocks: Sequence[Block]) -> tuple[list[Block], tuple[str, ...]]:
-    """The blocks with clockwise outlines the other way round, and a sentence on which they were."""
-    clockwise = [polygon.is_clockwise(block.vertices) for block in blocks]
-    turned = [
-        replace(block, vertices=block.vertices[::-1].copy()) if wrong else block
-        for block, wrong in zip(blocks, clockwise, strict=True)
-    ]
-    ids = [block.id for block, wrong in zip(blocks, clockwise, strict=True) if wrong]
+    """The blocks with clockwise outlines and faces the other way round, and a sentence on which."""
+    turned = [_turned_round(block) for block in blocks]
+    ids = [block.id for block, before in zip(turned, blocks, strict=True) if block is not before]
     if not ids:
         return turned, ()
-    what = "an outline ran" if len(ids) == 1 else f"{len(ids)} outlines ran"
-    was = "was" if len(ids) == 1 else "were"
+    if all(block.dimension == 2 for block in blocks):
+        what = "an outline ran" if len(ids) == 1 else f"{len(ids)} outlines ran"
+        was = "was" if len(ids) == 1 else "were"
+    else:
+        what = "the faces of one ran" if len(ids) == 1 else f"the faces of {len(ids)} ran"
+        was = "were"
     return turned, (f"block: {what} clockwise and {was} turned round: {listed(ids)}",)
+
+
+def _turned_round(block: Block) -> Block:
+    """The block itself where nothing of it runs clockwise."""
+    if block.parts:
+        parts = tuple(_part_turned_round(part) for part in block.parts)
+        if all(part is before for part, before in zip(parts, block.parts, strict=True)):
+            return block
+        return replace(block, vertices=np.vstack([part.vertices for part in parts]), parts=parts)
+    part = Part(block.vertices, block.faces)
+    turned = _part_turned_round(part)
+    if turned is part:
+        return block
+    return replace(block, vertices=turned.vertices, faces=turned.faces)
+
+
+def _part_turned_round(part: Part) -> Part:
+    if polygon.is_clockwise(part.vertices):
+        return Part(part.vertices[::-1].copy())
+    if part.faces and solid.is_inside_out(part.vertices, part.faces):
+        return Part(part.vertices, tuple(face[::-1] for face in part.faces))
+    return part
 
 
 def fitted(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], tuple[str, ...]]:
@@ -56,12 +80,16 @@ def fitted(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], tupl
     Parameters
     ----------
     blocks
-        With outlines that are convex and counter-clockwise.
+        With outlines that are counter-clockwise.
     tolerance
         Largest gap or overlap that is closed, over the smallest edge of all blocks; no corner is
         moved further than that.
     """
-    outlines = Outlines.pack([[block.vertices] for block in blocks])
+    if any(block.dimension == 3 for block in blocks):
+        return list(blocks), ()
+    outlines = Outlines.pack(
+        [[part.vertices for part in block.parts] or [block.vertices] for block in blocks]
+    )
     distance = tolerance * float(outlines.edges[1].min())
     if not distance > 0.0:
         return list(blocks), ()
@@ -78,9 +106,10 @@ def fitted(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], tupl
         f"drawn; to close them {np.count_nonzero(moved)} vertices were moved, by up to "
         f"{millimetres(float(way[moved].max()))} (drawing_tolerance)"
     )
-    pieces = np.split(vertices, outlines.offset[1:-1])
+    last = np.cumsum([len(block.vertices) for block in blocks])[:-1]
+    pieces = np.split(vertices, last)
     return [
-        replace(block, vertices=piece) if np.any(piece != block.vertices) else block
+        block.with_vertices(piece) if np.any(piece != block.vertices) else block
         for block, piece in zip(blocks, pieces, strict=True)
     ], (note,)
 

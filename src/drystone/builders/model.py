@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly, Block, Corner, JointLaw
+from drystone.assembly import POINTS, POINTS_KNOWN, Assembly, Block, Corner, JointLaw
 from drystone.builders.checks import (
     Place,
     block_problems,
@@ -38,9 +38,10 @@ def make_model(
     blocks: Sequence[Block],
     *,
     joint: JointLaw,
-    thickness: float,
     load_direction: Sequence[float],
+    thickness: float | None = None,
     corner: Corner | None = None,
+    points: int = POINTS,
     joint_between: Mapping[frozenset[str], JointLaw] | None = None,
     control_block: str | None = None,
     control_point: str | Sequence[float] | None = None,
@@ -62,11 +63,13 @@ def make_model(
     joint, joint_between
         Law of every joint, and of those between two block ids or two materials.
     thickness
-        Out of plane [m].
+        Out of plane [m]; none in space.
     load_direction
         Of the forces in proportion to weight; scaled to length one.
     corner
         How corners are treated for contact; sharp by default.
+    points
+        Contact points on a quadrilateral joint in space: 4, 9 or 16.
     control_block, control_point, control_direction
         See `choose_control_point`.
     source, sha256
@@ -84,13 +87,15 @@ def make_model(
         With everything that was found wrong.
     """
     place = place or (lambda i: f'block "{blocks[i].id}"')
-    along = unit_vector(load_direction, "load.direction")
+    dimension = blocks[0].dimension if blocks else len(load_direction)
+    along = unit_vector(load_direction, "load.direction", dimension)
     assembly, amended = _assembly(
         blocks,
         joint,
         dict(joint_between or {}),
         corner=corner or Corner(),
         thickness=thickness,
+        points=points,
         drawing_tolerance=drawing_tolerance,
         place=place,
     )
@@ -115,7 +120,8 @@ def _assembly(
     between: Mapping[frozenset[str], JointLaw],
     *,
     corner: Corner,
-    thickness: float,
+    thickness: float | None,
+    points: int,
     drawing_tolerance: float,
     place: Place,
 ) -> tuple[Assembly, tuple[str, ...]]:
@@ -126,10 +132,11 @@ def _assembly(
         where = " ".join(sorted(names))
         problems += [f'joint.between."{where}".{wrong}' for wrong in law_problems(law)]
     problems += pair_problems(blocks, between)
-    for key, value in (("thickness", thickness), ("drawing_tolerance", drawing_tolerance)):
-        problems += [wrong] if (wrong := problem(key, value)) else []
+    if wrong := problem("drawing_tolerance", drawing_tolerance):
+        problems.append(wrong)
     if not blocks:
         problems.append("block: there is none: add [[block]] or [wall]")
+    problems += _depth_problems(blocks, thickness, points)
     if any(problem("unit_weight", weight) for weight in {block.unit_weight for block in blocks}):
         problems += block_problems(blocks, corner, place)
     _raise(problems)
@@ -137,7 +144,12 @@ def _assembly(
 
     def build(blocks: Sequence[Block]) -> Assembly:
         return Assembly.build(
-            blocks, joint=joint, corner=corner, thickness=thickness, joint_between=between
+            blocks,
+            joint=joint,
+            corner=corner,
+            thickness=1.0 if thickness is None else thickness,
+            joint_between=between,
+            points=points,
         )
 
     try:
@@ -150,6 +162,21 @@ def _assembly(
     if len(set(assembly.ids)) < len(blocks):
         raise ModelError(block_problems(blocks, corner, place))
     return assembly, turned + moved
+
+
+def _depth_problems(blocks: Sequence[Block], thickness: float | None, points: int) -> list[str]:
+    """Of a thickness that is missing or too much, and of numbers of contact points."""
+    found = []
+    if points not in POINTS_KNOWN:
+        found.append(f"contact.points: must be 4, 9 or 16, it is {points}")
+    if blocks and blocks[0].dimension == 3:
+        if thickness is not None:
+            found.append("thickness: is of two dimensions: take it out")
+    elif thickness is None:
+        found.append("thickness: is missing: give it in m, out of plane")
+    elif wrong := problem("thickness", thickness):
+        found.append(wrong)
+    return found
 
 
 def _control(

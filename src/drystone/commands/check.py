@@ -60,15 +60,16 @@ def report(found: Inspection, problems: Sequence[str]) -> str:
     """The model in a few lines."""
     from drystone.builders.words import printable
 
-    (left, low), (right, high) = found.lower, found.upper
-    x, y = found.control_point
+    sides = [high - low for low, high in zip(found.lower, found.upper, strict=True)]
+    point = ", ".join(f"{x:g}" for x in found.control_point)
     rows = (
         ("blocks", str(found.n_blocks)),
         ("supports", str(found.n_supports)),
         ("joints", f"{found.n_joints}, with {found.n_contacts} contact points at rest"),
+        ("volume", f"{found.volume:.4g} m3"),
         ("weight", f"{found.weight / 1e3:.4g} kN"),
-        ("size", f"{right - left:.4g} m x {high - low:.4g} m"),
-        ("control point", f'({x:g}, {y:g}) m on block "{found.control_block}"'),
+        ("size", " x ".join(f"{side:.4g} m" for side in sides)),
+        ("control point", f'({point}) m on block "{found.control_block}"'),
     )
     lines = [printable(found.title), *(f"  {name:<14} {value}" for name, value in rows)]
     notes = [note for note in found.warnings if note not in problems]

@@ -72,6 +72,10 @@ class Figure:
             return solid_parts.solid_seams(self.parts)
         return outline_parts.outline_seams([part.vertices for part in self.parts])
 
+    def distance(self, point: Array) -> float:
+        """How far a point (dim,) lies outside of all parts [m], by the planes of their faces."""
+        return min(_outside(part, point) for part in self.parts)
+
     def cores(
         self, *, radius: float | None, chamfer: float | None
     ) -> tuple[Core, ...] | tuple[SolidCore, ...]:
@@ -111,6 +115,17 @@ class Figure:
                 for part, kept in zip(parts, uncut, strict=True)
             )
         return tuple(cores.sharp_solid(part.vertices, part.faces) for part in parts)
+
+
+def _outside(part: Part, point: Array) -> float:
+    """How far a point (dim,) lies beyond the edge or the face that it lies furthest beyond [m]."""
+    if part.faces:
+        normal, offset = solid.face_planes(part.vertices, part.faces)
+        return float((normal @ point - offset).max())
+    edges = np.roll(part.vertices, -1, axis=0) - part.vertices
+    arm = point - part.vertices
+    outside = arm[:, 0] * edges[:, 1] - arm[:, 1] * edges[:, 0]
+    return float((outside / np.hypot(edges[:, 0], edges[:, 1])).max())
 
 
 def _of_parts(parts: tuple[Part, ...]) -> Figure:

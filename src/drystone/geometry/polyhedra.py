@@ -140,6 +140,16 @@ class Polyhedra:
         other = self.body[p] != self.body[q]
         return p[other], q[other]
 
+    def overlap_depths(self, a: IntArray, b: IntArray) -> Array:
+        """Depth [m] by which the parts of each pair overlap; minus their gap when apart."""
+        from drystone.geometry.separation import overlap_depths
+
+        return overlap_depths(self, a, b)
+
+    def touching(self, a: IntArray, b: IntArray) -> NDArray[np.bool_]:
+        """Whether the parts of each pair touch, at a corner at least."""
+        return self.overlap_depths(a, b) >= -TOUCHING * self.pair_size(a, b)
+
     def setbacks(self, back: Array) -> Array:
         """By how much faces recede from their edges where these are rounded, (n_edges,) [m].
 

@@ -376,6 +376,16 @@ def _turns(vertices: Array, loops: _Loops, normal: Array) -> IntArray:
     return turns
 
 
+def is_inside_out(vertices: Array, faces: Faces) -> bool:
+    """Whether all faces of a solid run clockwise from outside; what is no solid is not."""
+    try:
+        check_vertices(vertices)
+        _check_rows(len(vertices), faces)
+    except GeometryError:
+        return False
+    return mass_properties(vertices, faces).volume < 0.0
+
+
 def turned_out(vertices: Array, faces: Faces) -> Faces:
     """Faces of a closed surface, all of them turned round where they run clockwise from outside."""
     if mass_properties(vertices, faces).volume < 0.0:

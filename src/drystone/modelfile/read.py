@@ -8,10 +8,9 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from pydantic import ValidationError
 
-from drystone.assembly import GRAVITY, Block, Corner, JointLaw
+from drystone.assembly import GRAVITY, POINTS, Block, Corner, JointLaw
 from drystone.builders.checks import law_problems
 from drystone.builders.errors import ModelError
 from drystone.builders.model import make_model
@@ -21,6 +20,7 @@ from drystone.model import Analysis, Model
 from drystone.modelfile.parse import parse, read_bytes
 from drystone.modelfile.schema import ExceptionSection, ModelSection
 from drystone.modelfile.sentences import place_of, sentences
+from drystone.modelfile.shapes import ShapeError, shape_of, shape_problems
 
 #: Engines that a model file may name.
 ENGINES = ("equilibrium", "nscd", "distinct", "lmgc90")
@@ -119,6 +119,7 @@ def _model(
         joint_between=between,
         corner=Corner(radius=section.corner.radius or None, chamfer=section.corner.chamfer or None),
         thickness=section.thickness,
+        points=section.contact.points if section.contact else POINTS,
         load_direction=section.load.direction,
         control_block=section.control.block,
         control_point=section.control.point,
@@ -142,13 +143,17 @@ def _model(
 
 
 def _checked(data: dict[str, Any]) -> ModelSection:
-    """The file's keys, types and ranges."""
-    if data.get("dimension") == 3 and not isinstance(data["dimension"], bool):
-        raise ModelError(["dimension: this version reads two dimensions only: set dimension = 2"])
+    """The file's keys, types and ranges, and which shapes its blocks have."""
+    given = data.get("dimension")
+    dimension = given if given in (2, 3) and not isinstance(given, bool) else None
+    problems = shape_problems(data)
     try:
-        return ModelSection.model_validate(data)
+        section = ModelSection.model_validate(data, context={"dimension": dimension})
     except ValidationError as error:
-        raise ModelError(sentences(error, data)) from None
+        problems = sentences(error, data) + problems
+    if problems:
+        raise ModelError(problems)
+    return section
 
 
 def _blocks(
@@ -192,14 +197,19 @@ def _blocks(
     for i, block in enumerate(section.block):
         place = place_of(("block", i), data)
         material = material_of(block.material, f"{place} material")
+        try:
+            shape = shape_of(block)
+        except ShapeError as error:
+            problems.append(f"{place} {error.key}: {error}")
+            continue
         places.append(place)
         blocks.append(
             Block(
                 id=block.id,
-                vertices=np.array(block.vertices, dtype=np.float64).reshape(-1, 2),
                 unit_weight=unit_weights[material],
                 material=material,
                 support=block.support,
+                **shape,
             )
         )
     return blocks, places

@@ -1,10 +1,22 @@
-"""The keys of a model file, their types and ranges.  What they mean together is for `read`."""
+"""The keys of a model file, their types and ranges.  What they mean together is for `read`.
+
+How many coordinates a place or a direction has is the file's `dimension`, which the check is told.
+"""
 
 from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    ValidationInfo,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from drystone.builders.control import NAMED_POINTS
@@ -33,10 +45,43 @@ def sentence(text: str) -> PydanticCustomError:
     return PydanticCustomError("sentence", "{text}", {"text": text})
 
 
-def _direction(value: list[float]) -> list[float]:
+def dimension_of(info: ValidationInfo) -> int | None:
+    """The file's; None where it gives none that there is."""
+    return info.context["dimension"] if info.context else None
+
+
+def _of_dimension(value: list[float], info: ValidationInfo) -> list[float]:
+    wanted = dimension_of(info)
+    if len(value) == wanted or (wanted is None and len(value) in (2, 3)):
+        return value
+    raise sentence(f"must have {wanted or '2 or 3'} entries, it has {len(value)}")
+
+
+def _direction(value: list[float], info: ValidationInfo) -> list[float]:
     if not any(value):
-        raise sentence("has no length: give a direction, as in [1.0, 0.0]")
+        example = "[1.0, 0.0, 0.0]" if dimension_of(info) == 3 else "[1.0, 0.0]"
+        raise sentence(f"has no length: give a direction, as in {example}")
+    return _of_dimension(value, info)
+
+
+def in_plane_only(value: Any, info: ValidationInfo) -> Any:
+    """The value, which models in space do not have."""
+    if value is not None and dimension_of(info) == 3:
+        raise sentence("is of two dimensions: take it out")
     return value
+
+
+def in_space_only(value: Any, info: ValidationInfo) -> Any:
+    """The value, which models of the plane do not have."""
+    if value is not None and dimension_of(info) == 2:
+        raise sentence("is of three dimensions: take it out, or set dimension = 3")
+    return value
+
+
+def _thickness(value: float | None, info: ValidationInfo) -> float | None:
+    if value is None and dimension_of(info) != 3:
+        raise PydanticCustomError("missing", "missing")
+    return in_plane_only(value, info)
 
 
 def _name(value: str) -> str:
@@ -52,17 +97,19 @@ def _course(value: str) -> str:
     return value
 
 
-def _point(value: Any) -> str | list[float]:
+def _point(value: Any, info: ValidationInfo) -> str | list[float]:
+    dimension = dimension_of(info) or 2
+    known = NAMED_POINTS[dimension]
     if isinstance(value, str):
-        if value not in NAMED_POINTS:
-            mend = suggestion(value, list(NAMED_POINTS))
-            raise sentence(f"there is no point {quoted(value)}: {mend}")
+        if value not in known:
+            raise sentence(f"there is no point {quoted(value)}: {suggestion(value, list(known))}")
         return value
     numbers = value if isinstance(value, list) else []
     numbers = [x for x in numbers if isinstance(x, int | float) and not isinstance(x, bool)]
     wrong = [x for x in numbers if RANGES["coordinate"].problem(x)]
-    if len(numbers) != 2 or numbers != value or wrong:
-        raise sentence('must be [x, y] in metres, or one of "' + '", "'.join(NAMED_POINTS) + '"')
+    if len(numbers) != dimension or numbers != value or wrong:
+        place = "[x, y, z]" if dimension == 3 else "[x, y]"
+        raise sentence(f'must be {place} in metres, or one of "' + '", "'.join(known) + '"')
     return [float(x) for x in numbers]
 
 
@@ -78,12 +125,10 @@ def ranged(name: str) -> PlainValidator:
     return PlainValidator(check)
 
 
-Place = Annotated[list[Annotated[float, ranged("coordinate")]], Field(min_length=2, max_length=2)]
-Direction = Annotated[
-    list[Annotated[float, ranged("direction")]],
-    Field(min_length=2, max_length=2),
-    AfterValidator(_direction),
-]
+Coordinate = Annotated[float, ranged("coordinate")]
+Pair = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
+Place = Annotated[list[Coordinate], AfterValidator(_of_dimension)]
+Direction = Annotated[list[Annotated[float, ranged("direction")]], AfterValidator(_direction)]
 Name = Annotated[str, AfterValidator(_name)]
 Course = Annotated[str, AfterValidator(_course)]
 
@@ -146,11 +191,25 @@ class CornerSection(Section):
         return self
 
 
-class BlockSection(Section):
+Face = list[Annotated[int, Field(ge=0)]]
+Spatial = BeforeValidator(in_space_only)
+
+
+class ShapeSection(Section):
+    """What shape a block has; which keys go together is for `shapes`."""
+
+    vertices: list[Place] | None = None  # m
+    faces: Annotated[list[Face] | None, Spatial] = None  # rows of vertices, counted from 0
+    box: Annotated[list[Place] | None, Spatial] = None  # m, its lowest and its highest corner
+    outline: Annotated[list[Pair] | None, Spatial] = None  # m, [x, z]
+    depth: Annotated[Pair | None, Spatial] = None  # m, from which y to which
+
+
+class BlockSection(ShapeSection):
     """[[block]]"""
 
     id: Name = Field(description='a name of its own, as in id = "b1"')
-    vertices: list[Place] = Field(description="[x, y] pairs in metres around a convex block")
+    parts: Annotated[list[ShapeSection] | None, Field(min_length=1)] = None
     material: str | None = None
     support: bool = False
 
@@ -166,7 +225,7 @@ class WallSection(Section):
     )
     repeat: Annotated[int, Field(ge=1, le=10_000)] = 1
     base: bool = False
-    origin: Place = [0.0, 0.0]
+    origin: Pair = [0.0, 0.0]
     material: str | None = None
 
 
@@ -185,6 +244,12 @@ class ControlSection(Section):
     block: str | None = None
     point: Annotated[Any, PlainValidator(_point)] = None
     direction: Direction | None = None
+
+
+class ContactSection(Section):
+    """[contact]"""
+
+    points: Literal[4, 9, 16] = 4
 
 
 class AnalysisSection(Section):
@@ -217,9 +282,13 @@ class ModelSection(Section):
     """The whole file."""
 
     title: str | None = None
-    dimension: Literal[2] = Field(description="dimension = 2")
-    thickness: Annotated[float, ranged("thickness")] = Field(
-        description="out of plane, in metres, as in thickness = 1.0"
+    dimension: Literal[2, 3] = Field(description="dimension = 2, or 3")
+    thickness: Annotated[
+        Annotated[float, ranged("thickness")] | None, AfterValidator(_thickness)
+    ] = Field(
+        default=None,
+        validate_default=True,
+        description="out of plane, in metres, as in thickness = 1.0",
     )
     drawing_tolerance: Annotated[float, ranged("drawing_tolerance")] = DRAWING_TOLERANCE
     material: Annotated[dict[Name, MaterialSection], Field(min_length=1)] = Field(
@@ -227,8 +296,9 @@ class ModelSection(Section):
     )
     joint: JointSection = Field(description="a table [joint] with friction and stiffnesses")
     corner: CornerSection = CornerSection()
+    contact: Annotated[ContactSection | None, Spatial] = None
     block: list[BlockSection] = []
-    wall: WallSection | None = None
+    wall: Annotated[WallSection | None, BeforeValidator(in_plane_only)] = None
     load: LoadSection = Field(description="a table [load] with pattern and direction")
     control: ControlSection = ControlSection()
     analysis: AnalysisSection = AnalysisSection()

@@ -1,0 +1,74 @@
+"""How far convex solids are apart, or overlap: by separating axes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.geometry.outlines import TOUCHING
+
+if TYPE_CHECKING:
+    from drystone.geometry.polyhedra import Polyhedra
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: Sine of the angle under which two edges are parallel and have no axis of their own.
+PARALLEL = 1e-6
+
+
+def overlap_depths(solids: Polyhedra, a: IntArray, b: IntArray) -> Array:
+    """Depth [m] by which the parts of each pair overlap; minus their gap when apart.
+
+    Axes are the normals of faces, and what is normal to an edge of either.  Of parts that lie
+    corner to corner, and of those farther apart than touching ones, the gap is that along an axis.
+    """
+    names, which = np.unique(np.concatenate((a, b)), return_inverse=True)
+    shapes = [_Shape(solids, int(part)) for part in names]
+    margin = TOUCHING * solids.pair_size(a, b)
+    depth = np.empty(len(a))
+    for k, (i, j) in enumerate(which.reshape(2, -1).T.tolist()):
+        depth[k] = -_separation(shapes[i], shapes[j], float(margin[k]))
+    return depth
+
+
+class _Shape:
+    """A part: its vertices, its faces' planes, and the directions of its edges, once each."""
+
+    def __init__(self, solids: Polyhedra, part: int) -> None:
+        first, last = solids.part_faces[part], solids.part_faces[part + 1]
+        edges = slice(solids.face_offset[first], solids.face_offset[last])
+        self.vertices = solids.vertices[solids.offset[part] : solids.offset[part + 1]]
+        self.normals = solids.normals[first:last]
+        corner = solids.vertices[solids.rows[solids.face_offset[first:last]]]
+        self.offsets = np.sum(self.normals * corner, axis=1)
+        along = solids.vertices[solids.following[edges]] - solids.vertices[solids.rows[edges]]
+        along = along / np.linalg.norm(along, axis=1)[:, None]
+        # One of the two directions of each edge, and one of all edges that are parallel.
+        lead = np.argmax(np.abs(along) > PARALLEL, axis=1)
+        along *= np.sign(along[np.arange(len(along)), lead])[:, None]
+        _, once = np.unique(np.round(along, 9), axis=0, return_index=True)
+        self.directions = along[np.sort(once)]
+
+
+def _separation(p: _Shape, q: _Shape, margin: float) -> float:
+    """Largest distance [m] at which an axis keeps two shapes apart; minus the smallest overlap."""
+    apart = max(
+        float((q.vertices @ p.normals.T - p.offsets).min(axis=0).max()),
+        float((p.vertices @ q.normals.T - q.offsets).min(axis=0).max()),
+    )
+    if apart > margin:
+        return apart
+    axes = np.cross(p.directions[:, None], q.directions[None]).reshape(-1, 3)
+    length = np.linalg.norm(axes, axis=1)
+    axes = axes[length > PARALLEL] / length[length > PARALLEL, None]
+    if not len(axes):
+        return apart
+    one, other = p.vertices @ axes.T, q.vertices @ axes.T
+    gap = np.maximum(
+        other.min(axis=0) - one.max(axis=0),
+        one.min(axis=0) - other.max(axis=0),
+    )
+    return max(apart, float(gap.max()))
