@@ -14,6 +14,7 @@ gets one in proportion to the stiffness that it feels.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,6 @@ from drystone.contact.certificate import (
 from drystone.contact.detection import Detector, predecessor_slots
 from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
-from drystone.contact.plane import PlaneNarrowPhase
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
@@ -99,13 +99,13 @@ class DistinctSettings:
 class DistinctState:
     """Poses, velocities, what the contacts remember, and the books of energy."""
 
-    pose: Array  # (n, n_dof) m, rad
+    pose: Array  # (n, n_pose) m, rad
     velocity: Array  # (n, n_dof) m/s, rad/s, half a time step before the pose
     multiplier: float
     pairs: Pairs
     slots: Slots  # features of the last search, geometry in `pose`
-    searched: Array  # (n, n_dof) poses at the last search
-    history: Array  # (n_slots, N_HISTORY)
+    searched: Array  # (n, n_pose) poses at the last search
+    history: Array  # (n_slots, N_HISTORY + dim - 2)
     reaction: Array  # (n_slots, dim) N
     status: IntArray  # (n_slots,)
     increment: Array  # (n, n_dof) of the last step
@@ -170,15 +170,7 @@ class Workspace:
         self.reaction = state.reaction.copy()
         self.status = state.status.copy()
         self.searched = state.searched.copy()
-        self.motion = Motion(
-            pose=state.pose.copy(),
-            velocity=state.velocity.copy(),
-            turn=np.zeros((len(state.pose), 2)),
-            force=np.zeros_like(state.velocity),
-            last=np.zeros_like(state.velocity),
-            mean=np.zeros_like(state.velocity),
-            opposed=np.zeros_like(state.velocity),
-        )
+        self.motion = Motion.of(state.pose, state.velocity, engine.problem.assembly.axes)
         self.meter = np.zeros(explicit.N_METER)
         self.meter[explicit.MULTIPLIER] = state.multiplier
         self.acting = LoadArrays.of(engine.problem, state.gone)
@@ -291,7 +283,7 @@ class Workspace:
         reach: float = np.inf,
     ) -> tuple[int, int]:
         """Why the cycles ended, and how many there were; see `kernels.explicit`."""
-        settings = self.engine.settings
+        engine, settings = self.engine, self.engine.settings
         drive = Drive(
             dt=self.dt,
             multiplier=self.multiplier,
@@ -303,10 +295,11 @@ class Workspace:
             viscous_damping=float(settings.viscous_damping),
             tolerance=float(tolerance),
             reach=float(reach),
+            gyroscopic=self.real_masses and (settings.mass_scaling or 1.0) == 1.0,
         )
         why, used = explicit.cycle(
             self.contacts, self.n_contacts, self.motion, self.loads, self.searched, drive,
-            n_cycles, self.meter,
+            n_cycles, self.meter, (0,) * engine.problem.assembly.n_dof,
         )  # fmt: skip
         return why, used
 
@@ -358,12 +351,10 @@ class Workspace:
         slots = Slots.empty(pairs.n_slots, self.slots.dim)
         for new, old in zip(slots, self.slots, strict=True):
             new[known] = old[source[known]]
-        history = np.zeros((len(source), N_HISTORY))
-        history[known] = self.history[source[known]]
-        self.pairs, self.slots, self.history = pairs, slots, history
-        reaction, status = np.zeros((len(source), 2)), np.zeros(len(source), np.int64)
-        reaction[known], status[known] = self.reaction[source[known]], self.status[source[known]]
-        self.reaction, self.status = reaction, status
+        self.pairs, self.slots = pairs, slots
+        self.history = _gone_on_with(self.history, source)
+        self.reaction = _gone_on_with(self.reaction, source)
+        self.status = _gone_on_with(self.status, source)
 
     def unpack(self) -> None:
         """Bring slots, histories and reactions up to date."""
@@ -375,30 +366,18 @@ class Workspace:
     def _pack(self, *, weigh: bool) -> None:
         """Contacts of the slots as the cycles take them, and masses where they may have changed."""
         engine, assembly, acting = self.engine, self.engine.problem.assembly, self.acting
-        n_slots = len(self.slots.kind)
-        self.contacts = FrozenContacts(
-            slot=np.zeros(n_slots, np.int64),
-            edge=np.zeros(n_slots, np.int64),
-            other=np.zeros(n_slots, np.int64),
-            shape=np.zeros((n_slots, explicit.N_SHAPE)),
-            law=np.zeros((n_slots, joint_law.N_CONTACT_LAW)),
-            history=np.zeros((n_slots, N_HISTORY)),
-            reaction=np.zeros((n_slots, 2)),
-            status=np.zeros(n_slots, np.int64),
-        )
-        narrow = engine.detector.narrow
-        assert isinstance(narrow, PlaneNarrowPhase)
+        self.contacts = FrozenContacts.empty(len(self.slots.kind), assembly.dimension)
         self.n_contacts = explicit.pack(
-            self.slots, narrow.bodies, self.pairs, engine.laws,
+            self.slots, engine.detector.narrow.bodies, self.pairs, engine.laws,
             assembly.thickness, self.history, self.contacts,
         )  # fmt: skip
-        rotation = self.motion.pose[:, 2]
-        self.motion.turn[:, 0] = np.cos(rotation)
-        self.motion.turn[:, 1] = np.sin(rotation)
+        explicit.place(self.motion)
         if not weigh:
             return
         self.weighed = self.motion.pose.copy()
-        self.mass, self.dt = engine.masses(self.slots, self.pairs, real=self.real_masses)
+        self.mass, self.dt = engine.masses(
+            self.slots, self.pairs, self.motion.pose, real=self.real_masses
+        )
         moves = np.broadcast_to(~acting.fixed[:, None], self.mass.shape)
         inverse = np.divide(1.0, self.mass, out=np.zeros_like(self.mass), where=moves)
         self.loads = Loads(
@@ -480,7 +459,7 @@ class DistinctEngine:
         pairs = self.detector.pairs(pose)
         slots = self.detector.find(pairs, pose)
         n_slots = len(slots.kind)
-        history = np.zeros((n_slots, N_HISTORY))
+        history = np.zeros((n_slots, N_HISTORY + assembly.dimension - 2))
         history[apart(slots, 1e-9 * self.size), joint_law.BROKEN] = 1.0  # open when built
         self.brittle = brittle(self.laws)
         return DistinctState(
@@ -491,7 +470,7 @@ class DistinctEngine:
             slots=slots,
             searched=pose.copy(),
             history=history,
-            reaction=np.zeros((n_slots, 2)),
+            reaction=np.zeros((n_slots, assembly.dimension)),
             status=np.zeros(n_slots, np.int64),
             increment=assembly.no_motion(),
             margin=np.full(n_slots, np.inf),
@@ -499,8 +478,8 @@ class DistinctEngine:
             gone=np.zeros(assembly.n_bodies, np.bool_),
         )
 
-    def masses(self, slots: Slots, pairs: Pairs, *, real: bool) -> tuple[Array, float]:
-        """Masses (n, n_dof) and the stable time step [s] that goes with them.
+    def masses(self, slots: Slots, pairs: Pairs, pose: Array, *, real: bool) -> tuple[Array, float]:
+        """Masses (n, n_dof) and the stable time step [s] that goes with them, of slots in a pose.
 
         A contact's stiffness k (h_a.x_a + h_b.x_b)^2 is at most 2 k (h_a.x_a)^2 + 2 k (h_b.x_b)^2.
         With B = 2 sum k h h^T over the contacts of one block, no frequency of the assembly is hence
@@ -515,10 +494,11 @@ class DistinctEngine:
         Contacts that are open count where they may close before the next search.
         """
         assembly, s = self.problem.assembly, self.settings
-        blocks = np.zeros((assembly.n_bodies, 3, 3))
+        blocks = np.zeros((assembly.n_bodies, assembly.n_dof, assembly.n_dof))
         explicit.stiffness_blocks(
             slots, pairs, self.laws, assembly.thickness,
-            np.inf if real else 3.0 * max(self.search_reach, WATCHED * self.size), blocks,
+            np.inf if real else 3.0 * max(self.search_reach, WATCHED * self.size),
+            self.detector.gradients(pairs, pose, slots), blocks,
         )  # fmt: skip
         blocks *= 0.25 * (1.0 + s.local_damping) / s.safety**2
         scaling = s.mass_scaling or (1.0 if real else np.inf)
@@ -541,7 +521,8 @@ class DistinctEngine:
         bonded = (history[:, joint_law.BROKEN] == 0.0) & (law[:, joint_law.TENSION] > 0.0)
         used = (slots.kind != NONE) & ((overlap > 0.0) | bonded)
         normal = law[used, joint_law.KN] * area[used] * overlap[used] ** 2
-        shear = history[used, joint_law.SHEAR] ** 2 / (law[used, joint_law.KS] * area[used])
+        shear = np.sum(history[used, joint_law.SHEAR :] ** 2, axis=1)
+        shear /= law[used, joint_law.KS] * area[used]
         return 0.5 * float(np.sum(normal + shear))
 
     def energy(self, state: DistinctState) -> Energy:
@@ -555,10 +536,11 @@ class DistinctEngine:
         work.cycle_once()
         k = slice(0, work.n_contacts)
         reaction, law = work.contacts.reaction[k], work.contacts.law[k]
+        stiffness = law[:, [joint_law.L_KN] + [joint_law.L_KS] * (reaction.shape[1] - 1)]
         velocity = 0.5 * (before + work.motion.velocity)
         return Energy(
             kinetic=0.5 * float(np.sum(work.acting.mass * velocity**2)),
-            elastic=0.5 * float(np.sum(reaction**2 / law[:, [joint_law.L_KN, joint_law.L_KS]])),
+            elastic=0.5 * float(np.sum(reaction**2 / stiffness)),
             friction=state.friction_work + float(work.meter[explicit.FRICTION_WORK]),
             damping=state.damping_work + 0.5 * float(work.meter[explicit.DAMPING_WORK]),
             search=state.search_work,
@@ -820,6 +802,13 @@ class DistinctEngine:
 
     def close(self) -> None:
         """Nothing is held."""
+
+
+def _gone_on_with(array: NDArray[Any], source: IntArray) -> NDArray[Any]:
+    """Rows of what slots had, for slots that go on with them; zero where ``source`` is -1."""
+    after = np.zeros((len(source), *array.shape[1:]), array.dtype)
+    after[source >= 0] = array[source[source >= 0]]
+    return after
 
 
 def _failed(reason: str, work: Workspace) -> StepReport:

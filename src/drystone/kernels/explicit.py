@@ -4,19 +4,15 @@ Semi-implicit Euler (central differences with velocities at half steps):
 
     v <- v + dt M^-1 (f - damping),        x <- x + dt v
 
-Between two searches the features of every contact are frozen: which vertex against which edge (or
-against which vertex), with which tributary area.  The gap is then a function of the poses alone,
-and the shear force grows with the sliding velocity,
+Between two searches the features of every contact are frozen: which vertex against which edge, or
+which point against which plane, with which tributary area.  The gap is then a function of the poses
+alone, and the shear force grows with the sliding velocity,
 
     r_n = k_n (d - g)          r_t <- r_t - k_s dt (grad slip . v)
 
 with dilation d; it is kept in the axes of the contact and turns with them.  The joint law is that
-of `kernels.law`.  For all kinds of contact one of the two bodies, the *edge body* e, owns the
-normal, which points to the *other body* o; with arms from the centroids, t = (n_y, -n_x), S the
-quarter turn, q = 1 but between two vertices, and rolling terms as in `kernels.narrow`,
-
-    grad gap  = [-n, -n.S arm_e, n, n.S arm_o]
-    grad slip = q [-t, -t.S arm_e, t, t.S arm_o] + [0, 0, roll_e, 0, 0, roll_o]
+of `kernels.law`.  What the dimension makes of it, contacts and poses, is in `explicit_plane` and
+`explicit_space`; compiled cycles hold the one or the other, chosen by the length of ``dof``.
 """
 
 from __future__ import annotations
@@ -27,30 +23,26 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drystone.kernels.contacts import (
-    ARM_A,
-    ARM_B,
-    FEATURE_A,
-    FEATURE_B,
-    GAP,
-    KIND,
-    LAW,
-    NONE,
-    NORMAL,
-    PART_A,
-    PART_B,
-    RATIO,
-    SIZE,
-    VERTEX_A,
-    VERTICES,
-    A,
-    B,
+from drystone.kernels import explicit_plane, explicit_space
+from drystone.kernels.contacts import GAP, KIND, LAW, NONE, SIZE, A, B
+from drystone.kernels.explicit_plane import (
+    act_in_plane,
+    freeze_in_plane,
+    locate_in_plane,
+    move_in_plane,
+    place_in_plane,
+)
+from drystone.kernels.explicit_space import (
+    Turns,
+    act_in_space,
+    freeze_in_space,
+    locate_in_space,
+    move_in_space,
+    place_in_space,
 )
 from drystone.kernels.law import (
-    BROKEN,
     COHESION,
     DILATANCY_END,
-    DILATION,
     KN,
     KS,
     L_BOND,
@@ -61,22 +53,13 @@ from drystone.kernels.law import (
     L_TAN_PSI,
     L_TENSION,
     MU,
+    N_CONTACT_LAW,
+    N_HISTORY,
     OPEN,
-    SHEAR,
-    SLID,
-    SLIDING,
-    STICKING,
     TAN_PSI,
     TENSION,
-    drag,
-    opens,
 )  # fmt: skip
-from drystone.kernels.rows import N_DOF, OF_GAP, OF_SLIP, gradients
-
-#: Columns of `FrozenContacts.shape`: local vertex of the other body, local vertex and tangent of
-#: the edge body [m], radius of the other body, sum of both, 1 where two vertices meet [m].
-OX, OY, EX, EY, TX, TY, R_O, R_SUM, ROUND = 0, 1, 2, 3, 4, 5, 6, 7, 8
-N_SHAPE = 9
+from drystone.kernels.rows import OF_GAP
 
 #: Entries of the meter, see `cycle`.
 MULTIPLIER, FRICTION_WORK, DAMPING_WORK, LOAD_WORK, RESIDUAL, CYCLES = 0, 1, 2, 3, 4, 5
@@ -98,68 +81,78 @@ class FrozenContacts(NamedTuple):
     slot: IntArray  # (n_contacts,)
     edge: IntArray  # (n_contacts,) body that owns the normal
     other: IntArray  # (n_contacts,)
-    shape: Array  # (n_contacts, N_SHAPE)
+    shape: Array  # (n_contacts, N_SHAPE), of `explicit_plane` or `explicit_space`
     law: Array  # (n_contacts, N_CONTACT_LAW), see `kernels.law`
-    history: Array  # (n_contacts, 4)
-    reaction: Array  # (n_contacts, 2) N
+    history: Array  # (n_contacts, N_HISTORY + dim - 2)
+    reaction: Array  # (n_contacts, dim) N
     status: IntArray  # (n_contacts,)
+
+    @classmethod
+    def empty(cls, n: int, dim: int) -> FrozenContacts:
+        """Memory for a number of contacts."""
+        n_shape = explicit_plane.N_SHAPE if dim == 2 else explicit_space.N_SHAPE
+        return cls(
+            slot=np.zeros(n, np.int64),
+            edge=np.zeros(n, np.int64),
+            other=np.zeros(n, np.int64),
+            shape=np.zeros((n, n_shape)),
+            law=np.zeros((n, N_CONTACT_LAW)),
+            history=np.zeros((n, N_HISTORY + dim - 2)),
+            reaction=np.zeros((n, dim)),
+            status=np.zeros(n, np.int64),
+        )
 
 
 class Motion(NamedTuple):
     """What evolves in the cycles."""
 
-    pose: Array  # (n, 3) m, rad
-    velocity: Array  # (n, 3) m/s, rad/s, half a step behind the pose
-    turn: Array  # (n, 2) cosine and sine of the rotation
-    force: Array  # (n, 3) N, N m, unbalanced, of the last cycle
-    last: Array  # (n, 3) N, N m, unbalanced, of the last cycle with combined damping
-    mean: Array  # (n, 3) sum of the unbalanced forces over the cycles
-    opposed: Array  # (n, 3) sum over the cycles of what opposes them: inertia and damping
+    pose: Array  # (n, n_pose) m, rad
+    velocity: Array  # (n, n_dof) m/s, rad/s, half a step behind the pose
+    turn: Array | Turns  # in the plane (n, 2) cosine and sine of the rotation
+    force: Array  # (n, n_dof) N, N m, unbalanced, of the last cycle
+    last: Array  # (n, n_dof) N, N m, unbalanced, of the last cycle with combined damping
+    mean: Array  # (n, n_dof) sum of the unbalanced forces over the cycles
+    opposed: Array  # (n, n_dof) sum over the cycles of what opposes them: inertia and damping
+
+    @classmethod
+    def of(cls, pose: Array, velocity: Array, axes: Array) -> Motion:
+        """Copies of poses and velocities; ``axes`` (n, dim, dim) as designed, see `Assembly`."""
+        n, n_dof = velocity.shape
+        return cls(
+            pose=pose.copy(),
+            velocity=velocity.copy(),
+            turn=np.zeros((n, 2)) if n_dof == 3 else Turns.of(axes),
+            force=np.zeros((n, n_dof)),
+            last=np.zeros((n, n_dof)),
+            mean=np.zeros((n, n_dof)),
+            opposed=np.zeros((n, n_dof)),
+        )
 
 
 class Loads(NamedTuple):
     """What does not change in the cycles."""
 
-    centroid: Array  # (n, 2) m, as designed
-    dead: Array  # (n, 3) N, N m
-    pattern: Array  # (n, 3) N, N m, at multiplier one
-    inverse_mass: Array  # (n, 3) zero on fixed bodies
+    centroid: Array  # (n, dim) m, as designed
+    dead: Array  # (n, n_dof) N, N m
+    pattern: Array  # (n, n_dof) N, N m, at multiplier one
+    inverse_mass: Array  # (n, n_dof) zero on fixed bodies
     extent: Array  # (n,) m, by which moments are divided and rotations multiplied
 
 
 @njit(cache=True)
-def pack(slots, bodies, pairs, laws, thickness, history, contacts):
-    """Fill ``contacts`` from the slots in use and return their number."""
+def _pack(slots, pairs, laws, thickness, history, contacts):
+    """Slots, laws and histories of ``contacts``; returns their number."""
     meets, value = slots
-    local, local_tangent, radius = bodies.local, bodies.local_tangent, bodies.radius
     pair, of_pair = pairs.of_slot, pairs.which
-    slot, edge, other, shape, law = (
-        contacts.slot, contacts.edge, contacts.other, contacts.shape, contacts.law
-    )  # fmt: skip
+    slot, law, known = contacts.slot, contacts.law, contacts.history
+    reaction, status = contacts.reaction, contacts.status
     c = 0
     for k in range(meets.shape[0]):
         if meets[k, KIND] == NONE:
             continue
-        p = pair[k]
-        e, o, fe, fo = of_pair[p, A], of_pair[p, B], meets[k, FEATURE_A], meets[k, FEATURE_B]
-        radius_e, radius_o = radius[of_pair[p, PART_A]], radius[of_pair[p, PART_B]]
-        if meets[k, KIND] == VERTEX_A:
-            e, o, fe, fo = o, e, fo, fe
-            radius_e, radius_o = radius_o, radius_e
         slot[c] = k
-        edge[c] = e
-        other[c] = o
-        shape[c, OX] = local[fo, 0]
-        shape[c, OY] = local[fo, 1]
-        shape[c, EX] = local[fe, 0]
-        shape[c, EY] = local[fe, 1]
-        shape[c, TX] = local_tangent[fe, 0]
-        shape[c, TY] = local_tangent[fe, 1]
-        shape[c, R_O] = radius_o
-        shape[c, R_SUM] = radius_e + radius_o
-        shape[c, ROUND] = 1.0 if meets[k, KIND] == VERTICES else 0.0
         area = value[k, SIZE] * thickness
-        row = of_pair[p, LAW]
+        row = of_pair[pair[k], LAW]
         law[c, L_KN] = laws[row, KN] * area
         law[c, L_KS] = laws[row, KS] * area
         law[c, L_MU] = laws[row, MU]
@@ -167,70 +160,61 @@ def pack(slots, bodies, pairs, laws, thickness, history, contacts):
         law[c, L_BOND] = laws[row, COHESION] * area
         law[c, L_TENSION] = laws[row, TENSION] * area
         law[c, L_END] = laws[row, DILATANCY_END]
-        for h in range(4):
-            contacts.history[c, h] = history[k, h]
-        contacts.reaction[c, 0] = 0.0
-        contacts.reaction[c, 1] = 0.0
-        contacts.status[c] = OPEN
+        for h in range(known.shape[1]):
+            known[c, h] = history[k, h]
+        for d in range(reaction.shape[1]):
+            reaction[c, d] = 0.0
+        status[c] = OPEN
         c += 1
     return c
 
 
 @njit(cache=True)
-def unpack(contacts, n_contacts, loads, motion, slots, pairs, history, reaction, status):
-    """Write what the cycles made of the contacts back to the slots: geometry, history, reaction."""
-    turn, pose, centroid = motion.turn, motion.pose, loads.centroid
-    shape, pair, of_pair, value = contacts.shape, pairs.of_slot, pairs.which, slots.value
+def _unpack(contacts, n_contacts, history, reaction, status):
+    """Histories, reactions and status of the contacts, to their slots."""
+    slot = contacts.slot
     history[:] = 0.0
     reaction[:] = 0.0
     status[:] = OPEN
     for c in range(n_contacts):
-        k, e, o = contacts.slot[c], contacts.edge[c], contacts.other[c]
-        ce, se, co, so = turn[e, 0], turn[e, 1], turn[o, 0], turn[o, 1]
-        ox = co * shape[c, OX] - so * shape[c, OY]
-        oy = so * shape[c, OX] + co * shape[c, OY]
-        ex = ce * shape[c, EX] - se * shape[c, EY]
-        ey = se * shape[c, EX] + ce * shape[c, EY]
-        xe, ye = centroid[e, 0] + pose[e, 0], centroid[e, 1] + pose[e, 1]
-        xo, yo = centroid[o, 0] + pose[o, 0], centroid[o, 1] + pose[o, 1]
-        dx = xo + ox - xe - ex
-        dy = yo + oy - ye - ey
-        if shape[c, ROUND] == 0.0:
-            nx = se * shape[c, TX] + ce * shape[c, TY]
-            ny = -(ce * shape[c, TX] - se * shape[c, TY])
-            value[k, GAP] = nx * dx + ny * dy - shape[c, R_SUM]
-            ex += dx
-            ey += dy
-        else:
-            distance = np.sqrt(dx * dx + dy * dy)
-            nx = dx / distance
-            ny = dy / distance
-            value[k, GAP] = distance - shape[c, R_SUM]
-            value[k, RATIO] = shape[c, R_SUM] / distance
-        if e == of_pair[pair[k], A]:
-            value[k, NORMAL], value[k, NORMAL + 1] = nx, ny
-            value[k, ARM_A], value[k, ARM_A + 1] = ex, ey
-            value[k, ARM_B], value[k, ARM_B + 1] = ox, oy
-        else:
-            value[k, NORMAL], value[k, NORMAL + 1] = -nx, -ny
-            value[k, ARM_A], value[k, ARM_A + 1] = ox, oy
-            value[k, ARM_B], value[k, ARM_B + 1] = ex, ey
-        for h in range(4):
+        k = slot[c]
+        for h in range(history.shape[1]):
             history[k, h] = contacts.history[c, h]
-        reaction[k, 0] = contacts.reaction[c, 0]
-        reaction[k, 1] = contacts.reaction[c, 1]
+        for d in range(reaction.shape[1]):
+            reaction[k, d] = contacts.reaction[c, d]
         status[k] = contacts.status[c]
 
 
-@njit(cache=True)
-def stiffness_blocks(slots, pairs, laws, thickness, watched, blocks):
-    """Add 2 sum k h h^T over the contacts of each body, (n, n_dof, n_dof), h = grad gap, grad slip.
+def pack(slots, bodies, pairs, laws, thickness, history, contacts):
+    """Fill ``contacts`` from the slots in use and return their number."""
+    n_contacts = _pack(slots, pairs, laws, thickness, history, contacts)
+    freeze = freeze_in_plane if slots.dim == 2 else freeze_in_space
+    freeze(slots, bodies, pairs, contacts, n_contacts)
+    return n_contacts
 
+
+def unpack(contacts, n_contacts, loads, motion, slots, pairs, history, reaction, status):
+    """Write what the cycles made of the contacts back to the slots: geometry, history, reaction."""
+    locate = locate_in_plane if slots.dim == 2 else locate_in_space
+    locate(contacts, n_contacts, loads, motion, slots, pairs)
+    _unpack(contacts, n_contacts, history, reaction, status)
+
+
+def place(motion):
+    """Bring what is known of the bodies' rotations up to date with the poses."""
+    (place_in_plane if motion.velocity.shape[1] == 3 else place_in_space)(motion)
+
+
+@njit(cache=True)
+def stiffness_blocks(slots, pairs, laws, thickness, watched, rows, blocks):
+    """Add 2 sum k h h^T over the contacts of each body, (n, n_dof, n_dof).
+
+    The h are the gradients of gap and slips of all slots, ``rows`` (n_slots, dim, 2 n_dof).
     Contacts open by more than ``watched`` [m] are left out.
     """
     meets, value = slots
     pair, of_pair = pairs.of_slot, pairs.which
-    rows = np.zeros((1, 2, 2 * N_DOF))
+    n_dof = blocks.shape[1]
     for k in range(meets.shape[0]):
         if meets[k, KIND] == NONE or value[k, GAP] > watched:
             continue
@@ -238,16 +222,16 @@ def stiffness_blocks(slots, pairs, laws, thickness, watched, blocks):
         area = value[k, SIZE] * thickness
         kn = 2.0 * laws[of_pair[p, LAW], KN] * area
         ks = 2.0 * laws[of_pair[p, LAW], KS] * area
-        gradients(value, k, rows, 0)
         for side in range(2):
-            body, at = (of_pair[p, A], 0) if side == 0 else (of_pair[p, B], N_DOF)
-            for i in range(N_DOF):
-                of_gap, of_slip = kn * rows[0, OF_GAP, at + i], ks * rows[0, OF_SLIP, at + i]
-                for j in range(i, N_DOF):
-                    gap_j, slip_j = rows[0, OF_GAP, at + j], rows[0, OF_SLIP, at + j]
-                    blocks[body, i, j] += of_gap * gap_j + of_slip * slip_j
+            body, at = (of_pair[p, A], 0) if side == 0 else (of_pair[p, B], n_dof)
+            for i in range(n_dof):
+                for j in range(i, n_dof):
+                    stiffness = kn * rows[k, OF_GAP, at + i] * rows[k, OF_GAP, at + j]
+                    for slip in range(OF_GAP + 1, rows.shape[1]):
+                        stiffness += ks * rows[k, slip, at + i] * rows[k, slip, at + j]
+                    blocks[body, i, j] += stiffness
     for body in range(blocks.shape[0]):
-        for i in range(N_DOF):
+        for i in range(n_dof):
             for j in range(i):
                 blocks[body, i, j] = blocks[body, j, i]
 
@@ -266,104 +250,11 @@ class Drive(NamedTuple):
     tolerance: float  # N, `BALANCED` when no unbalanced force, or moment over extent, exceeds it;
     # negative: never
     reach: float  # m, `MOVED` when a body has moved so far from where it was searched
+    gyroscopic: bool  # in space bodies turn as their own masses have them, and not scaled ones
 
 
 @njit(cache=True, inline="always")
-def _act(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
-    """Add the contacts' forces on the bodies, with their law; returns the friction's work [J],
-    which is added to what it was."""
-    edge, other, shape, law = contacts.edge, contacts.other, contacts.shape, contacts.law
-    history, reaction, status = contacts.history, contacts.reaction, contacts.status
-    pose, velocity, turn, force = motion.pose, motion.velocity, motion.turn, motion.force
-    centroid = loads.centroid
-    for c in range(n_contacts):
-        e = edge[c]
-        o = other[c]
-        ce = turn[e, 0]
-        se = turn[e, 1]
-        co = turn[o, 0]
-        so = turn[o, 1]
-        ox = co * shape[c, OX] - so * shape[c, OY]
-        oy = so * shape[c, OX] + co * shape[c, OY]
-        ex = ce * shape[c, EX] - se * shape[c, EY]
-        ey = se * shape[c, EX] + ce * shape[c, EY]
-        dx = (centroid[o, 0] - centroid[e, 0]) + (pose[o, 0] - pose[e, 0]) + ox - ex
-        dy = (centroid[o, 1] - centroid[e, 1]) + (pose[o, 1] - pose[e, 1]) + oy - ey
-        if shape[c, ROUND] == 0.0:
-            nx = se * shape[c, TX] + ce * shape[c, TY]
-            ny = se * shape[c, TY] - ce * shape[c, TX]
-            gap = nx * dx + ny * dy - shape[c, R_SUM]
-            ex += dx
-            ey += dy
-            q = 1.0
-            roll_o = shape[c, R_O]
-            roll_e = -roll_o
-        else:
-            distance = np.sqrt(dx * dx + dy * dy)
-            nx = dx / distance
-            ny = dy / distance
-            gap = distance - shape[c, R_SUM]
-            q = shape[c, R_SUM] / distance
-            roll_o = shape[c, R_O]
-            roll_e = shape[c, R_SUM] - roll_o
-        rn = law[c, L_KN] * (history[c, DILATION] - gap)
-        bonded = history[c, BROKEN] == 0.0
-        held = bonded and bonds_hold and law[c, L_BOND] + law[c, L_TENSION] > 0.0
-        if not held:
-            is_open, whole = opens(rn, gap, law[c, L_TENSION], bonded)
-            if bonded and not whole:
-                history[c, BROKEN] = 1.0
-            if is_open:
-                rt = history[c, SHEAR]
-                if rt != 0.0 or status[c] != OPEN:
-                    friction_work += 0.5 * rt * rt / law[c, L_KS]
-                    history[c, SHEAR] = 0.0
-                    reaction[c, 0] = 0.0
-                    reaction[c, 1] = 0.0
-                    status[c] = OPEN
-                continue
-        # Moments per unit of normal and of tangential reaction.
-        me_n = nx * ey - ny * ex
-        mo_n = ny * ox - nx * oy
-        me_t = q * (ny * ey + nx * ex) + roll_e
-        mo_t = roll_o - q * (ny * oy + nx * ox)
-        slip = q * (ny * (velocity[o, 0] - velocity[e, 0]) - nx * (velocity[o, 1] - velocity[e, 1]))
-        slip += me_t * velocity[e, 2] + mo_t * velocity[o, 2]
-        ks = law[c, L_KS]
-        trial = history[c, SHEAR] - ks * dt * slip
-        rt, now = trial, STICKING
-        if not held:
-            tan_psi = law[c, L_TAN_PSI] if history[c, SLID] < law[c, L_END] else 0.0
-            bond = law[c, L_BOND] if bonded else 0.0
-            rn, rt, now, gamma = drag(rn, trial, bond, law[c, L_KN], ks, law[c, L_MU], tan_psi)
-            if now != STICKING:
-                history[c, BROKEN] = 1.0
-            if now == OPEN:
-                friction_work += 0.5 * trial * trial / ks
-            elif now == SLIDING:
-                history[c, DILATION] += tan_psi * gamma
-                history[c, SLID] += gamma
-                # What sliding takes, less what it gives back by lifting the joint.
-                friction_work += (abs(rt) - rn * tan_psi) * gamma
-        history[c, SHEAR] = rt
-        reaction[c, 0] = rn
-        reaction[c, 1] = rt
-        status[c] = now
-        if now == OPEN:
-            continue
-        fx = rn * nx + q * rt * ny
-        fy = rn * ny - q * rt * nx
-        force[o, 0] += fx
-        force[o, 1] += fy
-        force[o, 2] += rn * mo_n + rt * mo_t
-        force[e, 0] -= fx
-        force[e, 1] -= fy
-        force[e, 2] += rn * me_n + rt * me_t
-    return friction_work
-
-
-@njit(cache=True, inline="always")
-def _accelerate(motion, loads, drive, applied, look, damping_work):
+def _accelerate(motion, loads, drive, applied, look, damping_work, n_dof):
     """Bring velocities on by the unbalanced forces, damped.
 
     Returns the damping's work [J], added to what it was, F.v, and the square of the largest
@@ -376,20 +267,23 @@ def _accelerate(motion, loads, drive, applied, look, damping_work):
     local_damping, combined = drive.local_damping, drive.combined
     keep = (1.0 - 0.5 * viscous_damping * dt) / (1.0 + 0.5 * viscous_damping * dt)
     push = dt / (1.0 + 0.5 * viscous_damping * dt)
+    dim = 2 if n_dof == 3 else 3
     worst, course = 0.0, 0.0
     for i in range(force.shape[0]):
-        for d in range(N_DOF):
+        for d in range(n_dof):
             force[i, d] += applied * pattern[i, d]
             mean[i, d] += force[i, d]
         if inverse_mass[i, 0] == 0.0:
             continue
         if look:
-            worst = max(
-                worst,
-                force[i, 0] * force[i, 0] + force[i, 1] * force[i, 1],
-                (force[i, 2] / extent[i]) ** 2,
-            )
-        for d in range(N_DOF):
+            straight, turning = 0.0, 0.0
+            for d in range(n_dof):
+                if d < dim:
+                    straight += force[i, d] * force[i, d]
+                else:
+                    turning += (force[i, d] / extent[i]) ** 2
+            worst = max(worst, straight, turning)
+        for d in range(n_dof):
             f = force[i, d]
             v = velocity[i, d]
             sense = 0.0
@@ -416,43 +310,24 @@ def _accelerate(motion, loads, drive, applied, look, damping_work):
 
 
 @njit(cache=True, inline="always")
-def _move(motion, loads, origin, drive, applied, steer, load_work):
-    """Bring poses on by velocities, which are steered first where they are guided.
-
-    Returns the loads' work [J], added to what it was, and whether a body is too far from its
-    ``origin``, or lost.
-    """
-    pose, velocity, turn = motion.pose, motion.velocity, motion.turn
+def _steer(motion, loads, drive, applied, steer, load_work, n_dof):
+    """Steer velocities, where they are guided; the loads' work [J], added to what it was."""
+    velocity, dt, guided = motion.velocity, drive.dt, drive.guided
     dead, pattern, inverse_mass = loads.dead, loads.pattern, loads.inverse_mass
-    extent = loads.extent
-    dt, guided, reach = drive.dt, drive.guided, drive.reach
-    moved = False
-    for i in range(pose.shape[0]):
+    for i in range(velocity.shape[0]):
         if inverse_mass[i, 0] == 0.0:
             continue
         if guided:
-            for d in range(N_DOF):
+            for d in range(n_dof):
                 velocity[i, d] += steer * inverse_mass[i, d] * pattern[i, d]
-        for d in range(N_DOF):
+        for d in range(n_dof):
             step = velocity[i, d] * dt
             load_work += (dead[i, d] + applied * pattern[i, d]) * step
-            pose[i, d] += step
-        half = 0.5 * velocity[i, 2] * dt
-        # Cayley's rotation by 2 atan(half): exact but for half^3.
-        scale = 1.0 / (1.0 + half * half)
-        cosine = (1.0 - half * half) * scale
-        sine = 2.0 * half * scale
-        c_old = turn[i, 0]
-        turn[i, 0] = cosine * c_old - sine * turn[i, 1]
-        turn[i, 1] = sine * c_old + cosine * turn[i, 1]
-        far = abs(pose[i, 0] - origin[i, 0]) + abs(pose[i, 1] - origin[i, 1])
-        far += extent[i] * abs(pose[i, 2] - origin[i, 2])
-        moved = moved or not far <= reach  # nor where it is not a number
-    return load_work, moved
+    return load_work
 
 
 @njit(cache=True)
-def cycle(contacts, n_contacts, motion, loads, origin, drive, n_cycles, meter):
+def cycle(contacts, n_contacts, motion, loads, origin, drive, n_cycles, meter, dof):
     """Run cycles in place until one of three things happens; returns what, and the cycles run.
 
     Where they are guided, the multiplier is the force that keeps the pattern's own displacement on
@@ -471,7 +346,7 @@ def cycle(contacts, n_contacts, motion, loads, origin, drive, n_cycles, meter):
     motion, loads
         `Motion` and `Loads`.
     origin
-        (n, n_dof) poses at the last search.
+        (n, n_pose) poses at the last search.
     drive
         `Drive`.
     n_cycles
@@ -479,33 +354,50 @@ def cycle(contacts, n_contacts, motion, loads, origin, drive, n_cycles, meter):
     meter
         (N_METER,) multiplier of the last cycle; work done by friction, damping and loads, added
         to [J]; largest unbalanced force when last looked at [N]; cycles so far.
+    dof
+        A tuple as long as a body has degrees of freedom: its length is known when this is compiled.
     """
+    n_dof = len(dof)
     force, dead, pattern, inverse_mass = motion.force, loads.dead, loads.pattern, loads.inverse_mass
     n, guided = force.shape[0], drive.guided
     flexibility = 0.0
     for i in range(n):
-        for d in range(N_DOF):
+        for d in range(n_dof):
             flexibility += pattern[i, d] * pattern[i, d] * inverse_mass[i, d]
     friction_work, damping_work, load_work = 0.0, 0.0, 0.0
     applied = drive.multiplier
     before = int(meter[CYCLES])
     for count in range(n_cycles):
         for i in range(n):
-            for d in range(N_DOF):
+            for d in range(n_dof):
                 force[i, d] = dead[i, d]
-        friction_work = _act(
-            contacts, n_contacts, motion, loads, drive.dt, drive.bonds_hold, friction_work
-        )
+        if len(dof) == 3:
+            friction_work = act_in_plane(
+                contacts, n_contacts, motion, loads, drive.dt, drive.bonds_hold, friction_work
+            )
+        else:
+            friction_work = act_in_space(
+                contacts, n_contacts, motion, loads, drive.dt, drive.bonds_hold,
+                drive.gyroscopic, friction_work,
+            )  # fmt: skip
         if guided:
             driven = 0.0
             for i in range(n):
-                for d in range(N_DOF):
+                for d in range(n_dof):
                     driven += pattern[i, d] * inverse_mass[i, d] * force[i, d]
             applied = -driven / flexibility
         look = (before + count) % LOOK == LOOK - 1
-        damping_work, course, worst = _accelerate(motion, loads, drive, applied, look, damping_work)
+        damping_work, course, worst = _accelerate(
+            motion, loads, drive, applied, look, damping_work, n_dof
+        )
         steer = (drive.rate - course) / flexibility if guided else 0.0
-        load_work, moved = _move(motion, loads, origin, drive, applied, steer, load_work)
+        load_work = _steer(motion, loads, drive, applied, steer, load_work, n_dof)
+        if len(dof) == 3:
+            moved = move_in_plane(motion, loads, origin, drive.dt, drive.reach)
+        else:
+            moved = move_in_space(
+                motion, loads, origin, drive.dt, drive.reach, drive.gyroscopic
+            )
         if look:
             meter[RESIDUAL] = np.sqrt(worst)
         balanced = look and worst <= drive.tolerance**2 and drive.tolerance > 0.0

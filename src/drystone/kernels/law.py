@@ -643,3 +643,14 @@ def drag(rn, rt, bond, kn, ks, mu, tan_psi):
     gamma = slide(rn, abs(rt), ks, mu, kn * tan_psi)
     rn += kn * tan_psi * gamma
     return rn, mu * rn if rt > 0.0 else -mu * rn, SLIDING, gamma
+
+
+@njit(cache=True)
+def drag_along(rn, r1, r2, bond, kn, ks, mu, tan_psi):
+    """As `drag`, for two tangential components: the joint slides against the trial shear."""
+    trial = np.sqrt(r1 * r1 + r2 * r2)
+    rn, rt, now, gamma = drag(rn, trial, bond, kn, ks, mu, tan_psi)
+    if now == STICKING:
+        return rn, r1, r2, now, gamma
+    share = rt / trial
+    return rn, share * r1, share * r2, now, gamma
