@@ -39,7 +39,7 @@ from drystone.kernels.contacts import BODY_A, BODY_B, NONE, SLOT, Pairs, Slots
 from drystone.kernels.explicit import Drive, FrozenContacts, Loads, Motion
 from drystone.kernels.law import N_HISTORY
 from drystone.kernels.residual import add_contact_forces
-from drystone.kernels.rows import OF_GAP
+from drystone.kernels.rows import IN_PLANE, IN_SPACE, OF_GAP
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -298,8 +298,8 @@ class Workspace:
             gyroscopic=self.real_masses and (settings.mass_scaling or 1.0) == 1.0,
         )
         why, used = explicit.cycle(
-            self.contacts, self.n_contacts, self.motion, self.loads, self.searched, drive,
-            n_cycles, self.meter, (0,) * engine.problem.assembly.n_dof,
+            engine.dof, self.contacts, self.n_contacts, self.motion, self.loads, self.searched,
+            drive, n_cycles, self.meter,
         )  # fmt: skip
         return why, used
 
@@ -439,10 +439,11 @@ class DistinctEngine:
     def release(
         self, problem: Problem, pose: Array | None = None, velocity: Array | None = None
     ) -> DistinctState:
-        """A state in given poses and velocities, (n, n_dof) each, as they are: nothing settles."""
+        """A state in given poses (n, n_pose) and velocities (n, n_dof), as they are."""
         assembly = problem.assembly
         self.problem = problem
         self.detector = Detector(assembly)
+        self.dof = IN_PLANE if assembly.dimension == 2 else IN_SPACE
         try:
             self.laws = law_table(assembly)
         except ValueError as error:
@@ -495,11 +496,9 @@ class DistinctEngine:
         """
         assembly, s = self.problem.assembly, self.settings
         blocks = np.zeros((assembly.n_bodies, assembly.n_dof, assembly.n_dof))
-        explicit.stiffness_blocks(
-            slots, pairs, self.laws, assembly.thickness,
-            np.inf if real else 3.0 * max(self.search_reach, WATCHED * self.size),
-            self.detector.gradients(pairs, pose, slots), blocks,
-        )  # fmt: skip
+        contacts = self.detector.pack(pairs, pose, slots, self.laws)
+        watched = np.inf if real else 3.0 * max(self.search_reach, WATCHED * self.size)
+        explicit.stiffness_blocks(self.dof, contacts, slots.gap[contacts.slot], watched, blocks)
         blocks *= 0.25 * (1.0 + s.local_damping) / s.safety**2
         scaling = s.mass_scaling or (1.0 if real else np.inf)
         needed = _needed(blocks, assembly.fixed)

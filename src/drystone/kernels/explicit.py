@@ -12,7 +12,8 @@ alone, and the shear force grows with the sliding velocity,
 
 with dilation d; it is kept in the axes of the contact and turns with them.  The joint law is that
 of `kernels.law`.  What the dimension makes of it, contacts and poses, is in `explicit_plane` and
-`explicit_space`; compiled cycles hold the one or the other, chosen by the length of ``dof``.
+`explicit_space`; compiled cycles hold the one or the other, chosen by the length of
+``dof``.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drystone.kernels import explicit_plane, explicit_space
-from drystone.kernels.contacts import GAP, KIND, LAW, NONE, SIZE, A, B
+from drystone.kernels.contacts import BODY_A, BODY_B, KIND, LAW, NONE, SIZE, STIFF_N, STIFF_T
 from drystone.kernels.explicit_plane import (
     act_in_plane,
     freeze_in_plane,
@@ -59,7 +60,7 @@ from drystone.kernels.law import (
     TAN_PSI,
     TENSION,
 )  # fmt: skip
-from drystone.kernels.rows import OF_GAP
+from drystone.kernels.rows import OF_GAP, OF_SLIP
 
 #: Entries of the meter, see `cycle`.
 MULTIPLIER, FRICTION_WORK, DAMPING_WORK, LOAD_WORK, RESIDUAL, CYCLES = 0, 1, 2, 3, 4, 5
@@ -206,29 +207,24 @@ def place(motion):
 
 
 @njit(cache=True)
-def stiffness_blocks(slots, pairs, laws, thickness, watched, rows, blocks):
-    """Add 2 sum k h h^T over the contacts of each body, (n, n_dof, n_dof).
+def stiffness_blocks(dof, contacts, gap, watched, blocks):
+    """Add 2 sum k h h^T over the contacts of each body, (n, n_dof, n_dof); h are the gradients.
 
-    The h are the gradients of gap and slips of all slots, ``rows`` (n_slots, dim, 2 n_dof).
-    Contacts open by more than ``watched`` [m] are left out.
+    Contacts whose ``gap`` (n_contacts,) is more than ``watched`` [m] are left out.
     """
-    meets, value = slots
-    pair, of_pair = pairs.of_slot, pairs.which
-    n_dof = blocks.shape[1]
-    for k in range(meets.shape[0]):
-        if meets[k, KIND] == NONE or value[k, GAP] > watched:
+    n_dof, n_rows = len(dof), 2 if len(dof) == 3 else 3
+    which, rows, table = contacts
+    for c in range(which.shape[0]):
+        if gap[c] > watched:
             continue
-        p = pair[k]
-        area = value[k, SIZE] * thickness
-        kn = 2.0 * laws[of_pair[p, LAW], KN] * area
-        ks = 2.0 * laws[of_pair[p, LAW], KS] * area
+        kn, ks = 2.0 * table[c, STIFF_N], 2.0 * table[c, STIFF_T]
         for side in range(2):
-            body, at = (of_pair[p, A], 0) if side == 0 else (of_pair[p, B], n_dof)
+            body, at = (which[c, BODY_A], 0) if side == 0 else (which[c, BODY_B], n_dof)
             for i in range(n_dof):
                 for j in range(i, n_dof):
-                    stiffness = kn * rows[k, OF_GAP, at + i] * rows[k, OF_GAP, at + j]
-                    for slip in range(OF_GAP + 1, rows.shape[1]):
-                        stiffness += ks * rows[k, slip, at + i] * rows[k, slip, at + j]
+                    stiffness = kn * rows[c, OF_GAP, at + i] * rows[c, OF_GAP, at + j]
+                    for slip in range(OF_SLIP, n_rows):
+                        stiffness += ks * rows[c, slip, at + i] * rows[c, slip, at + j]
                     blocks[body, i, j] += stiffness
     for body in range(blocks.shape[0]):
         for i in range(n_dof):
@@ -254,7 +250,7 @@ class Drive(NamedTuple):
 
 
 @njit(cache=True, inline="always")
-def _accelerate(motion, loads, drive, applied, look, damping_work, n_dof):
+def _accelerate(n_dof, motion, loads, drive, applied, look, damping_work):
     """Bring velocities on by the unbalanced forces, damped.
 
     Returns the damping's work [J], added to what it was, F.v, and the square of the largest
@@ -310,7 +306,7 @@ def _accelerate(motion, loads, drive, applied, look, damping_work, n_dof):
 
 
 @njit(cache=True, inline="always")
-def _steer(motion, loads, drive, applied, steer, load_work, n_dof):
+def _steer(n_dof, motion, loads, drive, applied, steer, load_work):
     """Steer velocities, where they are guided; the loads' work [J], added to what it was."""
     velocity, dt, guided = motion.velocity, drive.dt, drive.guided
     dead, pattern, inverse_mass = loads.dead, loads.pattern, loads.inverse_mass
@@ -327,7 +323,7 @@ def _steer(motion, loads, drive, applied, steer, load_work, n_dof):
 
 
 @njit(cache=True)
-def cycle(contacts, n_contacts, motion, loads, origin, drive, n_cycles, meter, dof):
+def cycle(dof, contacts, n_contacts, motion, loads, origin, drive, n_cycles, meter):
     """Run cycles in place until one of three things happens; returns what, and the cycles run.
 
     Where they are guided, the multiplier is the force that keeps the pattern's own displacement on
@@ -341,6 +337,8 @@ def cycle(contacts, n_contacts, motion, loads, origin, drive, n_cycles, meter, d
 
     Parameters
     ----------
+    dof
+        `rows.IN_PLANE` or `rows.IN_SPACE`.
     contacts, n_contacts
         See `pack`.
     motion, loads
@@ -354,8 +352,6 @@ def cycle(contacts, n_contacts, motion, loads, origin, drive, n_cycles, meter, d
     meter
         (N_METER,) multiplier of the last cycle; work done by friction, damping and loads, added
         to [J]; largest unbalanced force when last looked at [N]; cycles so far.
-    dof
-        A tuple as long as a body has degrees of freedom: its length is known when this is compiled.
     """
     n_dof = len(dof)
     force, dead, pattern, inverse_mass = motion.force, loads.dead, loads.pattern, loads.inverse_mass
@@ -388,16 +384,14 @@ def cycle(contacts, n_contacts, motion, loads, origin, drive, n_cycles, meter, d
             applied = -driven / flexibility
         look = (before + count) % LOOK == LOOK - 1
         damping_work, course, worst = _accelerate(
-            motion, loads, drive, applied, look, damping_work, n_dof
+            n_dof, motion, loads, drive, applied, look, damping_work
         )
         steer = (drive.rate - course) / flexibility if guided else 0.0
-        load_work = _steer(motion, loads, drive, applied, steer, load_work, n_dof)
+        load_work = _steer(n_dof, motion, loads, drive, applied, steer, load_work)
         if len(dof) == 3:
             moved = move_in_plane(motion, loads, origin, drive.dt, drive.reach)
         else:
-            moved = move_in_space(
-                motion, loads, origin, drive.dt, drive.reach, drive.gyroscopic
-            )
+            moved = move_in_space(motion, loads, origin, drive.dt, drive.reach, drive.gyroscopic)
         if look:
             meter[RESIDUAL] = np.sqrt(worst)
         balanced = look and worst <= drive.tolerance**2 and drive.tolerance > 0.0

@@ -200,9 +200,7 @@ def _place(pose, i, added, axes, designed):
 
 # Long: one pass over a contact's geometry, law and forces, without what calls would cost.
 @njit(cache=True)
-def act_in_space(
-    contacts, n_contacts, motion, loads, dt, bonds_hold, gyroscopic, friction_work
-):
+def act_in_space(contacts, n_contacts, motion, loads, dt, bonds_hold, gyroscopic, friction_work):
     """Add the contacts' forces on the bodies, with their law, and bring the rotational velocities
     to where the poses are; returns the friction's work [J], which is added to what it was."""
     edge, other, shape, law = contacts.edge, contacts.other, contacts.shape, contacts.law
@@ -218,9 +216,7 @@ def act_in_space(
         px, py, pz = shape[c, POINT], shape[c, POINT + 1], shape[c, POINT + 2]
         hx, hy, hz = shape[c, NORMAL], shape[c, NORMAL + 1], shape[c, NORMAL + 2]
         ox, oy, oz = _turned(added, o, px, py, pz)
-        ex, ey, ez = _turned(
-            added, e, shape[c, PLACE], shape[c, PLACE + 1], shape[c, PLACE + 2]
-        )
+        ex, ey, ez = _turned(added, e, shape[c, PLACE], shape[c, PLACE + 1], shape[c, PLACE + 2])
         nx, ny, nz = _turned(added, e, hx, hy, hz)
         ux, uy, uz = pose[o, 0] - pose[e, 0], pose[o, 1] - pose[e, 1], pose[o, 2] - pose[e, 2]
         dx, dy, dz = ux + (ox - ex), uy + (oy - ey), uz + (oz - ez)
