@@ -10,6 +10,8 @@ strength.  A law that softens, or crushes, has another margin; what follows from
 
 from __future__ import annotations
 
+from functools import reduce
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,12 +42,18 @@ def apart(slots: Slots, slack: float) -> BoolArray:
     return (slots.kind == NONE) | (slots.gap > slack)
 
 
+def shear(reaction: Array) -> Array:
+    """Size of the tangential reaction (n,) [N] of reactions (n, dim)."""
+    size: Array = reduce(np.hypot, reaction[:, 1:].T)
+    return np.abs(size)
+
+
 def margins(judged: JudgedContacts, slack: float) -> Array:
     """Margins of contacts, (n_contacts,); infinite where nothing is bonded.
 
     ``slack`` [N] is how well reactions are known: none breaks for less.
     """
-    normal, tangential = judged.reaction[:, 0], np.linalg.norm(judged.reaction[:, 1:], axis=1)
+    normal, tangential = judged.reaction[:, 0], shear(judged.reaction)
     bond, tension = judged.strength
     bonded = bond + tension > 0.0
     along = judged.contacts.table[:, FRICTION] * normal + bond + slack - tangential
@@ -76,15 +84,16 @@ def crossing(first: float, before: Array, second: float, after: Array, aim: floa
 
 
 def yielded(laws: Array, law: IntArray, reaction: Array) -> IntArray:
-    """Branch of the joint law (n,) of contacts whose bond breaks at a reaction (n, 2) [N]."""
-    normal, tangential = reaction.T
-    sliding = np.where(tangential > 0.0, joint_law.FORWARD, joint_law.BACKWARD)
-    sticks = np.abs(tangential) <= laws[law, joint_law.MU] * normal
+    """Branch of the joint law (n,) of contacts whose bond breaks at a reaction (n, dim) [N]."""
+    normal, in_plane = reaction[:, 0], reaction.shape[1] == 2
+    sliding = np.where(reaction[:, 1] > 0.0, joint_law.FORWARD, joint_law.BACKWARD)
+    sliding = sliding if in_plane else np.full(len(normal), joint_law.SLIDING)
+    sticks = shear(reaction) <= laws[law, joint_law.MU] * normal
     return np.where(normal <= 0.0, joint_law.OPEN, np.where(sticks, joint_law.STICKING, sliding))
 
 
 def release(laws: Array, law: IntArray, reaction: Array) -> Array:
-    """What contacts let go at once when their bond breaks at a reaction (n, 2), (n,) [N]."""
-    normal, tangential = reaction.T
+    """What contacts let go at once when their bond breaks at a reaction (n, dim), (n,) [N]."""
+    normal, tangential = reaction[:, 0], shear(reaction)
     limit = laws[law, joint_law.MU] * np.maximum(normal, 0.0)
-    return np.hypot(np.minimum(normal, 0.0), np.maximum(np.abs(tangential) - limit, 0.0))
+    return np.hypot(np.minimum(normal, 0.0), np.maximum(tangential - limit, 0.0))

@@ -7,7 +7,7 @@ half of that since; blocks that come to touch later are therefore always found.
 from __future__ import annotations
 
 from functools import reduce
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,10 @@ MARGIN_SHARE = 0.25
 
 class NarrowPhase(Protocol):
     """What a dimension adds: contact points of pairs of convex parts, see `contact.plane`."""
+
+    bodies: Any
+    """Contact shapes as kernels take them; of both dimensions are the fields ``centroid`` (n, dim)
+    [m], as designed, and ``radius`` (n_parts,) [m]."""
 
     def place(self, pose: Array) -> Array:
         """Core vertices in poses."""

@@ -116,6 +116,7 @@ class DistinctState:
     damping_work: float = 0.0  # J, likewise
     load_work: float = 0.0  # J, done by dead load and pattern
     search_work: float = 0.0  # J, stored in joints that searches took away or changed
+    lost_shear: float = 0.0  # N, sum of what contacts carried that searches took away
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,6 +177,7 @@ class Workspace:
         self.acting = LoadArrays.of(engine.problem, state.gone)
         self.lost = state.gone
         self.search_work = 0.0
+        self.lost_shear = 0.0
         self.loads: Loads
         self.n_cycles = 0
         self.n_searches = 0
@@ -334,6 +336,9 @@ class Workspace:
         old = self.slots
         source = detector.predecessors(self.pairs, old, slots)
         history = np.where(source[:, None] >= 0, self.history[source], 0.0)
+        shear, lost = detector.carried(old, slots, source, self.history[:, joint_law.SHEAR :])
+        history[:, joint_law.SHEAR :] = shear
+        self.lost_shear += lost
         history[source < 0, joint_law.BROKEN] = 1.0  # what comes to touch later is not bonded
         self.slots, self.history, self.searched = slots, history, pose.copy()
         if self.real_masses:
@@ -777,6 +782,7 @@ class DistinctEngine:
             damping_work=state.damping_work + float(meter[explicit.DAMPING_WORK]),
             load_work=state.load_work + float(meter[explicit.LOAD_WORK]),
             search_work=state.search_work + work.search_work,
+            lost_shear=state.lost_shear + work.lost_shear,
         )
         outcome = StepOutcome(
             multiplier=work.multiplier,
