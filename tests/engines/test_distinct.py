@@ -234,7 +234,7 @@ class TestStep:
         calls = []
         cycle = explicit.cycle
         monkeypatch.setattr(
-            explicit, "cycle", lambda *given: calls.append(given[6]) or cycle(*given)
+            explicit, "cycle", lambda *given: calls.append(given[7]) or cycle(*given)
         )
         engine = DistinctEngine()
         state, _ = engine.start(problem_of(small_wall()))
