@@ -24,7 +24,7 @@ class SpaceNarrowPhase:
         shapes = assembly.shapes
         assert shapes.faces is not None
         vertices = np.split(shapes.vertices, shapes.offset[1:-1])
-        self.shapes = solids.pack(
+        self.bodies = solids.pack(
             list(zip(vertices, shapes.faces.faces_of_parts(), strict=True)),
             shapes.body,
             shapes.radius,
@@ -32,27 +32,27 @@ class SpaceNarrowPhase:
             assembly.centroid,
             assembly.axes,
         )
-        self.world = World.of(self.shapes)
+        self.world = World.of(self.bodies)
 
     def place(self, pose: Array) -> Array:
         """Core vertices in the poses (n, 7), (n_vertices, 3) [m]; scratch."""
-        manifold.place(self.shapes, pose, self.world)
+        manifold.place(self.bodies, pose, self.world)
         return self.world.vertex
 
     def n_slots(self, part_a: IntArray, part_b: IntArray) -> IntArray:
         """Contact points that pairs of parts may have at a time, (n_pairs,)."""
-        return manifold.slots_of(self.shapes, self.points, part_a, part_b)
+        return manifold.slots_of(self.bodies, self.points, part_a, part_b)
 
     def find(self, pairs: Pairs, pose: Array, reach: float, slots: Slots) -> None:
         """Find all contacts with gaps up to ``reach`` [m], into ``slots``.
 
         What the slots hold says which faces met last, and are kept where others are as good.
         """
-        manifold.find(self.shapes, pose, self.world, pairs, reach, self.points, slots)
+        manifold.find(self.bodies, pose, self.world, pairs, reach, self.points, slots)
 
     def follow(self, pairs: Pairs, pose: Array, known: Slots, slots: Slots) -> None:
         """The contacts in ``known``, by their features, in other poses, into ``slots``."""
-        manifold.follow(self.shapes, pose, self.world, pairs, known, slots)
+        manifold.follow(self.bodies, pose, self.world, pairs, known, slots)
 
     def predecessors(self, pairs: Pairs, before: Slots, now: Slots) -> IntArray:
         """The slot of the same pair that each one goes on with, or -1, (n_slots,)."""
@@ -74,7 +74,7 @@ class SpaceNarrowPhase:
     def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array, to: Contacts) -> int:
         """Fill contacts from the slots in use, with their gradients; returns how many."""
         count = int(forces.pack_laws(slots, pairs, laws, 1.0, to))
-        manifold.turn_bodies(self.shapes, pose, self.world)
+        manifold.turn_bodies(self.bodies, pose, self.world)
         packed_rows_in_space(slots.value, to.which, count, self.world.axes, to.rows)
         return count
 

@@ -39,7 +39,7 @@ from drystone.kernels.contacts import BODY_A, BODY_B, NONE, SLOT, Pairs, Slots
 from drystone.kernels.explicit import Drive, FrozenContacts, Loads, Motion
 from drystone.kernels.law import N_HISTORY
 from drystone.kernels.residual import add_contact_forces
-from drystone.kernels.rows import IN_PLANE, IN_SPACE, OF_GAP
+from drystone.kernels.rows import OF_GAP, dof_of
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -448,7 +448,7 @@ class DistinctEngine:
         assembly = problem.assembly
         self.problem = problem
         self.detector = Detector(assembly)
-        self.dof = IN_PLANE if assembly.dimension == 2 else IN_SPACE
+        self.dof = dof_of(assembly.mass)
         try:
             self.laws = law_table(assembly)
         except ValueError as error:
