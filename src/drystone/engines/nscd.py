@@ -122,7 +122,7 @@ class NscdEngine:
             # At rest: what a step from rest would move by is far below the joints' own closing.
             if outcome.motion < 1e-3 * max(outcome.penetration, 1e-9):
                 return state, outcome
-            if self.detector.travelled(state.pose).max() > limit:
+            if state.gone.any() or self.detector.travelled(state.pose).max() > limit:
                 break
         motion = self.detector.travelled(state.pose)
         raise UnstableError(
