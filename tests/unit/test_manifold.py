@@ -234,7 +234,7 @@ class TestOverlap:
         p, q = convex_polygon(rng), convex_polygon(rng)
         corner, name = np.zeros((2, 40, 2)), np.zeros((2, 40, 4), np.int64)
         half, count = overlap.clip(q, len(q), p, len(p), 0.0, corner, name)
-        area, cx, cy, _ = overlap.measure(corner[half], count)
+        area, cx, cy, _ = overlap.measure(corner, half, count)
         wanted, centroid = brute_overlap(p, q)
         assert area == pytest.approx(wanted, abs=ROUNDING)
         if area > 1e-6:  # a centroid is as precise as rounding over the area
@@ -251,14 +251,14 @@ class TestOverlap:
             q, (area, centroid) = p.copy(), brute_overlap(p, p)
         corner, name = np.zeros((2, 40, 2)), np.zeros((2, 40, 4), np.int64)
         half, count = overlap.clip(q, len(q), p, len(p), 0.0, corner, name)
-        width = overlap.width_of(area, overlap.measure(corner[half], count)[3])
+        width = overlap.width_of(area, overlap.measure(corner, half, count)[3])
         near, short = overlap.CLIP * width, overlap.MERGE * width
-        overlap.name_corners(corner[half], name[half], count, q, len(q), p, len(p), near)
-        count = overlap.merge_corners(corner[half], name[half], count, short, near)
+        overlap.name_corners(corner, name, half, count, q, len(q), p, len(p), near)
+        count = overlap.merge_corners(corner, name, half, count, short, near)
         n = overlap.n_spread(count, points, 100)
         assert n == {4: count, 9: 2 * count + 1, 16: 4 * count}[points]
         point, mark, weight = np.zeros((100, 2)), np.zeros((100, 4), np.int64), np.zeros(100)
-        overlap.spread(corner[half], name[half], count, *centroid, n, point, mark, weight)
+        overlap.spread(corner, name, half, count, *centroid, n, point, mark, weight)
         overlap.scale(point, n, *centroid, area, weight)
         assert weight[:n].min() > 0.0
         assert weight.sum() == pytest.approx(area, rel=1e-12)

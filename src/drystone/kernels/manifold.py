@@ -159,13 +159,19 @@ class World(NamedTuple):
     axes: Array  # (n, 3, 3) columns are the principal axes
     vertex: Array  # (n_vertices, 3) m
     normal: Array  # (n_faces, 3)
+    middle: Array  # (n_parts, 3) mean of the vertices [m]
 
     @classmethod
     def of(cls, shapes: Shapes) -> World:
         """Memory for these shapes."""
         n = len(shapes.centroid)
-        turn, axes = np.zeros((n, 3, 3)), np.zeros((n, 3, 3))
-        return cls(turn, axes, np.zeros_like(shapes.local), np.zeros((len(shapes.plane), 3)))
+        return cls(
+            turn=np.zeros((n, 3, 3)),
+            axes=np.zeros((n, 3, 3)),
+            vertex=np.zeros_like(shapes.local),
+            normal=np.zeros((len(shapes.plane), 3)),
+            middle=np.zeros((len(shapes.of_part), 3)),
+        )
 
 
 def slots_of(shapes: Shapes, points: int, part_a: IntArray, part_b: IntArray) -> IntArray:
@@ -213,17 +219,20 @@ def turn_bodies(shapes, pose, world):
 def place(shapes, pose, world):
     """Vertices and face normals of all parts in poses (n, 7), and what `turn_bodies` does."""
     turn_bodies(shapes, pose, world)
-    turn, vertex, normal = world.turn, world.vertex, world.normal
+    turn, vertex, normal, middle = world.turn, world.vertex, world.normal, world.middle
     first, of_part, centroid = shapes.first, shapes.of_part, shapes.centroid
     local, plane = shapes.local, shapes.plane
     for part in range(of_part.shape[0]):
         body = of_part[part]
+        middle[part, :] = 0.0
+        share = 1.0 / (first[part + 1, 0] - first[part, 0])
         for v in range(first[part, 0], first[part + 1, 0]):
             for i in range(3):
                 arm = local[v, i]
                 for k in range(3):
                     arm += turn[body, i, k] * local[v, k]
                 vertex[v, i] = centroid[body, i] + pose[body, i] + arm
+                middle[part, i] += share * vertex[v, i]
         for f in range(first[part, 1], first[part + 1, 1]):
             for i in range(3):
                 along = plane[f, i]
@@ -233,41 +242,41 @@ def place(shapes, pose, world):
 
 
 @njit(cache=True)
-def _turned(turn, body, table, row, column, out):
+def _turned(turn, body, table, row, column):
     """What the rotation of a body adds to the vector in three columns of a table."""
     x, y, z = table[row, column], table[row, column + 1], table[row, column + 2]
-    for i in range(3):
-        out[i] = turn[body, i, 0] * x + turn[body, i, 1] * y + turn[body, i, 2] * z
+    return (
+        turn[body, 0, 0] * x + turn[body, 0, 1] * y + turn[body, 0, 2] * z,
+        turn[body, 1, 0] * x + turn[body, 1, 1] * y + turn[body, 1, 2] * z,
+        turn[body, 2, 0] * x + turn[body, 2, 1] * y + turn[body, 2, 2] * z,
+    )
 
 
-# Many: arrays one by one, for records that are handed on count references at every slot.
 @njit(cache=True)
-def _evaluate(centroid, radius, turn, pose, which, value, k, a, b, part_a, part_b, work):
+def _evaluate(centroid, radii, turn, pose, which, value, k, a, b):
     """Gap, normal, tangent and arms of slot k, whose local data is given; see the module."""
-    at_point, at_place, at_normal = work[0], work[1], work[2]
     if which[k, KIND] == VERTEX_B:
-        v, f, sign = b, a, 1.0
+        v, f, sign, of_v, of_f = b, a, 1.0, ARM_B_3, ARM_A_3
     else:
-        v, f, sign = a, b, -1.0
-    _turned(turn, v, value, k, POINT_3, at_point)
-    _turned(turn, f, value, k, PLACE_3, at_place)
-    _turned(turn, f, value, k, PLANE_NORMAL_3, at_normal)
+        v, f, sign, of_v, of_f = a, b, -1.0, ARM_A_3, ARM_B_3
+    at_point = _turned(turn, v, value, k, POINT_3)
+    at_place = _turned(turn, f, value, k, PLACE_3)
+    at_normal = _turned(turn, f, value, k, PLANE_NORMAL_3)
+    at_tangent = _turned(turn, f, value, k, PLANE_TANGENT_3)
     designed, moved, ball = 0.0, 0.0, value[k, BALL_3]
     for i in range(3):
-        before = value[k, PLANE_NORMAL_3 + i]
+        before, point = value[k, PLANE_NORMAL_3 + i], value[k, POINT_3 + i]
         now = before + at_normal[i]
-        d = centroid[v, i] - centroid[f, i] + (value[k, POINT_3 + i] - value[k, PLACE_3 + i])
+        between, shift = centroid[v, i] - centroid[f, i], pose[v, i] - pose[f, i]
+        d = between + (point - value[k, PLACE_3 + i])
         designed += before * d
-        moved += at_normal[i] * d + now * (pose[v, i] - pose[f, i] + (at_point[i] - at_place[i]))
+        moved += at_normal[i] * d + now * (shift + (at_point[i] - at_place[i]))
+        arm = point + at_point[i] - ball * now
         value[k, NORMAL_3 + i] = sign * now
-        arm = value[k, POINT_3 + i] + at_point[i] - ball * now
-        other = (centroid[v, i] - centroid[f, i]) + (pose[v, i] - pose[f, i]) + arm
-        value[k, ARM_B_3 + i] = arm if v == b else other
-        value[k, ARM_A_3 + i] = other if v == b else arm
-    value[k, GAP] = (designed - radius[part_a] - radius[part_b]) + moved
-    _turned(turn, f, value, k, PLANE_TANGENT_3, at_point)
-    for i in range(3):
-        value[k, TANGENT_3 + i] = value[k, PLANE_TANGENT_3 + i] + at_point[i]
+        value[k, TANGENT_3 + i] = value[k, PLANE_TANGENT_3 + i] + at_tangent[i]
+        value[k, of_v + i] = arm
+        value[k, of_f + i] = (between + shift) + arm
+    value[k, GAP] = (designed - radii) + moved
 
 
 @njit(cache=True)
@@ -303,14 +312,14 @@ def _vertex(ring, corner, face, j, backwards):
 def _overlap(reference, incident, m, n, near, polygon, name):
     """Corners of the overlap, by name: which half of the arrays, how many, area and centroid."""
     half, count = clip(incident, m, reference, n, ROUNDING * near / CLIP, polygon, name)
-    area, cx, cy, perimeter = measure(polygon[half], count)
+    area, cx, cy, perimeter = measure(polygon, half, count)
     if area == 0.0:
         half, count = clip(incident, m, reference, n, near, polygon, name)
-        _, cx, cy, perimeter = measure(polygon[half], count)
+        _, cx, cy, perimeter = measure(polygon, half, count)
     if count > 0:
         short = max(MERGE * width_of(area, perimeter), near)
-        name_corners(polygon[half], name[half], count, incident, m, reference, n, near)
-        count = merge_corners(polygon[half], name[half], count, short, near)
+        name_corners(polygon, name, half, count, incident, m, reference, n, near)
+        count = merge_corners(polygon, name, half, count, short, near)
         half = sort_corners(polygon, name, half, count)
     return half, count, area, cx, cy
 
@@ -368,13 +377,10 @@ def _features(ring, corner, face_p, face_q, mark, i, n, m, n_vertices, n_edges):
 # Many: arrays one by one, for records that are handed on count references at every pair.
 @njit(cache=True)
 def _write_points(
-    ring, corner, local, plane, edge, faces, flat, sizes, n_points, first, end,
+    ring, corner, local, plane, edge, face_p, face_q, p_is_a, incident, n, m, n_points, first, end,
     which, value, polygon, mark, weight,
 ):  # fmt: skip
     """Points of an overlap as slots from ``first`` on, but for what `_evaluate` adds."""
-    incident = flat[1]
-    face_p, face_q, p_is_a = faces
-    n, m = sizes
     n_vertices, n_edges = local.shape[0], edge.shape[0]
     k = first
     for i in range(n_points):
@@ -418,19 +424,17 @@ def _write_points(
 @njit(cache=True)
 def _face_points(
     ring, corner, setback, local, plane, edge, extent, turn, vertex, normal, of_part, face_p,
-    face_q, part_p, p_is_a, points, first, end, which, value, flat, polygon, name, point, mark,
-    weight, tangents,
+    face_q, part_p, p_is_a, points, first, end, which, value, reference, incident, polygon, name,
+    point, mark, weight, t1, t2,
 ):  # fmt: skip
     """Points of the overlap of a reference face p and an incident face q; the slot behind them."""
     body = of_part[part_p]
-    t1, t2 = tangents[0], tangents[1]
-    _turned(turn, body, plane, face_p, 3, t1)
+    turned = _turned(turn, body, plane, face_p, 3)
     for c in range(3):
-        t1[c] += plane[face_p, 3 + c]
+        t1[c] = plane[face_p, 3 + c] + turned[c]
     nx, ny, nz = normal[face_p, 0], normal[face_p, 1], normal[face_p, 2]
     t2[0], t2[1], t2[2] = ny * t1[2] - nz * t1[1], nz * t1[0] - nx * t1[2], nx * t1[1] - ny * t1[0]
     origin = corner[ring[face_p], 0]
-    reference, incident = flat[0], flat[1]
     n = _project(ring, corner, vertex, face_p, origin, t1, t2, False, reference)
     m = _project(ring, corner, vertex, face_q, origin, t1, t2, True, incident)
     near = CLIP * min(extent[face_p, 1], extent[face_q, 1])
@@ -445,13 +449,13 @@ def _face_points(
             j = name[half, i, LEAVES]
             at = ring[face_q] + (m - 2 - j) % m if j < m else ring[face_p] + j - m
             weight[i] = setback[at]
-        area += widened(polygon[half], count, weight)
+        area += widened(polygon, half, count, weight)
     n_points = n_spread(count, points if cosine > EDGE_ON and area > 0.0 else 4, end - first)
-    spread(polygon[half], name[half], count, cx, cy, n_points, point, mark, weight)
+    spread(polygon, name, half, count, cx, cy, n_points, point, mark, weight)
     least = LEAST_SHARE * min(extent[face_p, 0], extent[face_q, 0])
     scale(point, n_points, cx, cy, max(area, least), weight)
     return _write_points(
-        ring, corner, local, plane, edge, (face_p, face_q, p_is_a), flat, (n, m), n_points,
+        ring, corner, local, plane, edge, face_p, face_q, p_is_a, incident, n, m, n_points,
         first, end, which, value, point, mark, weight,
     )  # fmt: skip
 
@@ -503,15 +507,15 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
     first, local, ring, corner = shapes.first, shapes.local, shapes.ring, shapes.corner
     setback = shapes.setback
     plane, extent, edge = shapes.plane, shapes.extent, shapes.edge
-    turn, vertex, normal = world.turn, world.vertex, world.normal
+    turn, vertex, normal, middle = world.turn, world.vertex, world.normal, world.middle
     most = 0
     for f in range(ring.shape[0] - 1):
         most = max(most, ring[f + 1] - ring[f])
-    flat = (np.empty((most, 2)), np.empty((most, 2)))
+    reference, incident = np.empty((most, 2)), np.empty((most, 2))
     room = 2 * most + 8
     polygon, name = np.empty((2, room, 2)), np.empty((2, room, 4), np.int64)
     point, mark = np.empty((4 * room, 2)), np.empty((4 * room, 4), np.int64)
-    weight, work, tangents = np.empty(4 * room), np.empty((5, 3)), np.empty((2, 3))
+    weight, work, t1, t2 = np.empty(4 * room), np.empty((5, 3)), np.empty(3), np.empty(3)
     n_pairs, n_slots = of_pair.shape[0], which.shape[0]
     for i in range(n_pairs):
         begin = of_pair[i, FIRST]
@@ -521,16 +525,18 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
         p, q, a, b = of_pair[i, PART_A], of_pair[i, PART_B], of_pair[i, A], of_pair[i, B]
         kept_a, kept_b = which[begin, EDGE_A], which[begin, EDGE_B]
         for k in range(begin, end):
-            which[k, KIND], value[k, GAP] = NONE, np.inf
+            if which[k, KIND] != NONE:
+                which[k, KIND], value[k, GAP] = NONE, np.inf
+                which[k, FEATURE_A], which[k, FEATURE_B] = -1, -1
         radii = radius[p] + radius[q]
         limit = reach + radii
         face_a, apart_a, held_a = best_face(
-            first, ring, corner, vertex, normal, p, q, kept_a, limit
+            first, ring, corner, vertex, normal, middle, p, q, kept_a, limit
         )
         if apart_a > limit:
             continue
         face_b, apart_b, held_b = best_face(
-            first, ring, corner, vertex, normal, q, p, kept_b, limit
+            first, ring, corner, vertex, normal, middle, q, p, kept_b, limit
         )
         if apart_b > limit:
             continue
@@ -562,12 +568,12 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
                     face_q, cosine = trial, better
             stop = _face_points(
                 ring, corner, setback, local, plane, edge, extent, turn, vertex, normal, of_part,
-                face_p, face_q, part_p, p_is_a, points, begin, end, which, value, flat, polygon,
-                name, point, mark, weight, tangents,
+                face_p, face_q, part_p, p_is_a, points, begin, end, which, value, reference,
+                incident, polygon, name, point, mark, weight, t1, t2,
             )  # fmt: skip
             for k in range(begin, stop):
                 value[k, BALL_3] = radius[q] if which[k, KIND] == VERTEX_B else radius[p]
-                _evaluate(centroid, radius, turn, pose, which, value, k, a, b, p, q, work)
+                _evaluate(centroid, radii, turn, pose, which, value, k, a, b)
                 least = min(least, value[k, GAP])
             if stop > begin:
                 break
@@ -589,10 +595,10 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
                 )  # fmt: skip
                 value[begin, BALL_3] = radius[q]
                 stop = begin + 1
-                _evaluate(centroid, radius, turn, pose, which, value, begin, a, b, p, q, work)
+                _evaluate(centroid, radii, turn, pose, which, value, begin, a, b)
         for k in range(begin, stop):
             if value[k, GAP] > reach:
-                which[k, KIND] = NONE
+                which[k, KIND], value[k, GAP] = NONE, np.inf
 
 
 @njit(cache=True)
@@ -617,7 +623,6 @@ def follow(shapes, pose, world, pairs, known, slots):
     centroid, radius, turn = shapes.centroid, shapes.radius, world.turn
     (which, value), of_pair, pair = slots, pairs.which, pairs.of_slot
     first, known_value = known
-    work = np.empty((3, 3))
     for k in range(which.shape[0]):
         for c in range(which.shape[1]):
             which[k, c] = first[k, c]
@@ -628,5 +633,6 @@ def follow(shapes, pose, world, pairs, known, slots):
         for c in range(POINT_3, BALL_3 + 1):
             value[k, c] = known_value[k, c]
         i = pair[k]
-        a, b, p, q = of_pair[i, A], of_pair[i, B], of_pair[i, PART_A], of_pair[i, PART_B]
-        _evaluate(centroid, radius, turn, pose, which, value, k, a, b, p, q, work)
+        a, b = of_pair[i, A], of_pair[i, B]
+        radii = radius[of_pair[i, PART_A]] + radius[of_pair[i, PART_B]]
+        _evaluate(centroid, radii, turn, pose, which, value, k, a, b)

@@ -50,16 +50,19 @@ def width_of(area, perimeter):
 
 
 @njit(cache=True)
-def measure(corner, n):
-    """Area [m2], centroid and perimeter [m] of a polygon of n corners; of none at all, zeros."""
+def measure(corner, half, n):
+    """Area [m2], centroid and perimeter [m] of a polygon of n corners; of none at all, zeros.
+
+    The polygon is the first or the second ``half`` of ``corner`` (2, k, 2).
+    """
     if n == 0:
         return 0.0, 0.0, 0.0, 0.0
-    x0, y0 = corner[0, 0], corner[0, 1]
+    x0, y0 = corner[half, 0, 0], corner[half, 0, 1]
     twice, mx, my, perimeter, sx, sy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(n):
         j = i + 1 if i + 1 < n else 0
-        ax, ay = corner[i, 0] - x0, corner[i, 1] - y0
-        bx, by = corner[j, 0] - x0, corner[j, 1] - y0
+        ax, ay = corner[half, i, 0] - x0, corner[half, i, 1] - y0
+        bx, by = corner[half, j, 0] - x0, corner[half, j, 1] - y0
         cross = ax * by - ay * bx
         twice += cross
         mx += cross * (ax + bx)
@@ -73,7 +76,7 @@ def measure(corner, n):
 
 
 @njit(cache=True)
-def widened(corner, n, reach):
+def widened(corner, half, n, reach):
     """What a polygon of n corners gains in area where its sides move out by ``reach`` (n,) [m2].
 
     A corner goes to where both sides meet then; where these are nearly one, no farther than either.
@@ -81,8 +84,14 @@ def widened(corner, n, reach):
     gained = 0.0
     for i in range(n):
         before, after = (i - 1) % n, (i + 1) % n
-        ux, uy = corner[i, 0] - corner[before, 0], corner[i, 1] - corner[before, 1]
-        vx, vy = corner[after, 0] - corner[i, 0], corner[after, 1] - corner[i, 1]
+        ux, uy = (
+            corner[half, i, 0] - corner[half, before, 0],
+            corner[half, i, 1] - corner[half, before, 1],
+        )
+        vx, vy = (
+            corner[half, after, 0] - corner[half, i, 0],
+            corner[half, after, 1] - corner[half, i, 1],
+        )
         u, v = np.sqrt(ux * ux + uy * uy), np.sqrt(vx * vx + vy * vy)
         gained += v * reach[i]
         sine, cosine = ux * vy - uy * vx, ux * vx + uy * vy
@@ -106,8 +115,6 @@ def clip(incident, m, reference, n, slack, corner, name):
         name[0, j, TYPE], name[0, j, OF_P] = VERTEX_Q, -1
         name[0, j, OF_Q], name[0, j, LEAVES] = j, j
     for k in range(n):
-        if count == 0:
-            break
         after = k + 1 if k + 1 < n else 0
         x0, y0 = reference[k, 0], reference[k, 1]
         ex, ey = reference[after, 0] - x0, reference[after, 1] - y0
@@ -115,6 +122,14 @@ def clip(incident, m, reference, n, slack, corner, name):
         if length == 0.0:
             continue
         nx, ny = -ey / length, ex / length
+        least, greatest = np.inf, -np.inf
+        for i in range(count):
+            d = nx * (corner[side, i, 0] - x0) + ny * (corner[side, i, 1] - y0)
+            least, greatest = min(least, d), max(greatest, d)
+        if least >= -slack:
+            continue
+        if greatest < -slack:
+            return side, 0
         other, made, before = 1 - side, 0, count - 1
         d_before = nx * (corner[side, before, 0] - x0) + ny * (corner[side, before, 1] - y0)
         for i in range(count):
@@ -158,71 +173,79 @@ def _nearest(x, y, polygon, n, within):
 
 
 @njit(cache=True)
-def name_corners(corner, name, count, incident, m, reference, n, near):
+def name_corners(corner, name, half, count, incident, m, reference, n, near):
     """Step 1 of the module's: corners that are ``near`` [m] a vertex become that vertex."""
     for i in range(count):
-        if name[i, TYPE] == VERTEX_Q:
+        if name[half, i, TYPE] == VERTEX_Q:
             continue
-        x, y = corner[i, 0], corner[i, 1]
+        x, y = corner[half, i, 0], corner[half, i, 1]
         j = _nearest(x, y, incident, m, near)
         if j >= 0:
-            name[i, TYPE], name[i, OF_P], name[i, OF_Q] = VERTEX_Q, -1, j
-            corner[i, 0], corner[i, 1] = incident[j, 0], incident[j, 1]
+            name[half, i, TYPE], name[half, i, OF_P], name[half, i, OF_Q] = VERTEX_Q, -1, j
+            corner[half, i, 0], corner[half, i, 1] = incident[j, 0], incident[j, 1]
             continue
-        if name[i, TYPE] == CROSSING:
+        if name[half, i, TYPE] == CROSSING:
             j = _nearest(x, y, reference, n, near)
             if j >= 0:
-                name[i, TYPE], name[i, OF_P], name[i, OF_Q] = VERTEX_P, j, -1
-        if name[i, TYPE] == VERTEX_P:
-            j = name[i, OF_P]
-            corner[i, 0], corner[i, 1] = reference[j, 0], reference[j, 1]
+                name[half, i, TYPE], name[half, i, OF_P], name[half, i, OF_Q] = VERTEX_P, j, -1
+        if name[half, i, TYPE] == VERTEX_P:
+            j = name[half, i, OF_P]
+            corner[half, i, 0], corner[half, i, 1] = reference[j, 0], reference[j, 1]
 
 
 @njit(cache=True)
-def _worse(name, i, j):
+def _worse(name, half, i, j):
     """Whether corner i is less well defined than corner j; by their numbers, if alike."""
     for c in range(3):
-        if name[i, c] != name[j, c]:
-            return name[i, c] > name[j, c]
+        if name[half, i, c] != name[half, j, c]:
+            return name[half, i, c] > name[half, j, c]
     return i > j
 
 
 @njit(cache=True)
-def _drop(corner, name, count, gone):
+def _drop(corner, name, half, count, gone):
     """Take one corner out of a list."""
     for i in range(gone, count - 1):
-        corner[i, 0], corner[i, 1] = corner[i + 1, 0], corner[i + 1, 1]
+        corner[half, i, 0], corner[half, i, 1] = corner[half, i + 1, 0], corner[half, i + 1, 1]
         for c in range(4):
-            name[i, c] = name[i + 1, c]
+            name[half, i, c] = name[half, i + 1, c]
 
 
 @njit(cache=True)
-def merge_corners(corner, name, count, short, near):
+def merge_corners(corner, name, half, count, short, near):
     """Steps 2 and 3 of the module's; returns how many corners remain."""
     while count > 1:
         shortest, at = short * short, -1
         for i in range(count):
             j = i + 1 if i + 1 < count else 0
-            d = (corner[j, 0] - corner[i, 0]) ** 2 + (corner[j, 1] - corner[i, 1]) ** 2
+            d = (corner[half, j, 0] - corner[half, i, 0]) ** 2 + (
+                corner[half, j, 1] - corner[half, i, 1]
+            ) ** 2
             if d <= shortest:
                 shortest, at = d, i
         if at < 0:
             break
         after = at + 1 if at + 1 < count else 0
         gone = at
-        if not _worse(name, at, after):
+        if not _worse(name, half, at, after):
             gone = after
-            name[at, LEAVES] = name[after, LEAVES]
-        _drop(corner, name, count, gone)
+            name[half, at, LEAVES] = name[half, after, LEAVES]
+        _drop(corner, name, half, count, gone)
         count -= 1
     i = 0
     while i < count and count > 3:
         before, after = i - 1 if i > 0 else count - 1, i + 1 if i + 1 < count else 0
-        ux, uy = corner[after, 0] - corner[before, 0], corner[after, 1] - corner[before, 1]
-        dx, dy = corner[i, 0] - corner[before, 0], corner[i, 1] - corner[before, 1]
+        ux, uy = (
+            corner[half, after, 0] - corner[half, before, 0],
+            corner[half, after, 1] - corner[half, before, 1],
+        )
+        dx, dy = (
+            corner[half, i, 0] - corner[half, before, 0],
+            corner[half, i, 1] - corner[half, before, 1],
+        )
         off = abs(ux * dy - uy * dx)
-        if name[i, TYPE] == CROSSING and off <= near * np.sqrt(ux * ux + uy * uy):
-            _drop(corner, name, count, i)
+        if name[half, i, TYPE] == CROSSING and off <= near * np.sqrt(ux * ux + uy * uy):
+            _drop(corner, name, half, count, i)
             count -= 1
         else:
             i += 1
@@ -234,7 +257,7 @@ def sort_corners(corner, name, half, count):
     """Begin the list with the corner that is defined best; returns the half that holds it then."""
     start = 0
     for i in range(1, count):
-        if _worse(name[half], start, i):
+        if _worse(name, half, start, i):
             start = i
     if start == 0:
         return half
@@ -268,9 +291,9 @@ def _share(point, weight, a, b, c, d):
 
 
 @njit(cache=True)
-def _between(corner, i, j, share, point, k):
+def _between(corner, half, i, j, share, point, k):
     for c in range(2):
-        point[k, c] = corner[i, c] + share * (corner[j, c] - corner[i, c])
+        point[k, c] = corner[half, i, c] + share * (corner[half, j, c] - corner[half, i, c])
 
 
 @njit(cache=True)
@@ -289,7 +312,7 @@ def n_spread(count, points, room):
 
 
 @njit(cache=True)
-def spread(corner, name, count, cx, cy, n_points, point, mark, weight):
+def spread(corner, name, half, count, cx, cy, n_points, point, mark, weight):
     """Contact points of a polygon with the centroid (cx, cy), and their areas [m2] before scaling.
 
     - its corners: each has what lies between it, the middles of its sides and the centroid;
@@ -299,9 +322,9 @@ def spread(corner, name, count, cx, cy, n_points, point, mark, weight):
       corner: cells at corners, at sides and one within (square: 1/36, 1/18, 1/9).
     """
     for i in range(count):
-        point[i, 0], point[i, 1] = corner[i, 0], corner[i, 1]
+        point[i, 0], point[i, 1] = corner[half, i, 0], corner[half, i, 1]
         for c in range(3):
-            mark[i, c] = name[i, c]
+            mark[i, c] = name[half, i, c]
         mark[i, LEAVES] = 0
     for i in range(n_points):
         weight[i] = 0.0
@@ -309,8 +332,8 @@ def spread(corner, name, count, cx, cy, n_points, point, mark, weight):
         point[2 * count, 0], point[2 * count, 1] = cx, cy
         _named(mark, 2 * count, INNER, -1, -1, 0)
         for i in range(count):
-            _between(corner, i, (i + 1) % count, 0.5, point, count + i)
-            _named(mark, count + i, ON_SIDE, name[i, LEAVES], -1, 0)
+            _between(corner, half, i, (i + 1) % count, 0.5, point, count + i)
+            _named(mark, count + i, ON_SIDE, name[half, i, LEAVES], -1, 0)
         for i in range(count):
             _share(point, weight, i, count + i, 2 * count, count + (i - 1) % count)
         return
@@ -320,11 +343,18 @@ def spread(corner, name, count, cx, cy, n_points, point, mark, weight):
         for i in range(count):
             j = (i + 1) % count
             for k in range(2):
-                _between(corner, i, j, (k + 1) / 3.0, point, count + 2 * i + k)
-                _named(mark, count + 2 * i + k, ON_SIDE, name[i, LEAVES], -1, 1 + k)
-            point[3 * count + i, 0] = cx + (corner[i, 0] - cx) / 3.0
-            point[3 * count + i, 1] = cy + (corner[i, 1] - cy) / 3.0
-            _named(mark, 3 * count + i, INNER, name[i, OF_P], name[i, OF_Q], 1 + name[i, TYPE])
+                _between(corner, half, i, j, (k + 1) / 3.0, point, count + 2 * i + k)
+                _named(mark, count + 2 * i + k, ON_SIDE, name[half, i, LEAVES], -1, 1 + k)
+            point[3 * count + i, 0] = cx + (corner[half, i, 0] - cx) / 3.0
+            point[3 * count + i, 1] = cy + (corner[half, i, 1] - cy) / 3.0
+            _named(
+                mark,
+                3 * count + i,
+                INNER,
+                name[half, i, OF_P],
+                name[half, i, OF_Q],
+                1 + name[half, i, TYPE],
+            )
         for i in range(count):
             j, first, last = (i + 1) % count, count + 2 * i, count + 2 * ((i - 1) % count) + 1
             _share(point, weight, i, first, 3 * count + i, last)
@@ -333,7 +363,8 @@ def spread(corner, name, count, cx, cy, n_points, point, mark, weight):
     for i in range(count):
         j = (i + 1) % count
         area = 0.5 * (
-            (corner[i, 0] - cx) * (corner[j, 1] - cy) - (corner[i, 1] - cy) * (corner[j, 0] - cx)
+            (corner[half, i, 0] - cx) * (corner[half, j, 1] - cy)
+            - (corner[half, i, 1] - cy) * (corner[half, j, 0] - cx)
         )
         weight[first + i] += 0.5 * inner * area
         weight[first + j] += 0.5 * inner * area

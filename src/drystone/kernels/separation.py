@@ -22,23 +22,27 @@ ROUNDING = 1e-6
 
 
 @njit(cache=True)
-def best_face(first, ring, corner, vertex, normal, p, q, kept, limit):
+def best_face(first, ring, corner, vertex, normal, middle, p, q, kept, limit):
     """Face of part p that separates it most from part q, and by how much [m].
 
     Also returned is by how much the face ``kept`` does, or minus infinity where p has no such
-    face.  A separation beyond ``limit`` ends the search.
+    face.  A separation beyond ``limit`` ends the search.  ``middle`` (n_parts, 3) is a point within
+    each part: where that of q is no farther off a face than the best so far, all of q is not.
     """
     best, found, of_kept = -np.inf, first[p, 1], -np.inf
     begin, end = first[q, 0], first[q + 1, 0]
+    mx, my, mz = middle[q, 0], middle[q, 1], middle[q, 2]
     for f in range(first[p, 1], first[p + 1, 1]):
         nx, ny, nz = normal[f, 0], normal[f, 1], normal[f, 2]
         v = corner[ring[f], 0]
+        base = nx * vertex[v, 0] + ny * vertex[v, 1] + nz * vertex[v, 2]
+        if nx * mx + ny * my + nz * mz - base <= best and f != kept:
+            continue
         least = np.inf
         for j in range(begin, end):
             d = nx * vertex[j, 0] + ny * vertex[j, 1] + nz * vertex[j, 2]
-            if d < least:
-                least = d
-        least -= nx * vertex[v, 0] + ny * vertex[v, 1] + nz * vertex[v, 2]
+            least = min(least, d)
+        least -= base
         if f == kept:
             of_kept = least
         if least > best:
