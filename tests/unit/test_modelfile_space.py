@@ -12,6 +12,7 @@ from drystone.assembly import GRAVITY, Block, JointLaw
 from drystone.builders import make_model
 from drystone.geometry.solid import Part, box
 from drystone.inspection import inspect
+from drystone.limit import collapse_load
 from drystone.loading import dead_load
 from drystone.modelfile import ModelError, model_to_dict, read_model, write_model
 
@@ -125,11 +126,16 @@ class TestShapes:
         assert model.control_point.point == pytest.approx([0.55, 0.15, 1.1])
 
     def test_concave_in_the_plane(self):
-        assembly = read_model(EXAMPLES / "dovetail.toml").assembly
-        assert [len(figure.parts) for figure in assembly.figures] == [3, 2]
-        tail = 0.5 * (0.4 + 0.3) * 0.2 + 0.3 * 0.5
-        socket = 0.9 * 0.5 - 0.5 * (0.4 + 0.3) * 0.2
-        assert assembly.volume == pytest.approx([0.3 * socket, 0.3 * tail], rel=1e-12)
+        model = read_model(EXAMPLES / "capital.toml")
+        assembly = model.assembly
+        assert [len(figure.parts) for figure in assembly.figures] == [1, 2]
+        # The shaft, 0.4 x 0.8, and the capital, 1.0 x 0.4.
+        y = (0.32 * 0.4 + 0.4 * 1.0) / 0.72
+        assert assembly.volume[1] == pytest.approx(0.3 * 0.72, rel=1e-12)
+        assert assembly.centroid[1] == pytest.approx([0.5, y], rel=1e-12)
+        # It rocks about its toe at x = 0.7.
+        found = collapse_load(model, flow="associative").load_multiplier
+        assert found == pytest.approx(0.2 / y, rel=1e-6)
 
     def test_parts_in_the_plane(self, tmp_path):
         text = """
@@ -167,7 +173,7 @@ class TestShapes:
         )
 
 
-@pytest.mark.parametrize("name", ["solids.toml", "dovetail.toml"])
+@pytest.mark.parametrize("name", ["solids.toml", "capital.toml"])
 @pytest.mark.parametrize("ending", ["toml", "json"])
 def test_written_models_are_read_again(tmp_path, name, ending):
     model = read_model(EXAMPLES / name)
