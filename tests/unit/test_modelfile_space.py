@@ -232,7 +232,7 @@ class TestWhatIsWrong:
             (
                 BOX,
                 "parts = [{ box = [[0, 0, 0], [0.4, 0.3, 0]] }]",
-                'block[2] "b1" parts[1] box: the box runs from z = 0 to 0: give the lower corner',
+                'block[2] "b1" parts[1].box: the box runs from z = 0 to 0: give the lower corner',
             ),
             ("[0.4, 0.3, 0.2]]", "[0.4, 0.3]]", 'b1" box[2]: must have 3 entries, it has 2'),
             ("[0.4, 0.3, 0.2]]", "[0.4, 0.3, -1]]", 'b1" box: the box runs from z = 0 to -1'),
@@ -276,6 +276,7 @@ class TestWhatIsWrong:
             ("points = 9", "points = 5", "contact.points: must be 4, 9 or 16, it is 5"),
             ('"top"', '"top right"', 'control.point: there is no point "top right": did you'),
             ('"top"', "[0, 0]", 'control.point: must be [x, y, z] in metres, or one of "top"'),
+            ("dimension = 3", "dimension = [3]", "dimension: must be 2 or 3, it is a list of 1"),
             ("dimension = 3", "dimension = 3\nthickness = 1.0", "thickness: is of two dimensions"),
             ("dimension = 3", "dimension = 2\nthickness = 1.0", "contact: is of three dimensions"),
             (

@@ -17,6 +17,8 @@ IntArray = NDArray[np.int64]
 
 #: Sine of the angle under which two edges are parallel and have no axis of their own.
 PARALLEL = 1e-6
+#: Sine of the angle under which two axes are one.
+ROUNDING = 1e-9
 
 
 def overlap_depths(solids: Polyhedra, a: IntArray, b: IntArray) -> Array:
@@ -29,8 +31,15 @@ def overlap_depths(solids: Polyhedra, a: IntArray, b: IntArray) -> Array:
     shapes = [_Shape(solids, int(part)) for part in names]
     margin = TOUCHING * solids.pair_size(a, b)
     depth = np.empty(len(a))
+    known: dict[tuple[bytes, bytes], Array] = {}  # blocks of a wall have their axes in common
     for k, (i, j) in enumerate(which.reshape(2, -1).T.tolist()):
-        depth[k] = -_separation(shapes[i], shapes[j], float(margin[k]))
+        p, q = shapes[i], shapes[j]
+        apart = _between_faces(p, q)
+        if apart <= margin[k]:
+            if (p.turn, q.turn) not in known:
+                known[p.turn, q.turn] = _axes(p, q)
+            apart = max(apart, _along(p, q, known[p.turn, q.turn]))
+        depth[k] = -apart
     return depth
 
 
@@ -51,24 +60,35 @@ class _Shape:
         along *= np.sign(along[np.arange(len(along)), lead])[:, None]
         _, once = np.unique(np.round(along, 9), axis=0, return_index=True)
         self.directions = along[np.sort(once)]
+        self.turn = np.round(np.vstack((self.normals, self.directions)), 9).tobytes()
 
 
-def _separation(p: _Shape, q: _Shape, margin: float) -> float:
-    """Largest distance [m] at which an axis keeps two shapes apart; minus the smallest overlap."""
-    apart = max(
+def _between_faces(p: _Shape, q: _Shape) -> float:
+    """Largest distance [m] at which a face keeps the other shape off; minus the least overlap."""
+    return max(
         float((q.vertices @ p.normals.T - p.offsets).min(axis=0).max()),
         float((p.vertices @ q.normals.T - q.offsets).min(axis=0).max()),
     )
-    if apart > margin:
-        return apart
+
+
+def _axes(p: _Shape, q: _Shape) -> Array:
+    """Unit vectors (n, 3) across an edge of either, but for those that are normals of faces."""
     axes = np.cross(p.directions[:, None], q.directions[None]).reshape(-1, 3)
     length = np.linalg.norm(axes, axis=1)
     axes = axes[length > PARALLEL] / length[length > PARALLEL, None]
+    normals = np.vstack((p.normals, q.normals))
+    # The sine, not the cosine: that of a small angle differs from one by its square.
+    sine = np.linalg.norm(np.cross(axes[:, None], normals[None]), axis=2)
+    return np.asarray(axes[np.all(sine > ROUNDING, axis=1)])
+
+
+def _along(p: _Shape, q: _Shape, axes: Array) -> float:
+    """Largest distance [m] at which one of the axes keeps the shapes apart."""
     if not len(axes):
-        return apart
+        return -np.inf
     one, other = p.vertices @ axes.T, q.vertices @ axes.T
     gap = np.maximum(
         other.min(axis=0) - one.max(axis=0),
         one.min(axis=0) - other.max(axis=0),
     )
-    return max(apart, float(gap.max()))
+    return float(gap.max())

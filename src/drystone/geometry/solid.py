@@ -276,7 +276,7 @@ def check(vertices: Array, faces: Faces, tolerance: float = FLAT) -> None:
     check_vertices(vertices)
     _check_rows(len(vertices), faces)
     _check_flat(vertices, faces, tolerance)
-    volume = mass_properties(vertices, faces).volume
+    volume = volume_of(vertices, faces)
     if abs(volume) < DEGENERATE * size_of(vertices) ** 3:
         raise GeometryError("the faces enclose no volume: give the solid a thickness")
     if volume < 0.0:
@@ -383,12 +383,12 @@ def is_inside_out(vertices: Array, faces: Faces) -> bool:
         _check_rows(len(vertices), faces)
     except GeometryError:
         return False
-    return mass_properties(vertices, faces).volume < 0.0
+    return volume_of(vertices, faces) < 0.0
 
 
 def turned_out(vertices: Array, faces: Faces) -> Faces:
     """Faces of a closed surface, all of them turned round where they run clockwise from outside."""
-    if mass_properties(vertices, faces).volume < 0.0:
+    if volume_of(vertices, faces) < 0.0:
         return tuple(face[::-1] for face in faces)
     return faces
 
@@ -440,6 +440,14 @@ def face_areas(vertices: Array, faces: Faces) -> Array:
 def unevenness(vertices: Array, faces: Faces) -> float:
     """How far a vertex is off the plane of one of its faces, at most [m]."""
     return float(np.abs(_planes_and_deviation(vertices, _loops(faces))[3]).max())
+
+
+def volume_of(vertices: Array, faces: Faces) -> float:
+    """Volume [m3] inside of a closed surface; below zero where its faces run clockwise."""
+    loops = _loops(faces)
+    p = vertices - vertices.mean(axis=0)
+    b, c = p[loops.corner], p[loops.following]
+    return float(_dot(b[loops.start[loops.owner]], _cross(b, c)).sum()) / 6.0
 
 
 @dataclass(frozen=True, kw_only=True)

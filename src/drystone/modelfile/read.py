@@ -146,7 +146,7 @@ def _checked(data: dict[str, Any]) -> ModelSection:
     """The file's keys, types and ranges, and which shapes its blocks have."""
     given = data.get("dimension")
     dimension = given if given in (2, 3) and not isinstance(given, bool) else None
-    problems = shape_problems(data)
+    problems = shape_problems(data, dimension)
     try:
         section = ModelSection.model_validate(data, context={"dimension": dimension})
     except ValidationError as error:

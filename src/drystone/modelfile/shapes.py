@@ -33,11 +33,13 @@ class ShapeError(ValueError):
         self.key = key
 
 
-def shape_problems(data: dict[str, Any]) -> list[str]:
-    """Sentences on blocks of a file that give no shape, or two, or half of one."""
-    dimension = data.get("dimension")
+def shape_problems(data: dict[str, Any], dimension: int | None) -> list[str]:
+    """Sentences on blocks of a file that give no shape, or two, or half of one.
+
+    None where the file gives no ``dimension`` that there is.
+    """
     blocks = data.get("block")
-    if dimension not in SHAPES or isinstance(dimension, bool) or not isinstance(blocks, list):
+    if dimension is None or not isinstance(blocks, list):
         return []
     found = []
     for i, block in enumerate(blocks):
@@ -76,7 +78,7 @@ def shape_of(section: BlockSection) -> dict[str, Any]:
         return {"vertices": vertices, "faces": faces}
     parts = []
     for k, part in enumerate(section.parts):
-        parts.append(Part(*_solid_of(part, f"parts[{k + 1}] ")))
+        parts.append(Part(*_solid_of(part, f"parts[{k + 1}].")))
     return {"vertices": np.vstack([part.vertices for part in parts]), "parts": tuple(parts)}
 
 
