@@ -1,4 +1,4 @@
-"""What shapes are and where they touch: outlines, joints as designed; of the plane so far."""
+"""What shapes are and where they touch: outlines, solids, joints as designed; and how they move."""
 
 
 class GeometryError(ValueError):
