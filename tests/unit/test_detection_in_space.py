@@ -11,6 +11,8 @@ from drystone.geometry import solid
 from drystone.kernels.law import MU
 from solids import box, joint, leaf, one_block, turned
 
+pytestmark = pytest.mark.kernels
+
 TOUCHING = 1e-9  # m
 
 
@@ -34,6 +36,7 @@ def test_a_joint_has_its_whole_area_whatever_is_taken_off_its_edges(corner, poin
     assert level_area(assembly) == pytest.approx(0.24, rel=1e-9)
 
 
+@pytest.mark.compiled
 def test_bed_joints_of_an_extruded_wall_are_those_of_the_plane():
     plane = ds.published_wall(1)
     assert level_area(ds.extruded(plane).assembly) == pytest.approx(
@@ -41,6 +44,7 @@ def test_bed_joints_of_an_extruded_wall_are_those_of_the_plane():
     )
 
 
+@pytest.mark.compiled
 def test_a_leaf_turned_as_a_whole_has_the_same_contacts():
     model = leaf(courses=3)
     other = turned(model, Rotation.from_rotvec([0.4, -0.7, 1.1]), (3.0, -2.0, 5.0))
