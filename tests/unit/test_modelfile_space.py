@@ -330,6 +330,22 @@ class TestWhatIsWrong:
             )
 
 
+def test_a_gap_below_a_block_of_parts_is_closed_and_they_stay_together(tmp_path):
+    path = tmp_path / "model.json"
+    data = model_to_dict(read_model(EXAMPLES / "capital.toml"))
+    gap = 2e-4
+    del data["block"][1]["vertices"]
+    shaft = [[0.3, gap], [0.7, gap], [0.7, 0.8 + gap], [0.3, 0.8 + gap]]
+    head = [[0.0, 0.8 + gap], [1.0, 0.8 + gap], [1.0, 1.2], [0.0, 1.2]]
+    data["block"][1]["parts"] = [{"vertices": shaft}, {"vertices": head}]
+    path.write_text(json.dumps(data))
+    block = read_model(path).assembly.blocks[1]
+    shaft[0][1] = shaft[1][1] = 0.0
+    assert block.parts[0].vertices == pytest.approx(np.array(shaft), abs=1e-12)
+    assert block.parts[1].vertices == pytest.approx(np.array(head), abs=1e-12)
+    assert np.array_equal(block.vertices, np.vstack([part.vertices for part in block.parts]))
+
+
 def test_what_supports_carry_is_the_weight():
     model = read_model(EXAMPLES / "solids.toml")
     found = inspect(model)

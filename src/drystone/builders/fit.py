@@ -87,13 +87,15 @@ def fitted(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], tupl
     """
     if any(block.dimension == 3 for block in blocks):
         return list(blocks), ()
-    outlines = Outlines.pack(
-        [[part.vertices for part in block.parts] or [block.vertices] for block in blocks]
-    )
+    shapes = [[part.vertices for part in block.parts] or [block.vertices] for block in blocks]
+    # Each part by itself: where two of a block lie on each other, they get one line as well.
+    outlines = Outlines.pack([[outline] for own in shapes for outline in own])
     distance = tolerance * float(outlines.edges[1].min())
     if not distance > 0.0:
         return list(blocks), ()
-    fixed = np.array([block.support for block in blocks])
+    fixed = np.array(
+        [block.support for block, own in zip(blocks, shapes, strict=True) for _ in own]
+    )
     vertices, n_joints = _closed(outlines, fixed, distance)
     way = np.hypot(*(vertices - outlines.vertices).T)
     moved = (way > 0.0) & (way <= distance)  # what would go further stays, and is refused later
