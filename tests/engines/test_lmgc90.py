@@ -20,7 +20,8 @@ from drystone.engines import lmgc90, make_engine
 from drystone.engines.base import Demand, EngineError, UnstableError
 from drystone.engines.lmgc90 import Lmgc90Engine, Lmgc90Settings, engine
 from drystone.engines.lmgc90.messages import Outcome, Ready, Setup, Step
-from drystone.engines.lmgc90.solid import extrude, same_place
+from drystone.engines.lmgc90.prisms import extrude, same_place
+from drystone.geometry.solid import Part
 
 LEG = 0.02  # m, of the chamfers
 needs_lmgc90 = pytest.mark.skipif(
@@ -234,7 +235,7 @@ class Puppet:
         if isinstance(message, Setup):
             self.setup = message
             return Ready(program="puppet")
-        n = len(self.setup.polygons)
+        n = len(self.setup.shapes)
         pose = np.zeros((n, 3))
         pose[1:, 1] = -self.moved
         force = np.zeros((n, 3))
@@ -250,6 +251,7 @@ class Puppet:
             body_b=np.ones(2, np.int64),
             position=np.array([[-0.2, 0.0], [0.2, 0.0]]),
             normal=np.tile([0.0, 1.0], (2, 1)),
+            tangent=np.zeros((2, 0)),
             gap=np.full(2, -1e-4),
             reaction=np.tile([2000.0, 0.0], (2, 1)),
             stiffness=np.full(2, 2e7),
@@ -327,15 +329,15 @@ def test_a_full_lmgc90_goes_before_the_wheel(monkeypatch):
 
 def test_a_prism_is_closed_and_outwards():
     polygon = turned(np.array([[0.0, 0.0], [1.0, 0.0], [0.8, 0.7], [0.1, 0.9]]), 0.3)
-    vertices, faces = extrude(polygon, 0.5)
-    corner = vertices[faces]
+    prism = extrude(polygon, 0.5)
+    corner = prism.vertices[np.array(prism.faces)]
     # Volume by the divergence theorem: the sum of signed tetrahedra, area times depth.
     volume = np.einsum("ij,ij->i", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])).sum() / 6.0
     x, y = polygon.T
     area = 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)
     assert volume == pytest.approx(0.5 * area)
     # Every edge belongs to two triangles, in opposite senses.
-    edges = [tuple(e) for f in faces.tolist() for e in zip(f, f[1:] + f[:1], strict=True)]
+    edges = [e for f in prism.faces for e in zip(f, f[1:] + f[:1], strict=True)]
     assert len(set(edges)) == len(edges)
     assert {(j, i) for i, j in edges} == set(edges)
 
@@ -362,7 +364,8 @@ def test_the_full_lmgc90_is_driven_by_its_names(monkeypatch, tmp_path):
     from drystone.engines.lmgc90 import chipy
 
     setup = Setup(
-        polygons=(rectangle(-1, -1, 2, 1), rectangle(-0.2, 0, 0.4, 1.0)),
+        shapes=(Part(rectangle(-1, -1, 2, 1)), Part(rectangle(-0.2, 0, 0.4, 1.0))),
+        axes=np.tile(np.eye(2), (2, 1, 1)),
         density=np.array([1e3, 1e3]),
         fixed=np.array([True, False]),
         thickness=1.0,

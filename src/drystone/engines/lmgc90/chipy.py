@@ -29,7 +29,7 @@ class Simulation:
         from pylmgc90 import chipy
 
         self.setup, self.chipy = setup, chipy
-        self.n = len(setup.polygons)
+        self.n = len(setup.shapes)
         write_datbox(setup)
         chipy.Initialize()
         chipy.checkDirectories()
@@ -129,6 +129,7 @@ class Simulation:
             "body_b": body_b,
             "position": row[:, :2],
             "normal": normal,
+            "tangent": np.zeros((len(normal), 0)),
             "gap": row[:, 10] - h * row[:, 9],
             "reaction": np.column_stack(
                 (
@@ -158,14 +159,14 @@ def write_datbox(setup: Setup) -> None:
     ]
     for material in stuff:
         materials.addMaterial(material)
-    for i, polygon in enumerate(setup.polygons):
+    for i, shape in enumerate(setup.shapes):
         body = pre.rigidPolygon(
             model=rigid,
             material=stuff[int(kind.ravel()[i])],
             center=np.zeros(2),
             color=COLOUR,
             generation_type="full",
-            vertices=np.array(polygon),
+            vertices=np.array(shape.vertices),
         )
         if setup.fixed[i]:
             body.imposeDrivenDof(component=[1, 2, 3], dofty="vlocy")

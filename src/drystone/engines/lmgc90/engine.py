@@ -1,7 +1,7 @@
 """LMGC90 as the pushover sees it.
 
 LMGC90 takes the step of `engines.nscd` with its own contact detection and Gauss-Seidel solver.
-Three things are done on this side.  Corners: LMGC90 has no rounded polygons, so that a radius
+Three things are done on this side.  Corners: LMGC90 has no rounded shapes, so that a radius
 becomes a chamfer with legs of that length, which has its contact points at the same places.
 Certificates: LMGC90 reports no residual of the joint law, so that it is computed here from the
 reactions and velocities that come back.  And contacts that LMGC90 has lost, which it says nothing
@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly, Corner
+from drystone.assembly import GRAVITY, Assembly, Corner
 from drystone.contact.certificate import Forces, JudgedContacts, certify
 from drystone.contact.detection import Detector
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
@@ -34,18 +34,11 @@ from drystone.engines.measures import (
     report,
     unstable_sentence,
 )
-from drystone.geometry import motion, polygon
-from drystone.kernels.contacts import (
-    BODY_A,
-    BODY_B,
-    FRICTION,
-    STIFF_N,
-    VERTEX_B,
-    Contacts,
-    Slots,
-)
+from drystone.geometry import motion
+from drystone.geometry.cores import SolidCore
+from drystone.geometry.figure import Figure
+from drystone.kernels.contacts import BODY_A, BODY_B, FRICTION, STIFF_N, Contacts, Slots
 from drystone.kernels.nlgs import ContactProblem
-from drystone.kernels.rows import slot_rows
 from drystone.solvers.nlgs import natural_map
 
 Array = NDArray[np.float64]
@@ -57,6 +50,8 @@ MISSING = (
 )
 #: Modules of ours that drive LMGC90, by the module of LMGC90 that each needs, the better first.
 DRIVERS = {"pylmgc90": "chipy", "compas_lmgc90": "wheel"}
+#: Modules that run in LMGC90's process, by driver and dimension.
+MODULES = {("chipy", 2): "chipy", ("wheel", 2): "prisms", ("wheel", 3): "wheel"}
 #: What the supports may carry less or more than the weight, before any load.
 BALANCE = 1e-3
 
@@ -80,8 +75,8 @@ class Lmgc90State:
     """What came of the step that LMGC90 made last, or of the one before that."""
 
     number: int  # which of its steps
-    pose: Array  # (n, n_dof) m, rad
-    velocity: Array  # (n, n_dof) m/s, rad/s
+    pose: Array  # (n, n_pose) m, rad
+    velocity: Array  # (n, n_dof) m/s, rad/s, of the blocks as LMGC90 has them
     outcome: Outcome | None
 
 
@@ -127,11 +122,11 @@ class Lmgc90Engine:
         self.problem = problem
         self.sharp = without_radius(assembly)
         self.detector = Detector(self.sharp)
-        self.reference = np.array(
-            [polygon.mass_properties(self.sharp.shapes.of(i)).centroid + assembly.centroid[i]
-             for i in range(assembly.n_bodies)]
-        )  # fmt: skip
-        mass = np.where(assembly.fixed[:, None], 0.0, self._mass())
+        #: The blocks as LMGC90 has them: forces and motions are about their centroids and axes.
+        self.theirs = without_corners(self.sharp)
+        self.offset = self.theirs.centroid - assembly.centroid
+        self.same = self.theirs is assembly
+        mass = np.where(assembly.fixed[:, None], 0.0, self.theirs.mass)
         self.loads = replace(LoadArrays.of(problem), mass=mass)
         self.extent = np.maximum(self.detector.extent, 1e-12)
         self.friction = assembly.joint.friction_coefficient
@@ -140,32 +135,19 @@ class Lmgc90Engine:
         rest = assembly.rest_pose()
         self._pairs = self.detector.pairs(rest)
         self.close()
-        self._process = Process(self.driver)
+        self._process = Process(module_of(self.driver, assembly.dimension))
         ready = self._process.ask(self._setup(rest))
         assert isinstance(ready, Ready)
         self.program = ready.program
-        state = Lmgc90State(number=0, pose=rest, velocity=np.zeros_like(rest), outcome=None)
+        state = Lmgc90State(number=0, pose=rest, velocity=assembly.no_motion(), outcome=None)
         try:
             return self._settle(state)
         except BaseException:
             self.close()
             raise
 
-    def _mass(self) -> Array:
-        """Masses as LMGC90 has them, of outlines with their corners taken off, (n, 3)."""
-        assembly = self.problem.assembly
-        mass = assembly.mass.copy()
-        for i in range(assembly.n_bodies):
-            properties = polygon.mass_properties(self.sharp.shapes.of(i))
-            mass[i, 2] = mass[i, 0] * properties.polar_moment / properties.area
-        return mass
-
     def _setup(self, rest: Array) -> Setup:
-        assembly, s = self.problem.assembly, self.settings
-        polygons = tuple(
-            self.sharp.shapes.of(i) + assembly.centroid[i] for i in range(assembly.n_bodies)
-        )
-        area = np.array([abs(polygon.signed_area(outline)) for outline in polygons])
+        assembly, theirs, s = self.problem.assembly, self.theirs, self.settings
         slots = self.detector.find(self._pairs, rest)
         stiffness = np.array([law.normal_stiffness for law in assembly.laws], dtype=float)
         joints: dict[tuple[int, int], float] = {}
@@ -175,13 +157,14 @@ class Lmgc90Engine:
             key = (min(a, b), max(a, b))
             joints[key] = joints.get(key, 0.0) + float(share)
         return Setup(
-            polygons=polygons,
-            density=assembly.mass[:, 0] / (area * assembly.thickness),
+            shapes=tuple(figure.parts[0] for figure in theirs.figures),
+            axes=theirs.axes,
+            density=theirs.weight / (GRAVITY * theirs.volume),
             fixed=assembly.fixed,
             thickness=assembly.thickness,
             friction=self.friction,
             joints=joints,
-            spare_stiffness=float(stiffness[0]) * assembly.smallest_extent * assembly.thickness,
+            spare_stiffness=float(stiffness[0]) * self._small_area,
             reach=self.detector.reach,
             theta=s.theta,
             tolerance=s.tolerance,
@@ -206,7 +189,8 @@ class Lmgc90Engine:
                 continue
             state = new
             assert state.outcome is not None
-            carried = -float(state.outcome.contact_force[assembly.fixed, 1].sum()) / weight
+            held = motion.translations(state.outcome.contact_force)[assembly.fixed]
+            carried = -float((held @ assembly.up).sum()) / weight
             if outcome.motion < 1e-2 * max(outcome.penetration, 1e-9):
                 break
             if self.detector.farthest(state.pose) > limit:
@@ -229,11 +213,11 @@ class Lmgc90Engine:
             raise EngineError("LMGC90 holds its last state only: it cannot go back further")
         h = min(demand.time_step, self.settings.longest_time_step)
         accept = state.number != self._accepted
-        load = self.loads.dead + demand.multiplier * self.loads.pattern
+        loads = self._loads(state)
         outcome = self._process.ask(
             Step(
                 accept=accept,
-                force=self._about_reference(load, state.pose),
+                force=loads.dead + demand.multiplier * loads.pattern,
                 time_step=h,
                 stop_blocks=demand.stop_blocks,
             )
@@ -251,18 +235,18 @@ class Lmgc90Engine:
         before = np.zeros_like(state.velocity) if demand.stop_blocks else state.velocity
         new = Lmgc90State(
             number=self._latest,
-            pose=self._from_reference(outcome.pose),
+            pose=self._our_pose(outcome.pose),
             velocity=outcome.velocity,
             outcome=outcome,
         )
-        return self._judge(state, new, before, load, demand.multiplier, h)
+        return self._judge(state, new, before, loads, demand.multiplier, h)
 
     def _judge(
         self,
         state: Lmgc90State,
         new: Lmgc90State,
         before: Array,
-        load: Array,
+        loads: LoadArrays,
         multiplier: float,
         h: float,
     ) -> tuple[Lmgc90State, StepReport]:
@@ -270,7 +254,7 @@ class Lmgc90Engine:
         outcome = new.outcome
         assert outcome is not None
         assembly = self.problem.assembly
-        increment = self.problem.assembly.difference(new.pose, state.pose)
+        increment = self.theirs.difference(outcome.pose, self._their_pose(state))
         farthest = self.detector.farthest(increment)
         if farthest > self.settings.max_motion * self.detector.reach:
             reason = "a block moves too far in one step"
@@ -283,15 +267,15 @@ class Lmgc90Engine:
             self._judged(state, outcome, h),
             Forces(
                 contact=outcome.contact_force,
-                load=self._about_reference(load, state.pose),
-                inertia=self.loads.mass * acceleration,
+                load=loads.dead + multiplier * loads.pattern,
+                inertia=loads.mass * acceleration,
             ),
             self.extent,
             assembly.fixed,
         )
         found = report(
             self.problem,
-            self.loads,
+            loads,
             StepOutcome(
                 multiplier=multiplier,
                 pose=new.pose,
@@ -326,27 +310,46 @@ class Lmgc90Engine:
 
     def _judged(self, state: Lmgc90State, outcome: Outcome, h: float) -> JudgedContacts:
         """LMGC90's own contacts, with its gaps: those that it has missed cannot be judged here."""
-        n, a, b = len(outcome.body_a), outcome.body_a, outcome.body_b
-        contacts = Contacts.empty(n, 2, state.pose.shape[1])
-        contacts.which[:, BODY_A], contacts.which[:, BODY_B] = a, b
-        centre = motion.places(self.reference, self._to_reference(state.pose))
-        slots = Slots.empty(n, 2)
-        slots.kind[:], slots.normal[:] = VERTEX_B, outcome.normal
-        slots.arm_a[:], slots.arm_b[:] = (outcome.position - centre[i] for i in (a, b))
-        slot_rows(slots, contacts.rows)
+        theirs = self.theirs
+        contacts = Contacts.empty(len(outcome.body_a), theirs.dimension, theirs.n_dof)
+        contacts.which[:, BODY_A], contacts.which[:, BODY_B] = outcome.body_a, outcome.body_b
+        contacts.rows[:] = self._rows(outcome, self._their_pose(state))
         contacts.table[:, STIFF_N] = outcome.stiffness
         contacts.table[:, FRICTION] = self.friction
         with np.errstate(divide="ignore"):
             inverse = np.where(self.loads.mass > 0.0, 1.0 / self.loads.mass, 0.0)
-        natural_map(ContactProblem(contacts, outcome.gap, inverse), 2, h)
+        natural_map(ContactProblem(contacts, outcome.gap, inverse), theirs.dimension, h)
         return JudgedContacts.of_impulses(
             contacts, outcome.gap, outcome.velocity, outcome.reaction, h
         )
 
+    def _rows(self, outcome: Outcome, pose: Array) -> Array:
+        """Gradients of gaps and slips by the motions of both bodies; see `kernels.rows`."""
+        dim, n_dof = self.theirs.dimension, self.theirs.n_dof
+        along = np.concatenate((outcome.normal[:, None], tangents_of(outcome)), axis=1)
+        centre = motion.places(self.theirs.centroid, pose)
+        of_both = np.empty((len(along), dim, 2, n_dof))
+        for side, (body, sign) in enumerate(((outcome.body_a, -1.0), (outcome.body_b, 1.0))):
+            arm = outcome.position - centre[body]
+            for k in range(dim):
+                gradient = of_both[:, k, side]
+                motion.translations(gradient)[:] = sign * along[:, k]
+                moment = self._about_axes(motion.moments(arm, along[:, k]), pose, body)
+                motion.rotations(gradient)[:] = sign * moment
+        rows = of_both.reshape(len(along), dim, 2 * n_dof)
+        return np.concatenate((rows, rows[:, 1:]), axis=1)  # slip is measured by its own gradient
+
+    def _about_axes(self, moment: Array, pose: Array, body: NDArray[np.int64]) -> Array:
+        """Moments (k, 1 or 3) in the world about the axes of bodies (k,) in the poses."""
+        if moment.shape[1] == 1:
+            return moment
+        axes = [motion.turned(self.theirs.axes[body, :, i], pose[body]) for i in range(3)]
+        return np.stack([np.sum(axis * moment, axis=1) for axis in axes], axis=1)
+
     def _status(self, outcome: Outcome) -> NDArray[np.int64]:
         """Open, sticking or sliding, as far as the solver's tolerance tells them apart."""
-        normal, shear = outcome.reaction.T
-        status = np.where(np.abs(shear) >= (1.0 - 1e-3) * self.friction * normal, SLIDING, STICKING)
+        normal, shear = outcome.reaction[:, 0], np.linalg.norm(outcome.reaction[:, 1:], axis=1)
+        status = np.where(shear >= (1.0 - 1e-3) * self.friction * normal, SLIDING, STICKING)
         status[normal <= 0.0] = OPEN
         return status.astype(np.int64)
 
@@ -367,6 +370,7 @@ class Lmgc90Engine:
             area=outcome.stiffness / per_area,
             normal_reaction=outcome.reaction[:, 0],
             tangential_reaction=outcome.reaction[:, 1:],
+            tangent=outcome.tangent,
             status=self._status(outcome),
         )
 
@@ -376,40 +380,68 @@ class Lmgc90Engine:
             self._process.close()
             self._process = None
 
-    def _offset(self, pose: Array) -> Array:
-        """From our centroids to LMGC90's reference points in the given poses, (n, 2) [m]."""
-        return motion.turned(self.reference - self.problem.assembly.centroid, pose)
+    @property
+    def _small_area(self) -> float:
+        """Area [m2] that joints are taken to have where none is designed."""
+        assembly = self.problem.assembly
+        across = assembly.thickness if assembly.dimension == 2 else assembly.smallest_extent
+        return assembly.smallest_extent * across
 
-    def _to_reference(self, pose: Array) -> Array:
-        """Poses of our centroids as poses of LMGC90's reference points."""
-        moved = pose.copy()
-        motion.translations(moved)[:] += self._offset(pose) - self._offset(np.zeros_like(pose))
-        return moved
+    def _their_pose(self, state: Lmgc90State) -> Array:
+        """Poses of the blocks as LMGC90 has them."""
+        return self.theirs.rest_pose() if state.outcome is None else state.outcome.pose
 
-    def _from_reference(self, pose: Array) -> Array:
-        """The other way round."""
-        moved = pose.copy()
-        motion.translations(moved)[:] -= self._offset(pose) - self._offset(np.zeros_like(pose))
-        return moved
+    def _our_pose(self, theirs: Array) -> Array:
+        """Poses of our centroids, which the corners may have moved, from those of LMGC90's."""
+        pose = theirs.copy()
+        motion.translations(pose)[:] -= motion.turned(self.offset, theirs) - self.offset
+        return pose
 
-    def _about_reference(self, force: Array, pose: Array) -> Array:
-        """Forces at our centroids with their moments about LMGC90's reference points."""
+    def _loads(self, state: Lmgc90State) -> LoadArrays:
+        """Loads about the centroids and axes of the blocks as LMGC90 has them."""
+        if self.same:
+            return self.loads
+        dead, pattern = (
+            self._about_theirs(force, state.pose) for force in (self.loads.dead, self.loads.pattern)
+        )
+        return replace(self.loads, dead=dead, pattern=pattern)
+
+    def _about_theirs(self, force: Array, pose: Array) -> Array:
         shifted = force.copy()
-        shifted[:, 2] -= motion.moments(self._offset(pose), force)[:, 0]
+        arm, every = motion.turned(self.offset, pose), np.arange(len(force))
+        moment = motion.moments(arm, motion.translations(force))
+        own = motion.rotations(force)
+        if force.shape[1] == 6:
+            change = np.einsum("nki,nkj->nij", self.theirs.axes, self.problem.assembly.axes)
+            own = np.einsum("nij,nj->ni", change, own)
+        motion.rotations(shifted)[:] = own - self._about_axes(moment, pose, every)
         return shifted
+
+
+def tangents_of(outcome: Outcome) -> Array:
+    """Along which tangential reactions are counted, (n_contacts, dim - 1, dim)."""
+    normal = outcome.normal
+    if normal.shape[1] == 2:
+        return np.column_stack((normal[:, 1], -normal[:, 0]))[:, None]
+    return np.stack((outcome.tangent, np.cross(normal, outcome.tangent)), axis=1)
 
 
 def lower_first(outcome: Outcome) -> Outcome:
     """The same contacts with the block of the lower row as a, as our own detection has them.
 
-    Seen from the other block both normal and reaction change sign, so that the components stay.
+    Seen from the other block normal, first tangent and reaction change sign, so that the components
+    along these stay; that along the second tangent, their cross product, does not.
     """
     turned = outcome.body_a > outcome.body_b
+    reaction = outcome.reaction.copy()
+    reaction[turned, 2:] *= -1.0
     return replace(
         outcome,
         body_a=np.where(turned, outcome.body_b, outcome.body_a),
         body_b=np.where(turned, outcome.body_a, outcome.body_b),
         normal=np.where(turned[:, None], -outcome.normal, outcome.normal),
+        tangent=np.where(turned[:, None], -outcome.tangent, outcome.tangent),
+        reaction=reaction,
     )
 
 
@@ -419,6 +451,18 @@ def installed_driver() -> str:
         if importlib.util.find_spec(module) is not None:
             return driver
     raise EngineError(MISSING)
+
+
+def module_of(driver: str, dimension: int) -> str:
+    """What runs in LMGC90's process; the full LMGC90 leaves space to the wheel."""
+    if (driver, dimension) in MODULES:
+        return MODULES[driver, dimension]
+    if importlib.util.find_spec("compas_lmgc90") is None:
+        raise EngineError(
+            "the lmgc90 engine drives pylmgc90 in the plane only; models of three dimensions need "
+            "the wheel: pip install --no-deps compas-lmgc90 (Linux, Python 3.11)"
+        )
+    return MODULES["wheel", dimension]
 
 
 def check(assembly: Assembly) -> tuple[str, ...]:
@@ -453,10 +497,22 @@ def without_radius(assembly: Assembly) -> Assembly:
     """The same blocks with chamfers for rounded corners, their legs as long as the radius."""
     if not assembly.corner.radius:
         return assembly
-    return Assembly.build(
-        assembly.blocks,
-        joint=assembly.joint,
-        corner=Corner(chamfer=assembly.corner.radius),
-        thickness=assembly.thickness,
-        joint_between=assembly.joint_between,
-    )
+    return replace(assembly, corner=Corner(chamfer=assembly.corner.radius))
+
+
+def without_corners(assembly: Assembly) -> Assembly:
+    """Blocks of what chamfers leave, as heavy as the whole ones; the same where there are none."""
+    corner = assembly.corner
+    if not corner.chamfer:
+        return assembly
+    blocks = []
+    for block, figure, weight in zip(
+        assembly.blocks, assembly.figures, assembly.weight, strict=True
+    ):
+        core = corner.cores(figure)[0]
+        faces = core.faces if isinstance(core, SolidCore) else ()
+        volume = Figure.of(core.vertices, faces).volume * assembly.thickness
+        blocks.append(
+            replace(block, vertices=core.vertices, faces=faces, unit_weight=weight / volume)
+        )
+    return replace(assembly, blocks=tuple(blocks), corner=Corner())

@@ -1,8 +1,9 @@
 """What goes over the pipes: a setup once, then steps and what came of them.
 
-Everything is plane: `wheel` extrudes to polyhedra and adds up what it finds at front and back.
-Bodies are in the order of the assembly; the reference point of each is the centroid of its
-polygon, which is LMGC90's centre of inertia.
+Bodies are in the order of the assembly; the reference point of each is the centroid of its shape,
+which is LMGC90's centre of inertia.  Poses, motions and forces are those of `geometry.motion`, of
+these shapes: in space rotations and moments are about the axes in the setup, which turn with the
+body.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.geometry.solid import Part
+
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
@@ -21,10 +24,11 @@ IntArray = NDArray[np.int64]
 class Setup:
     """A simulation: bodies, supports, joints and solver settings."""
 
-    polygons: tuple[Array, ...]  # each (m, 2) m, counter-clockwise, corners taken off
+    shapes: tuple[Part, ...]  # of every body, m, corners taken off; in the plane no faces
+    axes: Array  # (n, dim, dim) that rotations are about in space, in columns
     density: Array  # (n,) kg/m3
     fixed: NDArray[np.bool_]  # (n,)
-    thickness: float  # m
+    thickness: float  # m; 1 in space
     friction: float  # -
     joints: Mapping[tuple[int, int], float]  # N/m of each designed joint, by bodies a < b
     spare_stiffness: float  # N/m of a joint between bodies that do not touch as designed
@@ -34,6 +38,7 @@ class Setup:
     sweeps_per_check: int
     max_sweeps: int
     time_step: float  # s, of the first step
+    upright: bool = False  # in space: bodies stay where they are along z, and turn about it alone
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +53,7 @@ class Step:
     """One step from the state that was accepted last."""
 
     accept: bool  # first make the outcome of the step before this one the accepted state
-    force: Array  # (n, 3) N, N m about the reference points, gravity included
+    force: Array  # (n, n_dof) N, N m about the reference points, gravity included
     time_step: float  # s
     stop_blocks: bool  # start from rest
 
@@ -59,13 +64,14 @@ class Outcome:
 
     converged: bool
     n_sweeps: int
-    pose: Array  # (n, 3) m, rad, displacements of the reference points and rotations
-    velocity: Array  # (n, 3) m/s, rad/s, at the end
-    contact_force: Array  # (n, 3) N, N m, of all contacts on each body, supports included
+    pose: Array  # (n, n_pose) m, rad
+    velocity: Array  # (n, n_dof) m/s, rad/s, at the end
+    contact_force: Array  # (n, n_dof) N, N m, of all contacts on each body, supports included
     body_a: IntArray  # (n_contacts,)
     body_b: IntArray  # (n_contacts,)
-    position: Array  # (n_contacts, 2) m
-    normal: Array  # (n_contacts, 2), from a to b
+    position: Array  # (n_contacts, dim) m
+    normal: Array  # (n_contacts, dim), from a to b
+    tangent: Array  # (n_contacts, 3) in space: the first one; (n_contacts, 0) in the plane
     gap: Array  # (n_contacts,) m, where the step started
-    reaction: Array  # (n_contacts, 2) N on b, normal and along the normal turned clockwise
+    reaction: Array  # (n_contacts, dim) N on b, normal and along the tangents of `ContactForces`
     stiffness: Array  # (n_contacts,) N/m

@@ -10,9 +10,12 @@ A step is made in two halves.  The first computes: contacts, reactions, velociti
 second, `Simulation._accept`, makes its end the start of the next.  A step that is not wanted is
 left at its first half, and the next one starts where it started.
 
-Blocks are kept in their plane by driven degrees of freedom, whose velocity is zero.  The contact
-law is ``ELASTIC_REPELL_CLB_adapt``, which is ``ELASTIC_REPELL_CLB`` with a stiffness of each
-point's own: a joint's stiffness is shared over the points that were found of it.
+LMGC90 counts rotations and moments about the axes of inertia that it finds itself, which turn with
+the body: from those of the setup they differ by a rotation that stays as it is.
+
+What is held has driven degrees of freedom, whose velocity is zero.  The contact law is
+``ELASTIC_REPELL_CLB_adapt``, which is ``ELASTIC_REPELL_CLB`` with a stiffness of each point's own:
+a joint's stiffness is shared over the points that were found of it.
 """
 
 from __future__ import annotations
@@ -25,10 +28,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from drystone.engines.lmgc90.messages import Outcome, Ready, Setup, Step
 from drystone.engines.lmgc90.process import RemoteError
-from drystone.engines.lmgc90.solid import extrude, same_place
+from drystone.geometry import solid
+from drystone.geometry.solid import Faces
 
 Array = NDArray[np.float64]
 
@@ -40,9 +45,6 @@ NORM = b"QM/16"
 POLYHEDRA = 18
 #: Degrees of freedom: three translations, three rotations in the frame of inertia.
 N_DOF = 6
-#: Depths of the prisms that are tried, over the thickness: where a block is as deep as it is long,
-#: its axes of inertia are undetermined and need not lie in the plane.
-DEPTHS = (1.0, 1.37, 0.73)
 
 RBDY3, PRPRX, NLGS = "__rbdy3_MOD_", "__prprx_MOD_", "__nlgs_3d_MOD_"
 OVERALL, HANDLER = "__overall_MOD_", "__inter_meca_handler_3d_MOD_"
@@ -139,76 +141,77 @@ def program() -> str:
         return PACKAGE
 
 
+class NoUprightAxisError(RemoteError):
+    """Bodies that are to stay upright have no axis of inertia that is."""
+
+    def __init__(self) -> None:
+        super().__init__("LMGC90 finds no axis of inertia across the plane of some block")
+
+
 class Simulation:
-    """The one simulation of this process."""
+    """The one simulation of this process: polyhedra."""
 
     def __init__(self, setup: Setup) -> None:
         from compas_lmgc90 import _lmgc90
 
         self.setup = setup
         self.library = Library()
-        self.n = len(setup.polygons)
+        self.n = len(setup.shapes)
         self.solver: Any = None
         self._new_solver = _lmgc90.LMGC90Solver
-        for depth in DEPTHS:
-            # Twice: the first time to learn which axis of each body is the normal of the plane.
-            _, frame = self._build(depth * setup.thickness, None)
-            self.axis = np.argmax(np.abs(frame[:, 2, :]), axis=1)
-            self.sign = np.take_along_axis(frame[:, 2, :], self.axis[:, None], axis=1)[:, 0]
-            if np.all(np.abs(self.sign) > 1.0 - 1e-9):
-                break
-        else:
-            raise RemoteError("LMGC90 finds no axis of inertia across the plane of some block")
-        self.depth = depth * setup.thickness
-        self.centre, self.frame = self._build(self.depth, self.axis)
-        self.size = min(float(np.ptp(polygon, axis=0).min()) for polygon in setup.polygons)
         self.velocity = np.zeros((self.n, N_DOF))
-        self.turn = np.zeros(self.n)  # rad, at the end of the last step
-        self.pending: tuple[Array, Array] | None = None
+        self.pending: Array | None = None
         self.first = True
+        free = np.zeros((self.n, N_DOF), np.bool_)
+        held = free | setup.fixed[:, None]
+        self.centre, self.frame = self._build(held)
+        if setup.upright:  # now it is known which axis of each body is the upright one
+            upright = self._upright_axes()
+            held = held | [False, False, True, True, True, True]
+            held[~setup.fixed, 3 + upright[~setup.fixed]] = False
+            self.centre, self.frame = self._build(held)
+        #: From LMGC90's axes to those of the setup.
+        self.change = np.einsum("nki,nkj->nij", setup.axes, self.frame)
         self._configure()
         self.ready = Ready(program=program())
 
-    def _build(self, depth: float, axis: NDArray[np.int64] | None) -> tuple[Array, Array]:
-        """Put the bodies together; gives their centres and frames.
+    def _upright_axes(self) -> NDArray[np.int64]:
+        """Which axis of inertia of each body is along z; raises `NoUprightAxisError`."""
+        along = np.abs(self.frame[:, 2, :])
+        if np.any(along.max(axis=1) <= 1.0 - 1e-9):
+            raise NoUprightAxisError
+        return np.argmax(along, axis=1)
 
-        ``axis`` says which rotation of each movable body is left free; None leaves it all free.
-        """
+    def _build(self, held: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """Put the bodies together, some degrees of freedom (n, 6) held; centres and frames."""
         setup = self.setup
         if self.solver is not None:
             self.solver.finalize()
         self.solver = solver = self._new_solver()
         solver.initialize(setup.time_step, setup.theta, False)
         solver.add_one_tact_behav(LAW_NAME, LAW, [setup.spare_stiffness, setup.friction])
-        density = setup.density * setup.thickness / depth
-        distinct, kind = np.unique(density, return_inverse=True)
+        distinct, kind = np.unique(setup.density, return_inverse=True)
         solver.set_materials(distinct)
         solver.set_see_tables(setup.reach)
         solver.set_nb_bodies(self.n)
-        wanted = np.zeros((self.n, 2))
-        for i, polygon in enumerate(setup.polygons):
-            wanted[i] = _centroid(polygon)
-            vertices, faces = extrude(polygon - wanted[i], depth)
-            if setup.fixed[i]:
-                held = list(range(1, N_DOF + 1))
-            elif axis is None:
-                held = []
-            else:
-                held = [3, *(4 + k for k in range(3) if k != axis[i])]
+        wanted = np.zeros((self.n, 3))
+        for i, shape in enumerate(setup.shapes):
+            wanted[i] = solid.mass_properties(shape.vertices, shape.faces).centroid
+            driven = np.flatnonzero(held[i]).tolist()
             solver.set_one_polyr(
                 f"s{kind.ravel()[i] + 1:04d}",
-                [*wanted[i].tolist(), 0.0],
-                (faces + 1).ravel().tolist(),
-                vertices.ravel().tolist(),
-                len(held),
+                wanted[i].tolist(),
+                (triangles(shape.faces) + 1).ravel().tolist(),
+                (shape.vertices - wanted[i]).ravel().tolist(),
+                len(driven),
                 0,
             )
-            for dof in held:
-                solver.set_drvdof(i + 1, dof, [0.0] * N_DOF, True, False)
+            for dof in driven:
+                solver.set_drvdof(i + 1, dof + 1, [0.0] * N_DOF, True, False)
         solver.close_before_computing()
         solver.get_initial_state()
         centre, frame = self.library.bodies(self.n)
-        if np.abs(centre[:, :2] - wanted).max() > 1e-6:
+        if np.abs(centre - wanted).max() > 1e-6:
             raise RemoteError("LMGC90 does not have its bodies where they were put")
         return centre, frame
 
@@ -245,9 +248,7 @@ class Simulation:
         library.call(OVERALL + "time_increment")
         library.call(RBDY3 + "increment_rbdy3")
         library.call(RBDY3 + "comp_fext_rbdy3")
-        force = np.zeros((self.n, N_DOF))
-        force[:, :2] = request.force[:, :2]
-        force[np.arange(self.n), 3 + self.axis] = self.sign * request.force[:, 2]
+        force = about_axes(request.force, self.change.transpose(0, 2, 1))
         for i in np.flatnonzero(~self.setup.fixed).tolist():
             library.vector("put", "Fext_", i, force[i])  # is added to what is there
         library.call(RBDY3 + "comp_fint_rbdy3")
@@ -320,35 +321,27 @@ class Simulation:
         n_sweeps: int,
         converged: bool,
     ) -> Outcome:
-        n, every = self.n, np.arange(self.n)
+        n = self.n
         velocity, reaction = np.zeros((n, N_DOF)), np.zeros((n, N_DOF))
         for i in range(n):
             self.library.vector("get", "V____", i, velocity[i])
             self.library.vector("get", "Reac_", i, reaction[i])
+        self.pending = velocity
         centre, frame = self.library.bodies(n)
-        cosine = np.einsum("ik,ik->i", frame[:, 0, :], self.frame[:, 0, :])
-        sine = np.einsum("ik,ik->i", frame[:, 1, :], self.frame[:, 0, :])
-        angle = np.arctan2(sine, cosine)
-        turn = self.turn + np.remainder(angle - self.turn + np.pi, 2.0 * np.pi) - np.pi
-        self.pending = velocity, turn
-
-        def plane(values: Array) -> Array:
-            across = self.sign * values[every, 3 + self.axis]
-            return np.column_stack((values[:, :2], across))
-
+        turn = np.einsum("nik,njk->nij", frame, self.frame)
         return Outcome(
             converged=converged and bool(np.all(np.isfinite(velocity))),
             n_sweeps=n_sweeps,
-            pose=np.column_stack(((centre - self.centre)[:, :2], turn)),
-            velocity=plane(velocity),
-            contact_force=plane(reaction),
+            pose=np.hstack((centre - self.centre, quaternions(turn))),
+            velocity=about_axes(velocity, self.change),
+            contact_force=about_axes(reaction, self.change),
             **self._contacts(h, stiffness, bodies),
         )
 
     def _contacts(
         self, h: float, stiffness: Array, bodies: NDArray[np.int64]
     ) -> dict[str, NDArray[Any]]:
-        """Points of the plane: those at front and back added up."""
+        """Points, reactions and gaps of the contacts."""
         n = len(stiffness)
         frame, local, gap = np.zeros((n, 12)), np.zeros((n, 3)), np.zeros(n)
         parts = [ctypes.c_double() for _ in range(3)]
@@ -366,34 +359,19 @@ class Simulation:
                 kind, number, ctypes.byref(parts[0]), ctypes.byref(before),
             )  # fmt: skip
             gap[k] = before.value
-        # Impulses along tangent, normal (from a to b) and second tangent make a force on b.
-        force = np.einsum("kj,kji->ki", local, frame[:, 3:].reshape(n, 3, 3))[:, :2] / h
+        # Impulses along tangent, normal (from a to b) and second tangent, which is its own sign.
+        tangent, normal, second = frame[:, 3:].reshape(n, 3, 3).transpose(1, 0, 2)
+        sign = np.sign(np.sum(np.cross(normal, tangent) * second, axis=1))
         body_b, body_a = bodies.T
-        point = same_place(body_a, body_b, frame[:, :2], 0.02 * self.size)
-        count = np.bincount(point)[:, None].astype(float)
-
-        def total(values: Array) -> Array:
-            sums = np.zeros((len(count), *values.shape[1:]))
-            np.add.at(sums, point, values)
-            return sums
-
-        normal = total(frame[:, 6:8])
-        normal /= np.linalg.norm(normal, axis=1)[:, None]
-        force = total(force)
-        one = np.unique(point, return_index=True)[1]
         return {
-            "body_a": body_a[one],
-            "body_b": body_b[one],
-            "position": total(frame[:, :2]) / count,
+            "body_a": body_a,
+            "body_b": body_b,
+            "position": frame[:, :3],
             "normal": normal,
-            "gap": total(gap) / count[:, 0],
-            "reaction": np.column_stack(
-                (
-                    np.sum(force * normal, axis=1),
-                    force[:, 0] * normal[:, 1] - force[:, 1] * normal[:, 0],
-                )
-            ),
-            "stiffness": total(stiffness),
+            "tangent": tangent,
+            "gap": gap,
+            "reaction": np.column_stack((local[:, 1], local[:, 0], sign * local[:, 2])) / h,
+            "stiffness": stiffness,
         }
 
     def _accept(self) -> None:
@@ -403,14 +381,21 @@ class Simulation:
         library.call(HANDLER + "stock_rloc", _integer(POLYHEDRA))
         library.call(OVERALL + "updt_time_begin")
         library.call(RBDY3 + "update_dof_rbdy3")
-        self.velocity, self.turn = self.pending
-        self.pending = None
+        self.velocity, self.pending = self.pending, None
 
 
-def _centroid(polygon: Array) -> Array:
-    """Centroid (2,) [m] of a polygon (m, 2)."""
-    origin = polygon[0]
-    p = polygon - origin
-    q = np.roll(p, -1, axis=0)
-    cross = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
-    return origin + ((p + q) * cross[:, None]).sum(axis=0) / (3.0 * cross.sum())
+def triangles(faces: Faces) -> NDArray[np.int64]:
+    """Convex faces as triangles, (k, 3)."""
+    return np.array([(f[0], *f[i : i + 2]) for f in faces for i in range(1, len(f) - 1)], np.int64)
+
+
+def quaternions(matrices: Array) -> Array:
+    """Unit quaternions (w, x, y, z) of rotations (n, 3, 3)."""
+    return np.asarray(Rotation.from_matrix(matrices).as_quat()[:, [3, 0, 1, 2]])
+
+
+def about_axes(values: Array, change: Array) -> Array:
+    """Motions or forces (n, 6) with their rotations or moments about other axes."""
+    turned = values.copy()
+    turned[:, 3:] = np.einsum("nij,nj->ni", change, values[:, 3:])
+    return turned
