@@ -10,8 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import fake_pylmgc90
+import solids
 from builders import PUBLISHED_JOINT, RockingBlock, problem_of, rectangle, stack, turned
 from drystone.analysis import pushover
 from drystone.assembly import Block, Corner, JointLaw
@@ -217,6 +219,49 @@ def test_the_bias_of_the_published_strategy_on_wall_1():
     for displacement, multiplier in static.items():
         ratio = curve.load_multiplier[curve.nearest(displacement)] / multiplier
         assert ratio == pytest.approx(1.0 / (1.0 - 0.05 / 1.05 / 0.173), rel=0.05)
+
+
+@needs_lmgc90
+@pytest.mark.parametrize("angle", [0.0, 30.0])
+def test_a_block_in_space_turns_over_its_edge(angle):
+    """b x d x h on its face, pushed at an angle to b: min(mu, b / h cos, d / h sin)."""
+    b, d, h, friction = 0.4, 0.6, 1.5, 0.7
+    model = solids.one_block(b, d, h, friction=friction, stiffness=1e9, angle=angle)
+    curve = pushover(model, engine="lmgc90", stop_multiplier=0.25)
+    along, across = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    peak = min(friction, b / (h * along), d / (h * max(across, 1e-9)))
+    # The edge closes its joint by W / k_n A times two, 3e-5 m: 1e-4 of b; 2.6e-4 were measured.
+    assert curve.peak.load_multiplier == pytest.approx(peak, rel=1e-3)
+    assert curve.column("penetration").max() < 5e-5
+
+
+@needs_lmgc90
+def test_motions_and_forces_in_space_balance():
+    """LMGC90 counts rotations about axes of its own: a block that stands askew, pushed askew."""
+    model = solids.turned(
+        solids.one_block(0.4, 0.6, 1.5, stiffness=1e9, angle=20.0),
+        Rotation.from_rotvec([0.3, -0.5, 0.4]),
+    )
+    engine, problem = make_engine("lmgc90"), problem_of(model)
+    state, _ = engine.start(problem)
+    before = state.pose
+    state, report = engine.step(state, Demand(multiplier=0.3, time_step=0.05))
+    contacts, outcome = engine.contacts(state), state.outcome
+    engine.close()
+    assembly = model.assembly
+    weight = assembly.weight[1]
+    assert report.converged and report.residual < 1e-2
+    # Reactions as vectors, and their moments about the centroid, are LMGC90's sums.
+    force, centre = contacts.vectors(), assembly.centroid[1] + before[1, :3]
+    np.testing.assert_allclose(force.sum(axis=0), outcome.contact_force[1, :3], atol=1e-9 * weight)
+    moment = np.cross(contacts.position - centre, force).sum(axis=0)
+    axes = Rotation.from_quat(before[1, [4, 5, 6, 3]]).as_matrix() @ assembly.axes[1]
+    # Its frames are orthonormal to some 1e-8.
+    np.testing.assert_allclose(axes.T @ moment, outcome.contact_force[1, 3:], atol=1e-7 * weight)
+    # Poses are those of the velocities; LMGC90's rotation of a step is of second order.
+    reached = assembly.moved(before, 0.05 * state.velocity)
+    np.testing.assert_allclose(state.pose, reached, atol=1e-6)
+    assert np.abs(state.pose[1] - before[1]).max() > 1e-5
 
 
 # Without LMGC90
