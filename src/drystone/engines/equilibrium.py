@@ -112,6 +112,11 @@ class EquilibriumEngine:
         """Settle under the dead load; raises `UnstableError`."""
         self.problem = problem
         assembly = problem.assembly
+        if assembly.dimension == 3:
+            raise EngineError(
+                "the equilibrium engine is of the plane so far: take the nscd or the distinct "
+                'engine for solids ([analysis] engine = "nscd", or --engine nscd)'
+            )
         self.detector = Detector(assembly)
         try:
             laws = law_table(assembly)
