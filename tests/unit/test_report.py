@@ -17,8 +17,9 @@ from drystone.limit.beside import Beside
 from drystone.report import canvas, draw_benchmark_wall, draw_curve, draw_mechanism
 from drystone.report.curve_figure import plot_curves
 from drystone.report.joints import Joints
-from drystone.report.mechanism_figure import Mechanism, plot_mechanism, readable_magnification
-from drystone.report.outlines import MovingOutlines, moving_blocks
+from drystone.report.mechanism import Mechanism, readable_magnification
+from drystone.report.mechanism_figure import plot_mechanism
+from drystone.report.shapes import MovingShapes, moving_blocks
 
 
 def mechanism(model, control_displacement):
@@ -42,7 +43,7 @@ def is_picture(path: Path) -> bool:
 def test_outlines_move_like_the_assembly():
     model = synthetic.wall_model()
     pose = synthetic.pose_at(model, 0.2)
-    outlines = MovingOutlines.of(model.assembly)
+    outlines = MovingShapes.of(model.assembly)
     for i, outline in enumerate(outlines.split(outlines.moved(pose))):
         # The same rotation and sum, rounded in another order: some units in the last place.
         np.testing.assert_allclose(outline, model.assembly.outline(i, pose), rtol=0, atol=1e-14)
@@ -50,7 +51,7 @@ def test_outlines_move_like_the_assembly():
 
 def test_moving_blocks_are_those_of_the_mechanism():
     model = synthetic.wall_model()
-    displacement = MovingOutlines.of(model.assembly).displacement(synthetic.pose_at(model, 0.2))
+    displacement = MovingShapes.of(model.assembly).displacement(synthetic.pose_at(model, 0.2))
     moving = moving_blocks(displacement, model.assembly.fixed)
     # Base and first course, four bodies, stay; three blocks in each of three courses go.
     assert moving.tolist() == [False] * 4 + [True] * 9
@@ -58,7 +59,7 @@ def test_moving_blocks_are_those_of_the_mechanism():
 
 def test_nothing_moves_at_rest():
     model = synthetic.wall_model()
-    displacement = MovingOutlines.of(model.assembly).displacement(model.assembly.rest_pose())
+    displacement = MovingShapes.of(model.assembly).displacement(model.assembly.rest_pose())
     assert not moving_blocks(displacement, model.assembly.fixed).any()
 
 
@@ -70,7 +71,7 @@ def test_blocks_that_only_settled_do_not_move():
     pose = sunk.copy()
     row = model.assembly.n_bodies - 1
     pose[row, 0] += 1e-3
-    outlines = MovingOutlines.of(model.assembly)
+    outlines = MovingShapes.of(model.assembly)
     moving = moving_blocks(outlines.displacement(pose, sunk), model.assembly.fixed)
     assert np.flatnonzero(moving).tolist() == [row]
     joints = Joints.of(model.assembly)

@@ -16,7 +16,7 @@ from drystone.export.folder import locked, whole_file
 from drystone.export.summary import package_version, write_summary
 from drystone.report import draw_benchmark_wall
 from drystone.report.curve_figure import Reference
-from drystone.report.mechanism_figure import Mechanism
+from drystone.report.mechanism import Mechanism
 
 
 def write_benchmark(result: Benchmark, folder: Path, *, reference: Path | None = None) -> None:

@@ -27,7 +27,7 @@ from drystone.export.summary import plain, summarise, write_summary
 from drystone.limit.beside import Beside
 from drystone.model import Model
 from drystone.report import Mechanism, canvas, draw_curve, draw_mechanism
-from drystone.report.mechanism_figure import readable_magnification
+from drystone.report.mechanism import readable_magnification
 
 Array = NDArray[np.float64]
 

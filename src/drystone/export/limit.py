@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from drystone.export.folder import check_apart, locked
 from drystone.export.summary import package_version, plain, write_summary
+from drystone.geometry.motion import rotations
 from drystone.limit import FLOWS, Collapse
 from drystone.model import Model
 from drystone.report import Mechanism, canvas, draw_mechanism
-from drystone.report.outlines import MovingOutlines
+from drystone.report.shapes import MovingShapes
 
 Array = NDArray[np.float64]
 
@@ -76,7 +77,7 @@ def _write(results: Sequence[Collapse], model: Model, folder: Path) -> None:
         "model_sha256": model.sha256,
     }
     write_summary(summary, folder / LIMIT)
-    size = MovingOutlines.of(model.assembly).size()
+    size = MovingShapes.of(model.assembly).size()
     last = None
     for result in results:
         if not np.any(result.velocities):
@@ -97,7 +98,7 @@ def _write(results: Sequence[Collapse], model: Model, folder: Path) -> None:
 
 def _drawn(velocities: Array, size: float) -> Array:
     """Velocities, the fastest of which is one, as far as they are drawn, (n, n_dof) [m, rad]."""
-    fastest_turn = float(np.abs(velocities[:, 2]).max())
+    fastest_turn = float(np.linalg.norm(rotations(velocities), axis=1).max())
     return min(DRAWN * size, TURNED / max(fastest_turn, TURNED / size)) * velocities
 
 

@@ -8,7 +8,8 @@ from typing import Any
 
 from drystone.report import canvas
 from drystone.report.curve_figure import Labelled, Reference, plot_curves
-from drystone.report.mechanism_figure import Mechanism, plot_mechanism
+from drystone.report.mechanism import Mechanism
+from drystone.report.mechanism_figure import plot_mechanism
 
 
 def draw_benchmark_wall(

@@ -12,6 +12,7 @@ from drystone.contact.forces import ContactForces
 from drystone.curve import CapacityCurve
 from drystone.model import Model
 from drystone.report import curve_figure, mechanism_figure
+from drystone.report.mechanism import Mechanism, readable_magnification
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -71,13 +72,13 @@ def plot_mechanism(
     model
         What was analysed.
     pose
-        Of one point, (n, n_dof) [m, rad], as in ``curve.poses[k]``.
+        Of one point, (n, n_pose), as in ``curve.poses[k]``.
     ax
         Axes to draw on; those of a new figure by default.
     settled
         Where the load began, as in ``curve.poses[0]``: what moves has moved since.
     contacts
-        Of the same point, as in ``curve.contacts[k]``: those under load are drawn.
+        Of the same point, as in ``curve.contacts[k]``: those under load are drawn, in the plane.
     magnification
         Of the displacements; by default 1, or what makes small ones visible.
     """
@@ -89,11 +90,11 @@ def plot_mechanism(
             "take one of the curve's, as in curve.poses[-1]"
         )
     if magnification is None:
-        magnification = mechanism_figure.readable_magnification(model.assembly, pose, settled)
+        magnification = readable_magnification(model.assembly, pose, settled)
     ax = _axes(ax, (7.0, 6.0))
     mechanism_figure.plot_mechanism(
         ax,
-        mechanism_figure.Mechanism(
+        Mechanism(
             assembly=model.assembly,
             pose=pose,
             settled=settled,
