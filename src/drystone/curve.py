@@ -145,7 +145,7 @@ class CapacityCurve:
     blocks_left: tuple[BlockLeft, ...] = ()  # in the order in which they went
     settlement: float = 0.0  # m, of the control point under the structure's own weight alone
     compile_time: float = 0.0  # s, of kernels that were needed for the first time on this machine
-    poses: Array | None = None  # (n_points, n, n_dof) m, rad; None where they were not kept
+    poses: Array | None = None  # (n_points, n, n_pose), as in `motion`; None where not kept
     contacts: Sequence[ContactForces] | None = None  # likewise
 
     def column(self, name: str) -> NDArray[Any]:

@@ -4,11 +4,20 @@
 
     /                       attributes: title, engine, status, reason, model (its text), ...
     /curve/<column>         (n_points,) every field of `CurvePoint`
-    /poses                  (n_points, n, n_dof) m, m, rad
+    /poses                  (n_points, n, n_pose) m, m, rad; in space m, m, m, unit quaternion
     /contacts/offset        (n_points + 1,) rows of the contacts of point k: offset[k]:offset[k + 1]
     /contacts/<field>       every field of `ContactForces`, all points one after the other
-    /blocks/id, offset, vertices, centroid, weight, support
+    /blocks/id, centroid, weight, support
+    /blocks/vertices, offset, body      shape s, of block body[s], has vertices from offset[s] on
+    /blocks/rows, face_offset, part_faces, axes     of space only, see below
     /blocks_left/<field>    every field of `BlockLeft`, once the analysis has ended
+
+Shapes are outlines in the plane, one to a block, so that ``body`` is left out, but for those given
+in parts.  In space they are the convex parts of the blocks: face f is made of the vertices
+``rows[face_offset[f]:face_offset[f + 1]]``, counter-clockwise from outside, and shape s of the
+faces from ``part_faces[s]`` to ``part_faces[s + 1]``; ``axes`` are the principal ones as designed,
+in columns.  Poses are about the centroids, see `geometry.motion`; of contacts in space ``tangent``
+is the first of two directions of ``tangential_reaction``, the second is normal x tangent.
 
 Points are gathered in memory and written about once a second: what is on the disk is a readable
 file at every moment but those of a write, so that a process that is killed or a disk that is full
@@ -18,7 +27,7 @@ leaves the points of up to a second ago.  The file is not locked: it can be read
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any, Self
@@ -27,6 +36,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.assembly import Assembly
 from drystone.contact.forces import ContactForces
 from drystone.curve import BlockLeft, CapacityCurve, CurvePoint
 from drystone.export.diskfile import DiskFile
@@ -35,7 +45,7 @@ from drystone.export.summary import package_version
 from drystone.model import Model
 from drystone.modelfile import model_to_dict
 from drystone.modelfile.write import to_toml
-from drystone.report.outlines import MovingOutlines
+from drystone.report.shapes import MovingShapes
 
 Array = NDArray[np.float64]
 
@@ -64,6 +74,7 @@ UNITS = {
     "centroid": "m",
     "weight": "N",
 }
+POSE_UNITS = {2: "m, m, rad", 3: "m, m, m, 1, 1, 1, 1"}
 STORED_AS = {"block_a": "i4", "block_b": "i4", "status": "i1"}
 LEFT_TYPES = {"block": h5py.string_dtype(), "step": "i8", "control_displacement": "f8"}
 CONTACT_FIELDS = tuple(f.name for f in fields(ContactForces))
@@ -197,11 +208,9 @@ class ResultsWriter:
     def _lay_out(self, model: Model) -> None:
         assembly = model.assembly
         blocks = self._file.create_group("blocks")
-        outlines = MovingOutlines.of(assembly)
         blocks["id"] = np.array([text_of(name) for name in assembly.ids], dtype=h5py.string_dtype())
         for name, values in (
-            ("offset", outlines.offset),
-            ("vertices", outlines.vertices),
+            *_shapes(assembly),
             ("centroid", assembly.centroid),
             ("weight", assembly.weight),
             ("support", assembly.fixed),
@@ -213,10 +222,10 @@ class ResultsWriter:
         curve = self._file.create_group("curve")
         for name, kind in COLUMN_TYPES.items():
             self._growing(curve, name, (), kind, rows=512)
-        shape = (assembly.n_bodies, assembly.n_dof)
+        shape = assembly.rest_pose().shape
         rows = int(np.clip(1_000_000 // (8 * shape[0] * shape[1]), 1, 64))
         self._growing(self._file, "poses", shape, np.dtype("f8"), rows=rows)
-        self._file["poses"].attrs["unit"] = "m, m, rad" if assembly.dimension == 2 else "m, rad"
+        self._file["poses"].attrs["unit"] = POSE_UNITS[assembly.dimension]
 
         contacts = self._file.create_group("contacts")
         widths = {"position": assembly.dimension, "normal": assembly.dimension}
@@ -249,6 +258,21 @@ class ResultsWriter:
         )
         if name in UNITS:
             dataset.attrs["unit"] = UNITS[name]
+
+
+def _shapes(assembly: Assembly) -> Iterator[tuple[str, NDArray[Any]]]:
+    """Arrays of the blocks' shapes by their names in the file."""
+    shapes = MovingShapes.of(assembly)
+    yield "offset", shapes.offset
+    yield "vertices", shapes.vertices
+    if assembly.dimension == 3:
+        solids = assembly.polyhedra
+        yield "rows", solids.rows
+        yield "face_offset", solids.face_offset
+        yield "part_faces", solids.part_faces
+        yield "axes", assembly.axes
+    if assembly.dimension == 3 or len(shapes.body) != assembly.n_bodies:
+        yield "body", shapes.body
 
 
 class ResultsReader:
@@ -296,11 +320,11 @@ class ResultsReader:
         )
 
     def poses(self) -> Array:
-        """Poses of the blocks at all points, (n_points, n, n_dof) [m, rad]."""
+        """Poses of the blocks at all points, (n_points, n, n_pose)."""
         return np.asarray(self._file["poses"][: self.n_points])
 
     def pose(self, k: int) -> Array:
-        """Poses of the blocks at point ``k``, (n, n_dof) [m, rad]."""
+        """Poses of the blocks at point ``k``, (n, n_pose)."""
         return np.asarray(self._file["poses"][k])
 
     def contacts(self, k: int) -> ContactForces:

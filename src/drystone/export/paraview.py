@@ -15,7 +15,8 @@ from drystone.assembly import Assembly
 from drystone.contact.forces import ContactForces
 from drystone.curve import CurvePoint
 from drystone.export import vtu
-from drystone.report.outlines import MovingOutlines, moving_blocks
+from drystone.geometry import motion
+from drystone.report.shapes import MovingShapes, moving_blocks
 
 Array = NDArray[np.float64]
 
@@ -96,41 +97,47 @@ def remove_series(folder: Path) -> None:
 class BlockFrames:
     """Writes the blocks of one assembly; what never changes is encoded once.
 
+    A cell is an outline in the plane, a convex part in space; ``block`` says of which block.
     Displacements are from the designed places; blocks that move are those that have moved since
-    the poses ``settled``, (n, n_dof).
+    the poses ``settled``, (n, n_pose).
     """
 
     def __init__(self, assembly: Assembly, settled: Array | None = None) -> None:
-        self._outlines = MovingOutlines.of(assembly)
+        self._shapes = shapes = MovingShapes.of(assembly)
         self._settled = settled
         self._fixed = assembly.fixed
-        n_vertices = len(self._outlines.vertices)
-        self._cells = vtu.cells(np.arange(n_vertices), self._outlines.offset[1:], vtu.POLYGON)
+        if assembly.dimension == 3:
+            solids = assembly.polyhedra
+            faces = (solids.rows, solids.face_offset, solids.part_faces)
+            self._cells = vtu.polyhedra(solids.offset, *faces)
+        else:
+            rows = np.arange(len(shapes.vertices))
+            self._cells = vtu.cells(rows, shapes.offset[1:], vtu.POLYGON)
         self._constant = [
-            vtu.data_array("block", np.arange(assembly.n_bodies)),
-            vtu.data_array("is_support", assembly.fixed.astype(np.uint8)),
-            vtu.data_array("weight", assembly.weight),
+            vtu.data_array("block", shapes.body),
+            vtu.data_array("is_support", assembly.fixed.astype(np.uint8)[shapes.body]),
+            vtu.data_array("weight", assembly.weight[shapes.body]),
         ]
 
     def write(self, path: Path, pose: Array, field_data: Iterable[str] = ()) -> None:
-        """One grid: moved outlines as polygons, with displacement [m] and rotation [rad]."""
-        points = self._outlines.moved(pose)
-        moving = moving_blocks(self._outlines.displacement(pose, self._settled), self._fixed)
+        """One grid: moved shapes, with displacement of the centroids [m] and rotation [rad], in
+        space a vector."""
+        shapes = self._shapes
+        points = shapes.moved(pose)
+        moving = moving_blocks(shapes.displacement(pose, self._settled), self._fixed)
+        away = points - shapes.vertices
+        displacement = motion.translations(pose)[shapes.body]
         vtu.write_vtu(
             path,
             points=points,
-            n_cells=len(pose),
+            n_cells=len(shapes.body),
             cells=self._cells,
-            point_data=[
-                vtu.data_array(
-                    "vertex_displacement", vtu.in_space(points - self._outlines.vertices)
-                )
-            ],
+            point_data=[vtu.data_array("vertex_displacement", vtu.in_space(away))],
             cell_data=[
                 *self._constant,
-                vtu.data_array("displacement", vtu.in_space(pose[:, :2])),
-                vtu.data_array("rotation", pose[:, 2]),
-                vtu.data_array("moving", moving.astype(np.uint8)),
+                vtu.data_array("displacement", vtu.in_space(displacement)),
+                vtu.data_array("rotation", motion.turns(pose)[shapes.body]),
+                vtu.data_array("moving", moving.astype(np.uint8)[shapes.body]),
             ],
             field_data=field_data,
         )

@@ -80,7 +80,7 @@ class Results:
 
     @property
     def poses(self) -> Array:
-        """Poses of the blocks at every point, (n_points, n, n_dof) [m, rad]."""
+        """Poses of the blocks at every point, (n_points, n, n_pose), see `geometry.motion`."""
         assert self.curve.poses is not None
         return self.curve.poses
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 #: Cell types of VTK.
-VERTEX, POLYGON = 1, 7
+VERTEX, POLYGON, POLYHEDRON = 1, 7, 42
 #: Bytes compressed at a time.
 PIECE = 1 << 20
 
@@ -64,6 +64,36 @@ def cells(connectivity: NDArray[np.int64], offsets: NDArray[np.int64], kind: int
         data_array("connectivity", connectivity)
         + data_array("offsets", offsets)
         + data_array("types", np.full(len(offsets), kind, dtype=np.uint8))
+    )
+
+
+def polyhedra(
+    offset: NDArray[np.int64],
+    rows: NDArray[np.int64],
+    face_offset: NDArray[np.int64],
+    part_faces: NDArray[np.int64],
+) -> str:
+    """Cells that are polyhedra, packed as in `geometry.polyhedra.Polyhedra`.
+
+    VTK's stream of faces has for each cell the number of its faces, and for each of these the
+    number of its vertices before them.
+    """
+    n_faces, n_cells = len(face_offset) - 1, len(part_faces) - 1
+    counts = np.diff(face_offset)
+    cell = np.repeat(np.arange(n_cells), np.diff(part_faces))
+    # Before face f stand its own count, those of the faces before it, and those of the cells.
+    place = face_offset[:-1] + np.arange(n_faces) + cell + 1
+    stream = np.empty(len(rows) + n_faces + n_cells, np.int64)
+    stream[place] = counts
+    first = part_faces[:-1]
+    stream[first + face_offset[first] + np.arange(n_cells)] = np.diff(part_faces)
+    face = np.repeat(np.arange(n_faces), counts)
+    stream[place[face] + 1 + np.arange(len(rows)) - face_offset[face]] = rows
+    ends = part_faces[1:] + face_offset[part_faces[1:]] + np.arange(1, n_cells + 1)
+    return (
+        cells(np.arange(offset[-1]), offset[1:], POLYHEDRON)
+        + data_array("faces", stream)
+        + data_array("faceoffsets", ends)
     )
 
 

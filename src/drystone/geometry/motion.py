@@ -46,6 +46,12 @@ def rotations(field: Array) -> Array:
     return field[..., 2 if field.shape[-1] == 3 else 3 :]
 
 
+def turns(pose: Array) -> Array:
+    """By how much bodies have turned: angles (n,) [rad] in the plane, rotation vectors (n, 3) [rad]
+    about axes of the world in space, the shorter way round."""
+    return pose[:, 2] if pose.shape[1] == 3 else _vector(pose[:, 3:])
+
+
 def moved(pose: Array, increment: Array, axes: Array) -> Array:
     """Poses (n, n_pose) after increments (n, n_dof).
 
