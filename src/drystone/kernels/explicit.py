@@ -373,9 +373,8 @@ def cycle(dof, contacts, n_contacts, motion, loads, origin, drive, n_cycles, met
             )
         else:
             friction_work = act_in_space(
-                contacts, n_contacts, motion, loads, drive.dt, drive.bonds_hold,
-                drive.gyroscopic, friction_work,
-            )  # fmt: skip
+                contacts, n_contacts, motion, loads, drive.dt, drive.bonds_hold, friction_work
+            )
         if guided:
             driven = 0.0
             for i in range(n):

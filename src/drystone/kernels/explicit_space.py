@@ -11,16 +11,17 @@ which is as precise as the displacements.  The shear is kept along the two tange
 which turn with it, and grows with the velocity of o over e where they touch.  Forces act there on
 both bodies, so that they balance in force and in moment.
 
-Rotations go by the principal axes of the bodies.  With w the rotational velocity half a step behind
-the pose, I the moments of inertia, and exp(v) the rotation by the vector v, a body that is free
-keeps its angular momentum to rounding as
+Rotations go by the principal axes of the bodies.  The rotational velocity w that is kept is that of
+the angular momentum half a step behind the pose, l = I w, along the axes where they are now; I are
+the moments of inertia, M those of the forces, exp(v) the rotation by a vector v:
 
-    l = exp(-w dt / 2) I w             along its axes where it is
-    l <- l + dt M                      by the moments, as for any other velocity
-    exp(w dt / 2) I w = l              which gives the w that takes it on
+    l <- l + dt M                       as any other velocity
+    exp(s dt / 2) I s = l               gives the s that takes the body on, by exp(s dt)
+    l <- exp(-s dt) l                   is the same vector along the axes after that
 
-This is of second order, and the same backwards in time: the energy does not drift.  Without
-moments of inertia of its own (scaled masses, whose motion means nothing) l is I w.
+A free body hence keeps its angular momentum to rounding, and its energy to second order without
+drift: all goes the same way backwards.  Where masses are scaled, motion means nothing, and w takes
+the body on as it is.
 """
 
 from __future__ import annotations
@@ -67,7 +68,7 @@ from drystone.kernels.law import (
     drag_along,
     opens,
 )  # fmt: skip
-from drystone.kernels.rotation import QUATERNION, spin, turn_by
+from drystone.kernels.rotation import QUATERNION, spin, turned
 
 Array = NDArray[np.float64]
 
@@ -200,9 +201,9 @@ def _place(pose, i, added, axes, designed):
 
 # Long: one pass over a contact's geometry, law and forces, without what calls would cost.
 @njit(cache=True)
-def act_in_space(contacts, n_contacts, motion, loads, dt, bonds_hold, gyroscopic, friction_work):
-    """Add the contacts' forces on the bodies, with their law, and bring the rotational velocities
-    to where the poses are; returns the friction's work [J], which is added to what it was."""
+def act_in_space(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
+    """Add the contacts' forces on the bodies, with their law; returns the friction's work [J],
+    which is added to what it was."""
     edge, other, shape, law = contacts.edge, contacts.other, contacts.shape, contacts.law
     history, reaction, status = contacts.history, contacts.reaction, contacts.status
     pose, velocity, force, centroid = motion.pose, motion.velocity, motion.force, loads.centroid
@@ -297,11 +298,6 @@ def act_in_space(contacts, n_contacts, motion, loads, dt, bonds_hold, gyroscopic
         moment[e, 1] -= ez * fx - ex * fz
         moment[e, 2] -= ex * fy - ey * fx
     _about_axes(moment, axes, force)
-    if gyroscopic:
-        inverse_mass = loads.inverse_mass
-        for i in range(velocity.shape[0]):
-            if inverse_mass[i, 0] != 0.0:
-                _bring(velocity, inverse_mass, i, dt)
     return friction_work
 
 
@@ -325,42 +321,30 @@ def _about_axes(moment, axes, force):
 
 
 @njit(cache=True)
-def _turned_back(wx, wy, wz, time, lx, ly, lz):
-    """A vector turned by what a rotational velocity makes of a time, backwards."""
-    speed = np.sqrt(wx * wx + wy * wy + wz * wz)
-    if speed == 0.0:
-        return lx, ly, lz
-    half = 0.5 * speed * time
-    share = -np.sin(half) / speed
-    x, y, z = turn_by(np.cos(half), share * wx, share * wy, share * wz, lx, ly, lz)
-    return lx + x, ly + y, lz + z
-
-
-@njit(cache=True)
-def _bring(velocity, inverse_mass, i, dt):
-    """Rotational velocity of body i from half a step behind to where its axes are."""
-    wx, wy, wz = velocity[i, 3], velocity[i, 4], velocity[i, 5]
-    jx, jy, jz = inverse_mass[i, 3], inverse_mass[i, 4], inverse_mass[i, 5]
-    lx, ly, lz = _turned_back(wx, wy, wz, 0.5 * dt, wx / jx, wy / jy, wz / jz)
-    velocity[i, 3], velocity[i, 4], velocity[i, 5] = jx * lx, jy * ly, jz * lz
-
-
-@njit(cache=True)
 def _take_on(velocity, inverse_mass, i, dt):
     """Rotational velocity of body i that takes it on by a step, from that where its axes are."""
     wx, wy, wz = velocity[i, 3], velocity[i, 4], velocity[i, 5]
     jx, jy, jz = inverse_mass[i, 3], inverse_mass[i, 4], inverse_mass[i, 5]
     lx, ly, lz = wx / jx, wy / jy, wz / jz
-    before = np.inf
+    half, before = 0.5 * dt, np.inf
     for _ in range(TURNING):
-        x, y, z = _turned_back(wx, wy, wz, 0.5 * dt, lx, ly, lz)
+        x, y, z = turned(-half * wx, -half * wy, -half * wz, lx, ly, lz)
         x, y, z = jx * x, jy * y, jz * z
         change = abs(x - wx) + abs(y - wy) + abs(z - wz)
         wx, wy, wz = x, y, z
         if not change < before or change == 0.0:  # as near as rounding lets it come
             break
         before = change
-    velocity[i, 3], velocity[i, 4], velocity[i, 5] = wx, wy, wz
+    return wx, wy, wz
+
+
+@njit(cache=True)
+def _bring(velocity, inverse_mass, i, wx, wy, wz, dt):
+    """Rotational velocity of body i where its axes are now, from that which took it there."""
+    jx, jy, jz = inverse_mass[i, 3], inverse_mass[i, 4], inverse_mass[i, 5]
+    half = 0.5 * dt
+    lx, ly, lz = turned(-half * wx, -half * wy, -half * wz, wx / jx, wy / jy, wz / jz)
+    velocity[i, 3], velocity[i, 4], velocity[i, 5] = jx * lx, jy * ly, jz * lz
 
 
 @njit(cache=True)
@@ -373,13 +357,15 @@ def move_in_space(motion, loads, origin, dt, reach, gyroscopic):
     for i in range(pose.shape[0]):
         if inverse_mass[i, 0] == 0.0:
             continue
+        wx, wy, wz = velocity[i, 3], velocity[i, 4], velocity[i, 5]
         if gyroscopic:
-            _take_on(velocity, inverse_mass, i, dt)
+            wx, wy, wz = _take_on(velocity, inverse_mass, i, dt)
+            _bring(velocity, inverse_mass, i, wx, wy, wz, dt)
         far = 0.0
         for d in range(3):
             pose[i, d] += velocity[i, d] * dt
             far += abs(pose[i, d] - origin[i, d])
-        x, y, z = velocity[i, 3] * dt, velocity[i, 4] * dt, velocity[i, 5] * dt
+        x, y, z = wx * dt, wy * dt, wz * dt
         vx = designed[i, 0, 0] * x + designed[i, 0, 1] * y + designed[i, 0, 2] * z
         vy = designed[i, 1, 0] * x + designed[i, 1, 1] * y + designed[i, 1, 2] * z
         vz = designed[i, 2, 0] * x + designed[i, 2, 1] * y + designed[i, 2, 2] * z

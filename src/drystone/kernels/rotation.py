@@ -60,7 +60,7 @@ def spin(pose, i, vx, vy, vz):
 
 
 @njit(cache=True)
-def _turned(vx, vy, vz, ax, ay, az):
+def turned(vx, vy, vz, ax, ay, az):
     """A vector (ax, ay, az) turned by a rotation vector (vx, vy, vz) [rad]."""
     angle = np.sqrt(vx * vx + vy * vy + vz * vz)
     share = np.sin(0.5 * angle) / angle if angle > 1e-8 else 0.5 - angle * angle / 48.0
@@ -98,14 +98,14 @@ def spin_on(increment, mass, time_step, velocity):
         if wx == 0.0 and wy == 0.0 and wz == 0.0:
             continue
         ix, iy, iz = mass[i, 3], mass[i, 4], mass[i, 5]
-        lx, ly, lz = _turned(
+        lx, ly, lz = turned(
             -0.5 * increment[i, 3], -0.5 * increment[i, 4], -0.5 * increment[i, 5],
             ix * wx, iy * wy, iz * wz,
         )  # fmt: skip
         size = np.sqrt(wx * wx + wy * wy + wz * wz)
         for _ in range(50):
             # (I - [h l / 2]) dw = l - I w, with l the moment of momentum amid the step.
-            px, py, pz = _turned(-half * wx, -half * wy, -half * wz, lx, ly, lz)
+            px, py, pz = turned(-half * wx, -half * wy, -half * wz, lx, ly, lz)
             rx, ry, rz = px - ix * wx, py - iy * wy, pz - iz * wz
             ax, ay, az = half * px, half * py, half * pz
             # Cramer's rule for [[ix, az, -ay], [-az, iy, ax], [ay, -ax, iz]].
