@@ -9,7 +9,7 @@ import drystone.limit.associative as method
 from drystone.assembly import Assembly, JointLaw
 from drystone.builders import coursed_wall
 from drystone.limit import interior_point
-from drystone.limit.cones import Rays, least_normal, shear_strength
+from drystone.limit.cones import Regions, least_normal, shear_strength
 from drystone.limit.equilibrium import Equilibrium
 from drystone.loading import LoadPattern
 
@@ -65,14 +65,18 @@ def test_both_methods_agree_on_a_wall(law, monkeypatch):
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_rays_stay_within_the_strength(law):
+def test_regions_stay_within_the_strength(law):
     equilibrium = wall(**law)
-    rays = Rays.of(equilibrium)
-    amounts = np.random.default_rng(0).uniform(0.0, 1.0, rays.combination.shape[1])
-    if rays.sharing.shape[0]:  # corners: shares of one
-        total = rays.sharing @ amounts
-        amounts /= np.where(rays.sharing.sum(axis=0) > 0, rays.sharing.T @ total, 1.0)
-    normal, tangential = (rays.fixed + rays.combination @ amounts).reshape(-1, 2).T
+    regions = Regions.of(equilibrium)
+    rng = np.random.default_rng(0)
+    amounts = []
+    for k, (count, size) in enumerate(regions.cones):
+        vectors = rng.normal(size=(count, size))
+        vectors[:, 0] = np.linalg.norm(vectors[:, 1:], axis=1) + rng.uniform(0.0, 1.0, count)
+        amounts.append((vectors / vectors[:, :1] if k == 1 else vectors).ravel())
+    amounts = np.concatenate(amounts)
+    np.testing.assert_allclose(regions.sharing @ amounts, 1.0, atol=1e-15)
+    normal, tangential = (regions.fixed + regions.combination @ amounts).reshape(-1, 2).T
     assert np.all(normal >= least_normal(equilibrium) - 1e-12)
     assert np.all(np.abs(tangential) <= shear_strength(equilibrium, normal) + 1e-12)
 

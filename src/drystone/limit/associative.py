@@ -23,11 +23,11 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, eye_array, hstack, vstack
+from scipy.sparse import csc_array, hstack, vstack
 
 from drystone.limit import interior_point
-from drystone.limit.cone_program import ConeProgram, force_program
-from drystone.limit.cones import Rays, least_normal, shear_strength
+from drystone.limit.cone_program import force_program
+from drystone.limit.cones import Regions, least_normal, shear_strength
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer
 
@@ -37,8 +37,10 @@ Array = NDArray[np.float64]
 INTERIOR_POINT_FROM = 120
 #: A load factor this near to one is one: it is 0 or 1 where joints have no cohesion.
 WHOLE = 1e-6
-#: Error of the interior-point method that is still an answer.
-ACCEPTABLE = 1e-6
+#: Error that the interior-point method comes down to, and one that is still an answer.
+TOLERANCE, ACCEPTABLE = 1e-10, 1e-7
+#: Multipliers beyond this are taken for unbounded, and looked into.
+GIVE_UP = 1e7
 #: A motion that goes less than this share along the load does not go along it.
 SLIGHT = 1e-6
 
@@ -48,7 +50,7 @@ def collapse(equilibrium: Equilibrium) -> Answer:
 
     Unbounded where friction locks the structure.
     """
-    large = _is_large(equilibrium)
+    large = _is_inside(equilibrium)
     answer = _by_interior_point(equilibrium, equilibrium.live, -equilibrium.dead) if large else None
     if answer is None and not (large and is_locked(equilibrium)):
         answer = _by_program(equilibrium, equilibrium.live, -equilibrium.dead)
@@ -66,26 +68,38 @@ def dead_load_factor(equilibrium: Equilibrium) -> Answer:
 def fall(equilibrium: Equilibrium) -> Array:
     """Velocities (n_rows,) of a structure that does not stand under its own weight.
 
-    Of all mechanisms with no velocity above one, that on which the dead load does most work: what
-    need not fall does not move.  It is the dual of balancing the dead load with as little help
-    from outside as possible.
+    Of all mechanisms with no block faster than one, that on which the dead load does most work:
+    what need not fall does not move.  It is the dual of balancing the dead load with as little help
+    from outside as possible, a force and a moment on each block.
     """
-    if equilibrium.points.dimension == 3:
-        return ConeProgram.of_strength(equilibrium).fall()
-    rays = Rays.of(equilibrium)
-    n_amounts, n_rows = rays.combination.shape[1], len(equilibrium.dead)
-    n_shared = rays.sharing.shape[0]
-    help_ = eye_array(n_rows, format="csc")
+    regions = Regions.of(equilibrium)
+    n_amounts, n_rows = regions.combination.shape[1], len(equilibrium.dead)
+    n_shared, n_blocks = regions.sharing.shape[0], equilibrium.assembly.n_blocks
+    dim, row = equilibrium.points.dimension, np.arange(n_rows).reshape(n_blocks, -1)
+    help_, columns, cones = [], 0, []
+    for part in (row[:, :dim], row[:, dim:]):  # the size of a force or moment, then itself
+        size = part.shape[1]
+        column = columns + (1 + size) * np.arange(n_blocks)[:, None] + 1 + np.arange(size)
+        help_.append((part.ravel(), column.ravel()))
+        columns += (1 + size) * n_blocks
+        cones.append((n_blocks, 1 + size))
+    at = tuple(np.concatenate(places) for places in zip(*help_, strict=True))
+    identity = csc_array((np.ones(len(at[0])), at), shape=(n_rows, columns))
     matrix = vstack(
         [
-            hstack([equilibrium.matrix @ rays.combination, help_, -help_]),
-            hstack([rays.sharing, csc_array((n_shared, 2 * n_rows))]),
+            hstack([equilibrium.matrix @ regions.combination, identity]),
+            hstack([regions.sharing, csc_array((n_shared, columns))]),
         ]
     )
-    bound = np.concatenate((-equilibrium.dead - equilibrium.matrix @ rays.fixed, np.ones(n_shared)))
-    cost = np.concatenate((np.zeros(n_amounts), np.ones(2 * n_rows)))
+    bound = np.concatenate(
+        (-equilibrium.dead - equilibrium.matrix @ regions.fixed, np.ones(n_shared))
+    )
+    cost = np.zeros(n_amounts + columns)
+    sizes = np.setdiff1d(np.arange(columns), at[1])
+    cost[n_amounts + sizes] = 1.0
     none = np.zeros(0, np.int64)
-    return -interior_point.solve(cost, csc_array(matrix), bound, none).y[:n_rows]
+    cones = [*regions.cones, *cones]
+    return -interior_point.solve(cost, csc_array(matrix), bound, none, cones=cones).y[:n_rows]
 
 
 def stands(equilibrium: Equilibrium) -> bool:
@@ -166,17 +180,18 @@ def _strongest(
     equilibrium: Equilibrium, column: Array, right: Array, *, recession: bool = False
 ) -> Answer:
     """Maximise s, at most 1, with B f + s column = right and the strength of the contacts."""
-    if _is_large(equilibrium):
+    if _is_inside(equilibrium):
         answer = _by_interior_point(equilibrium, column, right, largest=1.0, recession=recession)
         if answer is not None:
             return answer
     return _by_program(equilibrium, column, right, largest=1.0, recession=recession)
 
 
-def _is_large(equilibrium: Equilibrium) -> bool:
-    """Whether it is a plane structure of so many blocks that the simplex method would be slow."""
-    n_blocks = equilibrium.assembly.n_blocks
-    return equilibrium.points.dimension == 2 and n_blocks >= INTERIOR_POINT_FROM
+def _is_inside(equilibrium: Equilibrium) -> bool:
+    """Whether the interior-point method is asked first: in space, and in the plane where there are
+    so many blocks that the simplex method would be slow."""
+    space = equilibrium.points.dimension == 3
+    return space or equilibrium.assembly.n_blocks >= INTERIOR_POINT_FROM
 
 
 def _by_program(
@@ -209,33 +224,41 @@ def _by_interior_point(
     recession: bool = False,
 ) -> Answer | None:
     """The same; None where it does not come to an end."""
-    rays = Rays.of(equilibrium, recession=recession)
-    n_amounts = rays.combination.shape[1]
-    n_rows = len(right)
-    matrix = hstack([equilibrium.matrix @ rays.combination, csc_array(column[:, None])])
-    sharing = hstack([rays.sharing, csc_array((rays.sharing.shape[0], 1))])
-    matrix = vstack([matrix, sharing])
-    bound = np.concatenate(
-        (right - equilibrium.matrix @ rays.fixed, np.ones(rays.sharing.shape[0]))
-    )
+    regions = Regions.of(equilibrium, recession=recession)
+    n_amounts, n_shared = regions.combination.shape[1], regions.sharing.shape[0]
+    n_rows, scale = len(right), equilibrium.assembly.n_blocks
+    matrix = hstack([equilibrium.matrix @ regions.combination, csc_array(column[:, None])])
+    matrix = vstack([matrix, hstack([regions.sharing, csc_array((n_shared, 1))])])
+    bound = np.concatenate((right - equilibrium.matrix @ regions.fixed, np.ones(n_shared)))
+    cones = list(regions.cones)
     cost = np.zeros(n_amounts + 1)
-    cost[n_amounts] = -1.0
+    cost[n_amounts] = -scale  # velocities of the order of one: F.u is a sum over all blocks
     enough = None
     if largest < np.inf:  # one more row and column, s + rest = largest
         last = np.zeros((1, n_amounts + 2))
         last[0, n_amounts:] = 1.0
         matrix = vstack([hstack([matrix, csc_array((matrix.shape[0], 1))]), csc_array(last)])
         bound, cost = np.append(bound, largest), np.append(cost, 0.0)
-        enough = -largest * (1.0 - WHOLE)
+        cones.append((1, 1))
+        enough = -scale * largest * (1.0 - WHOLE)
     free = np.array([n_amounts])  # s fills all rows: it must not enter the normal equations
-    found = interior_point.solve(cost, csc_array(matrix), bound, free, enough=enough)
+    found = interior_point.solve(
+        cost,
+        csc_array(matrix),
+        bound,
+        free,
+        cones=cones,
+        tolerance=TOLERANCE,
+        enough=enough,
+        give_up=GIVE_UP * scale,
+    )
     if not found.converged and found.error > ACCEPTABLE:
         return None
-    forces = rays.fixed + rays.combination @ found.x[:n_amounts]
+    forces = regions.fixed + regions.combination @ found.x[:n_amounts]
     return Answer(
         status=OPTIMAL if np.isfinite(found.x).all() else FAILED,
         factor=float(found.x[n_amounts]),
-        forces=forces.reshape(-1, 2),
-        velocity=-found.y[:n_rows],
+        forces=forces.reshape(equilibrium.n_contacts, -1),
+        velocity=-found.y[:n_rows] / scale,
         n_iterations=found.n_iterations,
     )

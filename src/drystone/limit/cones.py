@@ -1,13 +1,14 @@
-"""What a contact can carry, |t| <= c + mu n and n >= -f, as corners and rays of the region.
+"""What a contact can carry, |t| <= c + mu n and n >= -f, as a sum of cones.
 
-The region of one contact is the sum of a corner (or of a share of two corners) and of rays, each
-taken any number of times from nothing upwards:
+The region of one contact is the sum of what it has at its least normal force and of a cone, taken
+any number of times from nothing upwards:
 
-    mu > 0 and f >= c / mu    one corner, the cone's own tip (-c / mu, 0)
-    otherwise                 two corners (-f, -d) and (-f, d), d = c - mu f >= 0, sharing one unit
-    rays                      (1, mu) and (1, -mu), or (1, 0) without friction
+    mu > 0 and f >= c / mu    one point, the cone's own tip (-c / mu, 0)
+    otherwise                 a disc (-f, t) with |t| <= d, d = c - mu f >= 0
+    cone                      (n, t) with |t| <= mu n; without friction the ray (1, 0)
 
-A tensile strength beyond c / mu is therefore never reached.
+A tensile strength beyond c / mu is therefore never reached.  In the plane a disc is a pair of
+corners and a cone a pair of rays.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csc_array
+from scipy.sparse import csc_array
 
 from drystone.limit.equilibrium import Equilibrium
 
@@ -38,53 +39,45 @@ def shear_strength(equilibrium: Equilibrium, normal: Array) -> Array:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rays:
-    """Forces as f = fixed + combination @ amounts, all amounts from nothing upwards."""
+class Regions:
+    """Forces as f = fixed + combination @ amounts, with amounts in a product of cones."""
 
-    fixed: Array  # (2 n_contacts,)
-    combination: csc_array  # (2 n_contacts, n_amounts)
-    sharing: csc_array  # (n_shared, n_amounts): the amounts of a pair of corners add up to one
+    fixed: Array  # (dim n_contacts,)
+    combination: csc_array  # (dim n_contacts, n_amounts)
+    sharing: csc_array  # (n_discs, n_amounts): the first amount of a disc is one
+    cones: tuple[tuple[int, int], ...]  # how many of which size, in the order of the amounts
 
     @classmethod
-    def of(cls, equilibrium: Equilibrium, *, recession: bool = False) -> Rays:
-        """The regions of all contacts in a plane; with ``recession`` without their strengths."""
-        mu = equilibrium.points.friction
+    def of(cls, equilibrium: Equilibrium, *, recession: bool = False) -> Regions:
+        """The regions of all contacts; with ``recession`` without their strengths."""
+        mu, dim = equilibrium.points.friction, equilibrium.points.dimension
         n = len(mu)
         low = np.zeros(n) if recession else least_normal(equilibrium)
         width = np.zeros(n) if recession else shear_strength(equilibrium, low)
         width[width <= 1e-12 * np.maximum(equilibrium.cohesion, 1e-12)] = 0.0
-        pair = np.flatnonzero(width > 0.0)
-        fixed = np.zeros(2 * n)
-        fixed[0::2] = low  # both corners of a pair have it, too
-        rows, columns, values = [], [], []
-        n_amounts = 0
-
-        def add(contact: NDArray[np.int64], normal: float, tangential: Array) -> None:
-            nonlocal n_amounts
-            column = n_amounts + np.arange(len(contact))
-            for row, value in ((0, np.full(len(contact), normal)), (1, tangential)):
-                rows.append(2 * contact + row)
-                columns.append(column)
-                values.append(value)
-            n_amounts += len(contact)
-
-        rough = np.flatnonzero(mu > 0.0)
+        disc, rough = np.flatnonzero(width > 0.0), np.flatnonzero(mu > 0.0)
         smooth = np.flatnonzero(mu <= 0.0)
-        add(rough, 1.0, mu[rough])
-        add(rough, 1.0, -mu[rough])
-        add(smooth, 1.0, np.zeros(len(smooth)))
-        corners = n_amounts
-        add(pair, 0.0, width[pair])
-        add(pair, 0.0, -width[pair])
-        entries = np.concatenate(values)
-        combination = coo_array(
-            (entries, (np.concatenate(rows), np.concatenate(columns))), shape=(2 * n, n_amounts)
+        fixed = np.zeros(dim * n)
+        fixed[::dim] = low
+        first = np.ones((len(rough), dim))
+        first[:, 0] /= mu[rough]
+        second = np.tile(width[disc, None], dim)
+        second[:, 0] = 0.0
+        entries = np.concatenate((first.ravel(), second.ravel(), np.ones(len(smooth))))
+        component = np.arange(dim)
+        rows = np.concatenate(
+            (
+                (dim * rough[:, None] + component).ravel(),
+                (dim * disc[:, None] + component).ravel(),
+                dim * smooth,
+            )
         )
-        share = np.tile(np.arange(len(pair)), 2)
-        sharing = coo_array(
-            (np.ones(2 * len(pair)), (share, corners + np.arange(2 * len(pair)))),
-            shape=(len(pair), n_amounts),
-        )
-        combination = csc_array(combination)
+        n_amounts = len(entries)
+        combination = csc_array((entries, (rows, np.arange(n_amounts))), shape=(dim * n, n_amounts))
         combination.eliminate_zeros()
-        return cls(fixed=fixed, combination=combination, sharing=csc_array(sharing))
+        share = np.arange(len(disc))
+        sharing = csc_array(
+            (np.ones(len(disc)), (share, dim * (len(rough) + share))), shape=(len(disc), n_amounts)
+        )
+        groups = ((len(rough), dim), (len(disc), dim), (len(smooth), 1))
+        return cls(fixed=fixed, combination=combination, sharing=sharing, cones=groups)

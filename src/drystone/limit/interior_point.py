@@ -1,20 +1,22 @@
-"""Interior-point method for linear programs of thousands of blocks.
+"""Interior-point method for programs of cones, of thousands of blocks.
 
-    minimise c.x   subject to   A x = b,   x_j >= 0 but for the free ones
+    minimise c.x   subject to   A x = b,   x in a product of cones but for the free ones
 
-Mehrotra's predictor and corrector with Gondzio's further correctors (Computational Optimization and
-Applications 6, 1996).  Every iteration factorises the normal equations
+With cones of size 1 it is a linear program, and so it is with those of size 2; friction in space
+has cones of size 3.  Mehrotra's predictor and corrector with Gondzio's further correctors
+(Computational Optimization and Applications 6, 1996), in the scaling of `cone_algebra`.  Every
+iteration factorises the normal equations
 
-    (A D A^T) dy + A_f dx_f = h,      A_f^T dy = g,      D = diag(x / z)
+    (A W^2 A^T) dy + A_f dx_f = h,      A_f^T dy = g
 
-A block touches a handful of others, so that the factor of a plane wall stays sparse; the few free
-columns A_f are eliminated by a small dense system.  A general solver is as exact but orders of
-magnitude slower here: iterative or simplex steps suffer from the many equally good force states
-of a wall, a direct factorisation does not.
+A block touches a handful of others, so that the factor of a wall stays sparse; the few free
+columns A_f are eliminated by a small dense system.  The equations grow singular towards the end,
+as they have to: what the step leaves unbalanced is solved for once more until nothing is gained.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -22,6 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, csc_matrix, csr_array, diags_array
 from scipy.sparse.linalg import SuperLU, splu
+
+from drystone.limit.cone_algebra import Cones
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -32,15 +36,15 @@ STEP = 0.995
 MOST_CORRECTORS = 4
 #: Added to each diagonal entry, as a share of it.
 REGULARISATION = 1e-14
-#: Refinements of one solution, and the residual over the right side that needs none.
-MOST_REFINEMENTS, SMALL_REST = 4, 1e-13
+#: Refinements of a step, and what is unbalanced, over numbers of order one, that needs none.
+MOST_REFINEMENTS, SMALL_REST = 6, 1e-15
 #: Without progress in this many iterations the best point so far is given back.
 PATIENCE = 12
 
 
 @dataclass(frozen=True, kw_only=True)
 class Solution:
-    """Primal and dual solution of a linear program."""
+    """Primal and dual solution of a program."""
 
     x: Array  # (n_columns,)
     y: Array  # (n_rows,) dual values of the rows
@@ -57,18 +61,26 @@ class _Point:
     z: Array
 
 
+class _Step(NamedTuple):
+    x: Array
+    free: Array
+    y: Array
+    z: Array
+
+
 def solve(
     cost: Array,
     matrix: csc_array,
     right: Array,
     free: IntArray,
     *,
+    cones: Sequence[tuple[int, int]] = (),
     tolerance: float = 1e-8,
     max_iterations: int = 200,
     enough: float | None = None,
     give_up: float = 1e7,
 ) -> Solution:
-    """Solve the linear program of the module's heading.
+    """Solve the program of the module's heading.
 
     Parameters
     ----------
@@ -76,6 +88,9 @@ def solve(
         c (n_columns,), A (n_rows, n_columns), b (n_rows,), all of order one.
     free
         Columns without bounds, few.
+    cones
+        How many cones of which size the other columns make up, in their order; all of size 1 where
+        none is given.
     tolerance
         On the relative infeasibilities and the relative gap.
     enough
@@ -85,7 +100,8 @@ def solve(
     """
     bounded = np.setdiff1d(np.arange(len(cost)), free)
     c, c_free = cost[bounded], cost[free]
-    newton = _Newton(csc_array(matrix[:, bounded]), matrix[:, free].toarray())
+    product = Cones(cones or [(len(bounded), 1)])
+    newton = _Newton(csr_array(matrix[:, bounded]), matrix[:, free].toarray(), product)
     try:
         point = _start(newton, c, c_free, right)
     except (RuntimeError, np.linalg.LinAlgError):  # rows or free columns that depend on others
@@ -104,9 +120,10 @@ def solve(
         if converged or waited > PATIENCE or (feasible and at.objective < -give_up):
             break
         try:
-            point = _iterate(newton, point, *at.residuals)
-        except (RuntimeError, np.linalg.LinAlgError):  # the factorisation broke down
-            break
+            with np.errstate(divide="raise", over="raise", invalid="raise"):
+                point = _iterate(newton, point, *at.residuals)
+        except (RuntimeError, np.linalg.LinAlgError, FloatingPointError):
+            break  # the factorisation broke down, or the point lies on the boundary
         n_iterations += 1
     x = np.zeros(len(cost))
     x[bounded], x[free] = best.x, best.free
@@ -125,10 +142,9 @@ class _Missing(NamedTuple):
 
 
 def _missing(newton: _Newton, point: _Point, c: Array, c_free: Array, right: Array) -> _Missing:
-    a, a_free = newton.a, newton.a_free
-    rp = right - a @ point.x - a_free @ point.free
-    rd = c - a.T @ point.y - point.z
-    rf = c_free - a_free.T @ point.y
+    rp = right - newton.a @ point.x - newton.a_free @ point.free
+    rd = c - newton.a_t @ point.y - point.z
+    rf = c_free - newton.a_free.T @ point.y
     scale_b = 1.0 + np.abs(right).max(initial=0.0)
     scale_c = 1.0 + max(np.abs(c).max(initial=0.0), np.abs(c_free).max(initial=0.0))
     objective = float(c @ point.x + c_free @ point.free)
@@ -141,43 +157,30 @@ def _missing(newton: _Newton, point: _Point, c: Array, c_free: Array, right: Arr
 class _Newton:
     """The normal equations of one matrix, factorised anew for every scaling."""
 
-    def __init__(self, a: csc_array, a_free: Array) -> None:
-        self.a, self.a_free = a, a_free
+    def __init__(self, a: csr_array, a_free: Array, cones: Cones) -> None:
+        self.a, self.a_t, self.a_free, self.cones = a, csr_array(a.T), a_free, cones
         # The order of rows that keeps the factor sparse, from the pattern without cancellation.
-        pattern = abs(a) @ abs(a).T
+        blocks = cones.matrix()
+        blocks.data[:] = 1.0
+        pattern = abs(a) @ blocks @ abs(a).T
         pattern = pattern + diags_array(np.asarray(pattern.sum(axis=1)) + 1.0)
         self._order: IntArray = np.argsort(_factor(pattern, "MMD_AT_PLUS_A").perm_c)
-        self._ordered = csc_array(csr_array(a)[self._order])
+        self._ordered = csr_array(a[self._order])
+        self._ordered_t = csr_array(self._ordered.T)
 
-    def factorise(self, scaling: Array) -> None:
-        """Prepare solutions for D = diag(scaling)."""
-        normal = (self._ordered @ diags_array(scaling)) @ self._ordered.T
+    def factorise(self) -> None:
+        """Prepare solutions for the cones' scaling."""
+        normal = self._ordered @ (self.cones.matrix() @ self._ordered_t)
         diagonal = normal.diagonal()
         least = float(diagonal[diagonal > 0.0].min(initial=1.0))
         normal = normal + diags_array(REGULARISATION * np.maximum(diagonal, least))
         self._lu = _factor(normal, "NATURAL")
-        self._scaling = scaling
         if self.a_free.shape[1]:
             self._columns = np.column_stack([self._normal(col) for col in self.a_free.T])
             self._small = self.a_free.T @ self._columns
 
     def _normal(self, h: Array) -> Array:
-        """Solve A D A^T y = h, refined until the residual no longer shrinks."""
-        y = self._direct(h)
-        rest = h - self.a @ (self._scaling * (self.a.T @ y))
-        size = float(np.abs(rest).max(initial=0.0))
-        for _ in range(MOST_REFINEMENTS):
-            if size <= SMALL_REST * float(np.abs(h).max(initial=0.0)):
-                break
-            finer = y + self._direct(rest)
-            rest = h - self.a @ (self._scaling * (self.a.T @ finer))
-            before, size = size, float(np.abs(rest).max(initial=0.0))
-            if size >= before:
-                break
-            y = finer
-        return y
-
-    def _direct(self, h: Array) -> Array:
+        """Solve A W^2 A^T y = h."""
         y = np.empty_like(h)
         y[self._order] = self._lu.solve(h[self._order])
         return y
@@ -189,6 +192,38 @@ class _Newton:
             return dy, np.zeros(0)
         dx = np.asarray(np.linalg.solve(self._small, self.a_free.T @ dy - g), dtype=np.float64)
         return dy - self._columns @ dx, dx
+
+    def step(self, rp: Array, rd: Array, rf: Array, scaled: Array) -> _Step:
+        """Newton's step for residuals, and ``scaled`` of W^-1 dx + W dz."""
+        along = self.cones.scaled(scaled)
+        dy, dx_free = self.solve(rp - self.a @ (along - self.cones.squared(rd)), rf)
+        dz = rd - self.a_t @ dy
+        return _Step(along - self.cones.squared(dz), dx_free, dy, dz)
+
+    def refined(self, step: _Step, rp: Array, rf: Array) -> _Step:
+        """The step with what it leaves of the rows solved for, as long as that grows less."""
+        rest, free = self._rest(step, rp, rf)
+        size = float(np.abs(rest).max(initial=0.0))
+        for _ in range(MOST_REFINEMENTS):
+            if size <= SMALL_REST:
+                break
+            dy, dx_free = self.solve(rest, free)
+            back = self.a_t @ dy
+            finer = _Step(
+                step.x + self.cones.squared(back), step.free + dx_free, step.y + dy, step.z - back
+            )
+            rest, free = self._rest(finer, rp, rf)
+            before, size = size, float(np.abs(rest).max(initial=0.0))
+            if not size < before:
+                break
+            step = finer
+            if size > 0.5 * before:
+                break
+        return step
+
+    def _rest(self, step: _Step, rp: Array, rf: Array) -> tuple[Array, Array]:
+        rows = rp - self.a @ step.x - self.a_free @ step.free
+        return rows, rf - self.a_free.T @ step.y
 
 
 def _factor(normal: csc_array, order: str) -> SuperLU:
@@ -202,62 +237,65 @@ def _factor(normal: csc_array, order: str) -> SuperLU:
 
 def _start(newton: _Newton, c: Array, c_free: Array, b: Array) -> _Point:
     """Mehrotra's starting point: least squares, pushed into the interior."""
-    a = newton.a
-    newton.factorise(np.ones(a.shape[1]))
+    cones, e = newton.cones, newton.cones.unity
+    newton.factorise()
     dy, free = newton.solve(b, np.zeros(len(c_free)))
-    x = a.T @ dy
-    y, _ = newton.solve(a @ c, c_free)
-    z = c - a.T @ y
-    x = x + max(-1.5 * x.min(initial=0.0), 0.0) + 1e-3
-    z = z + max(-1.5 * z.min(initial=0.0), 0.0) + 1e-3
+    x = newton.a_t @ dy
+    y, _ = newton.solve(newton.a @ c, c_free)
+    z = c - newton.a_t @ y
+    x = x + (max(-1.5 * cones.depth(x), 0.0) + 1e-3) * e
+    z = z + (max(-1.5 * cones.depth(z), 0.0) + 1e-3) * e
     product = float(x @ z)
-    x, z = x + 0.5 * product / z.sum(), z + 0.5 * product / x.sum()
+    x, z = x + 0.5 * product / (z @ e) * e, z + 0.5 * product / (x @ e) * e
     return _Point(x=x, free=free, y=y, z=z)
 
 
 def _iterate(newton: _Newton, point: _Point, rp: Array, rd: Array, rf: Array) -> _Point:
-    x, z = point.x, point.z
-    n = len(x)
-    newton.factorise(x / z)
-
-    def direction(rp: Array, rd: Array, rf: Array, rc: Array) -> tuple[Array, ...]:
-        """Newton's direction for the given residuals; rc of x z."""
-        dy, dx_free = newton.solve(rp - newton.a @ ((rc - x * rd) / z), rf)
-        dz = rd - newton.a.T @ dy
-        return (rc - x * dz) / z, dx_free, dy, dz
-
-    mu = float(x @ z) / n
-    step = direction(rp, rd, rf, -x * z)
-    ap, ad = _reach(x, step[0]), _reach(z, step[3])
-    after = float((x + ap * step[0]) @ (z + ad * step[3])) / n
+    cones, x, z = newton.cones, point.x, point.z
+    cones.scale(x, z)
+    newton.factorise()
+    middle = cones.scaled(z)
+    square = cones.product(middle, middle)
+    mu = float(x @ z) / cones.degree
+    step = newton.step(rp, rd, rf, -middle)
+    ap, ad = _reach(cones, point, step)
+    after = float((x + ap * step.x) @ (z + ad * step.z)) / cones.degree
     target = (after / mu) ** 3 * mu
-    step = direction(rp, rd, rf, target - x * z - step[0] * step[3])
-    ap, ad = _reach(x, step[0]), _reach(z, step[3])
-    for _ in range(MOST_CORRECTORS):
-        # Aim further than the step goes, and correct the products that fall out of line.
-        wider_p, wider_d = min(1.0, 1.3 * ap + 0.1), min(1.0, 1.3 * ad + 0.1)
-        product = (x + wider_p * step[0]) * (z + wider_d * step[3])
-        rc = np.clip(product, 0.1 * target, 10.0 * target) - product
-        rc = np.maximum(rc, -10.0 * target)
-        more = direction(np.zeros_like(rp), np.zeros_like(rd), np.zeros_like(rf), rc)
-        tried = tuple(s + m for s, m in zip(step, more, strict=True))
-        tp, td = _reach(x, tried[0]), _reach(z, tried[3])
-        if tp < ap + 0.01 and td < ad + 0.01:
-            break
-        if tp + td < ap + ad:
-            break
-        step, ap, ad = tried, tp, td
-    ap, ad = min(1.0, STEP * ap), min(1.0, STEP * ad)
+    both = cones.product(cones.scaled(step.x, inverse=True), cones.scaled(step.z))
+    aim = target * cones.unity - square - both
+    step = newton.step(rp, rd, rf, cones.quotient(middle, aim))
+    step = _corrected(newton, point, step, middle, target)
+    step = newton.refined(step, rp, rf)
+    ap, ad = (min(1.0, STEP * share) for share in _reach(cones, point, step))
     return _Point(
-        x=x + ap * step[0],
-        free=point.free + ap * step[1],
-        y=point.y + ad * step[2],
-        z=z + ad * step[3],
+        x=x + ap * step.x,
+        free=point.free + ap * step.free,
+        y=point.y + ad * step.y,
+        z=z + ad * step.z,
     )
 
 
-def _reach(x: Array, dx: Array) -> float:
-    """Largest share of the step, up to 1 / `STEP`, that keeps x from going negative."""
-    falling = dx < 0.0
-    reach = float(np.min(-x[falling] / dx[falling], initial=np.inf))
-    return min(1.0 / STEP, reach)
+def _corrected(newton: _Newton, point: _Point, step: _Step, middle: Array, target: float) -> _Step:
+    """Aim further than the step goes, and correct the products that fall out of line."""
+    cones = newton.cones
+    nothing = np.zeros_like(point.y), np.zeros_like(point.z), np.zeros_like(point.free)
+    ap, ad = _reach(cones, point, step)
+    for _ in range(MOST_CORRECTORS):
+        wider_p, wider_d = min(1.0, 1.3 * ap + 0.1), min(1.0, 1.3 * ad + 0.1)
+        product = cones.product(
+            middle + wider_p * cones.scaled(step.x, inverse=True),
+            middle + wider_d * cones.scaled(step.z),
+        )
+        missing = cones.towards(product, 0.1 * target, 10.0 * target)
+        more = newton.step(*nothing, cones.quotient(middle, missing))
+        tried = _Step(*(s + m for s, m in zip(step, more, strict=True)))
+        tp, td = _reach(cones, point, tried)
+        if (tp < ap + 0.01 and td < ad + 0.01) or tp + td < ap + ad:
+            break
+        step, ap, ad = tried, tp, td
+    return step
+
+
+def _reach(cones: Cones, point: _Point, step: _Step) -> tuple[float, float]:
+    """Largest shares of the step, up to 1 / `STEP`, that keep x and z within the cones."""
+    return cones.reach(point.x, step.x, 1.0 / STEP), cones.reach(point.z, step.z, 1.0 / STEP)
