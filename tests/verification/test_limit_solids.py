@@ -15,7 +15,14 @@ from builders import with_corner
 from drystone.assembly import Block, Corner, JointLaw
 from drystone.builders import circular_arch, extruded, make_model, published_wall, stack
 from drystone.geometry import solid
-from drystone.limit import ASSOCIATIVE, collapse_load, is_locked, stands
+from drystone.limit import (
+    ASSOCIATIVE,
+    NonAssociativeSettings,
+    collapse_load,
+    collapse_loads,
+    is_locked,
+    stands,
+)
 from drystone.limit.joints import contact_points
 
 EXACT = 1e-9
@@ -250,3 +257,64 @@ def test_a_block_leans_out_to_its_centroid_and_no_further():
         ]
         plane = make_model(blocks, joint=law(0.6), thickness=0.7, load_direction=(1.0, 0.0))
         assert stands(extruded(plane).assembly) is standing
+
+
+# non-associative
+
+
+@pytest.mark.parametrize("angle", [0.0, 20.0, 57.0])
+@pytest.mark.parametrize("friction", [0.1, 0.7])
+def test_a_block_slides_without_opening_or_rocks(angle, friction):
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    expected = min(friction, B / (H * c), D / max(H * s, 1e-9))
+    found = collapse_load(block_under(law(friction), angle))
+    assert found.load_multiplier == pytest.approx(expected, abs=1e-8)
+    assert found.collapse_range == pytest.approx((expected, expected), abs=1e-8)
+    assert found.n_paths == 8
+    certified(found)
+    if friction < 0.2:  # along the load; off it by no more than `ASIDE`
+        np.testing.assert_allclose(found.velocities[1, :3], [c, s, 0.0], atol=1e-4)
+
+
+@pytest.mark.parametrize("wall", [1, 3])
+def test_walls_in_space_fall_without_dilatancy_as_in_the_plane(wall):
+    """With rounded corners every path ends at one multiplier, in the plane and here."""
+    plane = published_wall(wall)
+    expected = collapse_load(plane).load_multiplier
+    found = collapse_load(extruded(plane), settings=NonAssociativeSettings(n_paths=2))
+    assert found.load_multiplier == pytest.approx(expected, abs=1e-6)
+    assert found.n_paths == 2
+    certified(found)
+
+
+def test_dilatancy_as_large_as_friction_is_the_associative_flow():
+    joint = law(0.2, dilatancy_angle=float(np.degrees(np.arctan(0.2))))
+    found = collapse_load(block_under(joint, 25.0), settings=NonAssociativeSettings(n_paths=1))
+    assert found.load_multiplier == pytest.approx(0.2, abs=1e-8)
+    slip, opening = np.hypot(*found.velocities[1, :2]), found.velocities[1, 2]
+    assert opening == pytest.approx(0.2 * slip, abs=1e-4)
+
+
+def test_what_only_dilatancy_locks_is_not_locked():
+    """A block under a ceiling, which associated flow would have to lift.  How hard the ceiling
+    presses, and where, is anyone's guess: what is found is at least friction alone."""
+    blocks = [
+        solids.box("base", (-2, -2, -0.3), (2, 2, 0), support=True),
+        solids.box("block", (0, 0, 0), (0.4, 0.4, 0.4)),
+        solids.box("ceiling", (-2, -2, 0.4), (2, 2, 0.6), support=True),
+    ]
+    model = solids.model_of(blocks, law(0.5), push=(0.6, 0.8, 0.0))
+    assert collapse_load(model, flow=ASSOCIATIVE).status == "locked"
+    assert not is_locked(model)
+    found = collapse_load(model, settings=NonAssociativeSettings(n_paths=2))
+    assert 0.5 - 1e-7 <= found.load_multiplier < found.collapse_range[1] == np.inf
+
+
+def test_associative_multipliers_are_upper_bounds_in_space():
+    for seed in range(2):
+        associative, other = collapse_loads(
+            crossed(seed), settings=NonAssociativeSettings(n_paths=1)
+        )
+        assert other.status == "finished", other.reason
+        certified(other)
+        assert other.collapse_range[1] <= associative.load_multiplier + 1e-7

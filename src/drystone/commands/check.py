@@ -46,7 +46,7 @@ def statics(model: Model) -> list[str]:
     """What limit analysis says against a model: it falls, or no load brings it down."""
     from drystone.limit import MOST_BLOCKS, is_locked, why_it_falls
 
-    if model.assembly.n_blocks > MOST_BLOCKS:
+    if model.assembly.n_blocks > MOST_BLOCKS[model.assembly.dimension]:
         return []
     falls = why_it_falls(model)
     if falls:

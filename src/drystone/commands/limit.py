@@ -35,7 +35,8 @@ Paths = Annotated[
     typer.Option(
         metavar="N",
         min=1,
-        help="Paths of the non-associative scheme. [default: 8, or 1 from 200 blocks on]",
+        help="Paths of the non-associative scheme. [default: 8, or 1 from 200 blocks on, in space "
+        "from 50]",
         show_default=False,
     ),
 ]

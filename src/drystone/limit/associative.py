@@ -29,18 +29,13 @@ from drystone.limit import interior_point
 from drystone.limit.cone_program import force_program
 from drystone.limit.cones import Regions, least_normal, shear_strength
 from drystone.limit.equilibrium import Equilibrium
+from drystone.limit.inside import WHOLE, from_inside
 from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer
 
 Array = NDArray[np.float64]
 
 #: From this many blocks on the interior-point method is faster than the simplex method.
 INTERIOR_POINT_FROM = 120
-#: A load factor this near to one is one: it is 0 or 1 where joints have no cohesion.
-WHOLE = 1e-6
-#: Error that the interior-point method comes down to, and one that is still an answer.
-TOLERANCE, ACCEPTABLE = 1e-10, 1e-7
-#: Multipliers beyond this are taken for unbounded, and looked into.
-GIVE_UP = 1e7
 #: A motion that goes less than this share along the load does not go along it.
 SLIGHT = 1e-6
 
@@ -51,7 +46,10 @@ def collapse(equilibrium: Equilibrium) -> Answer:
     Unbounded where friction locks the structure.
     """
     large = _is_inside(equilibrium)
-    answer = _by_interior_point(equilibrium, equilibrium.live, -equilibrium.dead) if large else None
+    answer = None
+    if large:
+        regions = Regions.of(equilibrium)
+        answer = from_inside(equilibrium, regions, equilibrium.live, -equilibrium.dead)
     if answer is None and not (large and is_locked(equilibrium)):
         answer = _by_program(equilibrium, equilibrium.live, -equilibrium.dead)
     if answer is None or (answer.status != OPTIMAL and is_locked(equilibrium)):
@@ -181,7 +179,8 @@ def _strongest(
 ) -> Answer:
     """Maximise s, at most 1, with B f + s column = right and the strength of the contacts."""
     if _is_inside(equilibrium):
-        answer = _by_interior_point(equilibrium, column, right, largest=1.0, recession=recession)
+        regions = Regions.of(equilibrium, recession=recession)
+        answer = from_inside(equilibrium, regions, column, right, largest=1.0)
         if answer is not None:
             return answer
     return _by_program(equilibrium, column, right, largest=1.0, recession=recession)
@@ -213,52 +212,3 @@ def _by_program(
     )
     program.limit_shear(nothing if recession else equilibrium.cohesion)
     return program.solve()
-
-
-def _by_interior_point(
-    equilibrium: Equilibrium,
-    column: Array,
-    right: Array,
-    *,
-    largest: float = np.inf,
-    recession: bool = False,
-) -> Answer | None:
-    """The same; None where it does not come to an end."""
-    regions = Regions.of(equilibrium, recession=recession)
-    n_amounts, n_shared = regions.combination.shape[1], regions.sharing.shape[0]
-    n_rows, scale = len(right), equilibrium.assembly.n_blocks
-    matrix = hstack([equilibrium.matrix @ regions.combination, csc_array(column[:, None])])
-    matrix = vstack([matrix, hstack([regions.sharing, csc_array((n_shared, 1))])])
-    bound = np.concatenate((right - equilibrium.matrix @ regions.fixed, np.ones(n_shared)))
-    cones = list(regions.cones)
-    cost = np.zeros(n_amounts + 1)
-    cost[n_amounts] = -scale  # velocities of the order of one: F.u is a sum over all blocks
-    enough = None
-    if largest < np.inf:  # one more row and column, s + rest = largest
-        last = np.zeros((1, n_amounts + 2))
-        last[0, n_amounts:] = 1.0
-        matrix = vstack([hstack([matrix, csc_array((matrix.shape[0], 1))]), csc_array(last)])
-        bound, cost = np.append(bound, largest), np.append(cost, 0.0)
-        cones.append((1, 1))
-        enough = -scale * largest * (1.0 - WHOLE)
-    free = np.array([n_amounts])  # s fills all rows: it must not enter the normal equations
-    found = interior_point.solve(
-        cost,
-        csc_array(matrix),
-        bound,
-        free,
-        cones=cones,
-        tolerance=TOLERANCE,
-        enough=enough,
-        give_up=GIVE_UP * scale,
-    )
-    if not found.converged and found.error > ACCEPTABLE:
-        return None
-    forces = regions.fixed + regions.combination @ found.x[:n_amounts]
-    return Answer(
-        status=OPTIMAL if np.isfinite(found.x).all() else FAILED,
-        factor=float(found.x[n_amounts]),
-        forces=forces.reshape(equilibrium.n_contacts, -1),
-        velocity=-found.y[:n_rows] / scale,
-        n_iterations=found.n_iterations,
-    )

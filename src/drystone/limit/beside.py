@@ -10,10 +10,10 @@ from drystone.limit.collapse import ASSOCIATIVE, FLOWS, NON_ASSOCIATIVE, collaps
 from drystone.limit.non_associative import NonAssociativeSettings
 from drystone.model import Model
 
-#: Structures of more blocks are left out: they would take seconds.
-MOST_BLOCKS = 2000
-#: Likewise for the non-associative scheme, which solves dozens of linear programs.
-MOST_NON_ASSOCIATIVE = 120
+#: Structures of more blocks are left out, in the plane and in space: they would take seconds.
+MOST_BLOCKS = {2: 2000, 3: 500}
+#: Likewise for the non-associative scheme, which solves dozens of programs.
+MOST_NON_ASSOCIATIVE = {2: 120, 3: 20}
 #: Paths of that scheme: from associative forces and from those at rest, which often differ.
 PATHS = 2
 #: A peak may exceed the associative multiplier by this share before it is a fault.
@@ -53,10 +53,10 @@ class Beside:
 
 def limits_beside(model: Model) -> Beside:
     """Both multipliers, the non-associative one along few paths."""
-    n_blocks = model.assembly.n_blocks
-    if n_blocks > MOST_BLOCKS:
+    n_blocks, dimension = model.assembly.n_blocks, model.assembly.dimension
+    if n_blocks > MOST_BLOCKS[dimension]:
         return Beside(note=f"{n_blocks} blocks are left to the command `limit`")
-    flows = FLOWS if n_blocks <= MOST_NON_ASSOCIATIVE else (ASSOCIATIVE,)
+    flows = FLOWS if n_blocks <= MOST_NON_ASSOCIATIVE[dimension] else (ASSOCIATIVE,)
     results = collapse_loads(model, flows=flows, settings=NonAssociativeSettings(n_paths=PATHS))
     found = {
         result.flow: result

@@ -37,7 +37,7 @@ AT_REST = 1e-6
 #: The same of a fall, which is found to 1e-8 at best and slower where it is just beginning.
 FALLING = 1e-3
 #: Paths of the non-associative scheme by default, and from how many blocks on it is only one.
-MANY, FEW, FEW_FROM = 8, 1, 200
+MANY, FEW, FEW_FROM = 8, 1, {2: 200, 3: 50}
 #: Multipliers that differ by less than this share are one.
 DIFFERENT = 1e-4
 #: Blocks named in a sentence.
@@ -101,8 +101,8 @@ def collapse_load(
         "non-associative": joints slide with their own dilatancy angle, usually 0.
         "associative": with one that equals the friction angle, an upper bound to the former.
     settings
-        Of the non-associative scheme.  By default eight paths, and one from 200 blocks on, where
-        a path takes seconds.
+        Of the non-associative scheme.  By default eight paths, and one from 200 blocks on, in
+        space from 50, where a path takes seconds.
 
     Raises
     ------
@@ -150,7 +150,7 @@ def collapse_loads(
 
 def default_paths(assembly: Assembly) -> int:
     """Paths of the non-associative scheme where nothing is said about them."""
-    return FEW if assembly.n_blocks >= FEW_FROM else MANY
+    return FEW if assembly.n_blocks >= FEW_FROM[assembly.dimension] else MANY
 
 
 NOT_SOLVED = "the program could not be solved: are blocks or strengths of extreme sizes?"

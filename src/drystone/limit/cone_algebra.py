@@ -154,17 +154,21 @@ class Cones:
         """Largest share of the step, up to ``most``, that keeps x from leaving."""
         reach = most
         for a, d in self._views(x, step):
-            length = _length(a)
-            # det(x + s d) = c + 2 b s + a s^2, and its first root above 0.
-            c = (a[:, 0] - length) * (a[:, 0] + length)
-            b = a[:, 0] * d[:, 0] - _dot(a[:, 1:], d[:, 1:])
-            square = d[:, 0] ** 2 - _dot(d[:, 1:], d[:, 1:])
-            root = b * b - square * c
-            q = -(b + np.copysign(np.sqrt(np.maximum(root, 0.0)), b))
             with np.errstate(all="ignore"):
-                shares = [q / square, c / q, -a[:, 0] / d[:, 0]]
-                for share in shares[:2]:
-                    share[root < 0.0] = np.inf
-                for share in shares:
-                    reach = float(np.min(share[share > 0.0], initial=reach))
+                shares = [-a[:, 0] / d[:, 0]]
+            if a.shape[1] > 1:
+                shares += _roots(a, d)
+            for share in shares:
+                reach = float(np.min(share[share > 0.0], initial=reach))
         return reach
+
+
+def _roots(a: Array, d: Array) -> list[Array]:
+    """Where det(a + s d) = c + 2 b s + square s^2, (n,) each; nan where nowhere."""
+    length = _length(a)
+    c = (a[:, 0] - length) * (a[:, 0] + length)
+    b = a[:, 0] * d[:, 0] - _dot(a[:, 1:], d[:, 1:])
+    square = d[:, 0] ** 2 - _dot(d[:, 1:], d[:, 1:])
+    with np.errstate(all="ignore"):
+        q = -(b + np.copysign(np.sqrt(b * b - square * c), b))
+        return [q / square, c / q]

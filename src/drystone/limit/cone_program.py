@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, csc_matrix, hstack, vstack
 
-from drystone.limit.cones import least_normal
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.program import FAILED, INFEASIBLE, OPTIMAL, UNBOUNDED, Answer, ForceProgram
 
@@ -44,8 +43,12 @@ COMMON: dict[str, Any] = {
 }
 #: On infeasibilities and gap, relative to numbers of order one.
 TOLERANCE = 1e-11
-#: What is still a solution where Clarabel comes no further: then its own word is "almost".
-ACCEPTABLE = 1e-7
+#: Angle by which friction may be off the way that a contact slides.  It is then greater than its
+#: limit by half of the square.
+ASIDE = 1e-4
+#: The same, as they are found here, whatever word the solver has for it: what is a solution at
+#: once, and what is one if no other options give a better one.
+GOOD, ACCEPTABLE = 1e-8, 1e-7
 
 
 class ConeProgram:
@@ -87,25 +90,15 @@ class ConeProgram:
         self._force = max(1.0, np.sqrt(self._n_blocks))
         self._scale = self._n_blocks * self._force
 
-    @classmethod
-    def of_strength(cls, equilibrium: Equilibrium) -> ConeProgram:
-        """The program of the joints' own strength, with no load but the dead one."""
-        program = cls(
-            equilibrium,
-            column=np.zeros_like(equilibrium.dead),
-            right=-equilibrium.dead,
-            slope=equilibrium.points.friction,
-            least=least_normal(equilibrium),
-        )
-        program.limit_shear(equilibrium.cohesion)
-        return program
-
     def limit_shear(self, intercept: Array) -> None:
         """Set k, (n_contacts,)."""
         self._intercept = intercept
 
     def slide(self, contact: IntArray, way: Array, intercept: Array) -> None:
-        """Hold contacts at their limit: t = way (k + m n), for unit vectors (., dim - 1)."""
+        """Hold contacts at their limit: t = way (k + m n), for unit vectors (., dim - 1).
+
+        In space they may point `ASIDE` of it: ways are as good as velocities are.
+        """
         self._way[contact] = way
         self._intercept = self._intercept.copy()
         self._intercept[contact] = intercept
@@ -134,37 +127,6 @@ class ConeProgram:
         kinds = [(len(equal_right), "zero"), (len(above_least), "nonnegative"), *cones]
         return self._answer(*minimise(cost, csc_matrix(matrix), right, kinds))
 
-    def fall(self) -> Array:
-        """Velocities (n_rows,) at which the right side does most work, with no block faster than 1.
-
-        They are the dual values where as little help as possible, one force and one moment on every
-        block, makes up for what contacts cannot carry: the sum of their sizes is least.
-        """
-        parts = (self._dim, len(self._right) // self._n_blocks - self._dim)  # of a block's rows
-        equal, right = self._equalities()
-        above, least = self._inequalities()
-        cone, cone_right, cones = self._cones()
-        n_rows, n_help = len(self._right), len(parts) * self._n_blocks
-        given = csc_array(vstack([equal, above, cone]))
-        # Columns: forces, help on every row, size of every force and moment.
-        help_ = coo_array(
-            (np.ones(n_rows), (np.arange(n_rows), np.arange(n_rows))),
-            shape=(given.shape[0], n_rows + n_help),
-        )
-        row = np.arange(n_rows).reshape(self._n_blocks, -1)
-        size = n_rows + np.arange(n_help).reshape(self._n_blocks, -1)
-        order = np.hstack([size[:, :1], row[:, : parts[0]], size[:, 1:], row[:, parts[0] :]])
-        n_last = n_rows + n_help
-        last = coo_array((-np.ones(n_last), (np.arange(n_last), order.ravel())))
-        none = csc_array((n_last, given.shape[1]))
-        matrix = vstack([hstack([given, help_]), hstack([none, last])])
-        cost = np.zeros(matrix.shape[1])
-        cost[given.shape[1] + n_rows :] = 1.0
-        kinds = [(len(right), "zero"), (len(least), "nonnegative"), *cones]
-        kinds += [(1 + part, "cone") for _ in range(self._n_blocks) for part in parts]
-        bound = np.concatenate((right, least, cone_right, np.zeros(n_last)))
-        return -minimise(cost, csc_matrix(matrix), bound, kinds)[2][:n_rows]
-
     def _answer(self, status: str, x: Array, z: Array, n_iterations: int) -> Answer:
         return Answer(
             status=status,
@@ -186,13 +148,11 @@ class ConeProgram:
         scale[-1] = 1.0
         rows, right = [csc_array(self._balance * scale[None, :])], [self._right]
         slides = np.flatnonzero(np.any(self._way != 0.0, axis=1))
+        row = self._columns(slides, 0, -self._slope[slides])
         for k in range(self._dim - 1):
-            way = self._way[slides, k]
-            rows.append(
-                self._columns(slides, 1 + k, np.ones(len(slides)))
-                - self._columns(slides, 0, way * self._slope[slides])
-            )
-            right.append(way * self._intercept[slides] / self._force)
+            row = row + self._columns(slides, 1 + k, self._way[slides, k])
+        rows.append(csc_array(row))
+        right.append(self._intercept[slides] / self._force)
         held = np.flatnonzero(~np.isnan(self._normal))
         rows.append(self._columns(held, 0, np.ones(len(held))))
         right.append(self._normal[held] / self._force)
@@ -207,6 +167,13 @@ class ConeProgram:
         needed = np.flatnonzero(free & (slides | (tip < self._least)))
         rows = [self._columns(needed, 0, -np.ones(len(needed)))]
         right = [-np.maximum(self._least, tip)[needed] / self._force]
+        aside = np.flatnonzero(slides) if self._dim == 3 else np.zeros(0, np.int64)
+        for sign in (-1.0, 1.0):
+            row = self._columns(aside, 0, -ASIDE * self._slope[aside])
+            for k, across in ((0, -self._way[aside, 1]), (1, self._way[aside, 0])):
+                row = row + self._columns(aside, 1 + k, sign * across)
+            rows.append(csc_array(row))
+            right.append(ASIDE * self._intercept[aside] / self._force)
         for bound, sign in zip(self._bounds, (-1.0, 1.0), strict=True):
             if np.isfinite(bound):
                 row = coo_array(([sign], ([0], [self._n * self._dim])), shape=(1, rows[0].shape[1]))
@@ -262,14 +229,13 @@ def minimise(
     listed = [kinds[kind](size) for size, kind in cones if size]
     known = clarabel.SolverStatus
     words = {
-        known.Solved: OPTIMAL,
         known.PrimalInfeasible: INFEASIBLE,
         known.DualInfeasible: UNBOUNDED,
         known.AlmostPrimalInfeasible: INFEASIBLE,
         known.AlmostDualInfeasible: UNBOUNDED,
     }
     none = csc_matrix((len(cost), len(cost)))
-    best, best_error, n_iterations = None, np.inf, 0
+    best, best_error, n_iterations = (np.zeros(len(cost)), np.zeros(len(right))), np.inf, 0
     for options in OPTIONS:
         settings = clarabel.DefaultSettings()
         for name in ("tol_feas", "tol_gap_abs", "tol_gap_rel"):
@@ -284,11 +250,9 @@ def minimise(
         error = _error(cost, matrix, right, x, z, np.array(found.s))
         if error < best_error:
             best, best_error = (x, z), error
-        if best_error <= ACCEPTABLE:
+        if error <= GOOD:
             break
-    if best is None or best_error > ACCEPTABLE:
-        return FAILED, np.zeros(len(cost)), np.zeros(len(right)), n_iterations
-    return OPTIMAL, *best, n_iterations
+    return OPTIMAL if best_error <= ACCEPTABLE else FAILED, *best, n_iterations
 
 
 def _error(

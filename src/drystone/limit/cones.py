@@ -50,17 +50,24 @@ class Regions:
     @classmethod
     def of(cls, equilibrium: Equilibrium, *, recession: bool = False) -> Regions:
         """The regions of all contacts; with ``recession`` without their strengths."""
-        mu, dim = equilibrium.points.friction, equilibrium.points.dimension
-        n = len(mu)
-        low = np.zeros(n) if recession else least_normal(equilibrium)
-        width = np.zeros(n) if recession else shear_strength(equilibrium, low)
-        width[width <= 1e-12 * np.maximum(equilibrium.cohesion, 1e-12)] = 0.0
-        disc, rough = np.flatnonzero(width > 0.0), np.flatnonzero(mu > 0.0)
-        smooth = np.flatnonzero(mu <= 0.0)
+        friction, dim = equilibrium.points.friction, equilibrium.points.dimension
+        if recession:
+            nothing = np.zeros_like(friction)
+            return cls.within(dim, friction, nothing, nothing)
+        return cls.within(dim, friction, equilibrium.cohesion, least_normal(equilibrium))
+
+    @classmethod
+    def within(cls, dim: int, slope: Array, intercept: Array, low: Array) -> Regions:
+        """Of |t| <= intercept + slope n and n >= low, (n_contacts,) each."""
+        n = len(slope)
+        width = intercept + slope * low
+        width[width <= 1e-12 * np.maximum(intercept, 1e-12)] = 0.0
+        disc, rough = np.flatnonzero(width > 0.0), np.flatnonzero(slope > 0.0)
+        smooth = np.flatnonzero(slope <= 0.0)
         fixed = np.zeros(dim * n)
         fixed[::dim] = low
         first = np.ones((len(rough), dim))
-        first[:, 0] /= mu[rough]
+        first[:, 0] /= slope[rough]
         second = np.tile(width[disc, None], dim)
         second[:, 0] = 0.0
         entries = np.concatenate((first.ravel(), second.ravel(), np.ones(len(smooth))))

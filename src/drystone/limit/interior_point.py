@@ -107,9 +107,27 @@ def solve(
     except (RuntimeError, np.linalg.LinAlgError):  # rows or free columns that depend on others
         nothing = np.zeros(len(cost))
         return Solution(x=nothing, y=0.0 * right, converged=False, error=np.inf, n_iterations=0)
+    best, best_error, converged, n_iterations = _follow(
+        newton, point, (c, c_free, right), tolerance, max_iterations, enough, give_up
+    )
+    x = np.zeros(len(cost))
+    x[bounded], x[free] = best.x, best.free
+    return Solution(x=x, y=best.y, converged=converged, error=best_error, n_iterations=n_iterations)
+
+
+def _follow(
+    newton: _Newton,
+    point: _Point,
+    program: tuple[Array, Array, Array],
+    tolerance: float,
+    max_iterations: int,
+    enough: float | None,
+    give_up: float,
+) -> tuple[_Point, float, bool, int]:
+    """The best point on the way, its error, whether it is good enough, and how many steps."""
     best, best_error, waited, converged, n_iterations = point, np.inf, 0, False, 0
     while n_iterations < max_iterations:
-        at = _missing(newton, point, c, c_free, right)
+        at = _missing(newton, point, *program)
         waited = 0 if at.error < 0.9 * best_error else waited + 1
         if at.error < best_error:
             best, best_error = point, at.error
@@ -125,11 +143,7 @@ def solve(
         except (RuntimeError, np.linalg.LinAlgError, FloatingPointError):
             break  # the factorisation broke down, or the point lies on the boundary
         n_iterations += 1
-    x = np.zeros(len(cost))
-    x[bounded], x[free] = best.x, best.free
-    return Solution(
-        x=x, y=best.y, converged=converged, error=float(best_error), n_iterations=n_iterations
-    )
+    return best, float(best_error), converged, n_iterations
 
 
 class _Missing(NamedTuple):

@@ -34,14 +34,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.limit.cone_program import ConeProgram, force_program
-from drystone.limit.cones import least_normal, shear_strength
+from drystone.limit.cones import Regions, least_normal, shear_strength
 from drystone.limit.equilibrium import Equilibrium
-from drystone.limit.program import OPTIMAL, UNBOUNDED, Answer, ForceProgram
+from drystone.limit.inside import from_inside
+from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer, ForceProgram
 
 Array = NDArray[np.float64]
 
-#: Relative velocities below this share of the largest are none.
-STILL = 1e-7
+#: Relative velocities below this share of the largest are none, in the plane and in space: where
+#: cones are round, the power of a mechanism differs by the square of what its velocities do.
+STILL = {2: 1e-7, 3: 1e-5}
+#: Excess over Coulomb's friction [units of force] with which a path in space may come to rest.
+#: There forces lie amid all equally good ones, and change when the multiplier no longer does.
+COULOMB = 1e-5
 #: Weights of the newest normal forces on paths besides the first two.
 BETAS = (1.0, 0.3)
 
@@ -169,17 +174,34 @@ def _follow(
     """One path: its last answer, the passes it took, whether it came to rest."""
     friction = equilibrium.points.friction
     normal = np.maximum(start, least_normal(equilibrium))
-    before = np.inf
+    before, plane = np.inf, equilibrium.points.dimension == 2
     for k in range(1, settings.max_iterations + 1):
-        program.limit_shear(equilibrium.cohesion + (friction - slope) * normal)
-        answer = program.solve()
+        intercept = equilibrium.cohesion + (friction - slope) * normal
+        answer = _strongest(equilibrium, program, slope, intercept)
         if answer.status != OPTIMAL:
             return answer, k, False
-        if abs(answer.factor - before) <= settings.tolerance * max(abs(answer.factor), 1e-3):
+        settled = abs(answer.factor - before) <= settings.tolerance * max(abs(answer.factor), 1e-3)
+        if settled and (plane or strength_violation(equilibrium, answer.forces) <= COULOMB):
             return answer, k, True
         before = answer.factor
         normal = beta * answer.forces[:, 0] + (1.0 - beta) * normal
     return answer, k, False
+
+
+def _strongest(
+    equilibrium: Equilibrium,
+    program: ForceProgram | ConeProgram,
+    slope: Array,
+    intercept: Array,
+) -> Answer:
+    """The largest multiplier with that strength; in the plane from the last basis."""
+    program.limit_shear(intercept)
+    answer = program.solve()
+    if answer.status == FAILED and equilibrium.points.dimension == 3:
+        regions = Regions.within(3, slope, intercept, least_normal(equilibrium))
+        other = from_inside(equilibrium, regions, equilibrium.live, -equilibrium.dead)
+        answer = other or answer
+    return answer
 
 
 def _certify(
@@ -210,7 +232,7 @@ def compatible_forces(
 ) -> ForceProgram | ConeProgram:
     """The program of the forces that belong to a mechanism, in balance at any multiplier."""
     relative = equilibrium.relative(velocity)
-    still = STILL * float(np.abs(relative).max(initial=0.0))
+    still = STILL[equilibrium.points.dimension] * float(np.abs(relative).max(initial=0.0))
     low = least_normal(equilibrium)
     slip = equilibrium.slip(relative)
     slides = slip > still
