@@ -47,6 +47,8 @@ STILL = {2: 1e-7, 3: 1e-5}
 #: Excess over Coulomb's friction [units of force] with which a path in space may come to rest.
 #: There forces lie amid all equally good ones, and change when the multiplier no longer does.
 COULOMB = 1e-5
+#: How often a path is looked at on the way there.
+LOOKS = 3
 #: Weights of the newest normal forces on paths besides the first two.
 BETAS = (1.0, 0.3)
 
@@ -174,7 +176,7 @@ def _follow(
     """One path: its last answer, the passes it took, whether it came to rest."""
     friction = equilibrium.points.friction
     normal = np.maximum(start, least_normal(equilibrium))
-    before, plane = np.inf, equilibrium.points.dimension == 2
+    before, plane, looks = np.inf, equilibrium.points.dimension == 2, LOOKS
     for k in range(1, settings.max_iterations + 1):
         intercept = equilibrium.cohesion + (friction - slope) * normal
         answer = _strongest(equilibrium, program, slope, intercept)
@@ -183,6 +185,10 @@ def _follow(
         settled = abs(answer.factor - before) <= settings.tolerance * max(abs(answer.factor), 1e-3)
         if settled and (plane or strength_violation(equilibrium, answer.forces) <= COULOMB):
             return answer, k, True
+        if settled and looks > 0:  # the mechanism may be that of a state already
+            looks -= 1
+            if _certify(equilibrium, answer, slope, k) is not None:
+                return answer, k, True
         before = answer.factor
         normal = beta * answer.forces[:, 0] + (1.0 - beta) * normal
     return answer, k, False
@@ -196,11 +202,13 @@ def _strongest(
 ) -> Answer:
     """The largest multiplier with that strength; in the plane from the last basis."""
     program.limit_shear(intercept)
-    answer = program.solve()
-    if answer.status == FAILED and equilibrium.points.dimension == 3:
+    if isinstance(program, ForceProgram):
+        return program.solve()
+    answer = program.solve(at_once=True)
+    if answer.status == FAILED:
         regions = Regions.within(3, slope, intercept, least_normal(equilibrium))
-        other = from_inside(equilibrium, regions, equilibrium.live, -equilibrium.dead)
-        answer = other or answer
+        inside = from_inside(equilibrium, regions, equilibrium.live, -equilibrium.dead)
+        answer = inside or program.solve()
     return answer
 
 
