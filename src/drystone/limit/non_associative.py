@@ -21,7 +21,7 @@ What came to rest is then certified.  For its mechanism u, the *compatible* forc
     are at the tip of the region where it opens, and within the region elsewhere;
 
 all of them that balance dead load and lambda times the pattern make a convex set.  Its lowest and
-highest lambda come from two linear programs, and every lambda between them is a collapse
+highest lambda come from two programs, and every lambda between them is a collapse
 multiplier of that mechanism.  It need not be one number where a mechanism leaves forces open.
 """
 
