@@ -77,16 +77,21 @@ def test_compiled_rotations_are_the_same(random: np.random.Generator) -> None:
         increment = np.zeros((6, 6))
         increment[:, 3:] = size * random.normal(size=(6, 3))
         expected, spun = motion.moved(pose, increment, axes), pose.copy()
-        matrix = np.zeros((6, 3, 3))
+        less, matrix, world = (
+            np.zeros((6, 3, 3)),
+            np.zeros((6, 3, 3)),
+            np.tile(np.eye(3), (6, 1, 1)),
+        )
         for i in range(6):
             rotation.spin(spun, i, *increment[i, 3:])
-            rotation.fill_matrix(spun, i, matrix)
+            rotation.place_axes(spun, i, axes, less, matrix)
             x, y, z = rotation.turn_by(*spun[i, 3:], 0.2, 0.5, -0.4)
             there = np.array([0.2, 0.5, -0.4]) + (x, y, z)
             np.testing.assert_allclose(there, matrix[i] @ (0.2, 0.5, -0.4), atol=ROUNDING)
         np.testing.assert_allclose(spun, expected, atol=ROUNDING)
         known = Rotation.from_quat(spun[:, 3:], scalar_first=True).as_matrix()
         np.testing.assert_allclose(matrix, known, atol=ROUNDING)
+        np.testing.assert_allclose(less, known - np.eye(3), atol=ROUNDING)
 
 
 @pytest.mark.compiled

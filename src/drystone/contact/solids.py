@@ -58,6 +58,28 @@ def _planes(local: Array, ring: IntArray, corner: IntArray) -> tuple[Array, Arra
     return swept, tangent, np.column_stack((area, 4.0 * area / perimeter))
 
 
+def _all_topology(
+    cores: Sequence[tuple[Array, Faces]],
+) -> tuple[IntArray, IntArray, IntArray, IntArray]:
+    """First vertex, face and edge of each part; corners of each face; corners and edges of all."""
+    topology = [_topology(faces) for _, faces in cores]
+    numbers = [
+        (len(core), len(count), len(edges))
+        for (core, _), (count, _, edges) in zip(cores, topology, strict=True)
+    ]
+    first = np.zeros((len(cores) + 1, 3), np.int64)
+    np.cumsum(numbers, axis=0, out=first[1:])
+    count = np.concatenate([count for count, _, _ in topology])
+    ring = np.concatenate(([0], np.cumsum(count))).astype(np.int64)
+    corner = np.vstack(
+        [corners + (v, v, e) for (v, _, e), (_, corners, _) in zip(first, topology, strict=False)]
+    )
+    edge = np.vstack(
+        [edges + (v, v, f, f) for (v, f, _), (_, _, edges) in zip(first, topology, strict=False)]
+    )
+    return first, ring, corner, edge
+
+
 def pack(
     cores: Sequence[tuple[Array, Faces]],
     of_part: IntArray,
@@ -84,22 +106,8 @@ def pack(
     axes
         Principal axes of the bodies as designed, in columns, (n, 3, 3).
     """
-    topology = [_topology(faces) for _, faces in cores]
-    numbers = [
-        (len(core), len(count), len(edges))
-        for (core, _), (count, _, edges) in zip(cores, topology, strict=True)
-    ]
-    first = np.zeros((len(cores) + 1, 3), np.int64)
-    np.cumsum(numbers, axis=0, out=first[1:])
     local = np.ascontiguousarray(np.vstack([core for core, _ in cores]), dtype=np.float64)
-    count = np.concatenate([count for count, _, _ in topology])
-    ring = np.concatenate(([0], np.cumsum(count))).astype(np.int64)
-    corner = np.vstack(
-        [corners + (v, v, e) for (v, _, e), (_, corners, _) in zip(first, topology, strict=False)]
-    )
-    edge = np.vstack(
-        [edges + (v, v, f, f) for (v, f, _), (_, _, edges) in zip(first, topology, strict=False)]
-    )
+    first, ring, corner, edge = _all_topology(cores)
     swept, tangent, extent = _planes(local, ring, corner[:, :2])
     area = extent[:, 0]
     start = local[corner[ring[:-1], 0]]

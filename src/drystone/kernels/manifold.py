@@ -105,6 +105,7 @@ from drystone.kernels.overlap import (
     widened,
     width_of,
 )
+from drystone.kernels.rotation import place_axes
 from drystone.kernels.separation import (
     best_edges,
     best_face,
@@ -188,31 +189,11 @@ def slots_of(shapes: Shapes, points: int, part_a: IntArray, part_b: IntArray) ->
 
 
 @njit(cache=True)
-def _rotate(q0, x, y, z, turn, body):
-    """Rotation less identity of a unit quaternion: 2 w [v] + 2 [v]^2."""
-    turn[body, 0, 0] = -2.0 * (y * y + z * z)
-    turn[body, 1, 1] = -2.0 * (x * x + z * z)
-    turn[body, 2, 2] = -2.0 * (x * x + y * y)
-    turn[body, 0, 1] = 2.0 * (x * y - q0 * z)
-    turn[body, 1, 0] = 2.0 * (x * y + q0 * z)
-    turn[body, 0, 2] = 2.0 * (x * z + q0 * y)
-    turn[body, 2, 0] = 2.0 * (x * z - q0 * y)
-    turn[body, 1, 2] = 2.0 * (y * z - q0 * x)
-    turn[body, 2, 1] = 2.0 * (y * z + q0 * x)
-
-
-@njit(cache=True)
 def turn_bodies(shapes, pose, world):
     """Rotations and principal axes of all bodies in poses (n, 7)."""
     designed, turn, axes = shapes.axes, world.turn, world.axes
     for body in range(pose.shape[0]):
-        _rotate(pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6], turn, body)
-        for i in range(3):
-            for j in range(3):
-                total = designed[body, i, j]
-                for k in range(3):
-                    total += turn[body, i, k] * designed[body, k, j]
-                axes[body, i, j] = total
+        place_axes(pose, body, designed, turn, axes)
 
 
 @njit(cache=True)

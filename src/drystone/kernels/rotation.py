@@ -10,19 +10,26 @@ QUATERNION = 3
 
 
 @njit(cache=True)
-def fill_matrix(pose, i, matrix):
-    """Fill ``matrix`` (n, 3, 3) of body i with the rotation of its pose (n, 7)."""
+def place_axes(pose, i, designed, turn, axes):
+    """Fill row i of ``turn`` (n, 3, 3), the rotation of its pose (n, 7) less identity, 2 w [v] +
+    2 [v]^2, and of ``axes``, where it takes the columns of ``designed``; (n, 3, 3) both."""
     w, x = pose[i, QUATERNION], pose[i, QUATERNION + 1]
     y, z = pose[i, QUATERNION + 2], pose[i, QUATERNION + 3]
-    matrix[i, 0, 0] = 1.0 - 2.0 * (y * y + z * z)
-    matrix[i, 0, 1] = 2.0 * (x * y - w * z)
-    matrix[i, 0, 2] = 2.0 * (x * z + w * y)
-    matrix[i, 1, 0] = 2.0 * (x * y + w * z)
-    matrix[i, 1, 1] = 1.0 - 2.0 * (x * x + z * z)
-    matrix[i, 1, 2] = 2.0 * (y * z - w * x)
-    matrix[i, 2, 0] = 2.0 * (x * z - w * y)
-    matrix[i, 2, 1] = 2.0 * (y * z + w * x)
-    matrix[i, 2, 2] = 1.0 - 2.0 * (x * x + y * y)
+    turn[i, 0, 0] = -2.0 * (y * y + z * z)
+    turn[i, 1, 1] = -2.0 * (x * x + z * z)
+    turn[i, 2, 2] = -2.0 * (x * x + y * y)
+    turn[i, 0, 1] = 2.0 * (x * y - w * z)
+    turn[i, 1, 0] = 2.0 * (x * y + w * z)
+    turn[i, 0, 2] = 2.0 * (x * z + w * y)
+    turn[i, 2, 0] = 2.0 * (x * z - w * y)
+    turn[i, 1, 2] = 2.0 * (y * z - w * x)
+    turn[i, 2, 1] = 2.0 * (y * z + w * x)
+    for j in range(3):
+        for k in range(3):
+            total = designed[i, j, k]
+            for m in range(3):
+                total += turn[i, j, m] * designed[i, m, k]
+            axes[i, j, k] = total
 
 
 @njit(cache=True)
