@@ -189,8 +189,10 @@ def _unpack(contacts, n_contacts, history, reaction, status):
 def pack(slots, bodies, pairs, laws, thickness, history, contacts):
     """Fill ``contacts`` from the slots in use and return their number."""
     n_contacts = _pack(slots, pairs, laws, thickness, history, contacts)
-    freeze = freeze_in_plane if slots.dim == 2 else freeze_in_space
-    freeze(slots, bodies, pairs, contacts, n_contacts)
+    if slots.dim == 2:
+        freeze_in_plane(slots, bodies, pairs, contacts, n_contacts)
+    else:
+        freeze_in_space(slots, bodies.centroid, bodies.radius, pairs, contacts, n_contacts)
     return n_contacts
 
 

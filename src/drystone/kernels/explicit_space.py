@@ -106,10 +106,12 @@ class Turns(NamedTuple):
 
 
 @njit(cache=True)
-def freeze_in_space(slots, bodies, pairs, contacts, n_contacts):
-    """Fill bodies and shape of ``contacts``, whose slots are known."""
+def freeze_in_space(slots, centroid, radius, pairs, contacts, n_contacts):
+    """Fill bodies and shape of ``contacts``, whose slots are known.
+
+    ``centroid`` (n, 3) is that of the bodies as designed, ``radius`` (n_parts,) of their parts [m].
+    """
     meets, value = slots
-    centroid, radius = bodies.centroid, bodies.radius
     pair, of_pair = pairs.of_slot, pairs.which
     slot, edge, other, shape = contacts.slot, contacts.edge, contacts.other, contacts.shape
     for c in range(n_contacts):
