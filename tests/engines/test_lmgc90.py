@@ -422,6 +422,7 @@ def test_the_full_lmgc90_is_driven_by_its_names(monkeypatch, tmp_path):
         tolerance=5e-6,
         sweeps_per_check=50,
         max_sweeps=100,
+        scramble=0,
         time_step=0.05,
     )
     simulation = chipy.Simulation(setup)

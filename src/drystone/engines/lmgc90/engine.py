@@ -63,6 +63,12 @@ class Lmgc90Settings:
     tolerance: float = 5e-6  # of Gauss-Seidel, in LMGC90's norm "QM/16"; looser ones creep
     sweeps_per_check: int = 50
     max_sweeps: int = 25_000  # in one step
+    #: Sweeps after which contacts in space are taken in another order, by chance: in LMGC90's own,
+    #: a façade of 1000 points takes thirty times as many.
+    scramble: int = 1
+    #: In space, largest stiffness of a contact over that of a block's inertia, m / h2: the time step
+    #: is cut to that.  Gauss-Seidel ends by impulses, and gaps are as much less well known.
+    stiffest: float = 1e3
     theta: float = 1.0  # of the theta method; 1 is the step of `engines.nscd`
     settling_time_step: float = 0.05  # s
     longest_time_step: float = 0.05  # s; a longer one that is asked for is cut to it
@@ -105,7 +111,18 @@ class Lmgc90Engine:
 
     def preferences(self, assembly: Assembly) -> dict[str, float]:
         """See `Engine`."""
-        return {"time_step": self.settings.longest_time_step}
+        return {"time_step": self._longest(assembly)}
+
+    def _longest(self, assembly: Assembly) -> float:
+        """Longest time step [s]."""
+        s = self.settings
+        if assembly.dimension == 2:
+            return s.longest_time_step
+        # A point holds a quarter of a joint, whose area is about that of a face.
+        area = assembly.volume[~assembly.fixed] ** (2.0 / 3.0)
+        stiffness = max(law.normal_stiffness or 0.0 for law in assembly.laws) * area / 4.0
+        slowest = np.sqrt(s.stiffest * assembly.mass[~assembly.fixed, 0] / stiffness)
+        return float(min(s.longest_time_step, slowest.min()))
 
     def start(self, problem: Problem) -> tuple[Lmgc90State, StepReport]:
         """Start LMGC90 and settle under the dead load.
@@ -130,6 +147,7 @@ class Lmgc90Engine:
         self.loads = replace(LoadArrays.of(problem), mass=mass)
         self.extent = np.maximum(self.detector.extent, 1e-12)
         self.friction = assembly.joint.friction_coefficient
+        self._longest_time_step = self._longest(assembly)
         self._numbers = itertools.count(1)
         self._latest = self._accepted = 0
         rest = assembly.rest_pose()
@@ -170,33 +188,38 @@ class Lmgc90Engine:
             tolerance=s.tolerance,
             sweeps_per_check=s.sweeps_per_check,
             max_sweeps=s.max_sweeps,
+            scramble=s.scramble if assembly.dimension == 3 else 0,
             time_step=s.settling_time_step,
         )
 
     def _settle(self, state: Lmgc90State) -> tuple[Lmgc90State, StepReport]:
         """Steps from rest until nothing moves and the supports carry the weight."""
-        assembly, h = self.problem.assembly, self.settings.settling_time_step
+        assembly = self.problem.assembly
+        longest = h = min(self.settings.settling_time_step, self._longest_time_step)
         limit = assembly.smallest_extent
         weight = float(assembly.weight[~assembly.fixed].sum())
         outcome = StepReport(converged=False)
         carried = 0.0
-        for _ in range(300):
+        for k in range(300):
             new, outcome = self.step(state, Demand(multiplier=0.0, time_step=h))
             if not outcome.converged:
                 h *= 0.5
-                if h < 1e-3 * self.settings.settling_time_step:
+                if h < 1e-3 * longest:
                     raise EngineError(f"LMGC90 does not settle under the weight: {outcome.reason}")
                 continue
             state = new
             assert state.outcome is not None
             held = motion.translations(state.outcome.contact_force)[assembly.fixed]
             carried = -float((held @ assembly.up).sum()) / weight
-            if outcome.motion < 1e-2 * max(outcome.penetration, 1e-9):
+            # Solved to a tolerance only, blocks that rest still tremble.
+            still = 1e-2 if k < 20 else 1e-1
+            at_rest = outcome.motion < still * max(outcome.penetration, 1e-9)
+            if at_rest and abs(carried - 1.0) <= BALANCE:
                 break
-            if self.detector.farthest(state.pose) > limit:
+            if self.detector.travelled(state.pose).max() > limit:
                 break
         if abs(carried - 1.0) > BALANCE:
-            moved = self.detector.motion(state.pose)
+            moved = self.detector.travelled(state.pose)
             raise UnstableError(
                 f"LMGC90's supports carry {carried:.4f} of the weight, so that it has lost "
                 f"contacts, or {unstable_sentence(assembly.ids, moved)}"
@@ -211,7 +234,7 @@ class Lmgc90Engine:
             raise EngineError("the lmgc90 engine has been closed: start it again")
         if state.number not in (self._latest, self._accepted):
             raise EngineError("LMGC90 holds its last state only: it cannot go back further")
-        h = min(demand.time_step, self.settings.longest_time_step)
+        h = min(demand.time_step, self._longest_time_step)
         accept = state.number != self._accepted
         loads = self._loads(state)
         outcome = self._process.ask(

@@ -37,6 +37,7 @@ class Setup:
     tolerance: float  # -, of Gauss-Seidel, in the norm "QM/16"
     sweeps_per_check: int
     max_sweeps: int
+    scramble: int  # sweeps after which the contacts are taken in another order; 0: never
     time_step: float  # s, of the first step
     upright: bool = False  # in space: bodies stay where they are along z, and turn about it alone
 

@@ -24,7 +24,7 @@ import ctypes
 import importlib.util
 from collections import Counter
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,7 +61,7 @@ PROCEDURES = (
     *(NLGS + name for name in (
         "assume_is_initialized", "set_nlgs_parameter", "prep_nlgs", "solve_nlgs",
         "prep_check_nlgs", "comp_check_nlgs", "rnodhrloc_nlgs", "nullify_entitylist_nlgs",
-        "update_tact_behav_nlgs",
+        "update_tact_behav_nlgs", "quick_scramble_nlgs",
     )),
     *(OVERALL + name for name in (
         "time_increment", "init_entitylist", "set_run_contactor", "updt_time_begin",
@@ -70,7 +70,7 @@ PROCEDURES = (
         "recup_rloc", "stock_rloc", "get_nb_inters", "get_idata", "get_local_frame", "get_rloc",
         "get_gaps", "set_internal_bv",
     )),
-    "lmgc90_get_all_bodies",
+    "lmgc90_get_all_bodies", "_gfortran_random_seed_i4",
 )  # fmt: skip
 VARIABLES = (OVERALL + "h", *(f"__bulk_behaviour_MOD_grav{axis}" for axis in (1, 2, 3)))
 
@@ -92,6 +92,38 @@ def _row(values: NDArray[Any], k: int) -> ctypes.c_void_p:
     return ctypes.c_void_p(values.ctypes.data + k * values.strides[0])
 
 
+class _Descriptor(ctypes.Structure):
+    """How gfortran, from version 8 on, describes an array of one dimension."""
+
+    _fields_ = (
+        ("base", ctypes.c_void_p),
+        ("offset", ctypes.c_size_t),
+        ("element", ctypes.c_size_t),
+        ("version", ctypes.c_int),
+        ("rank", ctypes.c_int8),
+        ("type", ctypes.c_int8),
+        ("attribute", ctypes.c_int16),
+        ("span", ctypes.c_ssize_t),
+        ("stride", ctypes.c_ssize_t),
+        ("first", ctypes.c_ssize_t),
+        ("last", ctypes.c_ssize_t),
+    )
+
+
+class FortranArray:
+    """An array that a procedure takes by its descriptor."""
+
+    #: gfortran's number of a type, by numpy's kind.
+    TYPES: ClassVar = {"i": 1, "f": 3}
+
+    def __init__(self, values: NDArray[Any]) -> None:
+        self.values, size = values, values.itemsize
+        self.descriptor = _Descriptor(
+            values.ctypes.data, ctypes.c_size_t(-1).value, size, 0, 1,
+            self.TYPES[values.dtype.kind], 0, size, 1, 1, len(values),
+        )  # fmt: skip
+
+
 class Library:
     """The procedures and variables of LMGC90 in the wheel's library."""
 
@@ -107,6 +139,8 @@ class Library:
                 + (f" and {len(missing) - 1} more" if len(missing) > 1 else "")
                 + ", which this engine needs: install version 0.1.11"
             )
+
+        self._seed = FortranArray(np.arange(1, 65, dtype=np.int32))
 
     def _has(self, name: str) -> bool:
         return hasattr(self._library, name)
@@ -125,6 +159,10 @@ class Library:
     def set(self, name: str, value: float) -> None:
         """Set a variable."""
         ctypes.c_double.in_dll(self._library, name).value = value
+
+    def seed(self) -> None:
+        """Begin the random numbers anew, so that a step can be taken again to the bit."""
+        self._library._gfortran_random_seed_i4(None, ctypes.byref(self._seed.descriptor), None)
 
     def bodies(self, n: int) -> tuple[Array, Array]:
         """Centres (n, 3) [m] and frames of inertia (n, 3, 3), axes in columns."""
@@ -296,8 +334,11 @@ class Simulation:
         library.call(NLGS + "prep_nlgs", _integer(1))  # the whole Delassus operator is kept
         sweep, check = _integer(1), _integer(2)
         n_sweeps, state = 0, ctypes.c_int(1)
+        library.seed()
         while n_sweeps < setup.max_sweeps:
-            for _ in range(setup.sweeps_per_check):
+            for k in range(setup.sweeps_per_check):
+                if setup.scramble and k % setup.scramble == 0:
+                    library.call(NLGS + "quick_scramble_nlgs")
                 library.call(NLGS + "solve_nlgs", sweep)
             n_sweeps += setup.sweeps_per_check
             library.call(NLGS + "prep_check_nlgs", ctypes.byref(state))
