@@ -6,7 +6,9 @@ from __future__ import annotations
 import importlib.util
 import os
 import signal
+from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,6 +26,7 @@ from drystone.engines.lmgc90 import Lmgc90Engine, Lmgc90Settings, engine
 from drystone.engines.lmgc90.messages import Outcome, Ready, Setup, Step
 from drystone.engines.lmgc90.prisms import extrude, same_place
 from drystone.geometry.solid import Part
+from drystone.model import Model
 
 LEG = 0.02  # m, of the chamfers
 needs_lmgc90 = pytest.mark.skipif(
@@ -264,7 +267,55 @@ def test_motions_and_forces_in_space_balance():
     assert np.abs(state.pose[1] - before[1]).max() > 1e-5
 
 
+def facade(stiffness: float) -> Model:
+    """A façade with two returns, 92 blocks, pushed outwards; joints of a stiffness [Pa/m]."""
+    path = Path(__file__).parents[1] / "cases" / "solids" / "facade_5x3x8.toml"
+    model = solids.from_boxes(path, push=(0.0, -1.0, 0.0))
+    joint = replace(model.assembly.joint, normal_stiffness=stiffness)
+    return replace(model, assembly=replace(model.assembly, joint=joint))
+
+
+@needs_lmgc90
+@pytest.mark.slow
+def test_a_facade_in_space_has_all_its_joints():
+    model = facade(1e8)
+    assembly = model.assembly
+    theirs = make_engine("lmgc90")
+    state, _ = theirs.start(problem_of(model))
+    contacts = theirs.contacts(state)
+    carried = state.outcome.contact_force[assembly.fixed].sum(axis=0)
+    theirs.close()
+    weight = assembly.weight[~assembly.fixed].sum()
+    # 4e-6 were measured: what is left of the motion of settling.
+    np.testing.assert_allclose(carried[:3] / weight, [0.0, 0.0, -1.0], atol=1e-5)
+    found = Counter(zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True))
+    joints = assembly.interfaces
+    designed = zip(joints.block_a.tolist(), joints.block_b.tolist(), strict=True)
+    assert found == dict.fromkeys(designed, 4)  # four points each
+    # Where faces touch along an edge only, our detection has a point of next to no area.
+    areas = dict.fromkeys(found, 0.0)
+    for a, b, area in zip(contacts.block_a, contacts.block_b, contacts.area, strict=True):
+        areas[a, b] += area
+    wanted = {
+        (a, b): size
+        for a, b, size in zip(
+            joints.block_a.tolist(), joints.block_b.tolist(), joints.size, strict=True
+        )
+    }
+    for pair, area in areas.items():
+        assert area == pytest.approx(wanted[pair], rel=1e-6)
+
+
 # Without LMGC90
+
+#: Everything of an outcome but its contacts.
+NOTHING_MOVES = {
+    "converged": True,
+    "n_sweeps": 1,
+    "pose": np.zeros((4, 7)),
+    "velocity": np.zeros((4, 6)),
+    "contact_force": np.zeros((4, 6)),
+}
 
 
 class Puppet:
@@ -359,6 +410,61 @@ def test_several_friction_coefficients_are_refused():
     model = stack((0.4, 1.0), (0.4, 1.0), joint_between={frozenset(("b1", "b2")): other})
     with pytest.raises(EngineError, match="one friction coefficient"):
         Lmgc90Engine(driver="wheel").start(problem_of(model))
+
+
+def test_concave_blocks_are_refused_by_name():
+    outline = np.array([[0, 0], [1, 0], [1, 1], [0.6, 1], [0.6, 0.4], [0, 0.4]], float)
+    blocks = [
+        Block(id="base", vertices=rectangle(-1, -0.5, 3, 0.5), unit_weight=1e4, support=True),
+        Block(id="bent", vertices=outline, unit_weight=1e4),
+    ]
+    model = make_model(blocks, joint=PUBLISHED_JOINT, thickness=1.0, load_direction=(1.0, 0.0))
+    with pytest.raises(EngineError, match='"bent" is of several convex parts'):
+        Lmgc90Engine(driver="wheel").start(problem_of(model))
+
+
+def test_a_full_lmgc90_leaves_space_to_the_wheel(monkeypatch):
+    monkeypatch.setattr(engine.importlib.util, "find_spec", lambda name: object())
+    assert engine.module_of("chipy", 2) == "chipy"
+    assert engine.module_of("chipy", 3) == engine.module_of("wheel", 3) == "wheel"
+    monkeypatch.setattr(engine.importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(EngineError, match="in the plane only"):
+        engine.module_of("chipy", 3)
+
+
+def test_contacts_seen_from_the_other_block_push_it_the_same_way():
+    rng = np.random.default_rng(5)
+    axes = Rotation.random(4, random_state=5).as_matrix()
+    outcome = Outcome(
+        **NOTHING_MOVES,
+        body_a=np.array([0, 3, 1, 2]),
+        body_b=np.array([1, 2, 0, 3]),
+        position=rng.normal(size=(4, 3)),
+        normal=axes[:, 0],
+        tangent=axes[:, 1],
+        gap=np.zeros(4),
+        reaction=rng.normal(size=(4, 3)),
+        stiffness=np.ones(4),
+    )
+
+    def on_first(found):
+        axes = np.concatenate((found.normal[:, None], engine.tangents_of(found)), axis=1)
+        on_b = np.einsum("ki,kij->kj", found.reaction, axes)
+        return np.where((found.body_b < found.body_a)[:, None], on_b, -on_b)
+
+    lower = engine.lower_first(outcome)
+    assert np.all(lower.body_a < lower.body_b)
+    np.testing.assert_allclose(on_first(lower), on_first(outcome), atol=1e-15)
+    np.testing.assert_array_equal(lower.reaction[:, 0], outcome.reaction[:, 0])
+
+
+def test_time_steps_in_space_are_as_short_as_stiff_joints_ask_for():
+    solver = Lmgc90Engine(driver="wheel")
+    soft, stiff = (facade(stiffness).assembly for stiffness in (1e6, 1e10))
+    assert solver.preferences(soft) == {"time_step": 0.05}
+    # Half units 0.2 m wide weigh 80 N: k_n 0.04 m2 / 4 over m / h2 is a thousand.
+    wanted = np.sqrt(1e3 * 80.0 / 9.81 / (1e10 * 0.2**2 / 4.0))
+    assert solver.preferences(stiff)["time_step"] == pytest.approx(wanted)
 
 
 def test_a_missing_package_is_said_with_what_to_install(monkeypatch):

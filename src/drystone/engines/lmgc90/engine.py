@@ -66,8 +66,8 @@ class Lmgc90Settings:
     #: Sweeps after which contacts in space are taken in another order, by chance: in LMGC90's own,
     #: a façade of 1000 points takes thirty times as many.
     scramble: int = 1
-    #: In space, largest stiffness of a contact over that of a block's inertia, m / h2: the time step
-    #: is cut to that.  Gauss-Seidel ends by impulses, and gaps are as much less well known.
+    #: In space, largest stiffness of a contact over a block's mass / h2: the time step is cut to
+    #: that.  Gauss-Seidel ends by impulses, and gaps are as much less well known.
     stiffest: float = 1e3
     theta: float = 1.0  # of the theta method; 1 is the step of `engines.nscd`
     settling_time_step: float = 0.05  # s
@@ -503,10 +503,12 @@ def check(assembly: Assembly) -> tuple[str, ...]:
             "the lmgc90 engine has one friction coefficient for all joints: give the joints the "
             "same one, or take the equilibrium, the nscd or the distinct engine"
         )
-    if len(assembly.shapes.body) > assembly.n_bodies:
+    several = np.flatnonzero(np.diff(assembly.shapes.body) == 0)
+    if len(several):
+        name = assembly.ids[int(assembly.shapes.body[several[0]])]
         raise EngineError(
-            "the lmgc90 engine has blocks of one convex part each: take the equilibrium, the nscd "
-            "or the distinct engine"
+            f'block "{name}" is of several convex parts, the lmgc90 engine has blocks of one each: '
+            "take the equilibrium, the nscd or the distinct engine"
         )
     notes = []
     if any(law.shear_stiffness is not None for law in assembly.laws):
