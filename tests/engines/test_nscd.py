@@ -10,7 +10,7 @@ import pytest
 from drystone.analysis import pushover
 from drystone.engines.base import Demand, Problem
 from drystone.engines.nscd import NscdEngine
-from drystone.solvers.nlgs import BlockSystem
+from drystone.solvers.block_system import BlockSystem
 from structures import structure
 
 

@@ -25,13 +25,14 @@ from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
-from drystone.geometry.motion import places, spun_on
+from drystone.geometry.motion import places, spun_by_impulses, spun_on
 from drystone.kernels.contacts import Pairs, Slots
 from drystone.kernels.law import MU
 from drystone.kernels.nlgs import ContactProblem
 from drystone.kernels.residual import add_contact_forces
 from drystone.solvers import nlgs
-from drystone.solvers.nlgs import BlockSystem, NlgsResult, NlgsSettings
+from drystone.solvers.block_system import BlockSystem
+from drystone.solvers.nlgs import NlgsResult, NlgsSettings
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -191,7 +192,8 @@ class NscdEngine:
         loads, h, chosen = self.loads, demand.time_step, problem.contacts.slot
         increment = h * solved.velocity
         pose = self.problem.assembly.moved(state.pose, increment)
-        new, reaction = self._arrive(state, pose, solved.velocity, chosen, solved.impulse / h)
+        velocity = spun_by_impulses(solved.velocity, before, self.problem.assembly.mass, h)
+        new, reaction = self._arrive(state, pose, velocity, chosen, solved.impulse / h)
         force = np.zeros_like(increment)
         add_contact_forces(problem.contacts, reaction[chosen], force)
         acceleration = (solved.velocity - before) / h

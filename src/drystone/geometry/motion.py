@@ -90,6 +90,17 @@ def spun_on(velocity: Array, increment: Array, mass: Array, time_step: float) ->
     return after
 
 
+def spun_by_impulses(velocity: Array, carried: Array, mass: Array, time_step: float) -> Array:
+    """Velocities (n, n_dof) that a step ends with, in which impulses have changed those ``carried``
+    into ``velocity``; in space so that no moment of momentum is lost, see
+    `kernels.rotation.spin_by_impulses`."""
+    if velocity.shape[1] == 3:
+        return velocity
+    after = velocity.copy()
+    rotation.spin_by_impulses(carried, mass, time_step, after)
+    return after
+
+
 def places(centroid: Array, pose: Array) -> Array:
     """Where centroids are, (n, dim) [m]."""
     return centroid + translations(pose)

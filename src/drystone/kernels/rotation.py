@@ -127,3 +127,28 @@ def spin_on(increment, mass, time_step, velocity):
             if dx * dx + dy * dy + dz * dz <= (1e-15 * size) ** 2:
                 break
         velocity[i, 3], velocity[i, 4], velocity[i, 5] = wx, wy, wz
+
+
+@njit(cache=True)
+def spin_by_impulses(carried, mass, time_step, velocity):
+    """Make spins of those that a step was solved for, in place, so that no moment of momentum is
+    lost.
+
+    Impulses of moment I (w - c) have changed the spins ``carried`` (n, 6), see `spin_on`, into w;
+    they are seen along the axes at the start of the step, the spins amid it:
+
+        exp(h w / 2) I w' = exp(h c / 2) I c + I (w - c)
+
+    The difference of w' and w is of first order in the step.
+    """
+    half = 0.5 * time_step
+    for i in range(velocity.shape[0]):
+        wx, wy, wz = velocity[i, 3], velocity[i, 4], velocity[i, 5]
+        cx, cy, cz = carried[i, 3], carried[i, 4], carried[i, 5]
+        ix, iy, iz = mass[i, 3], mass[i, 4], mass[i, 5]
+        if ix == 0.0 or (wx == 0.0 and wy == 0.0 and wz == 0.0):
+            continue
+        lx, ly, lz = _turned(half * cx, half * cy, half * cz, ix * cx, iy * cy, iz * cz)
+        lx, ly, lz = lx + ix * (wx - cx), ly + iy * (wy - cy), lz + iz * (wz - cz)
+        lx, ly, lz = _turned(-half * wx, -half * wy, -half * wz, lx, ly, lz)
+        velocity[i, 3], velocity[i, 4], velocity[i, 5] = lx / ix, ly / iy, lz / iz

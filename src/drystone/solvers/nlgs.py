@@ -9,20 +9,21 @@ can only help.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.kernels import lu_numeric, lu_symbolic
 from drystone.kernels import nlgs as kernels
 from drystone.kernels.contacts import STIFF_N, STIFF_T
-from drystone.kernels.forces import Tangent
 from drystone.kernels.law import BACKWARD, FORWARD, SLIDING, joint_law_violation
 from drystone.kernels.nlgs import ContactProblem
 from drystone.kernels.residual import unbalanced_force
 from drystone.kernels.rows import IN_SPACE, dof_of
+from drystone.solvers.block_system import BlockSystem, SingularMatrixError
+from drystone.solvers.cones import Interior
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -59,52 +60,14 @@ class NlgsResult:
     n_corrections: int
 
 
-class SingularMatrixError(ArithmeticError):
-    """The tangent has no inverse."""
+#: What leads from known impulses to better ones: impulses and velocities, trial after trial.
+Way = Callable[[Array], Iterator[tuple[Array, Array]]]
 
+#: Corrections of a trial that is given up soon.
+AT_ONCE = 6
 
-class BlockSystem:
-    """Solves for the velocities of the blocks in contact along one list of pairs.
-
-    Parameters
-    ----------
-    a, b
-        Bodies of each pair, (n_pairs,).
-    mass
-        (n, n_dof) [kg, kg m2], zero on fixed bodies.
-    fixed
-        (n,) bodies that do not move.
-    place
-        (n, dim) m, about where the bodies are, for the order of elimination.
-    """
-
-    def __init__(
-        self, a: IntArray, b: IntArray, mass: Array, fixed: BoolArray, place: Array
-    ) -> None:
-        n, n_dof = mass.shape
-        self.a, self.b, self.mass, self.fixed = a, b, mass, fixed
-        self.unheld = np.zeros(n)
-        self.tangent = Tangent.zeros(n, len(a), n_dof)  # kg
-        self.structure = lu_symbolic.analyse(a, b, fixed, place, n_dof)
-        self.factors = lu_numeric.allocate(self.structure)
-
-    def solve(self, momenta: Array) -> Array:
-        """Velocities (n, n_dof) of momenta that are zero on fixed bodies.
-
-        Where stiffly held contacts stick beside others that slide, exchanging rows inside blocks
-        alone leaves errors a thousand times those of rounding: they are solved for once more.
-
-        Raises `SingularMatrixError`.
-        """
-        structure, factors = self.structure, self.factors
-        pivot = lu_numeric.factorise(structure, *self.tangent, factors, self.mass, self.unheld, 0.0)
-        if pivot == 0.0:
-            raise SingularMatrixError
-        velocity, left = momenta[None].copy(), momenta[None].copy()
-        lu_numeric.solve(structure, factors, velocity)
-        lu_numeric.residual(structure, self.a, self.b, self.fixed, *self.tangent, velocity, left)
-        lu_numeric.solve(structure, factors, left)
-        return velocity[0] + left[0]
+#: How stiffly sticking is held in the interior of the law, over the stiffest joint.
+WITHIN = 30.0
 
 
 def natural_map(problem: ContactProblem, dim: int, h: float) -> Array:
@@ -162,11 +125,9 @@ def solve(
         residual = step.residual(impulse, velocity)
         if residual <= settings.tolerance:
             break
-        starts = [velocity]
-        if n_sweeps == chunk:
-            starts = [accelerator.predicted(before, guess), guess, velocity]
+        ways = accelerator.ways(before, guess if n_sweeps == chunk else None, impulse, velocity)
         known = impulse, velocity, residual
-        impulse, velocity, residual = step.best(accelerator, starts, known, settings.tolerance)
+        impulse, velocity, residual = step.best(ways, known, settings.tolerance)
         chunk *= 2
     return NlgsResult(
         impulse=impulse,
@@ -194,20 +155,16 @@ class _Step:
         return velocity
 
     def best(
-        self,
-        accelerator: _Accelerator,
-        starts: list[Array],
-        known: tuple[Array, Array, float],
-        enough: float,
+        self, ways: Iterable[Way], known: tuple[Array, Array, float], enough: float
     ) -> tuple[Array, Array, float]:
         """Impulses, velocities and residual of the first trial that is good ``enough`` [N], or of
-        the best, that ``known`` included; each start goes on from the impulses known by then.
+        the best, that ``known`` included; each way goes on from the impulses known by then.
 
         Velocities are kept beside impulses: made of them anew they would turn the last bit of an
         impulse, times the joint's stiffness over the mass, into forces.
         """
-        for start in starts:
-            for impulse, velocity in accelerator.trials(known[0], start):
+        for way in ways:
+            for impulse, velocity in way(known[0]):
                 residual = self.residual(impulse, velocity)
                 if residual < known[2]:
                     known = impulse.copy(), velocity.copy(), residual
@@ -255,6 +212,57 @@ class _Accelerator:
         self.turn = np.zeros((len(problem.gap), len(self.dof) - 3))  # see `kernels.held_law`
         self.n_solved = 0
 
+    def ways(
+        self, before: Array, guess: Array | None, impulse: Array, velocity: Array
+    ) -> Iterator[Way]:
+        """What to try, in turn.
+
+        Parameters
+        ----------
+        before, guess
+            Impulses and velocities of a similar step; no velocities where those have been tried.
+        impulse, velocity
+            Where the sweeps have come to.
+        """
+        if len(self.dof) == len(IN_SPACE):
+            if guess is not None:
+                yield partial(self.at_once, velocity=self.predicted(before, guess))
+            held, moving = (impulse, velocity) if guess is None else (before, guess)
+            yield lambda known: self.from_within(held, moving, known)
+        elif guess is not None:
+            yield partial(self.trials, velocity=self.predicted(before, guess))
+        for start in [velocity] if guess is None else [guess, velocity]:
+            yield partial(self.trials, velocity=start)
+
+    def at_once(self, impulse: Array, velocity: Array) -> Iterator[tuple[Array, Array]]:
+        """`trials` that are given up soon: for where next to nothing has changed."""
+        return self._moves(impulse.copy(), velocity.copy(), self.holds[0], AT_ONCE)
+
+    def from_within(
+        self, impulse: Array, velocity: Array, known: Array
+    ) -> Iterator[tuple[Array, Array]]:
+        """`trials` from where the interior of the law leads, see `solvers.cones`, the springs held
+        about ``impulse`` first; ``known`` impulses are of the usual size."""
+        pressed = known[known[:, 0] > 0.0, 0]
+        if len(pressed) == 0:
+            return
+        self.penalty = WITHIN * self.stiffest
+        centre = impulse[:, 1:].copy()
+        search = Interior(
+            self.problem, self.system, self.free_velocity, self.h, self.penalty, centre
+        )
+        search.start(velocity, float(pressed.mean()))
+        for near in search.steps():
+            self.n_solved += 1
+            if not near:
+                continue
+            self.penalty = WITHIN * self.stiffest
+            found, moved = impulse.copy(), search.velocity.copy()
+            if self._newton(centre, moved, found, np.zeros(len(found), np.int64), AT_ONCE):
+                yield found, moved
+                yield from self._moves(found, moved, self.holds[0])
+                return
+
     def trials(self, impulse: Array, velocity: Array) -> Iterator[tuple[Array, Array]]:
         """Impulses and velocities after each move of the springs; the arrays are reused."""
         for holds in self.holds:
@@ -285,13 +293,13 @@ class _Accelerator:
             return velocity
 
     def _moves(
-        self, impulse: Array, velocity: Array, holds: Iterable[float]
+        self, impulse: Array, velocity: Array, holds: Iterable[float], most: int | None = None
     ) -> Iterator[tuple[Array, Array]]:
         piece = np.zeros(len(impulse), np.int64)
         for hold in holds:
             self.penalty = hold * self.stiffest
             centre = impulse[:, 1:].copy()
-            if not self._newton(centre, velocity, impulse, piece):
+            if not self._newton(centre, velocity, impulse, piece, most):
                 return
             yield impulse, velocity
 
@@ -320,11 +328,19 @@ class _Accelerator:
         self.n_solved += 1
         return direction
 
-    def _newton(self, centre: Array, velocity: Array, impulse: Array, piece: IntArray) -> bool:
-        """Solve for the velocities in place; False where it does not converge."""
+    def _newton(
+        self,
+        centre: Array,
+        velocity: Array,
+        impulse: Array,
+        piece: IntArray,
+        most: int | None = None,
+    ) -> bool:
+        """Solve for the velocities in place, with at ``most`` so many corrections (None: those of
+        the settings); False where it does not converge."""
         none = np.zeros(len(centre), np.bool_)
         merit = self._law(centre, none, velocity, impulse, piece)
-        for _ in range(self.corrections):
+        for _ in range(self.corrections if most is None else most):
             if merit <= self.enough:
                 return True
             base, sense = velocity.copy(), self._sense(piece)
