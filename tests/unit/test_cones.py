@@ -1,0 +1,146 @@
+"""The interior of the cones of friction: its products, its scaling, and where it leads."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drystone.kernels import cones
+from drystone.kernels.cones import ETA, P1, P2, PN, V0, V1, V2, Z1, Z2, ZETA, W
+from drystone.kernels.contacts import (
+    BODY_A,
+    BODY_B,
+    FRICTION,
+    N_TABLE,
+    SLOT,
+    STIFF_N,
+    Contacts,
+)
+from drystone.kernels.nlgs import ContactProblem
+from drystone.solvers import nlgs
+from drystone.solvers.block_system import BlockSystem
+
+pytestmark = pytest.mark.kernels
+
+H, STIFFNESS, PENALTY = 0.1, 1e6, 3e5  # s, N/m, kg
+
+
+def table_of(n, friction):
+    table = np.zeros((n, N_TABLE))
+    table[:, STIFF_N], table[:, FRICTION] = STIFFNESS, friction
+    return table
+
+
+def product(a, b):
+    """(a, b) o (c, d) = (a c + b.d, a d + c b)."""
+    return np.array([a @ b, *(a[0] * b[1:] + b[0] * a[1:])])
+
+
+@pytest.mark.parametrize("energy", [1e-6, 1e-2, 10.0])
+def test_central_variables_have_the_products_of_their_barrier(energy):
+    rng = np.random.default_rng(7)
+    n, table = 40, table_of(40, 0.6)
+    trial, inner = rng.normal(size=(n, 3)) * 10.0 ** rng.uniform(-1, 3, (n, 1)), np.zeros((n, 7))
+    cones.centre_contacts(table, H, PENALTY, energy, True, trial, inner)
+    for v, t in zip(inner, trial, strict=True):
+        assert v[PN] - v[W] == pytest.approx(t[0], rel=1e-9)
+        assert v[PN] * v[W] == pytest.approx(H * H * STIFFNESS * energy, rel=1e-9)
+        assert v[[P1, P2]] + v[[Z1, Z2]] == pytest.approx(t[1:], rel=1e-9, abs=1e-12 * v[PN])
+        pair, slack = np.array([0.6 * v[PN], v[P1], v[P2]]), np.array([v[ZETA], -v[Z1], -v[Z2]])
+        # Differences of what is much larger where the barrier is low.
+        scale = 1e-11 * np.abs(pair).max() * np.abs(slack).max()
+        expected = (2.0 * PENALTY * energy, 0.0, 0.0)
+        assert product(pair, slack) == pytest.approx(expected, abs=scale, rel=1e-6)
+        assert np.hypot(v[P1], v[P2]) < pair[0]
+        assert np.hypot(v[Z1], v[Z2]) < slack[0]
+
+
+def test_the_scaling_takes_slacks_to_impulses():
+    """W D = W^-1 P, so that W^2 D = P, with W from its formula."""
+    rng = np.random.default_rng(3)
+    n, mu = 20, 0.7
+    inner, scaling = np.zeros((n, 7)), np.zeros((n, cones.N_SCALING))
+    inner[:, PN], inner[:, W] = rng.uniform(0.1, 9.0, (2, n))
+    for first, size in (((P1, P2), mu * inner[:, PN]), ((Z1, Z2), None)):
+        angle, share = rng.uniform(0, 2 * np.pi, n), rng.uniform(0.0, 0.999, n)
+        if size is None:
+            size = inner[:, ZETA] = rng.uniform(0.1, 9.0, n)
+        inner[:, first[0]], inner[:, first[1]] = share * size * (np.cos(angle), np.sin(angle))
+    cones.scale(table_of(n, mu), H, PENALTY, inner, scaling)
+    for v, s in zip(inner, scaling, strict=True):
+        w0, w = s[V0], s[[V1, V2]]
+        matrix = np.eye(3)
+        matrix[0, 0], matrix[0, 1:], matrix[1:, 0] = w0, w, w
+        matrix[1:, 1:] += np.outer(w, w) / (1.0 + w0)
+        matrix *= s[ETA]
+        pair = np.array([mu * v[PN], v[P1], v[P2]])
+        assert matrix @ matrix @ (v[ZETA], -v[Z1], -v[Z2]) == pytest.approx(pair, rel=1e-9)
+
+
+class Slab:
+    """A slab of 1000 kg, 1 x 0.8 x 0.2 m, on four points of a support."""
+
+    def __init__(self, push, twist, friction=0.5):
+        contacts = Contacts.empty(4, 3, 6)
+        contacts.which[:, SLOT], contacts.which[:, BODY_A] = np.arange(4), 0
+        contacts.which[:, BODY_B] = 1
+        contacts.table[:] = table_of(4, friction)
+        for c, (x, y) in enumerate(((-0.5, -0.4), (0.5, -0.4), (0.5, 0.4), (-0.5, 0.4))):
+            for i, axis in enumerate(np.eye(3)[[2, 0, 1]]):
+                contacts.rows[c, i, 6:9] = axis
+                contacts.rows[c, i, 9:] = np.cross((x, y, -0.1), axis)
+        mass = np.zeros((2, 6))
+        mass[1] = 1e3 * np.array([1, 1, 1, 0.68 / 12, 1.04 / 12, 1.64 / 12])
+        inverse = np.zeros_like(mass)
+        inverse[1] = 1.0 / mass[1]
+        self.problem = ContactProblem(contacts, np.zeros(4), inverse)
+        fixed = np.array([True, False])
+        self.system = BlockSystem(
+            np.array([0]), np.array([1]), mass, fixed, np.array([[0.0, 0, -1], [0, 0, 0]])
+        )
+        force = np.array([*push, -9810.0, 0.0, 0.0, twist])
+        self.free = np.zeros((2, 6))
+        self.free[1] = H * force * inverse[1]
+        self.mass, self.force = mass, force
+
+    def solve(self, way=None):
+        settings = nlgs.NlgsSettings(tolerance=1e-3, max_sweeps=2000)
+        impulse, velocity = np.zeros((4, 3)), np.zeros((2, 6))
+        extent = np.ones(2)
+        if way is None:
+            return nlgs.solve(
+                self.problem, self.system, extent, self.free, impulse, velocity, H, settings
+            )
+        nlgs.natural_map(self.problem, 3, H)
+        accelerator = nlgs._Accelerator(self.problem, self.system, self.free, H, settings)
+        step = nlgs._Step(self.problem, self.system, extent, self.free, H)
+        impulse[:, 0] = 9810.0 * H / 4
+        known = impulse, velocity, np.inf
+        return step.best([lambda p: accelerator.from_within(impulse, velocity, p)], known, 1e-3)
+
+
+@pytest.mark.parametrize("push", [(3000.0, 2000.0), (6000.0, 0.0), (0.0, -9000.0)])
+@pytest.mark.parametrize("twist", [0.0, 500.0, -4000.0])
+def test_from_within_a_slab_is_solved_as_by_sweeps(push, twist):
+    """Sticking, sliding and turning under 4905 N of friction; overturning in part at -9000 N."""
+    slab = Slab(push, twist)
+    _, velocity, residual = slab.solve(way="within")
+    assert residual <= 1e-3  # N
+    swept = slab.solve()
+    assert swept.residual <= 1e-3
+    # Held forces may differ where four points share them; motions are one.  1e-3 N move 1000 kg by
+    # 1e-7 m/s in a step; moments of inertia are a tenth to a twentieth of that.
+    assert velocity == pytest.approx(swept.velocity, abs=1e-5)
+
+
+def test_sliding_takes_all_friction_against_the_motion():
+    slab = Slab((6000.0, 3000.0), 0.0)
+    result = slab.solve()
+    along = np.array([6000.0, 3000.0]) / np.hypot(6000.0, 3000.0)
+    # The joints press in as the step begins: m / (m + 4 k h^2) of the weight is not carried yet.
+    normal = result.impulse[:, 0].sum() / H
+    assert normal == pytest.approx(9810.0 * 40.0 / 41.0, rel=1e-6)
+    # The push less mu N, over mass, for a step.
+    speed = (np.hypot(6000.0, 3000.0) - 0.5 * normal) / 1e3 * H
+    turning = np.abs(np.cross(result.velocity[1, 3:], (0, 0, -0.1))[:2]).max()
+    assert result.velocity[1, :2] == pytest.approx(speed * along, abs=turning + 1e-6)
