@@ -29,6 +29,8 @@ SHARE, LEAST = 0.99, 1e-4
 FAR_ENOUGH = 0.5
 #: Barrier over the first at which the branches can be told apart; how many iterations there are.
 NEAR, ITERATIONS = 1e-5, 40
+#: After so many iterations the barrier is this low, or there is nothing to be found.
+PATIENCE, LOW = 30, 1e-3
 
 
 @dataclass
@@ -73,6 +75,8 @@ class Interior:
             try:
                 far = self.step()
             except SingularMatrixError:
+                return
+            if k == PATIENCE and self.energy > LOW * self.first:
                 return
             yield (k % 2 == 0 and self.energy < NEAR * self.first) or far < LEAST
 

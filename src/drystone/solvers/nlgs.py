@@ -36,6 +36,7 @@ class NlgsSettings:
 
     tolerance: float  # N, on the true residual
     max_sweeps: int = 6000
+    max_sweeps_in_space: int = 300  # what is not found from within by then asks for a shorter step
     first_sweeps: int = 20  # before the accelerator is first tried
     corrections: int = 15  # of the branches, each with a linear solution
     # How stiffly sticking contacts are held, move by move, over the stiffest joint or, in short
@@ -65,6 +66,9 @@ Way = Callable[[Array], Iterator[tuple[Array, Array]]]
 
 #: Corrections of a trial that is given up soon.
 AT_ONCE = 6
+
+#: How often it is tried to leave the interior of the law.
+MOST_TRIED = 4
 
 #: How stiffly sticking is held in the interior of the law, over the stiffest joint.
 WITHIN = 30.0
@@ -116,8 +120,11 @@ def solve(
     velocity = step.velocity_of(impulse)
     order, n_sweeps, chunk = np.arange(n), 0, settings.first_sweeps
     residual = step.residual(impulse, velocity)
-    while residual > settings.tolerance and n_sweeps < settings.max_sweeps:
-        chunk = min(chunk, settings.max_sweeps - n_sweeps)
+    most = settings.max_sweeps
+    if dim == 3:
+        most = min(most, settings.max_sweeps_in_space)
+    while residual > settings.tolerance and n_sweeps < most:
+        chunk = min(chunk, most - n_sweeps)
         velocity = step.velocity_of(impulse)
         kernels.sweep(step.dof, problem, blocks, h, order, chunk, impulse, velocity)
         n_sweeps += chunk
@@ -229,6 +236,8 @@ class _Accelerator:
                 yield partial(self.at_once, velocity=self.predicted(before, guess))
             held, moving = (impulse, velocity) if guess is None else (before, guess)
             yield lambda known: self.from_within(held, moving, known)
+            if guess is None:
+                return
         elif guess is not None:
             yield partial(self.trials, velocity=self.predicted(before, guess))
         for start in [velocity] if guess is None else [guess, velocity]:
@@ -252,10 +261,14 @@ class _Accelerator:
             self.problem, self.system, self.free_velocity, self.h, self.penalty, centre
         )
         search.start(velocity, float(pressed.mean()))
+        tried = 0
         for near in search.steps():
             self.n_solved += 1
             if not near:
                 continue
+            if tried == MOST_TRIED:
+                return
+            tried += 1
             self.penalty = WITHIN * self.stiffest
             found, moved = impulse.copy(), search.velocity.copy()
             if self._newton(centre, moved, found, np.zeros(len(found), np.int64), AT_ONCE):
