@@ -148,7 +148,7 @@ def spin_by_impulses(carried, mass, time_step, velocity):
         ix, iy, iz = mass[i, 3], mass[i, 4], mass[i, 5]
         if ix == 0.0 or (wx == 0.0 and wy == 0.0 and wz == 0.0):
             continue
-        lx, ly, lz = _turned(half * cx, half * cy, half * cz, ix * cx, iy * cy, iz * cz)
+        lx, ly, lz = turned(half * cx, half * cy, half * cz, ix * cx, iy * cy, iz * cz)
         lx, ly, lz = lx + ix * (wx - cx), ly + iy * (wy - cy), lz + iz * (wz - cz)
-        lx, ly, lz = _turned(-half * wx, -half * wy, -half * wz, lx, ly, lz)
+        lx, ly, lz = turned(-half * wx, -half * wy, -half * wz, lx, ly, lz)
         velocity[i, 3], velocity[i, 4], velocity[i, 5] = lx / ix, ly / iy, lz / iz
