@@ -77,11 +77,7 @@ def test_compiled_rotations_are_the_same(random: np.random.Generator) -> None:
         increment = np.zeros((6, 6))
         increment[:, 3:] = size * random.normal(size=(6, 3))
         expected, spun = motion.moved(pose, increment, axes), pose.copy()
-        less, matrix, world = (
-            np.zeros((6, 3, 3)),
-            np.zeros((6, 3, 3)),
-            np.tile(np.eye(3), (6, 1, 1)),
-        )
+        less, matrix = np.zeros((6, 3, 3)), np.zeros((6, 3, 3))
         for i in range(6):
             rotation.spin(spun, i, *increment[i, 3:])
             rotation.place_axes(spun, i, axes, less, matrix)
