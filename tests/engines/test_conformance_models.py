@@ -1,4 +1,4 @@
-"""Every engine that is installed over every kind of plane model, each point judged from outside.
+"""Every engine that is installed over every kind of model, each point judged from outside.
 
 What is judged is what an engine gives out of a point: its residual against the limit that it
 states, and its contact forces against the loads, in sums that share nothing with the library.
@@ -12,17 +12,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from test_conformance import BONDED_JOINT, small_wall
 from test_parts import halved
 
 from builders import PUBLISHED_JOINT, rectangle, stack, with_corner, with_joint
 from drystone.analysis import pushover
 from drystone.assembly import Block, Corner
-from drystone.builders import make_model
+from drystone.builders import extruded, make_model
 from drystone.curve import STATIC, CapacityCurve
 from drystone.engines import engine_names, make_engine, measures
 from drystone.engines.base import Engine, EngineError
 from drystone.engines.framed import framed
+from drystone.loading import LoadPattern
 from drystone.model import Model
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "own_engine.py"
@@ -65,64 +67,94 @@ class Point:
     """A point of a curve as it is given out, and what can be summed from that alone."""
 
     model: Model
-    pose: np.ndarray  # (n, 3) m, rad
-    moved: np.ndarray  # (n, 3) m, rad, since the point before
+    pose: np.ndarray  # (n, n_pose) m, rad
+    moved: np.ndarray  # (n, n_dof) m, rad, since the point before
     time_step: float  # s; zero of a step without inertia
     multiplier: float  # applied
     contacts: object
 
+    @property
+    def dim(self) -> int:
+        """2 or 3."""
+        return self.model.assembly.dimension
+
+    def reactions(self) -> np.ndarray:
+        """On blocks b, (n_contacts, dim) [N]."""
+        c = self.contacts
+        if self.dim == 2:
+            clockwise = np.stack((c.normal[:, 1], -c.normal[:, 0]), axis=1)
+            return c.normal_reaction[:, None] * c.normal + c.tangential_reaction * clockwise
+        frame = np.stack((c.normal, c.tangent, np.cross(c.normal, c.tangent)), axis=1)
+        given = np.column_stack((c.normal_reaction, c.tangential_reaction))
+        return np.einsum("ki,kij->kj", given, frame)
+
+    def places(self) -> np.ndarray:
+        """Of the centroids, (n, dim) [m]."""
+        return self.model.assembly.centroid + self.pose[:, : self.dim]
+
     def forces(self) -> np.ndarray:
-        """Of all contacts on each block, with moments about its centroid, (n, 3) [N, N m]."""
+        """Of all contacts on each block, with moments about its centroid, (n, n_dof) [N, N m]."""
         c, a = self.contacts, self.model.assembly
-        clockwise = np.stack((c.normal[:, 1], -c.normal[:, 0]), axis=1)
-        on_b = c.normal_reaction[:, None] * c.normal + c.tangential_reaction * clockwise
-        total = np.zeros((a.n_bodies, 3))
-        for k in range(len(on_b)):
-            for body, force in ((c.block_a[k], -on_b[k]), (c.block_b[k], on_b[k])):
-                x, y = c.position[k] - a.centroid[body] - self.pose[body, :2]
-                total[body] += (*force, x * force[1] - y * force[0])
+        total, place = np.zeros((a.n_bodies, a.n_dof)), self.places()
+        for k, on_b in enumerate(self.reactions()):
+            for body, force in ((c.block_a[k], -on_b), (c.block_b[k], on_b)):
+                arm = c.position[k] - place[body]
+                total[body] += np.append(force, moment_of(arm, force))
         return total
 
     def loads(self) -> np.ndarray:
-        """Weights and what is applied in proportion to them, (n, 2) [N]."""
-        weight = self.model.assembly.weight[:, None]
-        return weight * (self.multiplier * np.asarray(self.model.load.direction) - (0.0, 1.0))
+        """Weights and what is applied in proportion to them, (n, dim) [N]."""
+        weight, down = self.model.assembly.weight[:, None], -np.eye(self.dim)[-1]
+        return weight * (self.multiplier * np.asarray(self.model.load.direction) + down)
 
     def inertia(self) -> np.ndarray:
-        """M a of a step from rest that ends at the speed it moves by, (n, 3) [N, N m]."""
+        """M a of a step from rest that ends at the speed it moves by, (n, n_dof) [N, N m].
+
+        In space it is of rotations about principal axes; given back about those of the world.
+        """
         if not self.time_step:
             return np.zeros_like(self.moved)
-        return self.model.assembly.mass * self.moved / self.time_step**2
+        found = self.model.assembly.mass * self.moved / self.time_step**2
+        if self.dim == 3:
+            turn = Rotation.from_quat(self.pose[:, 3:], scalar_first=True)
+            axes = turn.as_matrix() @ self.model.assembly.axes
+            found[:, 3:] = np.einsum("nij,nj->ni", axes, found[:, 3:])
+        return found
 
     def left(self) -> np.ndarray:
-        """What is left of Newton's second law on movable blocks, (n, 3) [N, N m]."""
+        """What is left of Newton's second law on movable blocks, (n, n_dof) [N, N m]."""
         left = self.forces() - self.inertia()
-        left[:, :2] += self.loads()
+        left[:, : self.dim] += self.loads()
         return left[~self.model.assembly.fixed]
 
     def left_of_whole(self) -> np.ndarray:
         """The same of the structure, by the supports' reactions, moments about the origin."""
         a, c = self.model.assembly, self.contacts
-        total = np.zeros(3)
-        clockwise = np.stack((c.normal[:, 1], -c.normal[:, 0]), axis=1)
-        on_b = c.normal_reaction[:, None] * c.normal + c.tangential_reaction * clockwise
-        for reaction, place, i, j in zip(on_b, c.position, c.block_a, c.block_b, strict=True):
+        total = np.zeros(a.n_dof)
+        for reaction, place, i, j in zip(
+            self.reactions(), c.position, c.block_a, c.block_b, strict=True
+        ):
             handed = float(a.fixed[i]) - float(a.fixed[j])  # from a support, or to one
-            total[:2] += handed * reaction
-            total[2] += handed * (place[0] * reaction[1] - place[1] * reaction[0])
-        inertia = self.inertia()
+            total += handed * np.append(reaction, moment_of(place, reaction))
+        inertia, loads, centre = self.inertia(), self.loads(), self.places()
         for i in np.flatnonzero(~a.fixed):
-            fx, fy = self.loads()[i] - inertia[i, :2]
-            x, y = a.centroid[i] + self.pose[i, :2]
-            total += (fx, fy, x * fy - y * fx - inertia[i, 2])
+            force = loads[i] - inertia[i, : self.dim]
+            total += np.append(force, moment_of(centre[i], force) - inertia[i, self.dim :])
         return total
 
     def carried(self) -> float:
         """What the supports carry along the load beyond the weight, over the load's total."""
         a, direction = self.model.assembly, np.asarray(self.model.load.direction)
-        handed = self.forces()[a.fixed, :2].sum(axis=0)
+        handed = self.forces()[a.fixed, : self.dim].sum(axis=0)
         weight = a.weight[~a.fixed].sum()
-        return float((handed + (0.0, weight)) @ direction / weight)
+        return float((handed + weight * np.eye(self.dim)[-1]) @ direction / weight)
+
+
+def moment_of(arm: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """(1,) in the plane, (3,) in space [N m]."""
+    if len(arm) == 3:
+        return np.cross(arm, force)
+    return np.array([arm[0] * force[1] - arm[1] * force[0]])
 
 
 def points_of(model: Model, curve: CapacityCurve) -> list[Point]:
@@ -132,7 +164,7 @@ def points_of(model: Model, curve: CapacityCurve) -> list[Point]:
         Point(
             model=model,
             pose=pose,
-            moved=pose - last,
+            moved=model.assembly.difference(pose, last),
             time_step=point.time_step if curve.engine in STEPS_IN_TIME else 0.0,
             multiplier=point.applied_multiplier,
             contacts=contacts,
@@ -174,8 +206,9 @@ def came(point: Point) -> tuple[float, float]:
 
     By so much the contacts of its end, which are given out, differ from those of its beginning.
     """
-    turn = np.abs(point.moved[:, 2]).max()
-    way = np.hypot(*point.moved[:, :2].T).max() + turn * largest_extent(point.model)
+    turn = np.linalg.norm(point.moved[:, point.dim :], axis=1).max()
+    way = np.linalg.norm(point.moved[:, : point.dim], axis=1).max()
+    way += turn * largest_extent(point.model)
     return 2.0 * float(way), 2.0 * float(turn)
 
 
@@ -192,13 +225,13 @@ def check_balance(solver: Engine, point: Point) -> None:
     on their discs, its reaction acts where they overlap: a share of closing over the diameter of
     the shear is the difference.
     """
-    a, c = point.model.assembly, point.contacts
+    a, c, dim = point.model.assembly, point.contacts, point.dim
     limit = solver.residual_limit * a.heaviest_weight
     way = turn = 0.0
     if solver.name in STEPS_IN_TIME:
         way, turn = came(point)
         limit += MISSED * a.heaviest_weight
-    shear = np.abs(c.tangential_reaction[:, 0])
+    shear = np.linalg.norm(c.tangential_reaction, axis=1)
     size = np.hypot(c.normal_reaction, shear)
     disc = np.maximum(-c.gap, 0.0) / (2.0 * a.corner.radius) if a.corner.radius else 0.0 * size
     force, moment = np.zeros((2, a.n_bodies))
@@ -209,13 +242,13 @@ def check_balance(solver: Engine, point: Point) -> None:
     free = ~a.fixed
     force, moment = force[free] + limit, moment[free] + limit * extent
     left = np.abs(point.left())
-    assert np.all(left[:, :2] <= force[:, None])
-    assert np.all(left[:, 2] <= moment)
+    assert np.all(left[:, :dim] <= force[:, None])
+    assert np.all(left[:, dim:] <= moment[:, None])
     # What is left of every block adds up, with arms from the origin.
-    far = float(np.abs(a.centroid + point.pose[:, :2])[free].max())
+    far = float(np.abs(point.places())[free].max())
     whole = np.abs(point.left_of_whole())
-    assert whole[:2].max() <= force.sum()
-    assert whole[2] <= 2.0 * far * force.sum() + moment.sum()
+    assert whole[:dim].max() <= force.sum()
+    assert whole[dim:].max() <= 2.0 * far * force.sum() + moment.sum()
 
 
 def check_law(solver: Engine, point: Point) -> None:
@@ -226,7 +259,7 @@ def check_law(solver: Engine, point: Point) -> None:
     a, c = point.model.assembly, point.contacts
     law, tolerance = a.joint, solver.residual_limit * a.heaviest_weight
     way, turn = came(point)
-    normal, shear = c.normal_reaction, np.abs(c.tangential_reaction[:, 0])
+    normal, shear = c.normal_reaction, np.linalg.norm(c.tangential_reaction, axis=1)
     assert normal.min() >= -tolerance  # none of these joints has tensile strength
     area = c.area + a.thickness * way
     assert np.all(shear <= law.friction_coefficient * normal + law.cohesion * area + tolerance)
@@ -308,6 +341,31 @@ def random_wall(seed: int, joints: str) -> Model:
 def test_a_small_wall(engine, joints, corner):
     """Slides, rocks and, where it is bonded, breaks."""
     model = with_corner(with_joint(small_wall(), JOINTS[joints]), CORNERS[corner])
+    check_or_refuse(model, engine, joints)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(
+    ("joints", "corner", "push"),
+    [
+        pytest.param("dry", "sharp", (1.0, 0.0), id="dry"),
+        pytest.param("dry", "rounded", (0.6, 0.8), id="rounded, oblique"),
+        pytest.param("dry", "chamfered", (0.0, 1.0), marks=pytest.mark.slow, id="across"),
+        pytest.param("cohesive", "sharp", (0.8, 0.6), id="cohesive, oblique"),
+        pytest.param("dilatant", "sharp", (1.0, 0.0), marks=pytest.mark.slow, id="dilatant"),
+    ],
+)
+def test_a_small_wall_of_solids(engine, joints, corner, push):
+    """The same wall in space, pushed along it, across, and between."""
+    flat = with_corner(with_joint(small_wall(), JOINTS[joints]), CORNERS[corner])
+    solid = extruded(flat)
+    along = np.array([push[0], push[1], 0.0])
+    control = replace(solid.control_point, direction=along)
+    model = replace(solid, load=LoadPattern(direction=along), control_point=control)
+    if engine == "equilibrium":
+        with pytest.raises(EngineError, match=r"^the equilibrium engine is of the plane so far"):
+            pushover(model, engine=engine)
+        return
     check_or_refuse(model, engine, joints)
 
 
