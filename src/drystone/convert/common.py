@@ -112,6 +112,31 @@ def need_stiffness(assembly: Assembly, program: str) -> None:
             )
 
 
+def need_convex(assembly: Assembly, program: str) -> None:
+    """Raise `ModelError` where a block has several parts."""
+    several = [
+        block.id
+        for block, figure in zip(assembly.blocks, assembly.figures, strict=True)
+        if len(figure.parts) > 1
+    ]
+    if several:
+        raise ModelError(
+            [
+                f'block "{several[0]}"{f" and {len(several) - 1} more" * (len(several) > 1)}: '
+                f"{program} gets convex blocks alone, and this one is of several parts: leave it "
+                "out, or make its parts blocks of their own"
+            ]
+        )
+
+
+def left_sharp(assembly: Assembly, program: str) -> list[str]:
+    """What to know of edges in space that are rounded or cut off."""
+    corner = assembly.corner
+    if not corner.radius and not corner.chamfer:
+        return []
+    return [f"the edges are {corner.words} in the model, and sharp in {program}"]
+
+
 def leg_of(assembly: Assembly) -> float:
     """Legs of the chamfers that stand for the corners [m]; 0 for sharp ones."""
     return float(assembly.corner.chamfer or assembly.corner.radius or 0.0)

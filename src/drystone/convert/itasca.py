@@ -28,7 +28,7 @@ from drystone.convert.common import (
     strategy,
     wrapped,
 )
-from drystone.geometry import polygon
+from drystone.geometry.solid import Faces
 from drystone.model import Analysis, Model
 
 Array = NDArray[np.float64]
@@ -68,20 +68,14 @@ def heading(model: Model, program: str, notes: Sequence[str]) -> list[str]:
 def parameters(model: Model, values: dict[str, tuple[float, str]]) -> list[str]:
     """The FISH function that sets every number of the analysis, and its call."""
     s = strategy(model)
-    point, read_along = model.control_point.point, model.control_point.direction
-    direction = model.load.direction
     centre = model.assembly.centroid[model.control_point.block]
     every: dict[str, tuple[float, str]] = {
         "grav": (GRAVITY, "m/s2"),
         **values,
-        "load_x": (direction[0], "direction of the load pattern"),
-        "load_y": (direction[1], ""),
-        "ctl_x": (point[0], "m, control point as designed"),
-        "ctl_y": (point[1], ""),
-        "ctl_bx": (centre[0], "m, centroid of the block that it is on"),
-        "ctl_by": (centre[1], ""),
-        "read_x": (read_along[0], "direction of the control displacement"),
-        "read_y": (read_along[1], ""),
+        **_vector("load_", model.load.direction, "direction of the load pattern"),
+        **_vector("ctl_", model.control_point.point, "m, control point as designed"),
+        **_vector("ctl_b", centre, "m, centroid of the block that it is on"),
+        **_vector("read_", model.control_point.direction, "direction of the control displacement"),
         **{key: (s[key], text) for key, text in STRATEGY.items()},
         "stop_mult": (model.analysis.stop_multiplier, "multiplier at which the analysis ends"),
         "n_cycles": (100.0, "cycles before the blocks are stopped again"),
@@ -91,6 +85,14 @@ def parameters(model: Model, values: dict[str, tuple[float, str]]) -> list[str]:
         shown = f"{int(value)}" if name in ("patience", "n_cycles") else number(value)
         lines.append(f"  {name} = {shown}" + (f"  ; {text}" if text else ""))
     return [*lines, "end", "@parameters", ""]
+
+
+def _vector(name: str, values: Array, text: str) -> dict[str, tuple[float, str]]:
+    """Components as parameters, the text beside the first one."""
+    return {
+        name + axis: (float(value), text if axis == "x" else "")
+        for axis, value in zip("xyz", values, strict=False)
+    }
 
 
 #: The load pattern times the multiplier, on every block that moves.
@@ -287,9 +289,14 @@ def law_of(values: Mapping[str, float]) -> JointLaw:
 
 def pair_laws(assembly: Assembly) -> list[tuple[int, int, int]]:
     """Number of the law and rows of the two blocks, of pairs that lie near and have their own."""
-    a, b = assembly.outlines.near_pairs()
+    p, q = assembly.packed.near_pairs()
+    a, b = assembly.packed.body[p], assembly.packed.body[q]
     index = assembly.law_index(a, b)
     return [(int(k) + 1, int(i), int(j)) for k, i, j in zip(index, a, b, strict=True) if k > 0]
+
+
+#: What a file says of a block.
+BLOCK = ("id", "vertices", "unit_weight", "material", "support", "faces")
 
 
 def assemble(
@@ -305,6 +312,7 @@ def assemble(
     between: list[tuple[int, int, int]],
     corner: Corner,
     area_ratio: list[float] | None = None,
+    faces: Sequence[Faces] | None = None,
 ) -> Model:
     """A model from what a file holds.
 
@@ -318,33 +326,32 @@ def assemble(
         Number of the law, counted from 1, and rows of the two blocks.
     area_ratio
         Area of each block in the file over that of its outline.
+    faces
+        In space, where ``outlines`` are vertices.
     """
     v = parsed.values
     ratio = area_ratio or [1.0] * len(outlines)
-    blocks = [
-        Block(
-            id=block_id,
-            vertices=outline,
-            # Rounded, so that blocks of one material have one weight again.
-            unit_weight=float(f"{density[k - 1] * GRAVITY * share:.12g}"),
-            material=names[k - 1],
-            support=held,
-        )
-        for block_id, outline, k, share, held in zip(
-            ids, outlines, material, ratio, support, strict=True
-        )
-    ]
-    control = nearest(outlines, np.array([v["ctl_bx"], v["ctl_by"]]))
+    pairs = zip(material, ratio, strict=True)
+    # Rounded, so that blocks of one material have one weight again.
+    weight = [float(f"{density[k - 1] * GRAVITY * r:.12g}") for k, r in pairs]
+    stuff = [names[k - 1] for k in material]
+    columns = (ids, outlines, weight, stuff, support, faces or [()] * len(ids))
+    blocks = [Block(**dict(zip(BLOCK, row, strict=True))) for row in zip(*columns, strict=True)]
+    load, at, along, centre = (
+        [v[name + axis] for axis in ("xyz" if faces else "xy")]
+        for name in ("load_", "ctl_", "read_", "ctl_b")
+    )
+    control = nearest([block.figure().centroid for block in blocks], np.array(centre))
     return make_model(
         blocks,
         joint=laws[0],
         joint_between={frozenset((ids[i], ids[j])): laws[k - 1] for k, i, j in between},
         corner=corner,
-        thickness=v["thick"],
-        load_direction=(v["load_x"], v["load_y"]),
+        thickness=v["thick"] if faces is None else None,
+        load_direction=load,
         control_block=ids[control],
-        control_point=(v["ctl_x"], v["ctl_y"]),
-        control_direction=(v["read_x"], v["read_y"]),
+        control_point=at,
+        control_direction=along,
         analysis=Analysis(
             strategy="published",
             stop_multiplier=v["stop_mult"],
@@ -354,7 +361,6 @@ def assemble(
     )
 
 
-def nearest(outlines: list[Array], point: Array) -> int:
-    """Row of the outline whose centroid is nearest to a point."""
-    centres = [polygon.mass_properties(outline).centroid for outline in outlines]
-    return int(np.argmin([np.hypot(*(centre - point)) for centre in centres]))
+def nearest(centres: Sequence[Array], point: Array) -> int:
+    """Row of the centroid that is nearest to a point."""
+    return int(np.argmin([np.linalg.norm(centre - point) for centre in centres]))

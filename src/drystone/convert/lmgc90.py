@@ -1,6 +1,7 @@
 """LMGC90: one Python script that builds the model with ``pylmgc90.pre`` and runs it with ``chipy``.
 
-The script needs numpy and pylmgc90, not this package.  Its numbers stand at its top as literals.
+The script needs numpy and pylmgc90, not this package.  Its numbers stand at its top as literals,
+polygons in the plane and convex polyhedra in space; the strategy at its end is one for both.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from drystone.assembly import GRAVITY, Block, Corner, JointLaw
+from drystone.assembly import GRAVITY, Assembly, Block, Corner, JointLaw
 from drystone.builders.errors import ModelError
 from drystone.builders.model import make_model
 from drystone.convert.common import (
@@ -20,7 +21,9 @@ from drystone.convert.common import (
     Written,
     chamfered,
     file_name,
+    left_sharp,
     leg_of,
+    need_convex,
     need_stiffness,
     strategy,
     strategy_notes,
@@ -30,7 +33,8 @@ from drystone.convert.itasca import pair_laws
 from drystone.model import Analysis, Model
 
 PROGRAM = "LMGC90"
-TEMPLATE = "lmgc90_script.txt"
+TEMPLATES = {2: "lmgc90_script.txt", 3: "lmgc90_solids.txt"}
+STRATEGY_TEMPLATE = "lmgc90_strategy.txt"
 MARK = "# The model\n"
 
 
@@ -38,14 +42,18 @@ def write(model: Model, name: str = "") -> Written:
     """The model as a script for pylmgc90."""
     assembly = model.assembly
     need_stiffness(assembly, PROGRAM)
+    need_convex(assembly, PROGRAM)
     _check(assembly.laws)
-    chamfered(assembly)  # what the script will do
     notes = ["LMGC90's joints are rigid in shear: the shear stiffness is left out"]
-    if assembly.corner.radius:
-        notes.append(
-            "LMGC90 has no rounded corners: they are chamfered with legs of "
-            f"{assembly.corner.radius:g} m"
-        )
+    if assembly.dimension == 3:
+        notes += left_sharp(assembly, PROGRAM)
+    else:
+        chamfered(assembly)  # what the script will do
+        if assembly.corner.radius:
+            notes.append(
+                "LMGC90 has no rounded corners: they are chamfered with legs of "
+                f"{assembly.corner.radius:g} m"
+            )
     notes += strategy_notes(model, PROGRAM)
     if assembly.joint_between:
         notes.append(
@@ -54,18 +62,7 @@ def write(model: Model, name: str = "") -> Written:
         )
     values: dict[str, Any] = {
         "TITLE": model.title,
-        "THICKNESS": float(assembly.thickness),
-        "BLOCKS": [
-            {
-                "id": block.id,
-                "material": block.material,
-                "unit_weight": float(block.unit_weight),
-                "support": bool(block.support),
-                "vertices": [tuple(map(float, vertex)) for vertex in block.vertices],
-            }
-            for block in assembly.blocks
-        ],
-        "LEG": leg_of(assembly),
+        **_shapes(assembly),
         "FRICTION": float(assembly.joint.friction_coefficient),
         "STIFFNESS": float(assembly.joint.normal_stiffness or 0.0),
         "STIFFNESS_BETWEEN": {
@@ -91,8 +88,43 @@ def write(model: Model, name: str = "") -> Written:
             MARK,
         ]
     )
-    body = files("drystone.convert").joinpath(TEMPLATE).read_text(encoding="utf-8")
+    body = "\n\n".join(
+        files("drystone.convert").joinpath(name).read_text(encoding="utf-8")
+        for name in (TEMPLATES[assembly.dimension], STRATEGY_TEMPLATE)
+    )
     return Written(text=head + literals + "\n\n" + body, notes=tuple(notes))
+
+
+def _shapes(assembly: Assembly) -> dict[str, Any]:
+    """What the script is told of the blocks' shapes."""
+    blocks: list[dict[str, Any]] = []
+    for block, (part,) in zip(assembly.blocks, (f.parts for f in assembly.figures), strict=True):
+        solid = assembly.dimension == 3
+        blocks.append(
+            {
+                "id": block.id,
+                "material": block.material,
+                "unit_weight": float(block.unit_weight),
+                "support": bool(block.support),
+                "vertices": [
+                    tuple(map(float, v)) for v in (part.vertices if solid else block.vertices)
+                ],
+            }
+        )
+        if solid:
+            blocks[-1]["faces"] = [tuple(map(int, face)) for face in part.faces]
+    if assembly.dimension == 2:
+        return {
+            "THICKNESS": float(assembly.thickness),
+            "BLOCKS": blocks,
+            "LEG": leg_of(assembly),
+        }
+    areas: dict[tuple[int, int], float] = {}
+    joints = assembly.interfaces
+    for i, j, area in zip(joints.block_a, joints.block_b, joints.size, strict=True):
+        pair = (int(i), int(j))
+        areas[pair] = areas.get(pair, 0.0) + float(area)
+    return {"BLOCKS": blocks, "AREAS": areas}
 
 
 def _literal(key: str, value: Any) -> str:
@@ -130,7 +162,9 @@ def read(text: str) -> Model:
                 v[node.targets[0].id] = ast.literal_eval(node.value)
             except ValueError:
                 break  # the end of the numbers
-    missing = [key for key in ("BLOCKS", "LEG", "STRATEGY", "GRAVITY") if key not in v]
+    solid = "AREAS" in v
+    needed = ("BLOCKS", "AREAS" if solid else "LEG", "STRATEGY", "GRAVITY")
+    missing = [key for key in needed if key not in v]
     if missing:
         raise ModelError([f"this is no script of ours: it lacks {missing[0]}"])
     blocks = [
@@ -140,6 +174,7 @@ def read(text: str) -> Model:
             unit_weight=block["unit_weight"],
             material=block["material"],
             support=block["support"],
+            faces=tuple(block.get("faces", ())),
         )
         for block in v["BLOCKS"]
     ]
@@ -158,8 +193,8 @@ def read(text: str) -> Model:
             frozenset((blocks[i].id, blocks[j].id)): law(stiffness)
             for (i, j), stiffness in v["STIFFNESS_BETWEEN"].items()
         },
-        corner=Corner(chamfer=v["LEG"] or None),
-        thickness=v["THICKNESS"],
+        corner=Corner(chamfer=None if solid else v["LEG"] or None),
+        thickness=None if solid else v["THICKNESS"],
         load_direction=v["LOAD_DIRECTION"],
         control_block=v["CONTROL_BLOCK"],
         control_point=v["CONTROL_POINT"],

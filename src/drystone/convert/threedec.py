@@ -1,5 +1,7 @@
 """3DEC: prisms over the blocks' outlines, joints, supports, and the published strategy in FISH.
 
+`threedec_solids` has what is other in space.
+
 The plane of the model is that of x and y, with gravity along -y; the prisms reach half the
 thickness to both sides of it.  3DEC has no rounded corners: they are cut off, at 45 degrees in a
 right corner, which leaves the contact points where rounding would have them.
@@ -11,18 +13,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import GRAVITY, Assembly, Corner, JointLaw
-from drystone.convert import itasca
+from drystone.convert import itasca, threedec_solids
 from drystone.convert.common import (
     Written,
     chamfered,
+    left_sharp,
     leg_of,
     materials,
+    need_convex,
     need_stiffness,
     number,
     strategy_notes,
     unchamfered,
 )
 from drystone.geometry import polygon
+from drystone.geometry.solid import Faces
 from drystone.model import Model
 
 Array = NDArray[np.float64]
@@ -105,23 +110,17 @@ def write(model: Model, name: str = "") -> Written:
     """The model as a 3DEC data file; every block is a region of its own."""
     assembly = model.assembly
     need_stiffness(assembly, PROGRAM)
-    outlines = chamfered(assembly)
+    need_convex(assembly, PROGRAM)
+    solid = assembly.dimension == 3
+    outlines = None if solid else chamfered(assembly)
     stuff = materials(assembly, outlines)
     notes = [*_corner_notes(assembly), *strategy_notes(model, PROGRAM)]
-    notes.append("3DEC leaves the blocks free to move out of the plane: nothing pushes them there")
-    lines = [*itasca.heading(model, PROGRAM, notes), "new"]
-    front = number(0.5 * assembly.thickness)
-    back = number(-0.5 * assembly.thickness)
-    for k, (block, outline) in enumerate(zip(assembly.blocks, outlines, strict=True), start=1):
-        lines.append(f"; {itasca.quoted(block.id)}")
-        lines += itasca.command(
-            f"poly region {k} prism",
-            "a",
-            *(f"({number(x)},{number(y)},{front})" for x, y in outline),
-            "b",
-            *(f"({number(x)},{number(y)},{back})" for x, y in outline),
+    if not solid:
+        notes.append(
+            "3DEC leaves the blocks free to move out of the plane: nothing pushes them there"
         )
-    lines.append("")
+    lines = [*itasca.heading(model, PROGRAM, notes), "new"]
+    lines += _blocks(assembly, outlines)
     for k, (density, material) in enumerate(zip(stuff.density, stuff.name, strict=True), start=1):
         lines.append(f"prop mat={k} dens={number(density)}  ; {itasca.quoted(material)}")
     for k, law in enumerate(assembly.laws, start=1):
@@ -133,14 +132,14 @@ def write(model: Model, name: str = "") -> Written:
     for k, fixed in enumerate(assembly.fixed, start=1):
         if fixed:
             lines.append(f"fix range region {k}")
-    lines += [f"gravity 0.0 {number(-GRAVITY)} 0.0", ""]
-    lines += itasca.parameters(
-        model,
-        {
-            "thick": (assembly.thickness, "m"),
-            "leg": (leg_of(assembly), "m, of the corners that were cut off"),
-        },
-    )
+    gravity = ["0.0", number(-GRAVITY)]
+    gravity.insert(0 if solid else 2, "0.0")
+    lines += ["gravity " + " ".join(gravity), ""]
+    own = {
+        "thick": (assembly.thickness, "m"),
+        "leg": (leg_of(assembly), "m, of the corners that were cut off"),
+    }
+    lines += itasca.parameters(model, {} if solid else own)
     if assembly.joint_between:
         lines += JOINT_LAW
         lines += [
@@ -150,11 +149,32 @@ def write(model: Model, name: str = "") -> Written:
             "joints with laws of their own keep them as designed: contacts that form later get the "
             "first law"
         )
-    lines += ["", *FUNCTIONS, *itasca.PUSHOVER]
+    lines += ["", *(threedec_solids.FUNCTIONS if solid else FUNCTIONS), *itasca.PUSHOVER]
     return Written(text="\n".join(lines) + "\n", notes=tuple(notes))
 
 
+def _blocks(assembly: Assembly, outlines: list[Array] | None) -> list[str]:
+    """A region for each block, with its id above; ``outlines`` in the plane alone."""
+    front, back = number(0.5 * assembly.thickness), number(-0.5 * assembly.thickness)
+    lines = []
+    for k, block in enumerate(assembly.blocks, start=1):
+        lines.append(f"; {itasca.quoted(block.id)}")
+        if outlines is None:
+            lines += threedec_solids.block_command(k, assembly.figures[k - 1].parts[0])
+            continue
+        lines += itasca.command(
+            f"poly region {k} prism",
+            "a",
+            *(f"({number(x)},{number(y)},{front})" for x, y in outlines[k - 1]),
+            "b",
+            *(f"({number(x)},{number(y)},{back})" for x, y in outlines[k - 1]),
+        )
+    return [*lines, ""]
+
+
 def _corner_notes(assembly: Assembly) -> list[str]:
+    if assembly.dimension == 3:
+        return left_sharp(assembly, PROGRAM)
     radius = assembly.corner.radius
     if not radius:
         return []
@@ -164,12 +184,15 @@ def _corner_notes(assembly: Assembly) -> list[str]:
 def read(text: str) -> Model:
     """The model of a file that `write` wrote; its corners are chamfered or sharp."""
     with itasca.only_ours(PROGRAM):
-        return _model(itasca.parse(text))
+        parsed = itasca.parse(text)
+        return _model(parsed)
 
 
 def _model(parsed: itasca.Parsed) -> Model:
     ids: list[str] = []
+    solid = "load_z" in parsed.values
     cut: list[Array] = []
+    faces: list[Faces] = []
     density: list[float] = []
     names: list[str] = []
     laws: list[JointLaw] = []
@@ -177,7 +200,12 @@ def _model(parsed: itasca.Parsed) -> Model:
     supports: set[int] = set()
     between: list[tuple[int, int, int]] = []
     for words, comment in parsed.commands:
-        if words[0] == "poly":
+        if words[0] == "poly" and solid:
+            vertices, sides = threedec_solids.solid_of(words[3:])
+            cut.append(vertices)
+            faces.append(sides)
+            ids.append(comment)
+        elif words[0] == "poly":
             front = words[words.index("a") + 1 : words.index("b")]
             cut.append(np.array([float(word) for word in front]).reshape(-1, 3)[:, :2].copy())
             ids.append(comment)
@@ -195,10 +223,10 @@ def _model(parsed: itasca.Parsed) -> Model:
             between.append((law, first, second))
     if not cut or not laws:
         raise ValueError("it lacks poly or prop")
-    leg = parsed.values["leg"]
+    leg = 0.0 if solid else parsed.values["leg"]
     outlines = [unchamfered(outline) for outline in cut] if leg else cut
     ratio = [
-        polygon.signed_area(part) / polygon.signed_area(whole)
+        polygon.signed_area(part) / polygon.signed_area(whole) if leg else 1.0
         for part, whole in zip(cut, outlines, strict=True)
     ]
     n = len(outlines)
@@ -209,4 +237,5 @@ def _model(parsed: itasca.Parsed) -> Model:
         between=[(law, first - 1, second - 1) for law, first, second in between],
         corner=Corner(chamfer=leg or None),
         area_ratio=ratio,
+        faces=faces if solid else None,
     )  # fmt: skip

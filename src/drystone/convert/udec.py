@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import GRAVITY, Assembly, Corner, JointLaw
+from drystone.builders.errors import ModelError
 from drystone.convert import itasca
 from drystone.convert.common import (
     Written,
     materials,
+    need_convex,
     need_stiffness,
     number,
     strategy_notes,
@@ -106,7 +108,10 @@ end
 def write(model: Model, name: str = "") -> Written:
     """The model as a UDEC data file."""
     assembly = model.assembly
+    if assembly.dimension == 3:
+        raise ModelError(["dimension: UDEC is of the plane: convert solids for 3dec or lmgc90"])
     need_stiffness(assembly, PROGRAM)
+    need_convex(assembly, PROGRAM)
     rounding, notes = rounding_of(assembly)
     notes += strategy_notes(model, PROGRAM)
     if assembly.thickness != 1.0:
@@ -238,7 +243,7 @@ def _model(parsed: itasca.Parsed) -> Model:
         material=[next((k for k, box in kinds if _inside(c, box)), 1) for c in centres],
         support=[any(_inside(c, box) for box in supports) for c in centres],
         between=[
-            (k, itasca.nearest(outlines, first), itasca.nearest(outlines, second))
+            (k, itasca.nearest(centres, first), itasca.nearest(centres, second))
             for k, first, second in between
         ],
         corner=Corner(radius=rounding),

@@ -1,11 +1,13 @@
 """VTK: the blocks' outlines as polygons, with what they are made of; for ParaView and the like.
 
-The legacy format (``.vtk``) is text, the XML format (``.vtu``) is that of the results.
+In space they are the faces of the blocks' convex parts in the legacy format (``.vtk``), which is
+text, and polyhedra in the XML format (``.vtu``), which is that of the results.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,9 +16,10 @@ from numpy.typing import NDArray
 from drystone.convert.common import Written, materials, number
 from drystone.export import vtu
 from drystone.model import Model
+from drystone.report.shapes import MovingShapes
 
 NOTES = (
-    "VTK holds the blocks' outlines, supports, materials and weights: joints, corners, load and "
+    "VTK holds the blocks' shapes, supports, materials and weights: joints, corners, load and "
     "analysis are left out",
 )
 
@@ -24,24 +27,37 @@ NOTES = (
 def write(model: Model, name: str = "") -> Written:
     """The model's geometry, in the XML format where the file's name ends so."""
     assembly = model.assembly
-    outlines = [block.vertices for block in assembly.blocks]
     data = {
         "block": np.arange(assembly.n_bodies),
         "is_support": assembly.fixed.astype(np.int64),
         "material": np.array(materials(assembly).of_block, dtype=np.int64),
         "weight": assembly.weight,
     }
-    if name.lower().endswith(".vtu"):
-        return Written(text=_xml(outlines, data), notes=NOTES)
-    return Written(text=_legacy(model.title, outlines, data), notes=NOTES)
+    shapes = MovingShapes.of(assembly)
+    points = vtu.in_space(shapes.vertices)
+    xml = name.lower().endswith(".vtu")
+    if assembly.dimension == 3:
+        solids = assembly.polyhedra
+        faces = (solids.rows, solids.face_offset, solids.part_faces)
+        if xml:
+            return _xml(points, vtu.polyhedra(solids.offset, *faces), shapes.body, data)
+        body = np.repeat(solids.body, np.diff(solids.part_faces))
+        rows, ends = solids.rows, solids.face_offset
+    else:
+        body, rows, ends = shapes.body, np.arange(len(points)), shapes.offset
+        if xml:
+            return _xml(points, vtu.cells(rows, ends[1:], vtu.POLYGON), body, data)
+    polygons = [rows[i:j].tolist() for i, j in pairwise(ends)]
+    of_polygon = {key: values[body] for key, values in data.items()}
+    return Written(text=_legacy(model.title, points, polygons, of_polygon), notes=NOTES)
 
 
 def _legacy(
-    title: str, outlines: list[NDArray[np.float64]], data: Mapping[str, NDArray[Any]]
+    title: str,
+    points: NDArray[np.float64],
+    polygons: list[list[int]],
+    data: Mapping[str, NDArray[Any]],
 ) -> str:
-    points = np.vstack(outlines)
-    count = [len(outline) for outline in outlines]
-    start = np.cumsum([0, *count])
     one_line = " ".join(title.split()).encode("ascii", "replace").decode()[:200]
     lines = [
         "# vtk DataFile Version 3.0",
@@ -49,13 +65,10 @@ def _legacy(
         "ASCII",
         "DATASET POLYDATA",
         f"POINTS {len(points)} double",
-        *(f"{number(x)} {number(y)} 0.0" for x, y in points),
-        f"POLYGONS {len(outlines)} {len(points) + len(outlines)}",
-        *(
-            " ".join(map(str, [n, *range(first, first + n)]))
-            for n, first in zip(count, start, strict=False)
-        ),
-        f"CELL_DATA {len(outlines)}",
+        *(" ".join(map(number, point)) for point in points),
+        f"POLYGONS {len(polygons)} {sum(map(len, polygons)) + len(polygons)}",
+        *(" ".join(map(str, [len(rows), *rows])) for rows in polygons),
+        f"CELL_DATA {len(polygons)}",
     ]
     for key, values in data.items():
         kind = "double" if values.dtype.kind == "f" else "int"
@@ -63,12 +76,16 @@ def _legacy(
     return "\n".join(lines) + "\n"
 
 
-def _xml(outlines: list[NDArray[np.float64]], data: Mapping[str, NDArray[Any]]) -> str:
-    points = np.vstack(outlines)
-    ends = np.cumsum([len(outline) for outline in outlines]).astype(np.int64)
-    return vtu.vtu_text(
+def _xml(
+    points: NDArray[np.float64],
+    cells: str,
+    body: NDArray[np.int64],
+    data: Mapping[str, NDArray[Any]],
+) -> Written:
+    text = vtu.vtu_text(
         points=points,
-        n_cells=len(outlines),
-        cells=vtu.cells(np.arange(len(points)), ends, vtu.POLYGON),
-        cell_data=[vtu.data_array(key, values) for key, values in data.items()],
+        n_cells=len(body),
+        cells=cells,
+        cell_data=[vtu.data_array(key, values[body]) for key, values in data.items()],
     )
+    return Written(text=text, notes=NOTES)
