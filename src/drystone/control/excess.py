@@ -97,7 +97,11 @@ class ExcessControl:
                 return Decision(accept=False, demand=None, state=state, reason=reason)
             return Decision(accept=False, demand=self._demand(state), state=state)
         finest = self._finest(max(state.highest, report.applied_multiplier))
-        if state.excess > finest and self._yields(state, report):
+        if state.excess > (1.0 + 1e-9) * finest and self._yields(state, report):
+            # The finest of the step that is tried next, which the excess itself is part of.
+            finest = max(
+                self._finest(state.highest), HIDES / (1.0 - HIDES) * max(state.static, 0.0)
+            )
             state = changed(state, excess=max(0.5 * state.excess, finest))
             return Decision(accept=False, demand=self._demand(state), state=state)
         # A steady step differs from the static multiplier by little more than the excess.  Where it
