@@ -182,3 +182,14 @@ def test_names_say_what_they_are():
     model = read_model(WALL).with_joint(friction_coefficient=0.5)
     assert "33 blocks" in repr(model) and "friction 0.5" in repr(model)
     assert len(repr(model)) < 300
+
+
+def test_models_of_space_are_varied_too():
+    """Points of interfaces and the direction of gravity stay."""
+    solid = ds.extruded(stack((0.4, 0.5), (0.4, 0.5)), points=9)
+    up = np.array([0.0, 0.6, 0.8])
+    solid = replace(solid, assembly=replace(solid.assembly, up=up))
+    varied = solid.with_joint(friction_coefficient=0.3)
+    assert varied.assembly.joint.friction_coefficient == 0.3
+    assert varied.assembly.points == 9
+    assert np.array_equal(varied.assembly.up, up)

@@ -26,7 +26,8 @@ def remade(model: Model, **changes: Any) -> Model:
         "joint": assembly.joint,
         "joint_between": assembly.joint_between,
         "corner": assembly.corner,
-        "thickness": assembly.thickness,
+        "thickness": assembly.thickness if assembly.dimension == 2 else None,
+        "points": assembly.points,
         "load_direction": model.load.direction,
         "control_block": assembly.ids[control.block],
         "control_point": control.point,
@@ -36,7 +37,11 @@ def remade(model: Model, **changes: Any) -> Model:
         "notes": model.notes,
         "drawing_tolerance": 0.0,  # the outlines fit already
     }
-    return make_model(**{**parts, **changes})
+    made = make_model(**{**parts, **changes})
+    if np.array_equal(made.assembly.up, assembly.up):
+        return made
+    # Gravity of a model that was turned as a whole is no key of files.
+    return replace(made, assembly=replace(made.assembly, up=assembly.up))
 
 
 def joints_with(
