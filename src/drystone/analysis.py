@@ -370,4 +370,5 @@ def _point(step: int, report: StepReport, time_step: float, decision: Decision) 
         n_iterations=report.n_iterations,
         status=DYNAMIC if decision.dynamic else STATIC,
         jumped=decision.jumped,
+        lost_shear=report.lost_shear,
     )

@@ -63,6 +63,7 @@ class CurvePoint:
     n_iterations: int
     status: str = STATIC
     jumped: bool = False  # reached in a jump: none at rest lies between it and the point before
+    lost_shear: float = 0.0  # -, of contacts that were taken away in the step, over heaviest weight
 
 
 @dataclass(frozen=True, kw_only=True)

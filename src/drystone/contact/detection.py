@@ -55,10 +55,8 @@ class NarrowPhase(Protocol):
         """The slot that each one goes on with."""
         ...
 
-    def carried(
-        self, before: Slots, now: Slots, source: IntArray, shear: Array
-    ) -> tuple[Array, float]:
-        """Tangential reactions taken along, and what is lost."""
+    def carried(self, before: Slots, now: Slots, source: IntArray, shear: Array) -> Array:
+        """Tangential reactions taken along."""
         ...
 
     def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array, to: Contacts) -> int:
@@ -164,15 +162,17 @@ class Detector:
         """The slot of the same pair whose history each one goes on with, or -1, (n_slots,)."""
         return self.narrow.predecessors(pairs, before, now)
 
-    def carried(
-        self, before: Slots, now: Slots, source: IntArray, shear: Array
-    ) -> tuple[Array, float]:
+    def carried(self, before: Slots, now: Slots, source: IntArray, shear: Array) -> Array:
         """Tangential reactions (n_slots, dim - 1) [N] of the slots in ``source``, along the
-        tangents of ``now``; and the sum of those that nobody goes on with [N].
+        tangents of ``now``.
 
         Both slots are those of one and the same pose.
         """
         return self.narrow.carried(before, now, source, shear)
+
+    def lost(self, source: IntArray, shear: Array) -> float:
+        """Sum of the sizes of the tangential reactions that no slot goes on with [N]."""
+        return float(kernels.left_behind(source, np.ascontiguousarray(shear)))
 
     def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array) -> Contacts:
         """The slots in use, found in ``pose``, as contacts with gradients and stiffnesses."""

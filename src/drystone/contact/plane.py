@@ -64,17 +64,9 @@ class PlaneNarrowPhase:
         narrow.find_predecessors(pairs, before, now, source)
         return source
 
-    def carried(
-        self, before: Slots, now: Slots, source: IntArray, shear: Array
-    ) -> tuple[Array, float]:
-        """Tangential reactions (n_slots, dim - 1) [N] of those, along the tangents of ``now``.
-
-        And what is lost: the sum of those that nobody goes on with [N].
-        """
-        carried = np.where(source[:, None] >= 0, shear[source], 0.0)
-        left = np.ones(len(shear), np.bool_)
-        left[source[source >= 0]] = False
-        return carried, float(np.abs(shear[left]).sum())
+    def carried(self, before: Slots, now: Slots, source: IntArray, shear: Array) -> Array:
+        """Tangential reactions (n_slots, 1) [N] of those, along the tangents of ``now``."""
+        return np.where(source[:, None] >= 0, shear[source], 0.0)
 
     def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array, to: Contacts) -> int:
         """Fill contacts from the slots in use, with their gradients; returns how many."""

@@ -60,16 +60,11 @@ class SpaceNarrowPhase:
         succession.find_predecessors(pairs, before, now, source)
         return source
 
-    def carried(
-        self, before: Slots, now: Slots, source: IntArray, shear: Array
-    ) -> tuple[Array, float]:
-        """Tangential reactions (n_slots, 2) [N] of those, along the tangents of ``now``.
-
-        And what is lost: the sum of those that nobody goes on with [N].
-        """
+    def carried(self, before: Slots, now: Slots, source: IntArray, shear: Array) -> Array:
+        """Tangential reactions (n_slots, 2) [N] of those, along the tangents of ``now``."""
         carried = np.zeros((len(source), 2))
-        lost = succession.carried(before, now, source, np.ascontiguousarray(shear), carried)
-        return carried, float(lost)
+        succession.carried(before, now, source, np.ascontiguousarray(shear), carried)
+        return carried
 
     def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array, to: Contacts) -> int:
         """Fill contacts from the slots in use, with their gradients; returns how many."""

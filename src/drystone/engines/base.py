@@ -82,6 +82,8 @@ class StepReport:
     n_open: int = 0
     n_sticking: int = 0
     n_sliding: int = 0
+    #: Over the heaviest weight: shear of contacts that searches within the step took away.
+    lost_shear: float = 0.0
     motion: float = np.nan  # m
     #: Share of the demanded increment that was gone: less than one where the step ends with a bond
     #: at its strength, zero where one breaks.

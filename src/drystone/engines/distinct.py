@@ -116,7 +116,6 @@ class DistinctState:
     damping_work: float = 0.0  # J, likewise
     load_work: float = 0.0  # J, done by dead load and pattern
     search_work: float = 0.0  # J, stored in joints that searches took away or changed
-    lost_shear: float = 0.0  # N, sum of what contacts carried that searches took away
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -336,9 +335,9 @@ class Workspace:
         old = self.slots
         source = detector.predecessors(self.pairs, old, slots)
         history = np.where(source[:, None] >= 0, self.history[source], 0.0)
-        shear, lost = detector.carried(old, slots, source, self.history[:, joint_law.SHEAR :])
-        history[:, joint_law.SHEAR :] = shear
-        self.lost_shear += lost
+        shear = self.history[:, joint_law.SHEAR :]
+        history[:, joint_law.SHEAR :] = detector.carried(old, slots, source, shear)
+        self.lost_shear += detector.lost(source, shear)
         history[source < 0, joint_law.BROKEN] = 1.0  # what comes to touch later is not bonded
         self.slots, self.history, self.searched = slots, history, pose.copy()
         if self.real_masses:
@@ -782,7 +781,6 @@ class DistinctEngine:
             damping_work=state.damping_work + float(meter[explicit.DAMPING_WORK]),
             load_work=state.load_work + float(meter[explicit.LOAD_WORK]),
             search_work=state.search_work + work.search_work,
-            lost_shear=state.lost_shear + work.lost_shear,
         )
         outcome = StepOutcome(
             multiplier=work.multiplier,
@@ -797,7 +795,8 @@ class DistinctEngine:
             motion=self.detector.farthest(increment),
             n_iterations=work.n_cycles,
         )
-        return new, report(self.problem, acting, outcome)
+        figures = report(self.problem, acting, outcome)
+        return new, replace(figures, lost_shear=work.lost_shear / self.scale)
 
     def contacts(self, state: DistinctState) -> ContactForces:
         """Contact points and reactions of a state."""

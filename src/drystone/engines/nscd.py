@@ -270,10 +270,10 @@ class NscdEngine:
         source = self.detector.predecessors(state.pairs, state.slots, slots)
         carried = np.where(source[:, None] >= 0, reaction[source], 0.0)
         # Where the step starts is near enough: the next one only begins with them.
-        carried[:, 1:], _ = self.detector.carried(state.slots, slots, source, reaction[:, 1:])
+        carried[:, 1:] = self.detector.carried(state.slots, slots, source, reaction[:, 1:])
         friction = self.laws[state.pairs.law_of_slot, MU]
         limit = friction * carried[:, 0] * (1.0 - 1e-9)
-        shear = np.linalg.norm(carried[:, 1:], axis=1)
+        shear = np.sqrt(np.sum(carried[:, 1:] ** 2, axis=1))
         status = np.where(shear >= limit, SLIDING, STICKING)
         status[carried[:, 0] <= 0.0] = OPEN
         new = NscdState(

@@ -164,3 +164,23 @@ def mark_loose(pairs, slots, reaction, fixed, part):
     for i in range(n):
         loose |= not held[part[i]]
     return loose
+
+
+@njit(cache=True)
+def left_behind(source, shear):
+    """Sum of the sizes of tangential reactions (n, dim - 1) that no slot has for its ``source``.
+
+    ``source`` (m,) holds rows of ``shear``, or -1.
+    """
+    gone_on = np.zeros(shear.shape[0], np.bool_)
+    for k in range(source.shape[0]):
+        if source[k] >= 0:
+            gone_on[source[k]] = True
+    total = 0.0
+    for j in range(shear.shape[0]):
+        if not gone_on[j]:
+            square = 0.0
+            for d in range(shear.shape[1]):
+                square += shear[j, d] * shear[j, d]
+            total += np.sqrt(square)
+    return total

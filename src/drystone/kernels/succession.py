@@ -99,19 +99,14 @@ def carried(before, now, source, shear_before, shear):
     """Tangential reactions (n_slots, 2) [N] of the old slots, along the tangents of the new ones.
 
     ``before`` are the old slots followed to the present pose.  What of a force points along a new
-    normal is dropped.  Returns the sum of the sizes of those that nobody goes on with [N].
+    normal is dropped.
     """
-    (which_before, was), (which, value) = before, now
-    n = which_before.shape[0]
-    lost = np.zeros(n, np.bool_)
-    for j in range(n):
-        lost[j] = which_before[j, KIND] != NONE
+    (_, was), (which, value) = before, now
     for k in range(which.shape[0]):
         j = source[k]
         shear[k, 0], shear[k, 1] = 0.0, 0.0
         if which[k, KIND] == NONE or j < 0:
             continue
-        lost[j] = False
         force_1, force_2 = shear_before[j, 0], shear_before[j, 1]
         for c in range(3):
             d, e = (c + 1) % 3, (c + 2) % 3
@@ -122,8 +117,3 @@ def carried(before, now, source, shear_before, shear):
             second -= value[k, NORMAL_3 + e] * value[k, TANGENT_3 + d]
             shear[k, 0] += force * value[k, TANGENT_3 + c]
             shear[k, 1] += force * second
-    total = 0.0
-    for j in range(n):
-        if lost[j]:
-            total += np.sqrt(shear_before[j, 0] ** 2 + shear_before[j, 1] ** 2)
-    return total
