@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_parts import DOVETAIL, L_OUTLINE
+from test_convex_parts import DOVETAIL, L_OUTLINE
 from test_solids import random_hulls
 
 from drystone.geometry import GeometryError, polygon

