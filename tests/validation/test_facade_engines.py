@@ -1,4 +1,4 @@
-"""A façade of 92 blocks with two interlocked returns, pushed outwards: engines beside each other."""
+"""A façade of 92 blocks with interlocked returns, pushed outwards: engines beside each other."""
 
 from __future__ import annotations
 
