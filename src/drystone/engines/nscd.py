@@ -20,14 +20,14 @@ from numpy.typing import NDArray
 
 from drystone.contact.certificate import Forces, JudgedContacts, certify
 from drystone.contact.detection import Detector, predecessor_slots
-from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
+from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
 from drystone.geometry.motion import places, spun_by_impulses, spun_on
 from drystone.kernels.contacts import Pairs, Slots
-from drystone.kernels.law import MU
+from drystone.kernels.law import status_of
 from drystone.kernels.nlgs import ContactProblem
 from drystone.kernels.residual import add_contact_forces
 from drystone.solvers import nlgs
@@ -268,14 +268,12 @@ class NscdEngine:
         reaction[chosen] = found
         slots = self.detector.find(state.pairs, pose, state.slots)
         source = self.detector.predecessors(state.pairs, state.slots, slots)
-        carried = np.where(source[:, None] >= 0, reaction[source], 0.0)
+        carried = np.empty_like(reaction)
+        carried[:, 0] = np.where(source >= 0, reaction[source, 0], 0.0)
         # Where the step starts is near enough: the next one only begins with them.
         carried[:, 1:] = self.detector.carried(state.slots, slots, source, reaction[:, 1:])
-        friction = self.laws[state.pairs.law_of_slot, MU]
-        limit = friction * carried[:, 0] * (1.0 - 1e-9)
-        shear = np.sqrt(np.sum(carried[:, 1:] ** 2, axis=1))
-        status = np.where(shear >= limit, SLIDING, STICKING)
-        status[carried[:, 0] <= 0.0] = OPEN
+        status = np.empty(len(source), np.int64)
+        status_of(state.pairs, self.laws, carried, status)
         new = NscdState(
             pose=pose,
             velocity=velocity,

@@ -31,6 +31,7 @@ from drystone.kernels.contacts import (
     ADD_T,
     BOND,
     FRICTION,
+    LAW,
     LIFT,
     PLASTIC,
     SLOT,
@@ -615,6 +616,21 @@ def held_impulse_in_space(pn, p1, p2, mu, held):
         share = limit / size
         return pn, share * p1, share * p2, SLIDING
     return pn, p1, p2, STICKING
+
+
+@njit(cache=True)
+def status_of(pairs, laws, reaction, status):
+    """Fill what slots are called in results (n_slots,) by their reactions (n_slots, dim) [N]."""
+    pair, of_pair = pairs.of_slot, pairs.which
+    for k in range(reaction.shape[0]):
+        normal, square = reaction[k, 0], 0.0
+        for d in range(1, reaction.shape[1]):
+            square += reaction[k, d] * reaction[k, d]
+        limit = laws[of_pair[pair[k], LAW], MU] * normal * (1.0 - AT_CONE)
+        if normal <= 0.0:
+            status[k] = OPEN
+        else:
+            status[k] = SLIDING if np.sqrt(square) >= limit else STICKING
 
 
 @njit(cache=True)

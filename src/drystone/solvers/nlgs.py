@@ -356,7 +356,7 @@ class _Accelerator:
         for _ in range(self.corrections if most is None else most):
             if merit <= self.enough:
                 return True
-            base, sense = velocity.copy(), self._sense(piece)
+            base, was, turned = velocity.copy(), piece.copy(), self.turn.copy()
             held = none.copy()
             try:
                 direction = self._direction(piece)
@@ -365,8 +365,11 @@ class _Accelerator:
                 # A contact that flips from sliding one way to sliding the other passes the narrow
                 # band in which it sticks: hold it there and ask again.
                 for _ in range(8):
-                    skipped = ((sense * self._sense(piece)).sum(axis=1) < 0) & ~held
-                    if trial <= merit or not skipped.any():
+                    if trial <= merit:
+                        break
+                    sense = self._sense(was, turned) * self._sense(piece, self.turn)
+                    skipped = (sense.sum(axis=1) < 0) & ~held
+                    if not skipped.any():
                         break
                     held |= skipped
                     self._law(centre, held, base, impulse, piece)
@@ -383,10 +386,10 @@ class _Accelerator:
             merit = trial
         return merit <= self.enough
 
-    def _sense(self, piece: IntArray) -> Array:
+    def _sense(self, piece: IntArray, turn: Array) -> Array:
         """Directions in which contacts slide, in the plane +1 and -1; else 0, (n_contacts, k)."""
         if len(self.dof) == len(IN_SPACE):
-            return np.where(piece[:, None] == SLIDING, self.turn[:, :2], 0.0)
+            return np.where(piece[:, None] == SLIDING, turn[:, :2], 0.0)
         return (np.where(piece == FORWARD, 1.0, 0.0) - np.where(piece == BACKWARD, 1.0, 0.0))[
             :, None
         ]
