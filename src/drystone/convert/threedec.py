@@ -64,18 +64,7 @@ def add_up
   end_loop
 end
 {itasca.PUT_LOADS}\
-def stop_blocks
-  ib = block_head
-  loop while ib # 0
-    b_xvel(ib) = 0.0
-    b_yvel(ib) = 0.0
-    b_zvel(ib) = 0.0
-    b_rxvel(ib) = 0.0
-    b_ryvel(ib) = 0.0
-    b_rzvel(ib) = 0.0
-    ib = b_next(ib)
-  end_loop
-end
+{threedec_solids.STOP_BLOCKS}\
 {itasca.READ_CARRIED}\
 def read_control
   ctl_u = gp_xdis(ctl_g) * read_x + gp_ydis(ctl_g) * read_y

@@ -18,7 +18,23 @@ from drystone.geometry.solid import Faces, Part
 
 Array = NDArray[np.float64]
 
-FUNCTIONS = """\
+#: All velocities to zero: 3DEC's own, of solids and of prisms over a plane model.
+STOP_BLOCKS = """\
+def stop_blocks
+  ib = block_head
+  loop while ib # 0
+    b_xvel(ib) = 0.0
+    b_yvel(ib) = 0.0
+    b_zvel(ib) = 0.0
+    b_rxvel(ib) = 0.0
+    b_ryvel(ib) = 0.0
+    b_rzvel(ib) = 0.0
+    ib = b_next(ib)
+  end_loop
+end
+"""
+
+FUNCTIONS = f"""\
 def add_up
   total = 0.0
   ctl_b = 0
@@ -58,18 +74,7 @@ def put_loads
     ib = b_next(ib)
   end_loop
 end
-def stop_blocks
-  ib = block_head
-  loop while ib # 0
-    b_xvel(ib) = 0.0
-    b_yvel(ib) = 0.0
-    b_zvel(ib) = 0.0
-    b_rxvel(ib) = 0.0
-    b_ryvel(ib) = 0.0
-    b_rzvel(ib) = 0.0
-    ib = b_next(ib)
-  end_loop
-end
+{STOP_BLOCKS}\
 def read_carried
   held = 0.0
   ib = block_head

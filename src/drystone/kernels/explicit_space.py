@@ -68,7 +68,7 @@ from drystone.kernels.law import (
     drag_along,
     opens,
 )  # fmt: skip
-from drystone.kernels.rotation import QUATERNION, spin, turned
+from drystone.kernels.rotation import fill_turn, spin, turned
 
 Array = NDArray[np.float64]
 
@@ -183,18 +183,8 @@ def place_in_space(motion):
 
 @njit(cache=True, inline="always")
 def _place(pose, i, added, axes, designed):
-    """Rotation less identity, 2 w [v] + 2 [v]^2 of the quaternion, and axes of body i."""
-    w, x = pose[i, QUATERNION], pose[i, QUATERNION + 1]
-    y, z = pose[i, QUATERNION + 2], pose[i, QUATERNION + 3]
-    added[i, 0, 0] = -2.0 * (y * y + z * z)
-    added[i, 0, 1] = 2.0 * (x * y - w * z)
-    added[i, 0, 2] = 2.0 * (x * z + w * y)
-    added[i, 1, 0] = 2.0 * (x * y + w * z)
-    added[i, 1, 1] = -2.0 * (x * x + z * z)
-    added[i, 1, 2] = 2.0 * (y * z - w * x)
-    added[i, 2, 0] = 2.0 * (x * z - w * y)
-    added[i, 2, 1] = 2.0 * (y * z + w * x)
-    added[i, 2, 2] = -2.0 * (x * x + y * y)
+    """Rotation less identity, and axes of body i."""
+    fill_turn(pose, i, added)
     for d in range(3):
         for j in range(3):
             turned = added[i, d, 0] * designed[i, 0, j] + added[i, d, 1] * designed[i, 1, j]

@@ -9,10 +9,10 @@ from numba import njit
 QUATERNION = 3
 
 
-@njit(cache=True)
-def place_axes(pose, i, designed, turn, axes):
+@njit(cache=True, inline="always")
+def fill_turn(pose, i, turn):
     """Fill row i of ``turn`` (n, 3, 3), the rotation of its pose (n, 7) less identity, 2 w [v] +
-    2 [v]^2, and of ``axes``, where it takes the columns of ``designed``; (n, 3, 3) both."""
+    2 [v]^2."""
     w, x = pose[i, QUATERNION], pose[i, QUATERNION + 1]
     y, z = pose[i, QUATERNION + 2], pose[i, QUATERNION + 3]
     turn[i, 0, 0] = -2.0 * (y * y + z * z)
@@ -24,6 +24,12 @@ def place_axes(pose, i, designed, turn, axes):
     turn[i, 2, 0] = 2.0 * (x * z - w * y)
     turn[i, 1, 2] = 2.0 * (y * z - w * x)
     turn[i, 2, 1] = 2.0 * (y * z + w * x)
+
+
+@njit(cache=True)
+def place_axes(pose, i, designed, turn, axes):
+    """`fill_turn`, and row i of ``axes``: where it takes the columns of ``designed``, (n, 3, 3)."""
+    fill_turn(pose, i, turn)
     for j in range(3):
         for k in range(3):
             total = designed[i, j, k]
