@@ -265,13 +265,17 @@ def test_motions_and_forces_in_space_balance():
     assembly = model.assembly
     weight = assembly.weight[1]
     assert report.converged and report.residual < 1e-2
-    # Reactions as vectors, and their moments about the centroid, are LMGC90's sums.
+    # Reactions as vectors, and their moments about the centroid, are LMGC90's sums: to the rounding
+    # of a dozen terms, 3e-15 of the weight; some 1e-16 were measured.
     force, centre = contacts.vectors(), assembly.centroid[1] + before[1, :3]
-    np.testing.assert_allclose(force.sum(axis=0), outcome.contact_force[1, :3], atol=1e-9 * weight)
+    np.testing.assert_allclose(
+        force.sum(axis=0), outcome.contact_force[1, :3], rtol=0.0, atol=1e-12 * weight
+    )
     moment = np.cross(contacts.position - centre, force).sum(axis=0)
     axes = Rotation.from_quat(before[1, [4, 5, 6, 3]]).as_matrix() @ assembly.axes[1]
-    # Its frames are orthonormal to some 1e-8.
-    np.testing.assert_allclose(axes.T @ moment, outcome.contact_force[1, 3:], atol=1e-7 * weight)
+    np.testing.assert_allclose(
+        axes.T @ moment, outcome.contact_force[1, 3:], rtol=0.0, atol=1e-12 * weight
+    )
     # Poses are those of the velocities; LMGC90's rotation of a step is of second order.
     reached = assembly.moved(before, 0.05 * state.velocity)
     np.testing.assert_allclose(state.pose, reached, atol=1e-6)

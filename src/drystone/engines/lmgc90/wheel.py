@@ -348,8 +348,10 @@ class Simulation:
             library.call(NLGS + "comp_check_nlgs", ctypes.byref(state))
             if state.value <= 0:
                 break
-        library.call(NLGS + "rnodhrloc_nlgs")
+        # The last pass is one more sweep.  In LMGC90's own order the bodies get what the contacts
+        # had before it, other by what the tolerance leaves; here they get what is reported.
         library.call(NLGS + "solve_nlgs", _integer(3))
+        library.call(NLGS + "rnodhrloc_nlgs")
         library.call(NLGS + "nullify_entitylist_nlgs")
         library.call(NLGS + "update_tact_behav_nlgs")
         return n_sweeps, state.value == 0
