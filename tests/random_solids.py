@@ -21,7 +21,7 @@ from drystone.limit import stands
 from drystone.model import Model
 from solids import box, model_of
 
-#: Draws of one seed.  About one in five falls, so that hundreds in a row are a fault of the tests.
+#: Draws of one seed.  One in thirty falls, so that hundreds in a row are a fault of the tests.
 MOST_DRAWS = 200
 #: Pieces of rubble are thicker than this [m]: slivers carry loads of many times their weight.
 THINNEST = 0.06
