@@ -100,6 +100,8 @@ class StepReport:
     #: exceeded both its ends.  Where the curve has no peak it fades with the step.
     crest: float | None = None
     dynamic: bool = False
+    #: An equilibrium that the structure would not keep, beside which no other was found.
+    unstable: bool = False
 
 
 class State(Protocol):

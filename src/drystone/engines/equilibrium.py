@@ -36,7 +36,9 @@ from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import Pairs, Slots
 from drystone.kernels.law import N_HISTORY
 from drystone.records import changed
-from drystone.solvers import piecewise
+from drystone.solvers import cone_solution, piecewise
+from drystone.solvers.cone_solution import SpaceSettings
+from drystone.solvers.cone_step import ConeStep
 from drystone.solvers.interior import InteriorPoint, InteriorSettings
 from drystone.solvers.linear_step import Loads, PointPace
 from drystone.solvers.piecewise import Accuracy, PathSettings, StepSolution
@@ -70,6 +72,7 @@ class EquilibriumSettings:
     inertia_limit: float = 1e-3
     path: PathSettings = field(default_factory=PathSettings)
     interior: InteriorSettings = field(default_factory=InteriorSettings)
+    space: SpaceSettings = field(default_factory=SpaceSettings)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,13 +83,16 @@ class EquilibriumState:
     multiplier: float
     pairs: Pairs
     slots: Slots  # contacts in `pose`
-    history: Array  # (n_slots, N_HISTORY)
+    history: Array  # (n_slots, N_HISTORY + dim - 2)
     reaction: Array  # (n_slots, dim) N
     branch: IntArray  # (n_slots,) of the joint law, see `kernels.law`
     last_increment: Array  # (n, n_dof) m, rad; zeros where there is nothing to predict from
     margin: Array  # (n_slots,) of bonds, see `contact.bonds`
     due: IntArray  # slots of the bonds that break next
     gone: BoolArray  # (n,) blocks that have left
+    # Of space:
+    slope: float = np.nan  # 1/m, of the curve
+    calm: bool = False  # whether no contact has changed its state in the last step
 
 
 class EquilibriumEngine:
@@ -106,17 +112,15 @@ class EquilibriumEngine:
         """See `Engine`: a step is to turn a mechanism by about 1 in 500, whatever its height."""
         size = assembly.smallest_extent
         height = float(np.ptp(assembly.centroid[~assembly.fixed] @ assembly.up)) + size
-        return {"displacement_step": min(max(height / 500.0, 0.02 * size), 0.1 * size)}
+        step = {"displacement_step": min(max(height / 500.0, 0.02 * size), 0.1 * size)}
+        if assembly.dimension == 3:
+            step.update(easy_iterations=40, hard_iterations=80)
+        return step
 
     def start(self, problem: Problem) -> tuple[EquilibriumState, StepReport]:
         """Settle under the dead load; raises `UnstableError`."""
         self.problem = problem
         assembly = problem.assembly
-        if assembly.dimension == 3:
-            raise EngineError(
-                "the equilibrium engine is of the plane so far: take the nscd or the distinct "
-                'engine for solids ([analysis] engine = "nscd", or --engine nscd)'
-            )
         self.detector = Detector(assembly)
         try:
             laws = law_table(assembly)
@@ -252,20 +256,8 @@ class EquilibriumEngine:
         pace = self._pace(state, demand)
         h = demand.time_step or self.settings.static_time_step
         x, multiplier = self._predict(state, demand, pace)
-        equations = self.equations
-        equations.begin(state.pose, state.slots, state.history, state.branch, h, x)
-        solved = piecewise.solve(
-            equations,
-            self.interior,
-            pace,
-            x,
-            multiplier,
-            state.branch,
-            state.reaction,
-            changed(self.accuracy, farthest=farthest),
-            self.settings.path,
-            whole=pace is None or demand.time_step > 0.0 or demand.over_fold,
-        )
+        accuracy = changed(self.accuracy, farthest=farthest)
+        solved = self._solve(state, demand, pace, x, multiplier, h, accuracy)
         if solved.reason == piecewise.TOO_STIFF:
             raise EngineError(solved.reason)  # no smaller step would do
         if solved.reason:
@@ -284,6 +276,43 @@ class EquilibriumEngine:
                 turn=solved.turn,
             )
         return new, outcome
+
+    def _solve(
+        self,
+        state: EquilibriumState,
+        demand: Demand,
+        pace: PointPace | None,
+        x: Array,
+        multiplier: float,
+        h: float,
+        accuracy: Accuracy,
+    ) -> StepSolution:
+        equations = self.equations
+        if isinstance(equations, ConeStep):
+            equations.begin(state.pose, state.slots, state.history, state.branch, h, pace)
+            return cone_solution.solve(
+                equations,
+                x,
+                multiplier,
+                accuracy,
+                self.settings.space,
+                warm=state.calm,
+                slope=state.slope,
+                dynamic=demand.time_step > 0.0,
+            )
+        equations.begin(state.pose, state.slots, state.history, state.branch, h, x)
+        return piecewise.solve(
+            equations,
+            self.interior,
+            pace,
+            x,
+            multiplier,
+            state.branch,
+            state.reaction,
+            accuracy,
+            self.settings.path,
+            whole=pace is None or demand.time_step > 0.0 or demand.over_fold,
+        )
 
     def _accuracy(self) -> Accuracy:
         """What steps are solved to; how far a block may move is for each to say."""
@@ -310,7 +339,7 @@ class EquilibriumEngine:
 
     def _first_history(self, slots: Slots) -> Array:
         """Nothing but that joints which are open when built have no bond."""
-        history = np.zeros((len(slots.kind), N_HISTORY))
+        history = np.zeros((len(slots.kind), N_HISTORY + slots.dim - 2))
         history[self._apart(slots), joint_law.BROKEN] = 1.0
         return history
 
@@ -334,9 +363,13 @@ class EquilibriumEngine:
     def _paired(self, state: EquilibriumState, gone: BoolArray) -> EquilibriumState:
         """The state with new pairs, without the blocks that are ``gone``."""
         pairs = self.detector.pairs(state.pose, gone)
-        slots = self.detector.find(pairs, state.pose)
         source = predecessor_slots(state.pairs, pairs)
-        history, reaction, branch = _inherited(source, state.history, state.reaction, state.branch)
+        before = state.slots.at(source)
+        slots = self.detector.find(pairs, state.pose, before if before.dim == 3 else None)
+        if before.dim == 3:
+            same = self.detector.predecessors(pairs, before, slots)
+            source = np.where(same >= 0, source[same], -1)
+        history, reaction, branch = self._inherited(source, state, slots)
         margin, known = np.full(len(source), np.inf), source >= 0
         margin[known] = state.margin[source[known]]
         return replace(
@@ -366,6 +399,9 @@ class EquilibriumEngine:
                 fixed=loads.fixed,
             ),
         )
+        if self.problem.assembly.dimension == 3:
+            self.equations = ConeStep(self.constants, pairs)
+            return
         self.equations = StaticStep(self.constants, pairs)
         self.interior = InteriorPoint(self.equations, self.settings.interior)
 
@@ -379,8 +415,14 @@ class EquilibriumEngine:
             body=control.block,
             arm=arm,
             axis=control.direction,
+            axes=self._axes_of(control.block, state.pose),
             increment=demand.increment,
         )
+
+    def _axes_of(self, block: int, pose: Array) -> Array:
+        """Principal axes of a block in a pose, (dim, dim) in columns."""
+        designed = self.problem.assembly.axes[block]
+        return motion.turned(designed.T, np.repeat(pose[block, None], len(designed), axis=0)).T
 
     def _predict(
         self, state: EquilibriumState, demand: Demand, pace: PointPace | None
@@ -398,6 +440,8 @@ class EquilibriumEngine:
             return nothing, state.multiplier
         share = pace.increment / moved
         guess = share * state.last_increment
+        if guess.shape[1] == 6:
+            return guess, state.multiplier
         way = motion.translations(guess)
         way[:] = motion.turned(way, 0.5 * (1.0 + share) * state.last_increment)
         return guess, state.multiplier
@@ -407,12 +451,29 @@ class EquilibriumEngine:
     ) -> tuple[EquilibriumState, StepReport]:
         """The state that a step has led to, and its figures."""
         equations = self.equations
+        if isinstance(equations, ConeStep):
+            history = equations.finish()
+            judged = equations.judged(history)
+            branch = equations.by_slot(equations.branch)
+            then = replace(
+                state,
+                slots=equations.slots.copied(),
+                history=history,
+                reaction=equations.by_slot(equations.reaction),
+                branch=branch,
+            )
+        else:
+            judged = equations.judged()
+            then = replace(
+                state,
+                slots=equations.known,
+                history=equations.history,
+                reaction=equations.reaction,
+                branch=equations.branch,
+            )
         slots = equations.found.copied()
         source = self.detector.predecessors(state.pairs, equations.known, slots)
-        history, reaction, branch = _inherited(
-            source, equations.history, equations.reaction, equations.branch
-        )
-        judged = equations.judged()
+        history, reaction, branch = self._inherited(source, then, slots)
         margin = np.full(len(source), np.inf)
         if self.brittle:
             margin[judged.contacts.slot] = margins(judged, 0.0)
@@ -429,6 +490,8 @@ class EquilibriumEngine:
             margin=margin,
             due=np.zeros(0, np.int64),
             gone=state.gone,
+            slope=solved.slope,
+            calm=bool(np.array_equal(then.branch, state.branch)),
         )
         outcome = self._report(new, judged, solved.n_iterations, h)
         return new, changed(
@@ -438,7 +501,16 @@ class EquilibriumEngine:
             excess=solved.excess,
             bend=solved.bend,
             dynamic=outcome.inertia_ratio > self.settings.inertia_limit,
+            unstable=solved.unstable,
+            lost_shear=self._lost(source, then),
         )
+
+    def _lost(self, source: IntArray, then: EquilibriumState) -> float:
+        """Shear that no contact goes on with, over the heaviest weight; in space."""
+        if then.slots.dim == 2:
+            return 0.0
+        shear = then.history[:, joint_law.SHEAR :]
+        return self.detector.lost(source, shear) / self.problem.assembly.heaviest_weight
 
     def _report(
         self, new: EquilibriumState, judged: JudgedContacts, n_iterations: int, h: float
@@ -466,12 +538,19 @@ class EquilibriumEngine:
         )
         return report(self.problem, loads, outcome)
 
-
-def _inherited(
-    source: IntArray, history: Array, reaction: Array, branch: IntArray
-) -> tuple[Array, Array, IntArray]:
-    """History, reactions and branch of the slots they go on in; -1 marks contacts that are new."""
-    n = len(source)
-    carried = np.empty((n, N_HISTORY)), np.empty((n, reaction.shape[1])), np.empty(n, np.int64)
-    joint_law.inherit(source, history, reaction, branch, *carried)
-    return carried
+    def _inherited(
+        self, source: IntArray, then: EquilibriumState, now: Slots
+    ) -> tuple[Array, Array, IntArray]:
+        """History, reactions and branch of the slots ``now``, from those that they go on in of
+        ``then``, where the blocks are in the same place; -1 marks contacts that are new."""
+        n = len(source)
+        history = np.empty((n, then.history.shape[1]))
+        reaction, branch = np.empty((n, then.reaction.shape[1])), np.empty(n, np.int64)
+        joint_law.inherit(
+            source, then.history, then.reaction, then.branch, history, reaction, branch
+        )
+        if now.dim == 3:
+            for values, first in ((history, joint_law.SHEAR), (reaction, 1)):
+                was = then.history if values is history else then.reaction
+                values[:, first:] = self.detector.carried(then.slots, now, source, was[:, first:])
+        return history, reaction, branch

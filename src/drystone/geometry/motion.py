@@ -150,15 +150,24 @@ def displacement(arm: Array, pose: Array) -> Array:
     return np.array([ux + (c - 1.0) * x - s * y, uy + s * x + (c - 1.0) * y])
 
 
-def advance(arm: Array, motion: Array, axis: Array) -> float:
-    """That displacement along ``axis`` (dim,) [m]."""
+def advance(arm: Array, motion: Array, axis: Array, axes: Array) -> float:
+    """Displacement along ``axis`` (dim,) [m] of a point at ``arm`` from its body's centroid, by an
+    increment of the body (n_dof,), whose principal axes are the columns of ``axes`` before."""
+    if len(motion) == 6:
+        quaternion = _quaternion((axes @ motion[3:])[None])
+        return float(axis @ (motion[:3] + _turn(quaternion, arm[None])[0]))
     (ux, uy), (x, y), (dx, dy) = motion[:2].tolist(), arm.tolist(), axis.tolist()
     turned_x, turned_y = _turned_arm(arm, motion)
     return float(dx * (ux + turned_x - x) + dy * (uy + turned_y - y))
 
 
-def gradient_of_advance(arm: Array, motion: Array, axis: Array) -> Array:
-    """How `advance` goes with the motion, (n_dof,)."""
+def gradient_of_advance(arm: Array, motion: Array, axis: Array, axes: Array) -> Array:
+    """How `advance` goes with a further increment, (n_dof,)."""
+    if len(motion) == 6:
+        vectors = np.vstack((arm, axes.T))
+        quaternion = np.repeat(_quaternion((axes @ motion[3:])[None]), 4, axis=0)
+        after = vectors + _turn(quaternion, vectors)
+        return np.concatenate((axis, after[1:] @ np.cross(after[0], axis)))
     (dx, dy), (turned_x, turned_y) = axis.tolist(), _turned_arm(arm, motion)
     return np.array([dx, dy, dy * turned_x - dx * turned_y])
 

@@ -111,6 +111,12 @@ class Slots(NamedTuple):
         """Slots of one's own, which later contact detection does not touch."""
         return Slots(self.which.copy(), self.value.copy())
 
+    def at(self, source: IntArray) -> Slots:
+        """The slots in ``source`` (n,), of which -1 is none."""
+        taken, known = Slots.empty(len(source), self.dim), source >= 0
+        taken.which[known], taken.value[known] = self.which[source[known]], self.value[source[known]]
+        return taken
+
     # Views.
 
     @property

@@ -335,8 +335,8 @@ def inherit(source, history, reaction, branch, new_history, new_reaction, new_br
             new_history[k, i] = history[j, i] if j >= 0 else 0.0
         if j < 0:
             new_history[k, BROKEN] = 1.0
-        new_reaction[k, 0] = reaction[j, 0] if j >= 0 else 0.0
-        new_reaction[k, 1] = reaction[j, 1] if j >= 0 else 0.0
+        for i in range(reaction.shape[1]):
+            new_reaction[k, i] = reaction[j, i] if j >= 0 else 0.0
         new_branch[k] = branch[j] if j >= 0 else OPEN
 
 

@@ -158,3 +158,10 @@ def spin_by_impulses(carried, mass, time_step, velocity):
         lx, ly, lz = lx + ix * (wx - cx), ly + iy * (wy - cy), lz + iz * (wz - cz)
         lx, ly, lz = turned(-half * wx, -half * wy, -half * wz, lx, ly, lz)
         velocity[i, 3], velocity[i, 4], velocity[i, 5] = lx / ix, ly / iy, lz / iz
+
+
+@njit(cache=True)
+def all_axes(pose, designed, turn, axes):
+    """`place_axes` of all bodies."""
+    for i in range(pose.shape[0]):
+        place_axes(pose, i, designed, turn, axes)

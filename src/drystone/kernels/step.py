@@ -22,7 +22,11 @@ def unbalance(contact, dead, pattern, multiplier, mass, x, inertia_factor, exten
             f = contact[i, d] + dead[i, d] + multiplier * pattern[i, d]
             force[i, d] = f - mass[i, d] * x[i, d] * inertia_factor
         size = np.sqrt(force[i, 0] ** 2 + force[i, 1] ** 2)
-        worst = max(worst, size, abs(force[i, 2]) / extent[i])
+        turning = abs(force[i, 2])
+        if n_dof == 6:
+            size = np.sqrt(size * size + turning * turning)
+            turning = np.sqrt(force[i, 3] ** 2 + force[i, 4] ** 2 + force[i, 5] ** 2)
+        worst = max(worst, size, turning / extent[i])
     return worst
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.kernels import cones as kernels
-from drystone.kernels.contacts import STIFF_N
+from drystone.kernels.contacts import FRICTION, STIFF_N
 from drystone.kernels.nlgs import ContactProblem, contact_velocities, momentum_defect
 from drystone.kernels.rows import IN_SPACE
 from drystone.solvers.block_system import BlockSystem, SingularMatrixError
@@ -45,12 +45,17 @@ class Interior:
     centre: Array  # (n_contacts, 2) N s
 
     def __post_init__(self) -> None:
-        """Memory."""
+        """Memory, and the law of all contacts."""
         n = len(self.centre)
         self.inner, self.change = np.zeros((n, kernels.N_INNER)), np.zeros((n, kernels.N_INNER))
         self.scaling = np.zeros((n, kernels.N_SCALING))
         self.trial, self.relative, self.aimed = (np.zeros((n, 3)) for _ in range(3))
         self.defect = np.zeros_like(self.free_velocity)
+        table = self.problem.contacts.table
+        self.joint = np.zeros((n, kernels.N_JOINT))
+        self.joint[:, kernels.KN] = self.h * self.h * table[:, STIFF_N]
+        self.joint[:, kernels.KS] = self.penalty
+        self.joint[:, kernels.MU] = table[:, FRICTION]
 
     def start(self, velocity: Array, usual: float) -> None:
         """Begin at a velocity (n, n_dof), with impulses of the ``usual`` size [N s]."""
@@ -58,10 +63,7 @@ class Interior:
         stiffness = self.h * self.h * float(self.problem.contacts.table[:, STIFF_N].mean())
         self.first = self.energy = FIRST * usual * usual / stiffness
         self._renew()
-        table = self.problem.contacts.table
-        kernels.centre_contacts(
-            table, self.h, self.penalty, self.energy, True, self.trial, self.inner
-        )
+        kernels.centre_contacts(self.joint, self.energy, True, self.trial, self.inner)
 
     def _renew(self) -> None:
         contact_velocities(IN_SPACE, self.problem.contacts, self.velocity, self.relative)
@@ -82,17 +84,17 @@ class Interior:
 
     def step(self) -> float:
         """One iteration; how much of it could be gone, at most 1."""
-        h, penalty, table = self.h, self.penalty, self.problem.contacts.table
-        self.energy = kernels.scale(table, h, penalty, self.inner, self.scaling)
+        joint = self.joint
+        self.energy = kernels.scale(joint, self.inner, self.scaling)
         tangent = self.system.tangent
         for block in tangent:
             block[:] = 0.0
         np.einsum("kii->ki", tangent.diagonal)[:] += self.system.mass
-        kernels.tangent(self.problem, h, penalty, self.scaling, *tangent)
+        kernels.tangent(self.problem, joint, self.scaling, *tangent)
         self.system.factorise()
         self._solve(0.0, second=False)
         far = self._length()
-        reachable = kernels.energy_at(table, h, penalty, far, self.inner, self.change)
+        reachable = kernels.energy_at(joint, far, self.inner, self.change)
         share = min(max((reachable / self.energy) ** 3, 1e-3), 0.8)
         moved = self._solve(share * self.energy, second=far >= FAR_ENOUGH)
         far = min(1.0, SHARE * self._length())
@@ -100,22 +102,19 @@ class Interior:
         self.velocity += far * moved
         self._renew()
         left = (1.0 - far) * self.energy + far * share * self.energy
-        kernels.centre_contacts(table, h, penalty, left, False, self.trial, self.inner)
+        kernels.centre_contacts(joint, left, False, self.trial, self.inner)
         return far
 
     def _length(self) -> float:
         """How far all may go: pairs may leave their cones where they can be put back."""
-        table = self.problem.contacts.table
-        far, least = kernels.length(table, self.inner, self.change)
-        while far > least and kernels.turns_too_far(table, far, self.inner, self.change):
+        far, least = kernels.length(self.joint, self.inner, self.change)
+        while far > least and kernels.turns_too_far(self.joint, far, self.inner, self.change):
             far *= 0.8
         return float(max(far, least))
 
     def _solve(self, energy: float, *, second: bool) -> Array:
-        h, penalty, table = self.h, self.penalty, self.problem.contacts.table
-        kernels.aim(
-            table, h, penalty, energy, second, self.trial, self.inner, self.change, self.scaling
-        )
+        joint = self.joint
+        kernels.aim(joint, energy, second, self.trial, self.inner, self.change, self.scaling)
         kernels.towards(self.inner, self.scaling, self.aimed)
         momentum_defect(
             IN_SPACE, self.problem, self.system.mass, self.free_velocity, self.velocity, self.aimed,
@@ -123,7 +122,5 @@ class Interior:
         )  # fmt: skip
         moved = self.system.solve_again(self.defect)
         contact_velocities(IN_SPACE, self.problem.contacts, moved, self.relative)
-        kernels.changes(
-            table, h, penalty, energy, second, self.relative, self.inner, self.scaling, self.change
-        )
+        kernels.changes(joint, energy, second, self.relative, self.inner, self.scaling, self.change)
         return moved

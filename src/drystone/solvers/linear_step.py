@@ -69,16 +69,18 @@ class PointPace:
     body: int
     arm: Array  # (dim,) m from the centroid to the point, where the step starts
     axis: Array  # (dim,) direction the displacement is read in
+    axes: Array  # (dim, dim) the body's principal axes there, in columns; of space only
     increment: float  # m
 
     def missing(self, x: Array) -> float:
         """See `Pace.missing`."""
-        return self.increment - motion.advance(self.arm, x[self.body], self.axis)
+        return self.increment - motion.advance(self.arm, x[self.body], self.axis, self.axes)
 
     def gradient(self, x: Array) -> Array:
         """See `Pace.gradient`."""
         gradient = np.zeros_like(x)
-        gradient[self.body] = motion.gradient_of_advance(self.arm, x[self.body], self.axis)
+        at = self.arm, x[self.body], self.axis, self.axes
+        gradient[self.body] = motion.gradient_of_advance(*at)
         return gradient
 
 

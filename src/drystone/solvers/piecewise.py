@@ -90,6 +90,8 @@ class StepSolution:
     #: its chord, each with the share of the step where it does so most.
     excess: tuple[float, float] | None = None
     bend: tuple[float, float] | None = None
+    slope: float = np.nan  # 1/m, of the curve at the end; in space
+    unstable: bool = False  # whether the structure would not keep it, and none was found beside it
     reason: str = ""
 
 

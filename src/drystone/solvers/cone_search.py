@@ -1,0 +1,244 @@
+"""A static step in space: from the last equilibrium to the next, through the interior of the joint
+law.
+
+In space contacts slide any way, so that there are no linear pieces to follow.  In the interior of
+the law (`kernels.cones`) every contact is a little of everything; as the barrier falls it becomes
+what it is.  Gaps and gradients are renewed in every iteration.  A predictor without a barrier tells
+how low the next one can be; its second order counts where it gets far.  Slips that turn would stall
+a straight way: pairs may leave their cones where they can be put back, centred on the trial
+reactions of their new place.  Now and then, and at the end, Newton's method on the joint law itself
+is tried, which is exact where the branches are those of the solution.
+
+Where little changes, Newton's method alone goes from one equilibrium to the next.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.geometry.motion import rotations, translations
+from drystone.kernels import cones
+from drystone.solvers.cone_step import ConeStep
+from drystone.solvers.piecewise import Accuracy
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConeSettings:
+    """Numbers of the iterations in space.
+
+    Energies are those of a contact over what the weight of a mean block stores in one, forces over
+    that weight.
+    """
+
+    #: First barrier of the first attempt, and of the second, which takes no second order.
+    low: float = 1e-2
+    high: float = 1.0
+    #: More of the latter, over the work of a block's weight along the increment.
+    reach: float = 0.05
+    #: Iterations of either.
+    max_iterations: int = 60
+    max_slow_iterations: int = 100
+    #: Of the way to where the interior ends.
+    share: float = 0.99
+    #: Part of the predictor from which on its second order counts.
+    far_enough: float = 0.5
+    #: Energy and unbalanced force at which the branches may be told, and energy below which there
+    #: is nothing more to be found.
+    enough: float = 1e-11
+    residual: float = 1e-6
+    least: float = 1e-18
+    #: Iterations after which Newton's method is tried, where the unbalanced force is no more than
+    #: that; how many of its own it has.
+    probe: int = 10
+    calm: float = 0.05
+    probe_iterations: int = 6
+    #: Of Newton's method from the last step: iterations, and by how much it must gain in how many.
+    warm_iterations: int = 12
+    warm_gain: float = 30.0
+    warm_patience: int = 4
+    #: Farthest rotation in an iteration [rad].
+    turn: float = 0.2
+    #: Damping [1/s2], times the mass, where there are unstable directions; factors of more and less.
+    damping: float = 1e2
+    more: float = 4.0
+    less: float = 0.25
+
+
+@dataclass(frozen=True, kw_only=True)
+class Attempt:
+    """One way to begin."""
+
+    barrier: float  # over the energy of a mean block's weight
+    by_increment: bool = False  # more of it for a long step
+    second: bool = True
+    iterations: int = 60
+    least_damping: float = 0.0  # see `lu_numeric.factorise`
+
+
+class ConeSearch:
+    """Finds where a step of one `ConeStep` ends; state is all the step's."""
+
+    def __init__(self, step: ConeStep, accuracy: Accuracy, settings: ConeSettings) -> None:
+        self.step, self.accuracy, self.settings = step, accuracy, settings
+        dead = np.linalg.norm(translations(step.loads.dead)[~step.loads.fixed], axis=1)
+        self.block_weight = float(dead.mean())
+        self.iterations = 0
+
+    # Newton's method.
+
+    def newton(self, iterations: int, *, patience: int = 100, gain: float = 1.0) -> bool:
+        """Iterate on the joint law itself; whether that ends in an equilibrium.
+
+        It is given up where the unbalanced force has not come down by ``gain`` in ``patience``.
+        """
+        step, accuracy = self.step, self.accuracy
+        first = best = math.inf
+        for k in range(iterations + 1):
+            step.respond()
+            residual, missing = step.balance(step.reaction), step.missing
+            if residual <= self._enough() and abs(missing) <= accuracy.lag:
+                return True
+            if not residual < math.inf:
+                return False
+            first = residual if k == 0 else first
+            best = min(best, residual)
+            if k == iterations or (k >= patience and best * gain > first):
+                return False
+            if not self._newton_step(missing):
+                return False
+        return False
+
+    def _newton_step(self, missing: float) -> bool:
+        step = self.step
+        step.damping[:] = 0.0
+        self.iterations += 1
+        if not step.factorise(step.reaction, 0.0):
+            return False
+        columns = step.frame.columns
+        columns[0] = step.force
+        by_multiplier = step.solve(missing)
+        length = self._turning(1.0)
+        if not math.isfinite(by_multiplier) or not length > 0.0:
+            return False
+        step.multiplier += length * by_multiplier
+        step.move(columns[0], length)
+        return True
+
+    def _enough(self) -> float:
+        """Unbalanced force [N] that may be left: the tolerance, or what is rounding."""
+        step, accuracy = self.step, self.accuracy
+        if step.residual <= accuracy.tolerance:
+            return accuracy.tolerance
+        moved = step.constants.detector.farthest(step.x)
+        rounding = max(accuracy.rounding, accuracy.sliding_rounding) * moved
+        return max(accuracy.tolerance, min(rounding, accuracy.coarsest))
+
+    def _turning(self, length: float) -> float:
+        """That much of the direction, or as much as no body turns too far in."""
+        most = float(np.abs(rotations(self.step.frame.columns[0])).max())
+        if not most < math.inf:
+            return 0.0
+        return min(length, self.settings.turn / most) if most > 0.0 else length
+
+    # The interior.
+
+    def interior(self, attempt: Attempt) -> bool:
+        """Go down from a barrier; whether that ends in an equilibrium."""
+        step, settings = self.step, self.settings
+        n = step.n
+        joint, inner, trial = step.joint[:n], step.inner[:n], step.trial[:n]
+        free = joint[:, cones.HELD] == 0.0
+        if not free.any():
+            return self.newton(settings.warm_iterations)
+        stiffness = float(joint[free, cones.KN].mean())
+        unit = self.block_weight**2 / stiffness  # J
+        barrier = attempt.barrier * unit
+        if attempt.by_increment:
+            barrier += settings.reach * self.block_weight * abs(step.missing)
+        step.damping[:] = 0.0
+        cones.centre_contacts(joint, barrier, True, trial, inner)
+        for k in range(1, attempt.iterations + 1):
+            energy = cones.scale(joint, inner, step.scaling[:n])
+            residual = step.balance(step.inner)
+            if not math.isfinite(energy + residual):
+                return False
+            near = residual <= settings.residual * self.block_weight
+            told = near and energy <= settings.enough * unit
+            probe = k % settings.probe == 0 and residual <= settings.calm * self.block_weight
+            if (told or probe) and self._probe(told):
+                return True
+            if near and energy <= settings.least * unit:
+                return False
+            if not self._descend(attempt, energy):
+                return False
+        return False
+
+    def _probe(self, told: bool) -> bool:
+        """Whether Newton's method finds the solution from here; else all is as before."""
+        step = self.step
+        place = step.place
+        if self.newton(self.settings.probe_iterations):
+            return True
+        step.come_back(place)
+        step.balance(step.inner)
+        return False
+
+    def _descend(self, attempt: Attempt, energy: float) -> bool:
+        """Predictor and corrector with one factorisation; whether there is a way on."""
+        step, settings, n = self.step, self.settings, self.step.n
+        joint, inner, change = step.joint[:n], step.inner[:n], step.change[:n]
+        cones.responses(step.scaling[:n], step.response[:n])
+        self.iterations += 1
+        if not step.factorise(step.inner, attempt.least_damping):
+            return False
+        missing = step.missing
+        by_multiplier = self._direction(0.0, missing, second=False)
+        if step.pace is not None and not step.stable:
+            step.damping[:] = np.maximum(settings.more * step.damping, settings.damping)
+            return bool(step.damping[0] < 1e9)
+        far = self._length()
+        reachable = cones.energy_at(joint, far, inner, change)
+        share = min(max((reachable / energy) ** 3, 1e-3), 0.8) if energy > 0.0 else 0.0
+        second = attempt.second and far >= settings.far_enough
+        by_multiplier = self._direction(share * energy, missing, second=second)
+        far = self._turning(min(1.0, settings.share * self._length()))
+        if not math.isfinite(by_multiplier) or not far > 0.0:
+            return False
+        if far > 0.9:
+            step.damping *= settings.less
+            step.damping[step.damping < 3.0] = 0.0
+        inner += far * change
+        step.multiplier += far * by_multiplier
+        step.move(step.frame.columns[0], far)
+        left = (1.0 - far) * energy + far * share * energy
+        cones.centre_contacts(joint, left, False, step.trial[:n], inner)
+        return True
+
+    def _direction(self, barrier: float, missing: float, *, second: bool) -> float:
+        """Fill the first column and the changes; returns that of the multiplier."""
+        step, n = self.step, self.step.n
+        joint, inner, change = step.joint[:n], step.inner[:n], step.change[:n]
+        scaling = step.scaling[:n]
+        cones.aim(joint, barrier, second, step.trial[:n], inner, change, scaling)
+        cones.towards(inner, scaling, step.reaction[:n])
+        step.balance(step.reaction)
+        step.frame.columns[0] = step.force
+        by_multiplier = step.solve(missing)
+        rates = step.contact_rates()[:n]
+        cones.changes(joint, barrier, second, rates, inner, scaling, change)
+        return by_multiplier
+
+    def _length(self) -> float:
+        """How far all may go: pairs may leave their cones where they can be put back."""
+        step, n = self.step, self.step.n
+        joint, inner, change = step.joint[:n], step.inner[:n], step.change[:n]
+        far, least = cones.length(joint, inner, change)
+        while far > least and cones.turns_too_far(joint, far, inner, change):
+            far *= 0.8
+        return float(max(far, least))

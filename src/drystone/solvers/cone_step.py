@@ -1,0 +1,303 @@
+"""The equations of one step of static equilibrium in space, and their factors.
+
+    R(x, l) = G + l F + sum over contacts E r - M x / h^2 = 0,    c(x) = Delta
+
+with reactions, gaps and gradients where the step ends; see `kernels.spatial_step` for contacts,
+`kernels.cones` for the joint law from its interior, and `solvers.cone_search` for the way there.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.certificate import JudgedContacts
+from drystone.geometry import motion
+from drystone.kernels import cones, lu_numeric, lu_symbolic, path, spatial_step, step
+from drystone.kernels import law as joint_law
+from drystone.kernels.contacts import (
+    BOND,
+    FRICTION,
+    LIFT,
+    STIFF_N,
+    STIFF_T,
+    TENSILE,
+    TRIAL_N,
+    TRIAL_T,
+    Contacts,
+    Pairs,
+    Slots,
+)
+from drystone.kernels.forces import Tangent
+from drystone.kernels.law import N_HISTORY
+from drystone.kernels.rotation import all_axes
+from drystone.kernels.spatial_step import Y, Places
+from drystone.solvers.linear_step import Pace
+from drystone.solvers.static_step import Constants
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+class Border(NamedTuple):
+    """What borders the matrix, (n, n_dof) each; see `kernels.path.border`."""
+
+    load: Array  # F
+    pace: Array  # g, gradient of the pacing displacement
+    axis: Array  # direction of the spring e over all bodies
+    columns: Array  # (3, n, n_dof) direction, K'^-1 F, k K'^-1 e
+    border: Array  # (1,) by which the determinant of the bordered matrix exceeds that of K'
+    sign: Array  # (1,) of the latter; where the product is positive, a motion is unstable
+
+
+class Place(NamedTuple):
+    """Where a step has come to."""
+
+    motion: Array  # (n, 3) m, since its start
+    spin: Array  # (n, 4) unit quaternions
+    multiplier: float
+
+
+class ConeStep:
+    """Evaluates and linearises the equations of steps over one list of pairs; holds their arrays.
+
+    `trial` (n_slots, 3) [N] are the reactions of contacts without friction and separation, `reaction`
+    and `branch` those of the joint law, by contacts in use; `n` of them.
+    """
+
+    def __init__(self, constants: Constants, pairs: Pairs) -> None:
+        loads = constants.loads
+        n, n_dof = loads.mass.shape
+        n_pairs, n_slots = pairs.n_pairs, pairs.n_slots
+        assembly = constants.detector.assembly
+        place = motion.places(assembly.centroid, pairs.pose)
+        self.constants, self.loads, self.pairs = constants, loads, pairs
+        self.known, self.slots, self.found = (Slots.empty(n_slots, 3) for _ in range(3))
+        self.history_before = np.zeros((n_slots, N_HISTORY + 1))
+        self.places = Places(
+            which=np.zeros((n_slots, 4), np.int64),
+            start=np.zeros((n_slots, spatial_step.N_PLACE)),
+            law=np.zeros((n_slots, spatial_step.N_LAW)),
+            shear=np.zeros((n_slots, 2)),
+            held=np.zeros(n_slots),
+            first=np.zeros(n_pairs + 1, np.int64),
+        )
+        self.n = 0
+        self.now = np.zeros((n_slots, spatial_step.N_NOW))
+        self.trial, self.reaction, self.by_motion = (np.zeros((n_slots, 3)) for _ in range(3))
+        self.response = np.zeros((n_slots, 3, 3))
+        self.branch = np.zeros(n_slots, np.int64)
+        self.joint = np.zeros((n_slots, cones.N_JOINT))
+        self.inner, self.change = (np.zeros((n_slots, cones.N_INNER)) for _ in range(2))
+        self.scaling = np.zeros((n_slots, cones.N_SCALING))
+        self.motion, self.spin = np.zeros((n, 3)), np.zeros((n, 4))
+        self.turn, self.axes_0, self.axes = (np.zeros((n, 3, 3)) for _ in range(3))
+        self.x, self.twist, self.force = (np.zeros((n, n_dof)) for _ in range(3))
+        self.contact_force = np.zeros((n, n_dof))
+        self.damping = np.zeros(n)
+        self.wrench = np.zeros((n_pairs, 2, 6))
+        self.of_pairs = np.zeros((n_pairs, 2, 6, 6))
+        self.tangent = Tangent.zeros(n, n_pairs, n_dof)
+        self.begin_of, self.of_body = _pairs_of_bodies(pairs, n)
+        self.structure = lu_symbolic.analyse(pairs.a, pairs.b, loads.fixed, place, n_dof)
+        self.factors = lu_numeric.allocate(self.structure)
+        self.frame = Border(
+            load=loads.pattern,
+            pace=np.zeros((n, n_dof)),
+            axis=np.zeros((n, n_dof)),
+            columns=np.zeros((3, n, n_dof)),
+            border=np.ones(1),
+            sign=np.ones(1),
+        )
+        self.spring = 0.0
+        self.pace: Pace | None = None
+        self.multiplier, self.residual = 0.0, np.inf
+
+    # The step.
+
+    def begin(
+        self, pose: Array, slots: Slots, history: Array, branch: IntArray, h: float, pace: Pace | None
+    ) -> None:
+        """Start a step of size ``h`` [s] from rest in ``pose``, with its contacts and their past."""
+        constants = self.constants
+        assembly = constants.detector.assembly
+        self.pose, self.inertia_factor, self.pace = pose, 1.0 / h**2, pace
+        for mine, theirs in zip(self.known, slots, strict=True):
+            mine[:] = theirs
+        self.history_before[:] = history
+        closed = branch != joint_law.OPEN
+        self.n = n = spatial_step.pack(
+            self.known, self.pairs, constants.laws, history, closed, self.places
+        )
+        self.branch[:n] = branch[self.places.which[:n, 0]]
+        law, joint = self.places.law[:n], self.joint
+        joint[:n, cones.KN], joint[:n, cones.KS] = law[:, spatial_step.KN], law[:, spatial_step.KS]
+        joint[:n, cones.MU] = law[:, spatial_step.MU]
+        joint[:n, cones.RAISE] = law[:, spatial_step.LIFT] / law[:, spatial_step.KS]
+        joint[:n, cones.HELD] = self.places.held[:n]
+        all_axes(pose, assembly.axes, self.turn, self.axes_0)
+
+    def set_out(self, x: Array, multiplier: float) -> None:
+        """Go to increments (n, 6) from where the step starts."""
+        self.motion[:], self.spin[:] = 0.0, (1.0, 0.0, 0.0, 0.0)
+        self.axes[:] = self.axes_0
+        self.multiplier = multiplier
+        self.move(x, 1.0)
+
+    @property
+    def place(self) -> Place:
+        """Where the step is, to come back to."""
+        return Place(self.motion.copy(), self.spin.copy(), self.multiplier)
+
+    def come_back(self, place: Place) -> None:
+        """Go to a place where the step has been."""
+        self.motion[:], self.spin[:], self.multiplier = place
+        self.move(np.zeros_like(self.x), 0.0)
+
+    def move(self, step: Array, length: float) -> None:
+        """Move on by ``length`` times increments (n, 6) from here; contacts are located anew."""
+        spatial_step.turn_on(
+            step, length, self.axes_0, self.motion, self.spin, self.turn, self.axes
+        )
+        spatial_step.increments(self.motion, self.spin, self.axes_0, self.x)
+        which, start, law, shear, _, first = self.places
+        spatial_step.locate(
+            which, start, law, shear, first, 0, len(first) - 1, self.motion, self.turn, self.now,
+            self.trial,
+        )  # fmt: skip
+
+    @property
+    def missing(self) -> float:
+        """What is missing of the pacing displacement [m]."""
+        return self.pace.missing(self.x) if self.pace else 0.0
+
+    # Equations.
+
+    def respond(self) -> None:
+        """Reactions of the joint law, and their derivatives."""
+        spatial_step.respond(
+            self.places.law, self.places.held, self.trial, 0, self.n, self.branch, self.reaction,
+            self.response,
+        )  # fmt: skip
+
+    def balance(self, reaction: Array) -> float:
+        """Make the unbalanced forces those of reactions (n_slots, 3 or more); the largest [N]."""
+        which, start, _, _, _, first = self.places
+        spatial_step.wrenches(
+            which, start, self.now, first, 0, len(first) - 1, reaction, self.wrench
+        )
+        spatial_step.sum_wrenches(
+            self.begin_of, self.of_body, self.wrench, self.axes, self.contact_force
+        )
+        c = self.loads
+        self.residual = step.unbalance(
+            self.contact_force, c.dead, c.pattern, self.multiplier, c.mass, self.x,
+            self.inertia_factor, c.extent, c.fixed, self.force,
+        )  # fmt: skip
+        return self.residual
+
+    def factorise(self, reaction: Array, least_damping: float) -> bool:
+        """Factorise the stiffness for the present `response` and reactions; False if singular."""
+        which, start, law, _, _, first = self.places
+        spatial_step.stiffness(
+            which, start, self.now, law, first, 0, len(first) - 1, reaction, self.response,
+            self.axes, self.of_pairs, self.tangent.upper, self.tangent.lower,
+        )  # fmt: skip
+        spatial_step.sum_diagonals(
+            self.begin_of, self.of_body, self.of_pairs, self.tangent.diagonal
+        )
+        return self.factorise_again(least_damping)
+
+    def factorise_again(self, least_damping: float) -> bool:
+        """The same of a stiffness that is there; it is used up."""
+        c, frame = self.loads, self.frame
+        frame.axis[:] = 0.0
+        body, frame.border[0] = -1, -1.0
+        if self.pace is not None:
+            body = self.pace.body
+            frame.pace[:] = self.pace.gradient(self.x)
+            frame.axis[body] = frame.pace[body]
+        self.spring = step.stiffen(
+            self.tangent.diagonal, c.mass, self.inertia_factor, self.damping, body, frame.axis
+        )
+        pivot = lu_numeric.factorise(
+            self.structure, *self.tangent, self.factors, c.mass, self.damping, least_damping
+        )
+        frame.sign[0] = np.sign(pivot)
+        if pivot == 0.0 or self.pace is None:
+            return bool(pivot != 0.0)
+        columns = frame.columns
+        columns[1], columns[2] = frame.load, self.spring * frame.axis
+        lu_numeric.solve(self.structure, self.factors, columns[1:])
+        return True
+
+    def solve(self, missing: float) -> float:
+        """Direction in the first column, from the forces there, and of the multiplier."""
+        columns = self.frame.columns
+        lu_numeric.solve(self.structure, self.factors, columns[:1])
+        return path.border(self.frame, columns[0], missing) if self.pace else 0.0
+
+    @property
+    def stable(self) -> bool:
+        """Whether the number of unstable modes is even, once a direction has been solved for."""
+        return bool(self.frame.sign[0] * self.frame.border[0] < 0.0)
+
+    def contact_rates(self) -> Array:
+        """How gaps and slips go along the direction, (n_slots, 3)."""
+        which, start, _, _, _, first = self.places
+        spatial_step.twists(self.frame.columns[0], self.axes, self.twist)
+        spatial_step.relative(
+            which, start, self.now, first, 0, len(first) - 1, self.twist, self.by_motion
+        )
+        return self.by_motion
+
+    # Where it has led.
+
+    def finish(self) -> Array:
+        """Find the contacts where the blocks are now, into `found`, and follow the known ones there,
+        into `slots`; the history of these, (n_slots, N_HISTORY + 1)."""
+        detector, n = self.constants.detector, self.n
+        pose = detector.assembly.moved(self.pose, self.x)
+        detector.follow(self.pairs, pose, self.known, self.slots)
+        self.found.which[:] = self.known.which
+        detector.fill(self.pairs, pose, self.found)
+        history = self.history_before.copy()
+        spatial_step.age(
+            self.places.which, self.places.law, self.trial, self.reaction, self.branch, n, history
+        )
+        return history
+
+    def by_slot(self, values: Array) -> Array:
+        """Values of the contacts in use, (n_slots, ...), by slot; zeros elsewhere."""
+        spread = np.zeros_like(values)
+        spread[self.places.which[: self.n, 0]] = values[: self.n]
+        return spread
+
+    def judged(self, history: Array) -> JudgedContacts:
+        """The contacts as last evaluated; with their ``history``, see `finish`."""
+        n = self.n
+        law, which = self.places.law[:n], self.places.which[:n]
+        contacts = Contacts.empty(n, 3, 0)
+        contacts.which[:] = which
+        table = contacts.table
+        table[:, STIFF_N], table[:, STIFF_T] = law[:, spatial_step.KN], law[:, spatial_step.KS]
+        table[:, FRICTION], table[:, LIFT] = law[:, spatial_step.MU], law[:, spatial_step.LIFT]
+        table[:, BOND], table[:, TENSILE] = law[:, spatial_step.BOND], law[:, spatial_step.TENSILE]
+        table[:, TRIAL_N], table[:, TRIAL_T] = self.trial[:n, 0], self.trial[:n, 1]
+        used = which[:, 0]
+        gap = self.places.start[:n, spatial_step.GAP_0] + self.now[:n, Y]
+        gap = gap + self.history_before[used, joint_law.DILATION]
+        return JudgedContacts.with_history(
+            contacts, gap, history[used], self.reaction[:n], self.trial[:n, 1:]
+        )
+
+
+def _pairs_of_bodies(pairs: Pairs, n: int) -> tuple[IntArray, IntArray]:
+    """Where the pairs of each body begin, (n + 1,), in a list of 2 pair + (1 where it is b)."""
+    body = np.column_stack((pairs.a, pairs.b)).ravel()
+    order = np.argsort(body, kind="stable")
+    begin = np.searchsorted(body[order], np.arange(n + 1))
+    return begin.astype(np.int64), order.astype(np.int64)
