@@ -92,6 +92,7 @@ class EquilibriumState:
     gone: BoolArray  # (n,) blocks that have left
     # Of space:
     slope: float = np.nan  # 1/m, of the curve
+    unstable: bool = False  # whether the structure would not keep it
     calm: bool = False  # whether no contact has changed its state in the last step
 
 
@@ -297,6 +298,7 @@ class EquilibriumEngine:
                 accuracy,
                 self.settings.space,
                 warm=state.calm,
+                was_unstable=state.unstable,
                 slope=state.slope,
                 dynamic=demand.time_step > 0.0,
             )
@@ -491,6 +493,7 @@ class EquilibriumEngine:
             due=np.zeros(0, np.int64),
             gone=state.gone,
             slope=solved.slope,
+            unstable=solved.unstable,
             calm=bool(np.array_equal(then.branch, state.branch)),
         )
         outcome = self._report(new, judged, solved.n_iterations, h)

@@ -25,19 +25,39 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class StabilitySettings:
-    """Numbers of the search for the lowest mode, and of pushes along it."""
+    """Numbers of the search for the lowest modes, and of pushes along them."""
 
-    #: Inverse iterations.
-    iterations: int = 5
-    #: Pushes [m] of the body that moves most; the other way as well.
-    pushes: tuple[float, ...] = (1e-5, 1e-4)
-    #: Barrier of a push, see `Attempt`, and how hard bodies are held in it that nothing holds.
+    #: Modes looked for, and inverse iterations.
+    modes: int = 4
+    iterations: int = 4
+    #: Push [m] of the body that moves most; the other way as well.
+    push: float = 1e-5
+    #: Pushes at most, and where none was of use in the last step.
+    most_pushes: int = 12
+    few_pushes: int = 2
+    #: Barrier of a push, see `Attempt`, its iterations, and how hard bodies are held in it that
+    #: nothing holds.
     barrier: float = 1e-4
+    max_iterations: int = 30
     least_damping: float = 3.0
     #: Motion over the increment, and at least over the smallest block, beyond which what a push
     #: finds is not the same place.
     near: float = 20.0
     near_least: float = 0.03
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judgement:
+    """Whether a structure would keep an equilibrium."""
+
+    unstable: int  # how many of the lowest modes grow
+    modes: Array  # (unstable, n, n_dof)
+    slope: float = math.nan  # 1/m, of the curve
+
+    @property
+    def stable(self) -> bool:
+        """None grows."""
+        return self.unstable == 0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,26 +96,29 @@ class _Solver:
                 return True
         return False
 
-    def mode(self) -> tuple[float, Array]:
-        """Quotient of Rayleigh [1/s2] and shape (n, n_dof) of the lowest mode with the pacing
-        displacement held, at the equilibrium last evaluated; negative where it is unstable."""
-        step = self.step
-        columns, mass = step.frame.columns, step.loads.mass
+    def modes(self) -> Array:
+        """Shapes (k, n, n_dof) of the modes that grow, among the lowest with the pacing
+        displacement held, at the equilibrium whose stiffness is factorised."""
+        step, s = self.step, self.settings.stability
+        frame, mass = step.frame, step.loads.mass
         rng = np.random.default_rng(1)
-        x = np.where(step.loads.fixed[:, None], 0.0, rng.normal(size=mass.shape))
-        quotient = math.inf
-        for _ in range(self.settings.stability.iterations):
-            columns[0] = mass * x
-            lu_numeric.solve(step.structure, step.factors, columns[:1])
+        free = ~step.loads.fixed[:, None]
+        x = np.where(free, rng.normal(size=(s.modes, *mass.shape)), 0.0)
+        shapes = x
+        ritz = np.zeros(s.modes)
+        for _ in range(s.iterations):
+            x = _orthonormal(x, mass)
+            y = mass * x
+            lu_numeric.solve(step.structure, step.factors, y)
             if step.pace is not None:
-                path.border(step.frame, columns[0], 0.0)
-            y = columns[0].copy()
-            by_both, size = float(np.vdot(x, mass * y)), float(np.vdot(y, mass * y))
-            if not (math.isfinite(size) and size > 0.0):
-                return -math.inf, x
-            quotient = by_both / size
-            x = y / math.sqrt(size)
-        return quotient, x
+                for column in y:
+                    path.border(frame, column, 0.0)
+            if not np.isfinite(y).all():
+                return x[:0]
+            ritz, vectors = np.linalg.eig(np.einsum("ind,nd,jnd->ij", x, mass, y))
+            shapes = np.einsum("jk,jnd->knd", vectors.real, x)
+            x = y
+        return shapes[ritz.real < 0.0]
 
     def linearise(self) -> bool:
         """Factorise the stiffness at the equilibrium; False if it is singular."""
@@ -105,48 +128,69 @@ class _Solver:
         self.search.iterations += 1
         return step.factorise(step.reaction, 0.0)
 
-    def judge(self) -> tuple[bool, float, Array]:
-        """Whether the structure would keep the equilibrium; the slope of the curve there [1/m], and
-        the lowest mode."""
+    def judge(self) -> Judgement:
+        """Whether the structure would keep the equilibrium last evaluated."""
         step = self.step
         if not self.linearise():
-            return False, math.nan, np.zeros_like(step.x)
+            return Judgement(unstable=1, modes=np.zeros((0, *step.x.shape)))
         slope = math.nan
         if step.pace is not None:
             step.frame.columns[0] = 0.0
             slope = step.solve(1.0)
-        quotient, mode = self.mode()
-        return step.stable and quotient > 0.0, slope, mode
+        modes = self.modes()
+        n = max(len(modes), 0 if step.stable else 1)
+        return Judgement(unstable=n, modes=modes, slope=slope)
 
-    def push(self, mode: Array, increment: float) -> tuple[bool, float]:
-        """Look for a stable equilibrium beside the present one; what was found, or, where there is
-        none, the present one.  Returns whether it is stable, and the slope."""
+    def push(self, judged: Judgement, increment: float, *, few: bool) -> Judgement:
+        """Go to a stable equilibrium beside the present one, or to one with fewer modes that grow,
+        where pushes along these find it."""
         step, s = self.step, self.settings.stability
         start, at = step.x.copy(), step.place
-        most = float(np.linalg.norm(translations(mode), axis=1).max())
         size = step.constants.detector.assembly.smallest_extent
         room = max(s.near * abs(increment), s.near_least * size)
-        attempt = Attempt(barrier=s.barrier, least_damping=s.least_damping)
-        for push in s.pushes if most > 0.0 else ():
-            for sense in (1.0, -1.0):
-                step.come_back(at)
-                step.move(mode, sense * push / most)
-                if not self.search.interior(attempt):
-                    continue
-                moved = step.constants.detector.farthest(step.x - start)
-                if not moved < room:
-                    continue
-                stable, slope, _ = self.judge()
-                if stable:
-                    return True, slope
+        attempt = Attempt(
+            barrier=s.barrier, least_damping=s.least_damping, iterations=s.max_iterations
+        )
+        left = s.few_pushes if few else s.most_pushes
+        ways = _ways(judged)
+        while ways and left:
+            left -= 1
+            step.come_back(at)
+            step.move(ways.pop(0), s.push)
+            if not self.search.interior(attempt):
+                continue
+            if not step.constants.detector.farthest(step.x - start) < room:
+                continue
+            there = self.judge()
+            if there.unstable < judged.unstable:
+                judged, at, ways = there, step.place, _ways(there)
         self._return(at)
-        return False, math.nan
+        return judged
 
     def _return(self, at: Place) -> None:
         step = self.step
         step.come_back(at)
         step.respond()
         step.balance(step.reaction)
+
+
+def _orthonormal(x: Array, mass: Array) -> Array:
+    """Fields (k, n, n_dof) made orthonormal by the mass (n, n_dof)."""
+    k = len(x)
+    root = np.sqrt(mass).ravel()
+    q, _ = np.linalg.qr((x.reshape(k, -1) * root).T)
+    back = np.divide(1.0, root, out=np.zeros_like(root), where=root > 0.0)
+    return np.ascontiguousarray((q * back[:, None]).T).reshape(x.shape)
+
+
+def _ways(judged: Judgement) -> list[Array]:
+    """Modes, of which the fastest body moves by one, one way and the other."""
+    ways = []
+    for mode in judged.modes:
+        most = float(np.linalg.norm(translations(mode), axis=1).max())
+        if most > 0.0:
+            ways += [mode / most, -mode / most]
+    return ways
 
 
 def solve(
@@ -157,6 +201,7 @@ def solve(
     settings: SpaceSettings,
     *,
     warm: bool = False,
+    was_unstable: bool = False,
     slope: float = math.nan,
     dynamic: bool = False,
 ) -> StepSolution:
@@ -174,6 +219,8 @@ def solve(
         See there.
     warm
         Whether Newton's method is tried from the guess.
+    was_unstable
+        Whether the last step ended in an equilibrium that the structure would not keep.
     slope
         Of the curve where the step starts [1/m], not a number where nobody knows.
     dynamic
@@ -184,28 +231,29 @@ def solve(
     pace = step.pace
     increment = pace.missing(np.zeros_like(guess)) if pace else 0.0
     found = solver.find(guess, multiplier, warm=warm)
-    turn, stable, end = None, True, math.nan
+    n_iterations = solver.search.iterations
+    turn, judged = None, None
     if found and pace is not None and not dynamic:
-        stable, end, mode = solver.judge()
-        if not stable:
-            was = step.multiplier
-            stable, after = solver.push(mode, increment)
-            turn, end = (1.0, was), after if stable else end
+        judged = solver.judge()
+        if not judged.stable:
+            turn = (1.0, step.multiplier)
+            judged = solver.push(judged, increment, few=was_unstable)
+    end = judged.slope if judged else math.nan
     reason = ""
     if not found:
-        reason = f"no equilibrium within {solver.search.iterations} iterations"
+        reason = f"no equilibrium within {n_iterations} iterations"
     elif not step.constants.detector.farthest(step.x) <= accuracy.farthest:
         reason = "a block moves too far in one step"
     shape = _shape(begun, step.multiplier, slope, end, increment)
     return StepSolution(
         increment=step.x.copy(),
         multiplier=step.multiplier,
-        n_iterations=solver.search.iterations,
+        n_iterations=n_iterations,
         turn=turn,
         excess=shape[0] if not reason else None,
         bend=shape[1] if not reason else None,
         slope=end,
-        unstable=not stable,
+        unstable=judged is not None and not judged.stable,
         reason=reason,
     )
 
