@@ -1,0 +1,53 @@
+"""Whole curves of structures in space, pushed from all around.
+
+DRYSTONE_DIRECTIONS says from how many sides (default 3, whole runs 24).
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import buildings
+import drystone as ds
+from drystone.control.ends import COLLAPSED
+from drystone.curve import DYNAMIC, FINISHED
+from drystone.limit import ASSOCIATIVE, collapse_load
+from solids import from_boxes
+
+pytestmark = pytest.mark.slow
+
+FACADE = Path(__file__).parents[1] / "cases" / "solids" / "facade_2.4m.toml"
+STRUCTURES = {
+    "facade": lambda push: from_boxes(FACADE, push=push),
+    "corner wall": lambda push: buildings.corner_wall(push=push),
+    "box building": lambda push: buildings.box_building(push=push),
+    "arch": lambda push: buildings.arch(push=push),
+    "dome": lambda push: buildings.dome(push=push),
+}
+#: In an order in which the first few already come from all around.
+ALL = sorted(range(24), key=lambda k: (k * 7) % 24)
+TAKEN = ALL[:: max(1, 24 // int(os.environ.get("DRYSTONE_DIRECTIONS", "3")))]
+
+
+@pytest.mark.parametrize("turn", TAKEN)
+@pytest.mark.parametrize("name", STRUCTURES)
+def test_the_curve_is_traced_to_its_end(name, turn):
+    """Balanced to 1e-8, no higher than the associative multiplier, finished."""
+    model = STRUCTURES[name](buildings.directions(24)[turn])
+    curve = ds.pushover(model, engine="equilibrium")
+    rest = [point for point in curve.points if point.status != DYNAMIC]
+    assert max(point.residual for point in rest) <= 1e-8
+    bound = collapse_load(model, flow=ASSOCIATIVE).load_multiplier
+    assert 0.5 * bound < curve.peak.load_multiplier <= bound * (1.0 + 1e-6)
+    assert curve.status == FINISHED, curve.reason
+    last = curve.points[-1]
+    assert (
+        last.status == DYNAMIC
+        if COLLAPSED in curve.reason
+        else (last.load_multiplier <= curve.stop_multiplier)
+    )
+    assert np.all(np.isfinite(curve.load_multiplier))
