@@ -6,12 +6,27 @@ import numpy as np
 import pytest
 
 from drystone.kernels import cones
-from drystone.kernels.cones import ETA, P1, P2, PN, V0, V1, V2, Z1, Z2, ZETA, W
+from drystone.kernels.cones import (
+    ETA,
+    KN,
+    KS,
+    MU,
+    P1,
+    P2,
+    PN,
+    RAISE,
+    V0,
+    V1,
+    V2,
+    Z1,
+    Z2,
+    ZETA,
+    W,
+)
 from drystone.kernels.contacts import (
     BODY_A,
     BODY_B,
     FRICTION,
-    N_TABLE,
     SLOT,
     STIFF_N,
     Contacts,
@@ -25,10 +40,12 @@ pytestmark = pytest.mark.kernels
 H, STIFFNESS, PENALTY = 0.1, 1e6, 3e5  # s, N/m, kg
 
 
-def table_of(n, friction):
-    table = np.zeros((n, N_TABLE))
-    table[:, STIFF_N], table[:, FRICTION] = STIFFNESS, friction
-    return table
+def joints_of(n, friction, raised=0.0):
+    """Impulses for forces: see the module's text."""
+    joint = np.zeros((n, cones.N_JOINT))
+    joint[:, KN], joint[:, KS] = H * H * STIFFNESS, PENALTY
+    joint[:, MU], joint[:, RAISE] = friction, raised
+    return joint
 
 
 def product(a, b):
@@ -39,9 +56,9 @@ def product(a, b):
 @pytest.mark.parametrize("energy", [1e-6, 1e-2, 10.0])
 def test_central_variables_have_the_products_of_their_barrier(energy):
     rng = np.random.default_rng(7)
-    n, table = 40, table_of(40, 0.6)
+    n, joint = 40, joints_of(40, 0.6)
     trial, inner = rng.normal(size=(n, 3)) * 10.0 ** rng.uniform(-1, 3, (n, 1)), np.zeros((n, 7))
-    cones.centre_contacts(table, H, PENALTY, energy, True, trial, inner)
+    cones.centre_contacts(joint, energy, True, trial, inner)
     for v, t in zip(inner, trial, strict=True):
         assert v[PN] - v[W] == pytest.approx(t[0], rel=1e-9)
         assert v[PN] * v[W] == pytest.approx(H * H * STIFFNESS * energy, rel=1e-9)
@@ -66,7 +83,7 @@ def test_the_scaling_takes_slacks_to_impulses():
         if size is None:
             size = inner[:, ZETA] = rng.uniform(0.1, 9.0, n)
         inner[:, first[0]], inner[:, first[1]] = share * size * (np.cos(angle), np.sin(angle))
-    cones.scale(table_of(n, mu), H, PENALTY, inner, scaling)
+    cones.scale(joints_of(n, mu), inner, scaling)
     for v, s in zip(inner, scaling, strict=True):
         w0, w = s[V0], s[[V1, V2]]
         matrix = np.eye(3)
@@ -84,7 +101,7 @@ class Slab:
         contacts = Contacts.empty(4, 3, 6)
         contacts.which[:, SLOT], contacts.which[:, BODY_A] = np.arange(4), 0
         contacts.which[:, BODY_B] = 1
-        contacts.table[:] = table_of(4, friction)
+        contacts.table[:, STIFF_N], contacts.table[:, FRICTION] = STIFFNESS, friction
         for c, (x, y) in enumerate(((-0.5, -0.4), (0.5, -0.4), (0.5, 0.4), (-0.5, 0.4))):
             for i, axis in enumerate(np.eye(3)[[2, 0, 1]]):
                 contacts.rows[c, i, 6:9] = axis

@@ -424,7 +424,8 @@ class EquilibriumEngine:
     def _axes_of(self, block: int, pose: Array) -> Array:
         """Principal axes of a block in a pose, (dim, dim) in columns."""
         designed = self.problem.assembly.axes[block]
-        return motion.turned(designed.T, np.repeat(pose[block, None], len(designed), axis=0)).T
+        turned = motion.turned(designed.T, np.repeat(pose[block, None], len(designed), axis=0))
+        return np.ascontiguousarray(turned.T)
 
     def _predict(
         self, state: EquilibriumState, demand: Demand, pace: PointPace | None

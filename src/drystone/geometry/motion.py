@@ -60,9 +60,7 @@ def moved(pose: Array, increment: Array, axes: Array) -> Array:
     if pose.shape[1] == 3:
         return pose + increment
     after = np.empty_like(pose)
-    after[:, :3] = pose[:, :3] + increment[:, :3]
-    after[:, 3:] = _times(pose[:, 3:], _quaternion(np.einsum("nij,nj->ni", axes, increment[:, 3:])))
-    after[:, 3:] /= np.linalg.norm(after[:, 3:], axis=1)[:, None]
+    rotation.moved(pose, increment, axes, after)
     return after
 
 
@@ -71,9 +69,7 @@ def difference(pose: Array, before: Array, axes: Array) -> Array:
     if pose.shape[1] == 3:
         return pose - before
     increment = np.empty((len(pose), 6))
-    increment[:, :3] = pose[:, :3] - before[:, :3]
-    back = before[:, 3:] * np.array([1.0, -1.0, -1.0, -1.0])
-    increment[:, 3:] = np.einsum("nij,ni->nj", axes, _vector(_times(back, pose[:, 3:])))
+    rotation.difference(pose, before, axes, increment)
     return increment
 
 
@@ -154,8 +150,7 @@ def advance(arm: Array, motion: Array, axis: Array, axes: Array) -> float:
     """Displacement along ``axis`` (dim,) [m] of a point at ``arm`` from its body's centroid, by an
     increment of the body (n_dof,), whose principal axes are the columns of ``axes`` before."""
     if len(motion) == 6:
-        quaternion = _quaternion((axes @ motion[3:])[None])
-        return float(axis @ (motion[:3] + _turn(quaternion, arm[None])[0]))
+        return float(rotation.advance(arm, motion, axis, axes))
     (ux, uy), (x, y), (dx, dy) = motion[:2].tolist(), arm.tolist(), axis.tolist()
     turned_x, turned_y = _turned_arm(arm, motion)
     return float(dx * (ux + turned_x - x) + dy * (uy + turned_y - y))
@@ -164,10 +159,9 @@ def advance(arm: Array, motion: Array, axis: Array, axes: Array) -> float:
 def gradient_of_advance(arm: Array, motion: Array, axis: Array, axes: Array) -> Array:
     """How `advance` goes with a further increment, (n_dof,)."""
     if len(motion) == 6:
-        vectors = np.vstack((arm, axes.T))
-        quaternion = np.repeat(_quaternion((axes @ motion[3:])[None]), 4, axis=0)
-        after = vectors + _turn(quaternion, vectors)
-        return np.concatenate((axis, after[1:] @ np.cross(after[0], axis)))
+        gradient = np.empty(6)
+        rotation.gradient_of_advance(arm, motion, axis, axes, gradient)
+        return gradient
     (dx, dy), (turned_x, turned_y) = axis.tolist(), _turned_arm(arm, motion)
     return np.array([dx, dy, dy * turned_x - dx * turned_y])
 
@@ -199,19 +193,6 @@ def _turn(quaternion: Array, vectors: Array) -> Array:
     w, v = quaternion[:, :1], quaternion[:, 1:]
     across = np.cross(v, vectors)
     return np.asarray(2.0 * (w * across + np.cross(v, across)))
-
-
-def _times(first: Array, second: Array) -> Array:
-    """Products of quaternions (n, 4): the rotations of the second, then those of the first."""
-    w1, v1, w2, v2 = first[:, :1], first[:, 1:], second[:, :1], second[:, 1:]
-    scalar = w1 * w2 - np.sum(v1 * v2, axis=1, keepdims=True)
-    return np.hstack((scalar, w1 * v2 + w2 * v1 + np.cross(v1, v2)))
-
-
-def _quaternion(vector: Array) -> Array:
-    """Of rotation vectors (n, 3) [rad]."""
-    angle = np.linalg.norm(vector, axis=1, keepdims=True)
-    return np.hstack((np.cos(0.5 * angle), 0.5 * np.sinc(angle / (2.0 * np.pi)) * vector))
 
 
 def _vector(quaternion: Array) -> Array:

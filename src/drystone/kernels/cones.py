@@ -54,13 +54,36 @@ def trial_impulses(problem, h, penalty, centre, relative, trial):
 
 
 @njit(cache=True, error_model="numpy")
-def _is_central(mu, beta, v):
+def _is_central(inner, c, mu, beta):
     """Whether a contact's pair lies well within its cones, for the product that it should have."""
-    most, size, slid = mu * v[PN], np.hypot(v[P1], v[P2]), np.hypot(v[Z1], v[Z2])
-    if not (size < most and slid < v[ZETA]):
+    most, zeta = mu * inner[c, PN], inner[c, ZETA]
+    square = inner[c, P1] * inner[c, P1] + inner[c, P2] * inner[c, P2]
+    slid = inner[c, Z1] * inner[c, Z1] + inner[c, Z2] * inner[c, Z2]
+    if not (square < most * most and slid < zeta * zeta and zeta > 0.0):
         return False
-    room = (most - size) * (most + size) * (v[ZETA] - slid) * (v[ZETA] + slid)
-    return room > (CENTRAL * beta) ** 2
+    return (most * most - square) * (zeta * zeta - slid) > (CENTRAL * beta) ** 2
+
+
+@njit(cache=True, error_model="numpy")
+def _room_of_friction(most, size, beta):
+    """The room s in (0, m] that friction leaves: (T - m + s) s (2 m - s) = beta (m - s)."""
+    low, high, room = 0.0, most, min(most, max(most - size, beta / (size + most + beta / most)))
+    for _ in range(80):
+        rest = size - most + room
+        value = rest * room * (2.0 * most - room) - beta * (most - room)
+        if value > 0.0:
+            high = room
+        else:
+            low = room
+        slope = room * (2.0 * most - room) + 2.0 * rest * (most - room) + beta
+        nearer = room - value / slope
+        if not low < nearer < high:
+            nearer = 0.5 * (low + high)
+        done = abs(nearer - room) <= 1e-14 * room
+        room = nearer
+        if done:
+            break
+    return room
 
 
 @njit(cache=True, error_model="numpy")
@@ -68,45 +91,30 @@ def centre_contacts(joint, energy, everything, trial, inner):
     """Variables of contacts for their trial reactions and a barrier ``energy`` [J]: of those that
     lie too near to the end of their cones, or of all."""
     for c in range(joint.shape[0]):
-        v, tn = inner[c], trial[c, 0]
+        tn, t1, t2 = trial[c, 0], trial[c, 1], trial[c, 2]
         if joint[c, HELD] != 0.0:
             if everything:
-                v[PN], v[P1], v[P2] = tn, trial[c, 1], trial[c, 2]
-                v[W], v[ZETA], v[Z1], v[Z2] = 0.0, 0.0, 0.0, 0.0
+                inner[c, PN], inner[c, P1], inner[c, P2], inner[c, W] = tn, t1, t2, 0.0
+                inner[c, ZETA], inner[c, Z1], inner[c, Z2] = 0.0, 0.0, 0.0
             continue
+        beta = 2.0 * joint[c, KS] * energy
         if everything:
             product = joint[c, KN] * energy
             larger = 0.5 * (abs(tn) + np.sqrt(tn * tn + 4.0 * product))
-            v[PN] = larger if tn > 0.0 else product / larger
-            v[W] = product / v[PN]
-        elif _is_central(joint[c, MU], 2.0 * joint[c, KS] * energy, v):
+            inner[c, PN] = larger if tn > 0.0 else product / larger
+            inner[c, W] = product / inner[c, PN]
+        elif _is_central(inner, c, joint[c, MU], beta):
             continue
-        most, size = joint[c, MU] * v[PN], np.hypot(trial[c, 1], trial[c, 2])
+        most, size = joint[c, MU] * inner[c, PN], np.sqrt(t1 * t1 + t2 * t2)
         if most == 0.0:
-            v[P1], v[P2], v[ZETA], v[Z1], v[Z2] = 0.0, 0.0, 0.0, 0.0, 0.0
+            inner[c, P1], inner[c, P2], inner[c, ZETA] = 0.0, 0.0, 0.0
+            inner[c, Z1], inner[c, Z2] = 0.0, 0.0
             continue
-        beta = 2.0 * joint[c, KS] * energy
-        # (T - m + s) s (2 m - s) = beta (m - s) for the room s that friction leaves, in (0, m].
-        low, high, room = 0.0, most, min(most, max(most - size, beta / (size + most + beta / most)))
-        for _ in range(80):
-            rest = size - most + room
-            value = rest * room * (2.0 * most - room) - beta * (most - room)
-            if value > 0.0:
-                high = room
-            else:
-                low = room
-            slope = room * (2.0 * most - room) + 2.0 * rest * (most - room) + beta
-            nearer = room - value / slope
-            if not low < nearer < high:
-                nearer = 0.5 * (low + high)
-            done = abs(nearer - room) <= 1e-14 * room
-            room = nearer
-            if done:
-                break
-        v[ZETA] = beta * most / (room * (2.0 * most - room))
+        room = _room_of_friction(most, size, beta)
         share = (most - room) / size if size > 0.0 else 0.0
-        v[P1], v[P2] = share * trial[c, 1], share * trial[c, 2]
-        v[Z1], v[Z2] = v[ZETA] * v[P1] / most, v[ZETA] * v[P2] / most
+        zeta, p1, p2 = beta * most / (room * (2.0 * most - room)), share * t1, share * t2
+        inner[c, P1], inner[c, P2], inner[c, ZETA] = p1, p2, zeta
+        inner[c, Z1], inner[c, Z2] = zeta * p1 / most, zeta * p2 / most
 
 
 @njit(cache=True, error_model="numpy")
@@ -114,93 +122,102 @@ def scale(joint, inner, scaling):
     """Fill what of the scaling does not depend on what is aimed at; the mean energy [J]."""
     energy, n = 0.0, 0
     for c in range(joint.shape[0]):
-        v, s, mu = inner[c], scaling[c], joint[c, MU]
-        s[N1], s[N2] = 0.0, 0.0
+        mu, ks = joint[c, MU], joint[c, KS]
+        n1, n2, t1, t2, s11, s12, s22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         if joint[c, HELD] != 0.0:
-            s[NN], s[T1], s[T2], s[S11], s[S12], s[S22] = 1.0, 0.0, 0.0, 1.0, 0.0, 1.0
-            continue
-        energy += v[PN] * v[W] / joint[c, KN]
-        n += 1
-        s[NN] = v[PN] / (v[PN] + v[W])
-        if mu == 0.0:
-            s[T1], s[T2], s[S11], s[S12], s[S22] = 0.0, 0.0, 0.0, 0.0, 0.0
-            continue
-        most = mu * v[PN]
-        energy += (most * v[ZETA] - v[P1] * v[Z1] - v[P2] * v[Z2]) / (2.0 * joint[c, KS])
-        n += 1
-        size, slid = np.hypot(v[P1], v[P2]), np.hypot(v[Z1], v[Z2])
-        det_p, det_d = (most - size) * (most + size), (v[ZETA] - slid) * (v[ZETA] + slid)
-        rp, rd = 1.0 / np.sqrt(det_p), 1.0 / np.sqrt(det_d)
-        along = rp * rd * (most * v[ZETA] - v[P1] * v[Z1] - v[P2] * v[Z2])
-        half = 0.5 / np.sqrt(0.5 * (1.0 + along))
-        s[ETA] = (det_p / det_d) ** 0.25
-        s[V1], s[V2] = half * (rp * v[P1] + rd * v[Z1]), half * (rp * v[P2] + rd * v[Z2])
-        s[V0] = np.sqrt(1.0 + s[V1] * s[V1] + s[V2] * s[V2])
-        g = 1.0 / (s[ETA] * s[ETA])
-        a, k = 1.0 + g, 2.0 * g
-        k /= a * (a + k * (s[V1] * s[V1] + s[V2] * s[V2]))
-        s[S11], s[S12], s[S22] = (
-            1.0 / a - k * s[V1] * s[V1],
-            -k * s[V1] * s[V2],
-            1.0 / a - k * s[V2] * s[V2],
-        )
-        g1, g2 = -2.0 * g * s[V0] * s[V1], -2.0 * g * s[V0] * s[V2]
-        first, second = s[S11] * g1 + s[S12] * g2, s[S12] * g1 + s[S22] * g2
-        if joint[c, RAISE] > 0.0:
+            nn, s11, s22 = 1.0, 1.0, 1.0
+        else:
+            pn, p1, p2, w = inner[c, PN], inner[c, P1], inner[c, P2], inner[c, W]
+            energy += pn * w / joint[c, KN]
+            n += 1
+            nn = pn / (pn + w)
+        if joint[c, HELD] == 0.0 and mu != 0.0:
+            zeta, z1, z2 = inner[c, ZETA], inner[c, Z1], inner[c, Z2]
+            most = mu * pn
+            dot = most * zeta - p1 * z1 - p2 * z2
+            energy += dot / (2.0 * ks)
+            n += 1
+            det_p, det_d = most * most - (p1 * p1 + p2 * p2), zeta * zeta - (z1 * z1 + z2 * z2)
+            rp, rd = 1.0 / np.sqrt(det_p), 1.0 / np.sqrt(det_d)
+            half = 0.5 / np.sqrt(0.5 * (1.0 + rp * rd * dot))
+            v1, v2 = half * (rp * p1 + rd * z1), half * (rp * p2 + rd * z2)
+            v0 = np.sqrt(1.0 + v1 * v1 + v2 * v2)
+            scaling[c, V0], scaling[c, V1], scaling[c, V2] = v0, v1, v2
+            g = det_d * rd * rp  # sqrt(det_d / det_p), one over the square of the factor
+            scaling[c, ETA] = 1.0 / np.sqrt(g)
+            a, k = 1.0 + g, 2.0 * g
+            k /= a * (a + k * (v1 * v1 + v2 * v2))
+            s11, s12, s22 = 1.0 / a - k * v1 * v1, -k * v1 * v2, 1.0 / a - k * v2 * v2
+            g1, g2 = -2.0 * g * v0 * v1, -2.0 * g * v0 * v2
+            first, second = s11 * g1 + s12 * g2, s12 * g1 + s22 * g2
             raised = joint[c, RAISE]
-            g0 = g * (2.0 * s[V0] * s[V0] - 1.0)
-            held = 1.0 + v[W] / v[PN] + raised * mu * (g0 - g1 * first - g2 * second)
-            s[NN] = 1.0 / held
-            s[N1], s[N2] = -s[NN] * raised * first, -s[NN] * raised * second
-            s[S11] -= mu * first * s[N1]
-            s[S12] -= mu * first * s[N2]
-            s[S22] -= mu * second * s[N2]
-        s[T1] = -mu * s[NN] * first
-        s[T2] = -mu * s[NN] * second
+            if raised > 0.0:
+                g0 = g * (2.0 * v0 * v0 - 1.0)
+                nn = 1.0 / (1.0 + w / pn + raised * mu * (g0 - g1 * first - g2 * second))
+                n1, n2 = -nn * raised * first, -nn * raised * second
+                s11 -= mu * first * n1
+                s12 -= mu * first * n2
+                s22 -= mu * second * n2
+            t1, t2 = -mu * nn * first, -mu * nn * second
+        scaling[c, NN], scaling[c, N1], scaling[c, N2] = nn, n1, n2
+        scaling[c, T1], scaling[c, T2] = t1, t2
+        scaling[c, S11], scaling[c, S12], scaling[c, S22] = s11, s12, s22
     return energy / max(n, 1)
 
 
 @njit(cache=True, error_model="numpy")
-def _scaled(s, x0, x1, x2, back):
-    """W x, or W^-1 x where ``back`` is -1 (else 1)."""
-    v0, v1, v2 = s[V0], back * s[V1], back * s[V2]
-    eta = s[ETA] if back > 0.0 else 1.0 / s[ETA]
+def _scaled(eta, v0, v1, v2, x0, x1, x2):
+    """W x of the factor and the direction of a scaling; W^-1 x with 1 / eta, v0, -v1, -v2."""
     dot = v1 * x1 + v2 * x2
     more = x0 + dot / (1.0 + v0)
     return eta * (v0 * x0 + dot), eta * (x1 + more * v1), eta * (x2 + more * v2)
 
 
 @njit(cache=True, error_model="numpy")
-def aim(joint, energy, second, trial, inner, change, scaling):
+def aim(joint, energy, second, trial, inner, change, scaling, reaction):
     """Fill what is lacking of a barrier ``energy`` [J]; with ``second``, the products of the
-    changes that the step without a barrier would make are taken off."""
+    changes that the step without a barrier would make are taken off.
+
+    ``reaction`` (n_contacts, 3) is filled with what the aim asks for where the blocks do not move.
+    """
     for c in range(joint.shape[0]):
-        v, d, s, mu = inner[c], change[c], scaling[c], joint[c, MU]
+        mu = joint[c, MU]
+        pn, p1, p2, w = inner[c, PN], inner[c, P1], inner[c, P2], inner[c, W]
         if joint[c, HELD] != 0.0:
-            s[B0], s[B1], s[B2] = trial[c, 0] - v[PN], trial[c, 1] - v[P1], trial[c, 2] - v[P2]
-            continue
-        lack = joint[c, KN] * energy - v[PN] * v[W]
-        if second:
-            lack -= d[PN] * d[W]
-        s[B0] = trial[c, 0] + v[W] - v[PN] + lack / v[PN]
-        if mu == 0.0:
-            s[B1], s[B2] = 0.0, 0.0
-            continue
-        l0, l1, l2 = _scaled(s, v[ZETA], -v[Z1], -v[Z2], 1.0)
-        x0 = 2.0 * joint[c, KS] * energy - (l0 * l0 + l1 * l1 + l2 * l2)
-        x1, x2 = -2.0 * l0 * l1, -2.0 * l0 * l2
-        if second:
-            p0, p1, p2 = _scaled(s, mu * d[PN], d[P1], d[P2], -1.0)
-            d0, d1, d2 = _scaled(s, d[ZETA], -d[Z1], -d[Z2], 1.0)
-            x0 -= p0 * d0 + p1 * d1 + p2 * d2
-            x1 -= p0 * d1 + d0 * p1
-            x2 -= p0 * d2 + d0 * p2
-        y0 = (l0 * x0 - l1 * x1 - l2 * x2) / (l0 * l0 - l1 * l1 - l2 * l2)
-        s[R0], s[R1], s[R2] = _scaled(s, y0, (x1 - y0 * l1) / l0, (x2 - y0 * l2) / l0, -1.0)
-        s[B1] = trial[c, 1] - v[Z1] - v[P1] + s[R1]
-        s[B2] = trial[c, 2] - v[Z2] - v[P2] + s[R2]
-        if joint[c, RAISE] > 0.0:
-            s[B0] += joint[c, RAISE] * (v[ZETA] + s[R0])
+            b0, b1, b2 = trial[c, 0] - pn, trial[c, 1] - p1, trial[c, 2] - p2
+        else:
+            lack = joint[c, KN] * energy - pn * w
+            if second:
+                lack -= change[c, PN] * change[c, W]
+            b0, b1, b2 = trial[c, 0] + w - pn + lack / pn, 0.0, 0.0
+        if joint[c, HELD] == 0.0 and mu != 0.0:
+            zeta, z1, z2 = inner[c, ZETA], inner[c, Z1], inner[c, Z2]
+            eta, v0, v1, v2 = scaling[c, ETA], scaling[c, V0], scaling[c, V1], scaling[c, V2]
+            back = 1.0 / eta
+            l0, l1, l2 = _scaled(eta, v0, v1, v2, zeta, -z1, -z2)
+            x0 = 2.0 * joint[c, KS] * energy - (l0 * l0 + l1 * l1 + l2 * l2)
+            x1, x2 = -2.0 * l0 * l1, -2.0 * l0 * l2
+            if second:
+                q0, q1, q2 = _scaled(
+                    back, v0, -v1, -v2, mu * change[c, PN], change[c, P1], change[c, P2]
+                )
+                d0, d1, d2 = _scaled(
+                    eta, v0, v1, v2, change[c, ZETA], -change[c, Z1], -change[c, Z2]
+                )
+                x0 -= q0 * d0 + q1 * d1 + q2 * d2
+                x1 -= q0 * d1 + d0 * q1
+                x2 -= q0 * d2 + d0 * q2
+            y0 = (l0 * x0 - l1 * x1 - l2 * x2) / (l0 * l0 - l1 * l1 - l2 * l2)
+            y1, y2 = (x1 - y0 * l1) / l0, (x2 - y0 * l2) / l0
+            r0, r1, r2 = _scaled(back, v0, -v1, -v2, y0, y1, y2)
+            scaling[c, R0], scaling[c, R1], scaling[c, R2] = r0, r1, r2
+            b1, b2 = trial[c, 1] - z1 - p1 + r1, trial[c, 2] - z2 - p2 + r2
+            b0 += joint[c, RAISE] * (zeta + r0)
+        scaling[c, B0], scaling[c, B1], scaling[c, B2] = b0, b1, b2
+        s12 = scaling[c, S12]
+        reaction[c, 0] = pn + scaling[c, NN] * b0 + scaling[c, N1] * b1 + scaling[c, N2] * b2
+        reaction[c, 1] = p1 + scaling[c, T1] * b0 + scaling[c, S11] * b1 + s12 * b2
+        reaction[c, 2] = p2 + scaling[c, T2] * b0 + s12 * b1 + scaling[c, S22] * b2
 
 
 @njit(cache=True, error_model="numpy")
@@ -210,11 +227,11 @@ def tangent(problem, joint, scaling, diagonal, upper, lower):
     which, rows, _ = problem.contacts
     block = np.zeros((2 * nd, 2 * nd))
     for c in range(which.shape[0]):
-        s = scaling[c]
         kn, penalty = joint[c, KN], joint[c, KS]
         a, b, pair = which[c, BODY_A], which[c, BODY_B], which[c, PAIR]
-        a00, a10, a20 = kn * s[NN], kn * s[T1], kn * s[T2]
-        a11, a12, a22 = penalty * s[S11], penalty * s[S12], penalty * s[S22]
+        a00, a10, a20 = kn * scaling[c, NN], kn * scaling[c, T1], kn * scaling[c, T2]
+        a11, a12 = penalty * scaling[c, S11], penalty * scaling[c, S12]
+        a22 = penalty * scaling[c, S22]
         for i in range(2 * nd):
             x, y, z = rows[c, 0, i], rows[c, 1, i], rows[c, 2, i]
             b0 = a00 * x + a10 * y + a20 * z
@@ -233,45 +250,43 @@ def tangent(problem, joint, scaling, diagonal, upper, lower):
 def responses(scaling, response):
     """Derivatives (n_contacts, 3, 3) of the reactions by the trial reactions."""
     for c in range(scaling.shape[0]):
-        s, a = scaling[c], response[c]
-        a[0, 0], a[0, 1], a[0, 2] = s[NN], s[N1], s[N2]
-        a[1, 0], a[1, 1], a[1, 2] = s[T1], s[S11], s[S12]
-        a[2, 0], a[2, 1], a[2, 2] = s[T2], s[S12], s[S22]
-
-
-@njit(cache=True, error_model="numpy")
-def towards(inner, scaling, reaction):
-    """Reactions (n_contacts, 3) that the aim asks for where the blocks do not move on."""
-    for c in range(inner.shape[0]):
-        v, s = inner[c], scaling[c]
-        reaction[c, 0] = v[PN] + s[NN] * s[B0] + s[N1] * s[B1] + s[N2] * s[B2]
-        reaction[c, 1] = v[P1] + s[T1] * s[B0] + s[S11] * s[B1] + s[S12] * s[B2]
-        reaction[c, 2] = v[P2] + s[T2] * s[B0] + s[S12] * s[B1] + s[S22] * s[B2]
+        response[c, 0, 0] = scaling[c, NN]
+        response[c, 0, 1], response[c, 0, 2] = scaling[c, N1], scaling[c, N2]
+        response[c, 1, 0], response[c, 2, 0] = scaling[c, T1], scaling[c, T2]
+        response[c, 1, 1], response[c, 2, 2] = scaling[c, S11], scaling[c, S22]
+        response[c, 1, 2] = response[c, 2, 1] = scaling[c, S12]
 
 
 @njit(cache=True, error_model="numpy")
 def changes(joint, energy, second, relative, inner, scaling, change):
-    """Changes of all variables for those of the relative places (or velocities), (n_contacts, 3)."""
+    """Changes of all variables for those of relative places or velocities (n_contacts, 3)."""
     for c in range(inner.shape[0]):
-        v, s, d, mu = inner[c], scaling[c], change[c], joint[c, MU]
-        x0 = s[B0] - joint[c, KN] * relative[c, 0]
-        x1, x2 = s[B1] - joint[c, KS] * relative[c, 1], s[B2] - joint[c, KS] * relative[c, 2]
-        lack = joint[c, KN] * energy - v[PN] * v[W]
-        if second:
-            lack -= d[PN] * d[W]
-        d[PN] = s[NN] * x0 + s[N1] * x1 + s[N2] * x2
-        d[P1] = s[T1] * x0 + s[S11] * x1 + s[S12] * x2
-        d[P2] = s[T2] * x0 + s[S12] * x1 + s[S22] * x2
-        if joint[c, HELD] != 0.0:
-            d[W], d[ZETA], d[Z1], d[Z2] = 0.0, 0.0, 0.0, 0.0
-            continue
-        d[W] = (lack - v[W] * d[PN]) / v[PN]
-        if mu == 0.0:
-            d[P1], d[P2], d[ZETA], d[Z1], d[Z2] = 0.0, 0.0, 0.0, 0.0, 0.0
-            continue
-        p0, p1, p2 = _scaled(s, mu * d[PN], d[P1], d[P2], -1.0)
-        p0, p1, p2 = _scaled(s, p0, p1, p2, -1.0)
-        d[ZETA], d[Z1], d[Z2] = s[R0] - p0, p1 - s[R1], p2 - s[R2]
+        mu, kn, ks = joint[c, MU], joint[c, KN], joint[c, KS]
+        x0 = scaling[c, B0] - kn * relative[c, 0]
+        x1, x2 = scaling[c, B1] - ks * relative[c, 1], scaling[c, B2] - ks * relative[c, 2]
+        s12 = scaling[c, S12]
+        dn = scaling[c, NN] * x0 + scaling[c, N1] * x1 + scaling[c, N2] * x2
+        d1 = scaling[c, T1] * x0 + scaling[c, S11] * x1 + s12 * x2
+        d2 = scaling[c, T2] * x0 + s12 * x1 + scaling[c, S22] * x2
+        dw, d_zeta, dz1, dz2 = 0.0, 0.0, 0.0, 0.0
+        if joint[c, HELD] == 0.0:
+            pn, w = inner[c, PN], inner[c, W]
+            lack = kn * energy - pn * w
+            if second:
+                lack -= change[c, PN] * change[c, W]
+            dw = (lack - w * dn) / pn
+            if mu == 0.0:
+                d1, d2 = 0.0, 0.0
+            else:
+                # W^-2 = (2 v v^T - diag(1, -1, -1)) / eta^2, with the direction reversed.
+                v0, v1, v2 = scaling[c, V0], scaling[c, V1], scaling[c, V2]
+                g = 1.0 / (scaling[c, ETA] * scaling[c, ETA])
+                along = 2.0 * (v0 * mu * dn - v1 * d1 - v2 * d2)
+                d_zeta = scaling[c, R0] - g * (v0 * along - mu * dn)
+                dz1 = g * (d1 - v1 * along) - scaling[c, R1]
+                dz2 = g * (d2 - v2 * along) - scaling[c, R2]
+        change[c, PN], change[c, P1], change[c, P2], change[c, W] = dn, d1, d2, dw
+        change[c, ZETA], change[c, Z1], change[c, Z2] = d_zeta, dz1, dz2
 
 
 @njit(cache=True, error_model="numpy")
@@ -279,8 +294,7 @@ def _room(p0, p1, p2, d0, d1, d2):
     """How far a pair may go before it leaves the cone."""
     a = d0 * d0 - d1 * d1 - d2 * d2
     b = p0 * d0 - p1 * d1 - p2 * d2
-    size = np.hypot(p1, p2)
-    c = (p0 - size) * (p0 + size)
+    c = p0 * p0 - (p1 * p1 + p2 * p2)
     far = np.inf
     if d0 < 0.0:
         far = -p0 / d0
@@ -296,21 +310,34 @@ def _room(p0, p1, p2, d0, d1, d2):
 
 
 @njit(cache=True, error_model="numpy")
+def _within(p0, p1, p2, d0, d1, d2, far):
+    """Whether a pair that is in the cone still is so far ahead, and so all the way."""
+    x0, x1, x2 = p0 + far * d0, p1 + far * d1, p2 + far * d2
+    return x0 > 0.0 and x0 * x0 > x1 * x1 + x2 * x2
+
+
+@njit(cache=True, error_model="numpy")
 def length(joint, inner, change):
     """How far all contacts may go along their changes, at most 1, by their normal reactions; and by
     their pairs as well."""
     far, pairs = 1.0, 1.0
     for c in range(inner.shape[0]):
-        v, d, mu = inner[c], change[c], joint[c, MU]
         if joint[c, HELD] != 0.0:
             continue
-        if d[PN] < 0.0:
-            far = min(far, -v[PN] / d[PN])
-        if d[W] < 0.0:
-            far = min(far, -v[W] / d[W])
+        mu, pn, dn = joint[c, MU], inner[c, PN], change[c, PN]
+        w, dw = inner[c, W], change[c, W]
+        if pn + far * dn < 0.0:
+            far = -pn / dn
+        if w + far * dw < 0.0:
+            far = -w / dw
         if mu > 0.0:
-            pairs = min(pairs, _room(mu * v[PN], v[P1], v[P2], mu * d[PN], d[P1], d[P2]))
-            pairs = min(pairs, _room(v[ZETA], v[Z1], v[Z2], d[ZETA], d[Z1], d[Z2]))
+            p1, p2, d1, d2 = inner[c, P1], inner[c, P2], change[c, P1], change[c, P2]
+            if not _within(mu * pn, p1, p2, mu * dn, d1, d2, pairs):
+                pairs = min(pairs, _room(mu * pn, p1, p2, mu * dn, d1, d2))
+            p0, d0 = inner[c, ZETA], change[c, ZETA]
+            p1, p2, d1, d2 = inner[c, Z1], inner[c, Z2], change[c, Z1], change[c, Z2]
+            if not _within(p0, p1, p2, d0, d1, d2, pairs):
+                pairs = min(pairs, _room(p0, p1, p2, d0, d1, d2))
     return far, min(far, pairs)
 
 
@@ -319,19 +346,23 @@ def turns_too_far(joint, far, inner, change):
     """Whether a contact leaves its cone by so much, ``far`` along its changes, that it cannot be
     put back by turning: see `TURN`."""
     for c in range(inner.shape[0]):
-        v, d, mu = inner[c], change[c], joint[c, MU]
-        most = mu * (v[PN] + far * d[PN])
-        p1, p2 = v[P1] + far * d[P1], v[P2] + far * d[P2]
-        z1, z2, zeta = v[Z1] + far * d[Z1], v[Z2] + far * d[Z2], v[ZETA] + far * d[ZETA]
-        size, slid = np.hypot(p1, p2), np.hypot(z1, z2)
-        if (size < most and slid < zeta) or joint[c, HELD] != 0.0:
+        if joint[c, HELD] != 0.0:
             continue
-        was, slid_was = np.hypot(v[P1], v[P2]), np.hypot(v[Z1], v[Z2])
+        w1, w2, u1, u2 = inner[c, P1], inner[c, P2], inner[c, Z1], inner[c, Z2]
+        most = joint[c, MU] * (inner[c, PN] + far * change[c, PN])
+        p1, p2 = w1 + far * change[c, P1], w2 + far * change[c, P2]
+        z1, z2 = u1 + far * change[c, Z1], u2 + far * change[c, Z2]
+        zeta = inner[c, ZETA] + far * change[c, ZETA]
+        size, slid = p1 * p1 + p2 * p2, z1 * z1 + z2 * z2
+        if size < most * most and slid < zeta * zeta and most > 0.0 and zeta > 0.0:
+            continue
+        size, slid = np.sqrt(size), np.sqrt(slid)
+        was, slid_was = np.sqrt(w1 * w1 + w2 * w2), np.sqrt(u1 * u1 + u2 * u2)
         if size > 2.0 * most or slid < 0.1 * slid_was:
             return True
-        if size > 0.3 * most and p1 * v[P1] + p2 * v[P2] < TURN * size * was:
+        if size > 0.3 * most and p1 * w1 + p2 * w2 < TURN * size * was:
             return True
-        if slid > most and z1 * v[Z1] + z2 * v[Z2] < TURN * slid * slid_was:
+        if slid > most and z1 * u1 + z2 * u2 < TURN * slid * slid_was:
             return True
     return False
 
@@ -341,16 +372,15 @@ def energy_at(joint, far, inner, change):
     """Mean energy [J] where all contacts have gone ``far`` along their changes."""
     energy, n = 0.0, 0
     for c in range(inner.shape[0]):
-        v, d, mu = inner[c], change[c], joint[c, MU]
         if joint[c, HELD] != 0.0:
             continue
-        pn, w = v[PN] + far * d[PN], v[W] + far * d[W]
-        energy += pn * w / joint[c, KN]
+        mu, pn = joint[c, MU], inner[c, PN] + far * change[c, PN]
+        energy += pn * (inner[c, W] + far * change[c, W]) / joint[c, KN]
         n += 1
         if mu > 0.0:
-            dot = mu * pn * (v[ZETA] + far * d[ZETA])
-            dot -= (v[P1] + far * d[P1]) * (v[Z1] + far * d[Z1])
-            dot -= (v[P2] + far * d[P2]) * (v[Z2] + far * d[Z2])
+            dot = mu * pn * (inner[c, ZETA] + far * change[c, ZETA])
+            dot -= (inner[c, P1] + far * change[c, P1]) * (inner[c, Z1] + far * change[c, Z1])
+            dot -= (inner[c, P2] + far * change[c, P2]) * (inner[c, Z2] + far * change[c, Z2])
             energy += dot / (2.0 * joint[c, KS])
             n += 1
     return energy / max(n, 1)

@@ -165,3 +165,97 @@ def all_axes(pose, designed, turn, axes):
     """`place_axes` of all bodies."""
     for i in range(pose.shape[0]):
         place_axes(pose, i, designed, turn, axes)
+
+
+@njit(cache=True)
+def _of_vector(vx, vy, vz):
+    """Quaternion of a rotation vector [rad]."""
+    angle = np.sqrt(vx * vx + vy * vy + vz * vz)
+    half = 0.5 * angle
+    share = np.sin(half) / angle if angle > 1e-8 else 0.5 - angle * angle / 48.0
+    return np.cos(half), share * vx, share * vy, share * vz
+
+
+@njit(cache=True)
+def _turn_of_increment(motion, axes):
+    """Quaternion of the rotation of an increment (6,), about axes of the world; ``axes`` (3, 3) are
+    the principal axes before it."""
+    r0, r1, r2 = motion[3], motion[4], motion[5]
+    return _of_vector(
+        axes[0, 0] * r0 + axes[0, 1] * r1 + axes[0, 2] * r2,
+        axes[1, 0] * r0 + axes[1, 1] * r1 + axes[1, 2] * r2,
+        axes[2, 0] * r0 + axes[2, 1] * r1 + axes[2, 2] * r2,
+    )
+
+
+@njit(cache=True)
+def moved(pose, increment, axes, after):
+    """Fill poses ``after`` (n, 7) with those after increments (n, 6) about the principal axes as
+    designed, (n, 3, 3) in columns."""
+    for i in range(pose.shape[0]):
+        for d in range(3):
+            after[i, d] = pose[i, d] + increment[i, d]
+        w0, x0, y0, z0 = _turn_of_increment(increment[i], axes[i])
+        w1, x1 = pose[i, QUATERNION], pose[i, QUATERNION + 1]
+        y1, z1 = pose[i, QUATERNION + 2], pose[i, QUATERNION + 3]
+        # First the increment, about axes of the body, then what the body has turned before.
+        w = w1 * w0 - (x1 * x0 + y1 * y0 + z1 * z0)
+        x = w1 * x0 + w0 * x1 + (y1 * z0 - z1 * y0)
+        y = w1 * y0 + w0 * y1 + (z1 * x0 - x1 * z0)
+        z = w1 * z0 + w0 * z1 + (x1 * y0 - y1 * x0)
+        size = np.sqrt(w * w + x * x + y * y + z * z)
+        after[i, QUATERNION], after[i, QUATERNION + 1] = w / size, x / size
+        after[i, QUATERNION + 2], after[i, QUATERNION + 3] = y / size, z / size
+
+
+@njit(cache=True)
+def difference(pose, before, axes, increment):
+    """Fill ``increment`` (n, 6) with what leads from the poses ``before`` (n, 7) to ``pose``; see
+    `moved`."""
+    for i in range(pose.shape[0]):
+        for d in range(3):
+            increment[i, d] = pose[i, d] - before[i, d]
+        w1, x1 = before[i, QUATERNION], -before[i, QUATERNION + 1]
+        y1, z1 = -before[i, QUATERNION + 2], -before[i, QUATERNION + 3]
+        w2, x2 = pose[i, QUATERNION], pose[i, QUATERNION + 1]
+        y2, z2 = pose[i, QUATERNION + 2], pose[i, QUATERNION + 3]
+        w = w1 * w2 - (x1 * x2 + y1 * y2 + z1 * z2)
+        x = w1 * x2 + w2 * x1 + (y1 * z2 - z1 * y2)
+        y = w1 * y2 + w2 * y1 + (z1 * x2 - x1 * z2)
+        z = w1 * z2 + w2 * z1 + (x1 * y2 - y1 * x2)
+        if w < 0.0:
+            w, x, y, z = -w, -x, -y, -z
+        size = np.sqrt(x * x + y * y + z * z)
+        share = 2.0 * np.arctan2(size, w) / size if size > 0.0 else 2.0
+        for d in range(3):
+            increment[i, 3 + d] = share * (
+                axes[i, 0, d] * x + axes[i, 1, d] * y + axes[i, 2, d] * z
+            )
+
+
+@njit(cache=True)
+def advance(arm, motion, axis, axes):
+    """Displacement along ``axis`` (3,) [m] of a point at ``arm`` (3,) from its body's centroid, by
+    an increment (6,); ``axes`` (3, 3) are the principal axes before it."""
+    w, x, y, z = _turn_of_increment(motion, axes)
+    tx, ty, tz = turn_by(w, x, y, z, arm[0], arm[1], arm[2])
+    along = axis[0] * (motion[0] + tx) + axis[1] * (motion[1] + ty)
+    return along + axis[2] * (motion[2] + tz)
+
+
+@njit(cache=True)
+def gradient_of_advance(arm, motion, axis, axes, gradient):
+    """Fill ``gradient`` (6,): how `advance` goes with a further increment."""
+    w, x, y, z = _turn_of_increment(motion, axes)
+    tx, ty, tz = turn_by(w, x, y, z, arm[0], arm[1], arm[2])
+    ax, ay, az = arm[0] + tx, arm[1] + ty, arm[2] + tz
+    mx, my, mz = (
+        ay * axis[2] - az * axis[1],
+        az * axis[0] - ax * axis[2],
+        ax * axis[1] - ay * axis[0],
+    )
+    for d in range(3):
+        ux, uy, uz = axes[0, d], axes[1, d], axes[2, d]
+        tx, ty, tz = turn_by(w, x, y, z, ux, uy, uz)
+        gradient[d] = axis[d]
+        gradient[3 + d] = (ux + tx) * mx + (uy + ty) * my + (uz + tz) * mz

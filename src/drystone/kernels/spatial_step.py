@@ -1,8 +1,8 @@
 """Contacts of a static step in space: where they are, what they carry, how stiff they are.
 
-A contact is a point of body v on a plane of body f.  With Q = [n t1 t2] its axes (n from f to v), d
-from f's centroid to the point and p from v's, all where the step starts, and with the motions (u, R)
-since then, the axes are E = R_f Q, and gap and slips have grown by
+A contact is a point of body v on a plane of body f.  With Q = [n t1 t2] its axes (n from f to v),
+d from f's centroid to the point and p from v's, all where the step starts, and with the motions
+(u, R) since then, the axes are E = R_f Q, and gap and slips have grown by
 
     y = Q^T { (R_f^T - I) d + u_v - u_f + (R_v - I) p }
 
@@ -80,6 +80,11 @@ N_NOW = 18
 #: Columns of its law: stiffnesses [N/m], friction, lift [N/m], bond and tensile force [N].
 KN, KS, MU, LIFT, BOND, TENSILE = range(6)
 N_LAW = 6
+
+#: Of the sums that the stiffness of a pair is made from, where those begin that its contacts of
+#: either sense add to its geometric part, after the material part of 6 by 6.
+ON_B, ON_A = 36, 57
+N_TOTAL = 78
 
 
 class Places(NamedTuple):
@@ -206,60 +211,58 @@ def turn_on(step, length, axes_0, motion, spin, turn, axes):
 def locate(which, start, law, shear, first, low, high, motion, turn, now, trial):
     """Where the contacts of pairs ``low`` to ``high`` are, and their trial reactions (n, 3) [N]."""
     for c in range(first[low], first[high]):
-        s, e = start[c], now[c]
-        on_b = s[SIDE] > 0.0
+        on_b = start[c, SIDE] > 0.0
         v = which[c, BODY_B] if on_b else which[c, BODY_A]
         f = which[c, BODY_A] if on_b else which[c, BODY_B]
-        ball = s[BALL]
-        p0, p1, p2 = s[POINT], s[POINT + 1], s[POINT + 2]
+        ball = start[c, BALL]
+        p0, p1, p2 = start[c, POINT], start[c, POINT + 1], start[c, POINT + 2]
         m0 = turn[v, 0, 0] * p0 + turn[v, 0, 1] * p1 + turn[v, 0, 2] * p2
         m1 = turn[v, 1, 0] * p0 + turn[v, 1, 1] * p1 + turn[v, 1, 2] * p2
         m2 = turn[v, 2, 0] * p0 + turn[v, 2, 1] * p1 + turn[v, 2, 2] * p2
         g0 = motion[v, 0] - motion[f, 0] + m0
         g1 = motion[v, 1] - motion[f, 1] + m1
         g2 = motion[v, 2] - motion[f, 2] + m2
-        d0, d1, d2 = s[FROM_F] + g0, s[FROM_F + 1] + g1, s[FROM_F + 2] + g2
+        d0, d1, d2 = start[c, FROM_F] + g0, start[c, FROM_F + 1] + g1, start[c, FROM_F + 2] + g2
         # (R_f^T - I) d is that of the transpose.
         g0 += turn[f, 0, 0] * d0 + turn[f, 1, 0] * d1 + turn[f, 2, 0] * d2
         g1 += turn[f, 0, 1] * d0 + turn[f, 1, 1] * d1 + turn[f, 2, 1] * d2
         g2 += turn[f, 0, 2] * d0 + turn[f, 1, 2] * d1 + turn[f, 2, 2] * d2
         for k in range(3):
-            q0, q1, q2 = s[AXES + k], s[AXES + 3 + k], s[AXES + 6 + k]
-            e[Y + k] = q0 * g0 + q1 * g1 + q2 * g2
-            e[NOW + k] = q0 + turn[f, 0, 0] * q0 + turn[f, 0, 1] * q1 + turn[f, 0, 2] * q2
-            e[NOW + 3 + k] = q1 + turn[f, 1, 0] * q0 + turn[f, 1, 1] * q1 + turn[f, 1, 2] * q2
-            e[NOW + 6 + k] = q2 + turn[f, 2, 0] * q0 + turn[f, 2, 1] * q1 + turn[f, 2, 2] * q2
-        e[ARM_V] = p0 + m0 - ball * e[NOW]
-        e[ARM_V + 1] = p1 + m1 - ball * e[NOW + 3]
-        e[ARM_V + 2] = p2 + m2 - ball * e[NOW + 6]
-        e[ARM_F] = d0 - ball * e[NOW]
-        e[ARM_F + 1] = d1 - ball * e[NOW + 3]
-        e[ARM_F + 2] = d2 - ball * e[NOW + 6]
+            q0, q1, q2 = start[c, AXES + k], start[c, AXES + 3 + k], start[c, AXES + 6 + k]
+            now[c, Y + k] = q0 * g0 + q1 * g1 + q2 * g2
+            now[c, NOW + k] = q0 + turn[f, 0, 0] * q0 + turn[f, 0, 1] * q1 + turn[f, 0, 2] * q2
+            now[c, NOW + 3 + k] = q1 + turn[f, 1, 0] * q0 + turn[f, 1, 1] * q1 + turn[f, 1, 2] * q2
+            now[c, NOW + 6 + k] = q2 + turn[f, 2, 0] * q0 + turn[f, 2, 1] * q1 + turn[f, 2, 2] * q2
+        now[c, ARM_V] = p0 + m0 - ball * now[c, NOW]
+        now[c, ARM_V + 1] = p1 + m1 - ball * now[c, NOW + 3]
+        now[c, ARM_V + 2] = p2 + m2 - ball * now[c, NOW + 6]
+        now[c, ARM_F] = d0 - ball * now[c, NOW]
+        now[c, ARM_F + 1] = d1 - ball * now[c, NOW + 3]
+        now[c, ARM_F + 2] = d2 - ball * now[c, NOW + 6]
         if ball > 0.0:
             # Rolling: the rotation of v against f, to third order, times the radius.
             w0 = 0.5 * (turn[v, 2, 1] - turn[v, 1, 2] - turn[f, 2, 1] + turn[f, 1, 2])
             w1 = 0.5 * (turn[v, 0, 2] - turn[v, 2, 0] - turn[f, 0, 2] + turn[f, 2, 0])
             w2 = 0.5 * (turn[v, 1, 0] - turn[v, 0, 1] - turn[f, 1, 0] + turn[f, 0, 1])
-            n0, n1, n2 = e[NOW], e[NOW + 3], e[NOW + 6]
+            n0, n1, n2 = now[c, NOW], now[c, NOW + 3], now[c, NOW + 6]
             x0, x1, x2 = w1 * n2 - w2 * n1, w2 * n0 - w0 * n2, w0 * n1 - w1 * n0
             for k in range(1, 3):
-                along = e[NOW + k] * x0 + e[NOW + 3 + k] * x1 + e[NOW + 6 + k] * x2
-                e[Y + k] -= ball * along
-        trial[c, 0] = -law[c, KN] * (s[GAP_0] + e[Y])
-        trial[c, 1] = shear[c, 0] - law[c, KS] * e[Y + 1]
-        trial[c, 2] = shear[c, 1] - law[c, KS] * e[Y + 2]
+                along = now[c, NOW + k] * x0 + now[c, NOW + 3 + k] * x1 + now[c, NOW + 6 + k] * x2
+                now[c, Y + k] -= ball * along
+        trial[c, 0] = -law[c, KN] * (start[c, GAP_0] + now[c, Y])
+        trial[c, 1] = shear[c, 0] - law[c, KS] * now[c, Y + 1]
+        trial[c, 2] = shear[c, 1] - law[c, KS] * now[c, Y + 2]
 
 
 @njit(cache=True)
 def relative(which, start, now, first, low, high, twist, found):
     """How gaps and slips go (n, 3) with twists (n, 6) of the bodies, in axes of the world."""
     for c in range(first[low], first[high]):
-        e = now[c]
         on_b = start[c, SIDE] > 0.0
         v = which[c, BODY_B] if on_b else which[c, BODY_A]
         f = which[c, BODY_A] if on_b else which[c, BODY_B]
-        a0, a1, a2 = e[ARM_V], e[ARM_V + 1], e[ARM_V + 2]
-        b0, b1, b2 = e[ARM_F], e[ARM_F + 1], e[ARM_F + 2]
+        a0, a1, a2 = now[c, ARM_V], now[c, ARM_V + 1], now[c, ARM_V + 2]
+        b0, b1, b2 = now[c, ARM_F], now[c, ARM_F + 1], now[c, ARM_F + 2]
         x = twist[v, 0] - twist[f, 0] + twist[v, 4] * a2 - twist[v, 5] * a1
         x -= twist[f, 4] * b2 - twist[f, 5] * b1
         y = twist[v, 1] - twist[f, 1] + twist[v, 5] * a0 - twist[v, 3] * a2
@@ -267,7 +270,7 @@ def relative(which, start, now, first, low, high, twist, found):
         z = twist[v, 2] - twist[f, 2] + twist[v, 3] * a1 - twist[v, 4] * a0
         z -= twist[f, 3] * b1 - twist[f, 4] * b0
         for k in range(3):
-            found[c, k] = e[NOW + k] * x + e[NOW + 3 + k] * y + e[NOW + 6 + k] * z
+            found[c, k] = now[c, NOW + k] * x + now[c, NOW + 3 + k] * y + now[c, NOW + 6 + k] * z
 
 
 @njit(cache=True)
@@ -287,28 +290,35 @@ def twists(motion, axes, twist):
 def wrenches(which, start, now, first, low, high, reaction, wrench):
     """What the contacts of each pair do to its bodies, (n_pairs, 2, 6), in axes of the world."""
     for p in range(low, high):
-        wrench[p, :, :] = 0.0
+        # Forces on b and moments on both, of which a gets the force reversed.
+        fx, fy, fz = 0.0, 0.0, 0.0
+        ax, ay, az, bx, by, bz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for c in range(first[p], first[p + 1]):
-            e = now[c]
             r0, r1, r2 = reaction[c, 0], reaction[c, 1], reaction[c, 2]
             if r0 == 0.0 and r1 == 0.0 and r2 == 0.0:
                 continue
-            x = e[NOW] * r0 + e[NOW + 1] * r1 + e[NOW + 2] * r2
-            y = e[NOW + 3] * r0 + e[NOW + 4] * r1 + e[NOW + 5] * r2
-            z = e[NOW + 6] * r0 + e[NOW + 7] * r1 + e[NOW + 8] * r2
-            v, f = (1, 0) if start[c, SIDE] > 0.0 else (0, 1)
-            wrench[p, v, 0] += x
-            wrench[p, v, 1] += y
-            wrench[p, v, 2] += z
-            wrench[p, v, 3] += e[ARM_V + 1] * z - e[ARM_V + 2] * y
-            wrench[p, v, 4] += e[ARM_V + 2] * x - e[ARM_V] * z
-            wrench[p, v, 5] += e[ARM_V] * y - e[ARM_V + 1] * x
-            wrench[p, f, 0] -= x
-            wrench[p, f, 1] -= y
-            wrench[p, f, 2] -= z
-            wrench[p, f, 3] -= e[ARM_F + 1] * z - e[ARM_F + 2] * y
-            wrench[p, f, 4] -= e[ARM_F + 2] * x - e[ARM_F] * z
-            wrench[p, f, 5] -= e[ARM_F] * y - e[ARM_F + 1] * x
+            side = start[c, SIDE]
+            x = now[c, NOW] * r0 + now[c, NOW + 1] * r1 + now[c, NOW + 2] * r2
+            y = now[c, NOW + 3] * r0 + now[c, NOW + 4] * r1 + now[c, NOW + 5] * r2
+            z = now[c, NOW + 6] * r0 + now[c, NOW + 7] * r1 + now[c, NOW + 8] * r2
+            x, y, z = side * x, side * y, side * z
+            v0, v1, v2 = now[c, ARM_V], now[c, ARM_V + 1], now[c, ARM_V + 2]
+            f0, f1, f2 = now[c, ARM_F], now[c, ARM_F + 1], now[c, ARM_F + 2]
+            if side < 0.0:
+                v0, v1, v2, f0, f1, f2 = f0, f1, f2, v0, v1, v2
+            fx += x
+            fy += y
+            fz += z
+            bx += v1 * z - v2 * y
+            by += v2 * x - v0 * z
+            bz += v0 * y - v1 * x
+            ax -= f1 * z - f2 * y
+            ay -= f2 * x - f0 * z
+            az -= f0 * y - f1 * x
+        wrench[p, 0, 0], wrench[p, 0, 1], wrench[p, 0, 2] = -fx, -fy, -fz
+        wrench[p, 0, 3], wrench[p, 0, 4], wrench[p, 0, 5] = ax, ay, az
+        wrench[p, 1, 0], wrench[p, 1, 1], wrench[p, 1, 2] = fx, fy, fz
+        wrench[p, 1, 3], wrench[p, 1, 4], wrench[p, 1, 5] = bx, by, bz
 
 
 @njit(cache=True)
@@ -340,12 +350,13 @@ def respond(law, held, trial, low, high, branch, reaction, response):
     """
     for c in range(low, high):
         tn, t1, t2 = trial[c, 0], trial[c, 1], trial[c, 2]
-        a = response[c]
-        a[:, :] = 0.0
+        for i in range(3):
+            for j in range(3):
+                response[c, i, j] = 0.0
         if held[c] != 0.0:
             branch[c] = BONDED
             reaction[c, 0], reaction[c, 1], reaction[c, 2] = tn, t1, t2
-            a[0, 0], a[1, 1], a[2, 2] = 1.0, 1.0, 1.0
+            response[c, 0, 0], response[c, 1, 1], response[c, 2, 2] = 1.0, 1.0, 1.0
             continue
         ks, mu, lift = law[c, KS], law[c, MU], law[c, LIFT]
         size = np.sqrt(t1 * t1 + t2 * t2)
@@ -354,12 +365,14 @@ def respond(law, held, trial, low, high, branch, reaction, response):
             reaction[c, 0], reaction[c, 1], reaction[c, 2] = 0.0, 0.0, 0.0
             continue
         over, near = size - mu * tn, TIE * (size + mu * abs(tn))
-        if over <= 0.0 and not (branch[c] == FORWARD and over >= -near) or (
-            branch[c] == STICKING and over <= near
+        if (
+            (over <= 0.0
+            and not (branch[c] == FORWARD and over >= -near))
+            or (branch[c] == STICKING and over <= near)
         ):
             branch[c] = STICKING
             reaction[c, 0], reaction[c, 1], reaction[c, 2] = tn, t1, t2
-            a[0, 0], a[1, 1], a[2, 2] = 1.0, 1.0, 1.0
+            response[c, 0, 0], response[c, 1, 1], response[c, 2, 2] = 1.0, 1.0, 1.0
             continue
         branch[c] = FORWARD
         raised = lift / (ks + mu * lift)
@@ -368,17 +381,17 @@ def respond(law, held, trial, low, high, branch, reaction, response):
         share = mu * rn / size if size > 0.0 else 0.0
         reaction[c, 0], reaction[c, 1], reaction[c, 2] = rn, mu * rn * e1, mu * rn * e2
         nn, n1, n2 = 1.0 - raised * mu, raised * e1, raised * e2
-        a[0, 0], a[0, 1], a[0, 2] = nn, n1, n2
-        a[1, 0], a[2, 0] = mu * e1 * nn, mu * e2 * nn
-        a[1, 1] = mu * e1 * n1 + share * (1.0 - e1 * e1)
-        a[1, 2] = mu * e1 * n2 - share * e1 * e2
-        a[2, 1] = mu * e2 * n1 - share * e1 * e2
-        a[2, 2] = mu * e2 * n2 + share * (1.0 - e2 * e2)
+        response[c, 0, 0], response[c, 0, 1], response[c, 0, 2] = nn, n1, n2
+        response[c, 1, 0], response[c, 2, 0] = mu * e1 * nn, mu * e2 * nn
+        response[c, 1, 1] = mu * e1 * n1 + share * (1.0 - e1 * e1)
+        response[c, 1, 2] = mu * e1 * n2 - share * e1 * e2
+        response[c, 2, 1] = mu * e2 * n1 - share * e1 * e2
+        response[c, 2, 2] = mu * e2 * n2 + share * (1.0 - e2 * e2)
 
 
 @njit(cache=True)
 def age(which, law, trial, reaction, branch, count, history):
-    """What contacts have at the end of a step, into ``history`` (n_slots, N_HISTORY) of its start."""
+    """What contacts have at the end of a step, into ``history`` (n_slots, N_HISTORY) of the start."""
     for c in range(count):
         k = which[c, SLOT]
         history[k, SHEAR], history[k, SHEAR + 1] = reaction[c, 1], reaction[c, 2]
@@ -392,32 +405,145 @@ def age(which, law, trial, reaction, branch, count, history):
 
 
 @njit(cache=True)
-def _cross_rows(m, x, y, z, out):
-    """M [a]: each row of M times a."""
+def _add_material(now, law, response, c, side, total):
+    """Add a contact's B, B [r], [r] B and [r] B [r] to ``total``, r its arm from body a."""
+    kn, ks = law[c, KN], law[c, KS]
+    arm = ARM_F if side > 0.0 else ARM_V
+    r0, r1, r2 = now[c, arm], now[c, arm + 1], now[c, arm + 2]
     for i in range(3):
-        p, q, r = m[i, 0], m[i, 1], m[i, 2]
-        out[i, 0] = q * z - r * y
-        out[i, 1] = r * x - p * z
-        out[i, 2] = p * y - q * x
+        e0, e1, e2 = now[c, NOW + 3 * i], now[c, NOW + 3 * i + 1], now[c, NOW + 3 * i + 2]
+        x = (e0 * response[c, 0, 0] + e1 * response[c, 1, 0] + e2 * response[c, 2, 0]) * kn
+        y = (e0 * response[c, 0, 1] + e1 * response[c, 1, 1] + e2 * response[c, 2, 1]) * ks
+        z = (e0 * response[c, 0, 2] + e1 * response[c, 1, 2] + e2 * response[c, 2, 2]) * ks
+        b0 = x * now[c, NOW] + y * now[c, NOW + 1] + z * now[c, NOW + 2]
+        b1 = x * now[c, NOW + 3] + y * now[c, NOW + 4] + z * now[c, NOW + 5]
+        b2 = x * now[c, NOW + 6] + y * now[c, NOW + 7] + z * now[c, NOW + 8]
+        c0, c1, c2 = b1 * r2 - b2 * r1, b2 * r0 - b0 * r2, b0 * r1 - b1 * r0
+        # The i-th component of a force is in the moments by [r] e_i.
+        j, k = 6 * ((i + 1) % 3) + 18, 6 * ((i + 2) % 3) + 18
+        up, down = now[c, arm + (i + 2) % 3], now[c, arm + (i + 1) % 3]
+        i *= 6
+        total[i] += b0
+        total[i + 1] += b1
+        total[i + 2] += b2
+        total[i + 3] += c0
+        total[i + 4] += c1
+        total[i + 5] += c2
+        total[j] += up * b0
+        total[j + 1] += up * b1
+        total[j + 2] += up * b2
+        total[j + 3] += up * c0
+        total[j + 4] += up * c1
+        total[j + 5] += up * c2
+        total[k] -= down * b0
+        total[k + 1] -= down * b1
+        total[k + 2] -= down * b2
+        total[k + 3] -= down * c0
+        total[k + 4] -= down * c1
+        total[k + 5] -= down * c2
 
 
 @njit(cache=True)
-def _cross_columns(m, x, y, z, out):
-    """[a] M: a times each column of M."""
-    for j in range(3):
-        p, q, r = m[0, j], m[1, j], m[2, j]
-        out[0, j] = y * r - z * q
-        out[1, j] = z * p - x * r
-        out[2, j] = x * q - y * p
+def _add_geometric(now, reaction, c, ball, total, at):
+    """Add a contact's force, F v^T and r n F^T to ``total`` from ``at`` on, v its arm from body v,
+    r the radius of its corner."""
+    r0, r1, r2 = reaction[c, 0], reaction[c, 1], reaction[c, 2]
+    v0, v1, v2 = now[c, ARM_V], now[c, ARM_V + 1], now[c, ARM_V + 2]
+    x = now[c, NOW] * r0 + now[c, NOW + 1] * r1 + now[c, NOW + 2] * r2
+    y = now[c, NOW + 3] * r0 + now[c, NOW + 4] * r1 + now[c, NOW + 5] * r2
+    z = now[c, NOW + 6] * r0 + now[c, NOW + 7] * r1 + now[c, NOW + 8] * r2
+    total[at] += x
+    total[at + 1] += y
+    total[at + 2] += z
+    total[at + 3] += x * v0
+    total[at + 4] += x * v1
+    total[at + 5] += x * v2
+    total[at + 6] += y * v0
+    total[at + 7] += y * v1
+    total[at + 8] += y * v2
+    total[at + 9] += z * v0
+    total[at + 10] += z * v1
+    total[at + 11] += z * v2
+    if ball > 0.0:
+        for i in range(3):
+            n = ball * now[c, NOW + 3 * i]
+            total[at + 12 + 3 * i] += n * x
+            total[at + 13 + 3 * i] += n * y
+            total[at + 14 + 3 * i] += n * z
 
 
-# Long: one contact's blocks, written out.
+@njit(cache=True)
+def _spread_material(total, d0, d1, d2, aa, ab, ba, bb):
+    """Fill the blocks (6, 6) of a pair from its sums about body a; see `stiffness`."""
+    for i in range(6):
+        for j in range(6):
+            aa[i, j] = total[6 * i + j]
+        x, y, z = aa[i, 0], aa[i, 1], aa[i, 2]
+        ab[i, 0], ab[i, 1], ab[i, 2] = -x, -y, -z
+        ab[i, 3] = y * d2 - z * d1 - aa[i, 3]
+        ab[i, 4] = z * d0 - x * d2 - aa[i, 4]
+        ab[i, 5] = x * d1 - y * d0 - aa[i, 5]
+    for j in range(6):
+        x, y, z = aa[0, j], aa[1, j], aa[2, j]
+        ba[0, j], ba[1, j], ba[2, j] = -x, -y, -z
+        ba[3, j] = d2 * y - d1 * z - aa[3, j]
+        ba[4, j] = d0 * z - d2 * x - aa[4, j]
+        ba[5, j] = d1 * x - d0 * y - aa[5, j]
+        x, y, z = ab[0, j], ab[1, j], ab[2, j]
+        bb[0, j], bb[1, j], bb[2, j] = -x, -y, -z
+        bb[3, j] = d2 * y - d1 * z - ab[3, j]
+        bb[4, j] = d0 * z - d2 * x - ab[4, j]
+        bb[5, j] = d1 * x - d0 * y - ab[5, j]
+
+
+@njit(cache=True)
+def _spread_geometric(total, at, d0, d1, d2, vv, vf, fv, ff):
+    """Add the geometric part of the contacts of one sense to the blocks (6, 6) of a pair, (d0, d1,
+    d2) from f's centroid to v's."""
+    x, y, z = total[at], total[at + 1], total[at + 2]
+    by_v = total[at + 3] + total[at + 7] + total[at + 11]
+    by_n = total[at + 12] + total[at + 16] + total[at + 20]
+    by_d = x * d0 + y * d1 + z * d2
+    d, f = (d0, d1, d2), (x, y, z)
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        # The matrix of F x.
+        vf[j, 3 + i] += f[k]
+        vf[k, 3 + i] -= f[j]
+        ff[j, 3 + i] -= f[k]
+        ff[k, 3 + i] += f[j]
+        fv[3 + j, i] -= f[k]
+        fv[3 + k, i] += f[j]
+        ff[3 + j, i] += f[k]
+        ff[3 + k, i] -= f[j]
+        for m in range(3):
+            # [v] [F] = F v^T - (v . F), [F] [v] its transpose; the arm from f is v + d.
+            by_arm, turned = total[at + 3 + 3 * i + m], total[at + 3 + 3 * m + i]
+            rolled = total[at + 12 + 3 * i + m]
+            along = f[i] * d[m]
+            if m == i:
+                by_arm, turned, rolled = by_arm - by_v, turned - by_v, rolled - by_n
+                along -= by_d
+            vv[3 + i, 3 + m] -= turned + rolled
+            fv[3 + i, 3 + m] += turned + rolled
+            vf[3 + i, 3 + m] += by_arm + rolled
+            ff[3 + i, 3 + m] -= by_arm + along + rolled
+
+
+# Many: contacts, what they carry, and the blocks that are filled.
 @njit(cache=True)
 def stiffness(
     which, start, now, law, first, low, high, reaction, response, axes, diagonal, upper, lower,
 ):  # fmt: skip
     """Stiffness of the contacts of pairs ``low`` to ``high``, of minus forces, geometric part and
     all.
+
+    With r the arms from body a and B = E A diag(k_n, k_s, k_s) E^T, the material part is
+
+        K_aa = sum [[B, -B [r]], [[r] B, -[r] B [r]]],    K_ab = -K_aa T,    K_bb = T^t K_aa T,
+
+    T = [[1, -[d]], [0, 1]] with d from b's centroid to a's.  The geometric part takes the sums of
+    F, F v^T and r n F^T, of contacts with v = b and with v = a.
 
     Parameters
     ----------
@@ -432,123 +558,56 @@ def stiffness(
     upper, lower
         (n_pairs, 6, 6) filled: rows of a and columns of b, and the other way round.
     """
-    core, ba, bb = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3))
-    work, force, moved = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3))
-    blocks = np.zeros((2, 2, 6, 6))
+    total = np.zeros(N_TOTAL)
     for p in range(low, high):
-        blocks[:, :, :, :] = 0.0
+        aa, bb, ab, ba = diagonal[p, 0], diagonal[p, 1], upper[p], lower[p]
+        if first[p] == first[p + 1]:
+            aa[:, :], ab[:, :], ba[:, :], bb[:, :] = 0.0, 0.0, 0.0, 0.0
+            continue
+        total[:] = 0.0
+        on_a, on_b = False, False
         for c in range(first[p], first[p + 1]):
-            e, s = now[c], start[c]
-            kn, ks = law[c, KN], law[c, KS]
-            v, f = (1, 0) if s[SIDE] > 0.0 else (0, 1)
-            vv, vf, fv, ff = blocks[v, v], blocks[v, f], blocks[f, v], blocks[f, f]
-            m = response[c]
-            r0, r1, r2 = reaction[c, 0], reaction[c, 1], reaction[c, 2]
-            for i in range(3):
-                e0, e1, e2 = e[NOW + 3 * i], e[NOW + 3 * i + 1], e[NOW + 3 * i + 2]
-                x = (e0 * m[0, 0] + e1 * m[1, 0] + e2 * m[2, 0]) * kn
-                y = (e0 * m[0, 1] + e1 * m[1, 1] + e2 * m[2, 1]) * ks
-                z = (e0 * m[0, 2] + e1 * m[1, 2] + e2 * m[2, 2]) * ks
-                for j in range(3):
-                    core[i, j] = x * e[NOW + 3 * j] + y * e[NOW + 3 * j + 1] + z * e[NOW + 3 * j + 2]
-            a0, a1, a2 = e[ARM_V], e[ARM_V + 1], e[ARM_V + 2]
-            b0, b1, b2 = e[ARM_F], e[ARM_F + 1], e[ARM_F + 2]
-            _cross_rows(core, a0, a1, a2, ba)
-            _cross_rows(core, b0, b1, b2, bb)
-            for i in range(3):
-                for j in range(3):
-                    vv[i, j] += core[i, j]
-                    ff[i, j] += core[i, j]
-                    vf[i, j] -= core[i, j]
-                    fv[i, j] -= core[i, j]
-                    vv[i, 3 + j] -= ba[i, j]
-                    fv[i, 3 + j] += ba[i, j]
-                    vf[i, 3 + j] += bb[i, j]
-                    ff[i, 3 + j] -= bb[i, j]
-            _cross_columns(core, a0, a1, a2, work)
-            for i in range(3):
-                for j in range(3):
-                    vv[3 + i, j] += work[i, j]
-                    vf[3 + i, j] -= work[i, j]
-            _cross_columns(core, b0, b1, b2, work)
-            for i in range(3):
-                for j in range(3):
-                    fv[3 + i, j] -= work[i, j]
-                    ff[3 + i, j] += work[i, j]
-            _cross_columns(ba, a0, a1, a2, work)
-            for i in range(3):
-                for j in range(3):
-                    vv[3 + i, 3 + j] -= work[i, j]
-            _cross_columns(bb, a0, a1, a2, work)
-            for i in range(3):
-                for j in range(3):
-                    vf[3 + i, 3 + j] += work[i, j]
-            _cross_columns(ba, b0, b1, b2, work)
-            for i in range(3):
-                for j in range(3):
-                    fv[3 + i, 3 + j] += work[i, j]
-            _cross_columns(bb, b0, b1, b2, work)
-            for i in range(3):
-                for j in range(3):
-                    ff[3 + i, 3 + j] -= work[i, j]
-            if r0 == 0.0 and r1 == 0.0 and r2 == 0.0:
+            side = start[c, SIDE]
+            _add_material(now, law, response, c, side, total)
+            if reaction[c, 0] == 0.0 and reaction[c, 1] == 0.0 and reaction[c, 2] == 0.0:
                 continue
-            fx = e[NOW] * r0 + e[NOW + 1] * r1 + e[NOW + 2] * r2
-            fy = e[NOW + 3] * r0 + e[NOW + 4] * r1 + e[NOW + 5] * r2
-            fz = e[NOW + 6] * r0 + e[NOW + 7] * r1 + e[NOW + 8] * r2
-            force[0, 1], force[0, 2], force[1, 2] = -fz, fy, -fx
-            force[1, 0], force[2, 0], force[2, 1] = fz, -fy, fx
-            ball = s[BALL]
-            n0, n1, n2 = ball * e[NOW], ball * e[NOW + 3], ball * e[NOW + 6]
-            # The arm to the point itself turns with v; what lies between it and the surface, with f.
-            _cross_rows(force, a0 + n0, a1 + n1, a2 + n2, moved)
-            for i in range(3):
-                for j in range(3):
-                    vv[3 + i, 3 + j] -= moved[i, j]
-                    fv[3 + i, 3 + j] += moved[i, j]
-                    vf[i, 3 + j] += force[i, j]
-                    ff[i, 3 + j] -= force[i, j]
-                    fv[3 + i, j] -= force[i, j]
-                    ff[3 + i, j] += force[i, j]
-            _cross_columns(force, a0, a1, a2, moved)
-            _cross_columns(force, b0, b1, b2, work)
-            for i in range(3):
-                for j in range(3):
-                    vf[3 + i, 3 + j] += moved[i, j]
-                    ff[3 + i, 3 + j] -= work[i, j]
-            if ball > 0.0:
-                _cross_rows(force, n0, n1, n2, moved)
-                for i in range(3):
-                    for j in range(3):
-                        vf[3 + i, 3 + j] += moved[i, j]
-                        ff[3 + i, 3 + j] -= moved[i, j]
-        a, b = 0, 0  # where there is nothing to turn
-        if first[p] < first[p + 1]:
-            a, b = which[first[p], BODY_A], which[first[p], BODY_B]
-        for row in range(2):
-            for column in range(2):
-                block = blocks[row, column]
-                x, w = axes[b if row else a], axes[b if column else a]
-                _about_axes(block, x, w, work)
-                if row == column:
-                    diagonal[p, row, :, :] = block
-                elif row == 0:
-                    upper[p, :, :] = block
-                else:
-                    lower[p, :, :] = block
+            if side > 0.0:
+                on_b = True
+                _add_geometric(now, reaction, c, start[c, BALL], total, ON_B)
+            else:
+                on_a = True
+                _add_geometric(now, reaction, c, start[c, BALL], total, ON_A)
+        for i in range(6):  # so far they hold B [r], which the stiffness has with a minus sign
+            for j in range(3, 6):
+                total[6 * i + j] = -total[6 * i + j]
+        c = first[p]
+        side = start[c, SIDE]
+        d0 = side * (now[c, ARM_V] - now[c, ARM_F])
+        d1 = side * (now[c, ARM_V + 1] - now[c, ARM_F + 1])
+        d2 = side * (now[c, ARM_V + 2] - now[c, ARM_F + 2])
+        _spread_material(total, d0, d1, d2, aa, ab, ba, bb)
+        if on_b:
+            _spread_geometric(total, ON_B, -d0, -d1, -d2, bb, ba, ab, aa)
+        if on_a:
+            _spread_geometric(total, ON_A, d0, d1, d2, aa, ab, ba, bb)
+        a, b = which[c, BODY_A], which[c, BODY_B]
+        _about_axes(aa, axes, a, a)
+        _about_axes(ab, axes, a, b)
+        _about_axes(ba, axes, b, a)
+        _about_axes(bb, axes, b, b)
 
 
 @njit(cache=True)
-def _about_axes(block, rows, columns, work):
-    """Turn a block (6, 6) of forces by motions to principal axes, in place."""
+def _about_axes(block, axes, r, c):
+    """Turn a block (6, 6) of forces on body r by motions of body c to principal axes, in place."""
     for i in range(6):
         x, y, z = block[i, 3], block[i, 4], block[i, 5]
         for j in range(3):
-            block[i, 3 + j] = x * columns[0, j] + y * columns[1, j] + z * columns[2, j]
-    for j in range(6):
-        x, y, z = block[3, j], block[4, j], block[5, j]
-        for i in range(3):
-            block[3 + i, j] = rows[0, i] * x + rows[1, i] * y + rows[2, i] * z
+            block[i, 3 + j] = x * axes[c, 0, j] + y * axes[c, 1, j] + z * axes[c, 2, j]
+    for i in range(6):
+        x, y, z = block[3, i], block[4, i], block[5, i]
+        for j in range(3):
+            block[3 + j, i] = axes[r, 0, j] * x + axes[r, 1, j] * y + axes[r, 2, j] * z
 
 
 @njit(cache=True)
@@ -574,4 +633,6 @@ def increments(motion, spin, axes_0, x):
         share = 2.0 * np.arctan2(size, sign * spin[i, 0]) / size if size > 0.0 else 2.0
         for d in range(3):
             x[i, d] = motion[i, d]
-            x[i, 3 + d] = share * (axes_0[i, 0, d] * v0 + axes_0[i, 1, d] * v1 + axes_0[i, 2, d] * v2)
+            x[i, 3 + d] = share * (
+                axes_0[i, 0, d] * v0 + axes_0[i, 1, d] * v1 + axes_0[i, 2, d] * v2
+            )

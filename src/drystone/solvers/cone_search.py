@@ -225,8 +225,7 @@ class ConeSearch:
         step, n = self.step, self.step.n
         joint, inner, change = step.joint[:n], step.inner[:n], step.change[:n]
         scaling = step.scaling[:n]
-        cones.aim(joint, barrier, second, step.trial[:n], inner, change, scaling)
-        cones.towards(inner, scaling, step.reaction[:n])
+        cones.aim(joint, barrier, second, step.trial[:n], inner, change, scaling, step.reaction[:n])
         step.balance(step.reaction)
         step.frame.columns[0] = step.force
         by_multiplier = step.solve(missing)

@@ -33,7 +33,7 @@ from drystone.kernels.contacts import (
 from drystone.kernels.forces import Tangent
 from drystone.kernels.law import N_HISTORY
 from drystone.kernels.rotation import all_axes
-from drystone.kernels.spatial_step import Y, Places
+from drystone.kernels.spatial_step import Places, Y
 from drystone.solvers.linear_step import Pace
 from drystone.solvers.static_step import Constants
 
@@ -64,8 +64,8 @@ class Place(NamedTuple):
 class ConeStep:
     """Evaluates and linearises the equations of steps over one list of pairs; holds their arrays.
 
-    `trial` (n_slots, 3) [N] are the reactions of contacts without friction and separation, `reaction`
-    and `branch` those of the joint law, by contacts in use; `n` of them.
+    `trial` (n_slots, 3) [N] are the reactions of contacts without friction and separation,
+    `reaction` and `branch` those of the joint law, by contacts in use; `n` of them.
     """
 
     def __init__(self, constants: Constants, pairs: Pairs) -> None:
@@ -119,9 +119,15 @@ class ConeStep:
     # The step.
 
     def begin(
-        self, pose: Array, slots: Slots, history: Array, branch: IntArray, h: float, pace: Pace | None
+        self,
+        pose: Array,
+        slots: Slots,
+        history: Array,
+        branch: IntArray,
+        h: float,
+        pace: Pace | None,
     ) -> None:
-        """Start a step of size ``h`` [s] from rest in ``pose``, with its contacts and their past."""
+        """Start a step of size ``h`` [s] from rest in ``pose``, with contacts and their past."""
         constants = self.constants
         assembly = constants.detector.assembly
         self.pose, self.inertia_factor, self.pace = pose, 1.0 / h**2, pace
@@ -257,8 +263,8 @@ class ConeStep:
     # Where it has led.
 
     def finish(self) -> Array:
-        """Find the contacts where the blocks are now, into `found`, and follow the known ones there,
-        into `slots`; the history of these, (n_slots, N_HISTORY + 1)."""
+        """Find the contacts where the blocks are now, into `found`, and follow the known ones
+        there, into `slots`; the history of these, (n_slots, N_HISTORY + 1)."""
         detector, n = self.constants.detector, self.n
         pose = detector.assembly.moved(self.pose, self.x)
         detector.follow(self.pairs, pose, self.known, self.slots)

@@ -114,8 +114,9 @@ class Interior:
 
     def _solve(self, energy: float, *, second: bool) -> Array:
         joint = self.joint
-        kernels.aim(joint, energy, second, self.trial, self.inner, self.change, self.scaling)
-        kernels.towards(self.inner, self.scaling, self.aimed)
+        kernels.aim(
+            joint, energy, second, self.trial, self.inner, self.change, self.scaling, self.aimed
+        )
         momentum_defect(
             IN_SPACE, self.problem, self.system.mass, self.free_velocity, self.velocity, self.aimed,
             self.defect,

@@ -1,0 +1,243 @@
+"""Contacts of a static step in space: motions, forces, and the stiffness that goes with them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drystone.kernels import spatial_step
+from drystone.kernels.law import BONDED, FORWARD, OPEN, STICKING
+from drystone.kernels.spatial_step import (
+    ARM_V,
+    AXES,
+    BALL,
+    BOND,
+    FROM_F,
+    GAP_0,
+    KN,
+    KS,
+    LIFT,
+    MU,
+    NOW,
+    POINT,
+    SIDE,
+    Y,
+)
+
+pytestmark = pytest.mark.kernels
+
+N, PER = 3, 4  # bodies, contacts of a pair
+
+
+def rotation(rng):
+    q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    return q * np.linalg.det(q)
+
+
+class Heap:
+    """Three bodies with contacts at random places, of stiffnesses near 1 N/m and sizes near 1 m.
+
+    Pairs are (0, 1), (0, 2), without contacts, and (1, 2); either body may have the points.
+    """
+
+    def __init__(self, seed, radius=0.0):
+        rng = self.rng = np.random.default_rng(seed)
+        self.pairs = np.array([[0, 1], [0, 2], [1, 2]])
+        self.first = np.array([0, PER, PER, 2 * PER])
+        pair = np.repeat([0, 2], PER)
+        n = self.n = len(pair)
+        self.which = np.column_stack((np.arange(n), pair, self.pairs[pair]))
+        side = np.where(np.arange(n) % 3 == 1, -1.0, 1.0)
+        v = np.where(side > 0.0, self.which[:, 3], self.which[:, 2])
+        f = self.which[:, 2] + self.which[:, 3] - v
+        self.centroid, point = rng.normal(size=(N, 3)), rng.normal(size=(n, 3))
+        self.start = np.zeros((n, spatial_step.N_PLACE))
+        self.start[:, POINT : POINT + 3] = point - self.centroid[v]
+        self.start[:, FROM_F : FROM_F + 3] = point - self.centroid[f]
+        self.start[:, AXES : AXES + 9] = [rotation(rng).ravel() for _ in range(n)]
+        self.start[:, SIDE], self.start[:, BALL] = side, radius
+        self.start[:, GAP_0] = rng.uniform(-1.0, -0.5, n)
+        self.law = np.zeros((n, spatial_step.N_LAW))
+        self.law[:, KN], self.law[:, KS] = rng.uniform(0.5, 2.0, (2, n))
+        self.held, self.shear = np.zeros(n), rng.normal(size=(n, 2))
+        self.axes_0 = np.array([rotation(rng) for _ in range(N)])
+        self.motion, self.spin = np.zeros((N, 3)), np.tile((1.0, 0.0, 0.0, 0.0), (N, 1))
+        self.turn, self.axes = np.zeros((N, 3, 3)), self.axes_0.copy()
+        self.now, self.trial = np.zeros((n, spatial_step.N_NOW)), np.zeros((n, 3))
+        self.reaction, self.response = np.zeros((n, 3)), np.zeros((n, 3, 3))
+        self.branch = np.zeros(n, np.int64)
+        body = self.pairs.ravel()
+        order = np.argsort(body, kind="stable")
+        self.of_body = order.astype(np.int64)
+        self.begin = np.searchsorted(body[order], np.arange(N + 1)).astype(np.int64)
+
+    def move(self, step, length=1.0):
+        spatial_step.turn_on(
+            step, length, self.axes_0, self.motion, self.spin, self.turn, self.axes
+        )
+        self.locate()
+
+    def locate(self):
+        spatial_step.locate(
+            self.which, self.start, self.law, self.shear, self.first, 0, 3, self.motion, self.turn,
+            self.now, self.trial,
+        )  # fmt: skip
+        spatial_step.respond(
+            self.law, self.held, self.trial, 0, self.n, self.branch, self.reaction, self.response
+        )
+
+    def wrenches(self):
+        wrench = np.full((3, 2, 6), np.nan)
+        args = self.which, self.start, self.now, self.first
+        spatial_step.wrenches(*args, 0, 3, self.reaction, wrench)
+        return wrench
+
+    def force(self, axes):
+        force = np.zeros((N, 6))
+        spatial_step.sum_wrenches(self.begin, self.of_body, self.wrenches(), axes, force)
+        return force
+
+    def stiffness(self):
+        """Dense, (18, 18)."""
+        part, diagonal = np.full((3, 2, 6, 6), np.nan), np.zeros((N, 6, 6))
+        upper, lower = np.full((3, 6, 6), np.nan), np.full((3, 6, 6), np.nan)
+        spatial_step.stiffness(
+            self.which, self.start, self.now, self.law, self.first, 0, 3, self.reaction,
+            self.response, self.axes, part, upper, lower,
+        )  # fmt: skip
+        spatial_step.sum_diagonals(self.begin, self.of_body, part, diagonal)
+        whole = np.zeros((N, 6, N, 6))
+        for i in range(N):
+            whole[i, :, i] = diagonal[i]
+        for (a, b), ab, ba in zip(self.pairs, upper, lower, strict=True):
+            whole[a, :, b], whole[b, :, a] = ab, ba
+        return whole.reshape(6 * N, 6 * N)
+
+    def differences(self, h=2e-6):
+        """Of minus the forces, by increments from here, moments about axes that do not turn."""
+        columns, axes = [], self.axes.copy()
+        motion, spin, branch = self.motion.copy(), self.spin.copy(), self.branch.copy()
+        for k in range(6 * N):
+            sides = []
+            for step in (h, -h):
+                self.motion[:], self.spin[:], self.axes[:] = motion, spin, axes
+                increment = np.zeros(6 * N)
+                increment[k] = step
+                self.move(increment.reshape(N, 6))
+                assert np.array_equal(self.branch, branch)
+                sides.append(self.force(axes).ravel())
+            columns.append((sides[1] - sides[0]) / (2.0 * h))
+        self.motion[:], self.spin[:], self.axes[:] = motion, spin, axes
+        self.move(np.zeros((N, 6)))
+        return np.array(columns).T
+
+
+def dilatant(heap):
+    """Friction with dilatancy, some bonds; sticking, sliding and open contacts among them."""
+    heap.law[:, MU], heap.law[:, LIFT] = 0.6, 0.3 * heap.law[:, KN]
+    heap.law[:2, LIFT], heap.law[3, BOND] = 0.0, 1.0
+    heap.held[3] = 1.0
+    heap.start[4, GAP_0] = 5.0  # beyond what dilatancy lifts it by
+    heap.shear[:4] *= 0.01
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_stiffness_is_the_derivative_of_the_forces(seed):
+    heap = Heap(seed)
+    dilatant(heap)
+    heap.move(0.05 * heap.rng.normal(size=(N, 6)))
+    assert {OPEN, STICKING, FORWARD, BONDED} >= set(heap.branch) >= {OPEN, FORWARD, BONDED}
+    stiffness = heap.stiffness()
+    # Differences of 2e-6 leave 1e-12 of third derivatives, up to 1e3 where little shear slides, and
+    # as much by rounding of forces of 10 N.
+    assert stiffness == pytest.approx(heap.differences(), abs=1e-8)
+
+
+@pytest.mark.parametrize("turn", [0.0, 1e-3])
+def test_the_stiffness_of_rounded_corners_takes_rolling_to_first_order(turn):
+    """Slip by rolling is the radius times a rotation that is exact to first order where the step
+    starts.  There the stiffness is the derivative; after a rotation it lacks terms of the radius
+    times the rotation, of stiffness near 1 and arms up to 3 m."""
+    radius = 0.1
+    heap = Heap(5, radius)
+    dilatant(heap)
+    heap.move(turn * heap.rng.normal(size=(N, 6)))
+    difference = np.abs(heap.stiffness() - heap.differences()).max()
+    assert difference < 1e-8 + 30.0 * radius * turn
+    if turn > 0.0:
+        assert difference > 0.1 * radius * turn  # else the bound above says nothing
+
+
+@pytest.mark.parametrize(("size", "radius"), [(1e-6, 0.0), (0.5, 0.0), (0.5, 0.1)])
+def test_rigid_motions_of_all_bodies_change_no_gap_and_no_slip(size, radius):
+    heap = Heap(11, radius)
+    vector, way = size * heap.rng.normal(size=(2, 3))
+    step = np.zeros((N, 6))
+    step[:, 3:] = np.einsum("nij,i->nj", heap.axes_0, vector)
+    heap.move(step)
+    heap.motion[:] = way + np.einsum("nij,nj->ni", heap.turn, heap.centroid)
+    heap.locate()
+    # A dozen sums of terms of the motions' size.
+    assert np.abs(heap.now[:, Y : Y + 3]).max() < 100.0 * np.finfo(float).eps * size
+    axes = heap.start[:, AXES : AXES + 9].reshape(-1, 3, 3)
+    turned = axes + heap.turn[0] @ axes
+    assert heap.now[:, NOW : NOW + 9].reshape(-1, 3, 3) == pytest.approx(turned, abs=1e-14)
+
+
+def test_the_stiffness_takes_no_force_for_translations_of_all_bodies():
+    heap = Heap(2)
+    dilatant(heap)
+    heap.move(0.1 * heap.rng.normal(size=(N, 6)))
+    field = np.zeros((N, 6))
+    field[:, :3] = heap.rng.normal(size=3)
+    assert heap.stiffness() @ field.ravel() == pytest.approx(0.0, abs=1e-13)
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.1])
+def test_forces_of_a_pair_are_in_balance_whatever_its_motion(radius):
+    heap = Heap(3, radius)
+    dilatant(heap)
+    heap.move(0.3 * heap.rng.normal(size=(N, 6)))
+    place, wrench = heap.centroid + heap.motion, heap.wrenches()
+    assert np.abs(wrench[[0, 2]]).max() > 0.1
+    assert wrench[1] == pytest.approx(0.0, abs=0.0)
+    force = wrench[:, :, :3]
+    moment = wrench[:, :, 3:] + np.cross(place[heap.pairs], force)
+    assert force.sum(axis=1) == pytest.approx(0.0, abs=1e-14)
+    assert moment.sum(axis=1) == pytest.approx(0.0, abs=1e-12)
+    # Where the surfaces meet is the same place from either body.
+    first = heap.now[0, ARM_V : ARM_V + 3] + place[heap.which[0, 3]]
+    assert heap.now[0, ARM_V + 3 :] + place[heap.which[0, 2]] == pytest.approx(first, abs=1e-14)
+
+
+def test_responses_are_the_derivatives_of_the_joint_law():
+    heap, rng = Heap(7), np.random.default_rng(8)
+    dilatant(heap)
+    seen, h = set(), 1e-6
+    for _ in range(20):
+        trial = rng.normal(size=(heap.n, 3))
+        found = []
+        for k in range(3):
+            sides = []
+            for step in (h, -h):
+                heap.trial[:] = trial
+                heap.trial[:, k] += step
+                respond(heap)
+                sides.append((heap.reaction.copy(), heap.branch.copy()))
+            assert np.array_equal(sides[0][1], sides[1][1])  # none of the draws is at a corner
+            found.append((sides[0][0] - sides[1][0]) / (2.0 * h))
+        heap.trial[:] = trial
+        respond(heap)
+        # Differences of 1e-6 leave 1e-12 of third derivatives, which sizes of 0.01 make 1e-8.
+        assert heap.response == pytest.approx(np.stack(found, axis=-1), abs=1e-7)
+        slides = heap.branch == FORWARD
+        reaction, seen = heap.reaction[slides], seen | set(heap.branch)
+        shear = np.hypot(reaction[:, 1], reaction[:, 2])
+        assert shear == pytest.approx(heap.law[slides, MU] * reaction[:, 0], rel=1e-12)
+    assert seen == {OPEN, STICKING, FORWARD, BONDED}
+
+
+def respond(heap):
+    spatial_step.respond(
+        heap.law, heap.held, heap.trial, 0, heap.n, heap.branch, heap.reaction, heap.response
+    )
