@@ -391,7 +391,7 @@ def respond(law, held, trial, low, high, branch, reaction, response):
 
 @njit(cache=True)
 def age(which, law, trial, reaction, branch, count, history):
-    """What contacts have at the end of a step, into ``history`` (n_slots, N_HISTORY) of the start."""
+    """What contacts have at the end of a step, into ``history`` (n_slots, N_HISTORY) so far."""
     for c in range(count):
         k = which[c, SLOT]
         history[k, SHEAR], history[k, SHEAR + 1] = reaction[c, 1], reaction[c, 2]

@@ -8,7 +8,7 @@ with reactions, gaps and gradients where the step ends; see `kernels.spatial_ste
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,7 @@ from drystone.solvers.static_step import Constants
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
+Number = TypeVar("Number", np.float64, np.int64)
 
 
 class Border(NamedTuple):
@@ -276,7 +276,7 @@ class ConeStep:
         )
         return history
 
-    def by_slot(self, values: Array) -> Array:
+    def by_slot(self, values: NDArray[Number]) -> NDArray[Number]:
         """Values of the contacts in use, (n_slots, ...), by slot; zeros elsewhere."""
         spread = np.zeros_like(values)
         spread[self.places.which[: self.n, 0]] = values[: self.n]
