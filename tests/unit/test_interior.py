@@ -147,10 +147,16 @@ class Recorded(InteriorPoint):
         super().__init__(*args)
         self.told = []
 
-    def solve(self, *args):
-        told, multiplier = super().solve(*args)
-        self.told.append(told)
-        return told, multiplier
+    def descent(self, *args):
+        descent = super().descent(*args)
+        run = descent.run
+
+        def noted(tolerance, **options):
+            self.told.append(run(tolerance, **options))
+            return self.told[-1]
+
+        descent.run = noted
+        return descent
 
 
 @pytest.mark.compiled

@@ -52,6 +52,10 @@ class InteriorSettings:
     surely: float = 1e-13
     #: Energy below which only contacts that carry next to nothing could still tell.
     least: float = 1e-18
+    #: Energy, and largest unbalanced force, at which so few branches are still wrong that Newton's
+    #: method mends them in less than the interior would take to tell them.
+    early: float = 1e-8
+    early_residual: float = 1e-2
     #: Largest unbalanced force with which branches are told.
     residual: float = 1e-6
     #: Iterations before the step counts as lost; most take 25 to 60.
@@ -82,6 +86,8 @@ class InteriorSettings:
     few_loose: float = 0.1
     rings: int = 8
     max_rest: int = 100
+    #: Times that they did not before the step counts as lost: they fall.
+    max_unrested: int = 3
     #: Unbalanced force over that of the energy, above which the barrier waits for the bodies held.
     hold: float = 0.3
 
@@ -96,19 +102,19 @@ class InteriorPoint:
         self.inner = np.zeros((n_slots, joint_law.N_INNER))
         self.change = np.zeros((n_slots, joint_law.N_CHANGE))
         self.offset = np.zeros_like(step.reaction)
+        self.unrested = 0  # times in this descent that loose bodies did not come to rest
         dead = np.abs(translations(step.loads.dead)[~step.loads.fixed]).max(axis=1)
         self.block_weight = float(dead.mean())
 
-    def solve(
+    def descent(
         self,
         x: Array,
         multiplier: float,
         geometry: Array,
         pace: Pace | None,
         gradient: Array,
-        tolerance: float,
-    ) -> tuple[bool, float]:
-        """Go from ``x``, moved on in place, to where the branches tell, and choose them.
+    ) -> Descent:
+        """The way from ``x``, moved on in place, to where the branches tell.
 
         Parameters
         ----------
@@ -122,17 +128,8 @@ class InteriorPoint:
             None where the multiplier is given.
         gradient
             (n, n_dof) of the pacing displacement.
-        tolerance
-            Largest unbalanced force [N] with which the branches are surely those of the solution.
-
-        Returns
-        -------
-        Whether the branches could be told, and the multiplier.
         """
-        step = self.step
-        if step.count == 0:
-            return True, multiplier
-        return _Descent(self, x, multiplier, geometry, pace, gradient).run(tolerance)
+        return Descent(self, x, multiplier, geometry, pace, gradient)
 
     def _assemble(self, x: Array, multiplier: float, geometry: Array) -> float:
         """Unbalanced forces and tangent at ``x``; returns the mean energy [J]."""
@@ -174,7 +171,7 @@ class InteriorPoint:
         """Bring the bodies that are held, and those around, to rest at a barrier.
 
         They take many small steps, which would cost as much as those of the whole.  Returns whether
-        there are such bodies, and few.
+        there are such bodies, and few; `unrested` counts how often they did not come to rest.
         """
         step, settings = self.step, self.settings
         loose = step.damping > 0.0
@@ -185,7 +182,8 @@ class InteriorPoint:
         n = len(part.rows)
         within.inner[:n] = self.inner[part.rows]
         moved = x[part.bodies]
-        within._come_to_rest(moved, multiplier, geometry[part.bodies], energy, unrest)
+        rested = within._come_to_rest(moved, multiplier, geometry[part.bodies], energy, unrest)
+        self.unrested += not rested
         self.inner[part.rows] = within.inner[:n]
         step.contacts.table[part.rows] = part.step.contacts.table[:n]
         step.damping[part.bodies] = part.step.damping
@@ -194,15 +192,15 @@ class InteriorPoint:
 
     def _come_to_rest(
         self, x: Array, multiplier: float, geometry: Array, energy: float, unrest: float
-    ) -> None:
+    ) -> bool:
         step, settings = self.step, self.settings
         columns = step.frame.columns[:1]
         for _ in range(settings.max_rest):
             self._assemble(x, multiplier, geometry)
             if step.residual <= 0.1 * unrest:
-                return
+                return True
             if not step.factorise(None, columns[0], settings.least_damping):
-                return
+                return False
             _, room, limiting, _, _ = self._direction(columns, 0.0, None, energy, second=False)
             length = min(1.0, (1.0 - settings.margin) * room)
             if length > settings.shortest:
@@ -210,8 +208,9 @@ class InteriorPoint:
                 continue
             body = self._faster(limiting)
             if step.damping[body] >= settings.most_damping:
-                return
+                return False
             self._hold(body)
+        return False
 
     def _told(self, x: Array, multiplier: float, geometry: Array, tolerance: float) -> bool:
         """Choose the branches; whether they leave nothing unbalanced."""
@@ -247,7 +246,7 @@ class InteriorPoint:
         return by_direction, room, limiting, by_way, by_square
 
 
-class _Descent:
+class Descent:
     """The iterations of one solution, from the first barrier down to none."""
 
     def __init__(
@@ -263,38 +262,66 @@ class _Descent:
         self.interior, self.step, self.settings = interior, step, interior.settings
         self.x, self.multiplier, self.geometry = x, multiplier, geometry
         self.pace, self.gradient = pace, gradient
+        self.iterations = interior.unrested = 0
+        self.near = self.sure = False  # whether the energy is so low that the branches may tell
+        if step.count == 0:
+            return
         self.stiffness = float(step.contacts.table[: step.count, STIFF_N].mean())
         self.unit = interior.block_weight**2 / self.stiffness  # J
         self.lag = pace.missing(geometry) if pace else 0.0
         self.columns = step.frame.columns if pace else step.frame.columns[:1]
-        self.near = self.sure = False  # whether the energy is so low that the branches may tell
         self.stalls, self.stuck, self.short = 0, 0, 0
         reach = self.settings.reach * interior.block_weight * abs(self._missing())
         self._centre(self.settings.start * self.unit + reach)
         step.damping[:] = 0.0
 
-    def run(self, tolerance: float) -> tuple[bool, float]:
-        """See `InteriorPoint.solve`."""
+    def run(self, tolerance: float, *, early: bool = False) -> bool:
+        """Go on until the branches tell, and choose them; whether they could be told.
+
+        Parameters
+        ----------
+        tolerance
+            Largest unbalanced force [N] with which the branches are surely those of the solution.
+        early
+            Stop where most branches tell, if no body is held there.
+        """
         interior, step, settings = self.interior, self.step, self.settings
-        for _ in range(settings.max_iterations):
+        if step.count == 0:
+            return True
+        while self.iterations < settings.max_iterations:
             energy = interior._assemble(self.x, self.multiplier, self.geometry)
+            if early and self._tell_early(energy):
+                return True
+            self.iterations += 1
             weight = interior.block_weight
             calm = step.residual <= settings.residual * weight
             self.near = calm and energy <= settings.enough * self.unit
             self.sure = self.near and energy <= settings.surely * self.unit
             if self.near and interior._told(self.x, self.multiplier, self.geometry, tolerance):
-                return True, self.multiplier
+                return True
             if self.near and energy <= settings.least * self.unit:
-                return True, self.multiplier
+                return True
             unrest = settings.hold * math.sqrt(self.stiffness * energy)
             at = self.x, self.multiplier, self.geometry
             if interior._restless(unrest) and interior._rest(*at, energy, unrest):
+                if self.pace and interior.unrested == settings.max_unrested:
+                    return False
                 interior._assemble(*at)
             if not step.factorise(self.pace, self.gradient, settings.least_damping):
-                return False, self.multiplier
+                return False
             if not self._descend(energy, unrest):
                 break
-        return self.near, self.multiplier
+        return self.near
+
+    def _tell_early(self, energy: float) -> bool:
+        """Choose the branches where Newton's method may know the rest."""
+        step, settings = self.step, self.settings
+        if energy > settings.early * self.unit or step.damping.any():
+            return False
+        if step.residual > settings.early_residual * self.interior.block_weight:
+            return False
+        joint_law.choose(step.contacts, step.count, self.interior.inner, step.branch)
+        return True
 
     def _missing(self) -> float:
         """What is missing of the pacing displacement [m], where the unknowns are."""

@@ -67,6 +67,12 @@ class PathSettings:
     many_blocks: int = 300
     #: Steps of Newton's method from where the interior point has led.
     max_leaps: int = 12
+    #: The same from where the interior is left early: most take two to four, and the interior
+    #: goes on after those that fail.
+    early_leaps: int = 4
+    #: Renewals up to which it is left early: what has not settled by then may go to and fro between
+    #: equilibria that friction leaves open, of which the interior always takes the same.
+    early_renewals: int = 3
     #: Contacts about to change that are followed instead of such a step.
     last_changes: int = 16
     #: Changes of contacts, one by one, on the path of the implicit law.
@@ -160,7 +166,7 @@ def _correct(
     rounds, reason, count = 0, "", 0
     shape: _Shape | None = _Shape()
     for count in range(1, settings.max_iterations + 1):
-        walk = _Walk(step, interior, pace, geometry, accuracy, settings, whole=whole or count > 1)
+        walk = _Walk(step, interior, pace, geometry, accuracy, settings, count, whole=whole)
         end, x, multiplier = walk.go(x, multiplier)
         if end == path.DONE and pace and not step.stable:
             end = path.TURNED
@@ -233,12 +239,14 @@ class _Walk:
         geometry: Array,
         accuracy: Accuracy,
         settings: PathSettings,
+        count: int,
         *,
         whole: bool,
     ) -> None:
         self.step, self.interior, self.pace = step, interior, pace
         self.geometry, self.accuracy, self.settings = geometry, accuracy, settings
-        self.whole = whole
+        self.whole = whole = whole or count > 1
+        self.early = pace is not None and count <= settings.early_renewals
         self.lag = pace.missing(geometry) if pace else 0.0
         self.gradient = pace.gradient(geometry) if pace else step.force
         n = len(geometry)
@@ -282,16 +290,27 @@ class _Walk:
         self.leapt = self.whole = True
         self.patience = self.settings.max_changes
         start, branch = x.copy(), step.branch.copy()
-        told, multiplier = self.interior.solve(
-            x, multiplier, self.geometry, self.pace, self.gradient, self.accuracy.tolerance
-        )
+        descent = self.interior.descent(x, multiplier, self.geometry, self.pace, self.gradient)
+        if self.early and descent.run(self.accuracy.tolerance, early=True):
+            table = step.contacts.table[: step.count]
+            before = x.copy(), table.copy()
+            end, at = self._land(x, descent.multiplier, self.settings.early_leaps)
+            if end == path.DONE and step.stable:
+                return end, at
+            self._set_out()
+            (x[:], table[:]), step.branch[:] = before, branch
+        told, multiplier = descent.run(self.accuracy.tolerance), descent.multiplier
         if not told and self.pace:
             return path.LOST, multiplier
         if not told:
             # Blocks that hardly touch, and fall: Newton's method does without the interior.
             step.move_trial(start - x)
             x[:], step.branch[:] = start, branch
-        for _ in range(self.settings.max_leaps):
+        return self._land(x, multiplier, self.settings.max_leaps)
+
+    def _land(self, x: Array, multiplier: float, leaps: int) -> tuple[int, float]:
+        """Newton's method from branches that are nearly all known."""
+        for _ in range(leaps):
             end, multiplier = self._follow(x, multiplier, self.settings.last_changes)
             if end != path.MANY:
                 return end, multiplier
