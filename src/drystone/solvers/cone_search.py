@@ -52,12 +52,14 @@ class ConeSettings:
     #: is nothing more to be found.
     enough: float = 1e-11
     residual: float = 1e-6
-    least: float = 1e-18
+    least: float = 1e-24
     #: Iterations after which Newton's method is tried, where the unbalanced force is no more than
     #: that; how many of its own it has.
     probe: int = 10
     calm: float = 0.05
     probe_iterations: int = 6
+    #: Iterations after which it is tried again, where the branches may be told.
+    again: int = 4
     #: Of Newton's method from the last step: iterations, and by how much it must gain in how many.
     warm_iterations: int = 12
     warm_gain: float = 30.0
@@ -163,6 +165,7 @@ class ConeSearch:
             barrier += settings.reach * self.block_weight * abs(step.missing)
         step.damping[:] = 0.0
         cones.centre_contacts(joint, barrier, True, trial, inner)
+        again = 0
         for k in range(1, attempt.iterations + 1):
             energy = cones.scale(joint, inner, step.scaling[:n])
             residual = step.balance(step.inner)
@@ -171,15 +174,28 @@ class ConeSearch:
             near = residual <= settings.residual * self.block_weight
             told = near and energy <= settings.enough * unit
             probe = k % settings.probe == 0 and residual <= settings.calm * self.block_weight
-            if (told or probe) and self._probe(told):
+            if told and self._solved():
                 return True
+            if (probe or (told and k >= again)) and self._probe():
+                return True
+            again = k + settings.again if told and k >= again else again
             if near and energy <= settings.least * unit:
                 return False
             if not self._descend(attempt, energy):
                 return False
         return False
 
-    def _probe(self, told: bool) -> bool:
+    def _solved(self) -> bool:
+        """Whether the joint law itself leaves nothing unbalanced here."""
+        step = self.step
+        step.respond()
+        step.balance(step.reaction)
+        if step.residual <= self._enough() and abs(step.missing) <= self.accuracy.lag:
+            return True
+        step.balance(step.inner)
+        return False
+
+    def _probe(self) -> bool:
         """Whether Newton's method finds the solution from here; else all is as before."""
         step = self.step
         place = step.place
