@@ -93,6 +93,7 @@ class EquilibriumState:
     # Of space:
     slope: float = np.nan  # 1/m, of the curve
     unstable: bool = False  # whether the structure would not keep it
+    held: bool = False  # by more inertia, as blocks slid or turned without resistance
     calm: bool = False  # whether no contact has changed its state in the last step
 
 
@@ -115,7 +116,7 @@ class EquilibriumEngine:
         height = float(np.ptp(assembly.centroid[~assembly.fixed] @ assembly.up)) + size
         step = {"displacement_step": min(max(height / 500.0, 0.02 * size), 0.1 * size)}
         if assembly.dimension == 3:
-            step.update(easy_iterations=40, hard_iterations=80)
+            step.update(easy_iterations=60, hard_iterations=400)
         return step
 
     def start(self, problem: Problem) -> tuple[EquilibriumState, StepReport]:
@@ -268,7 +269,9 @@ class EquilibriumEngine:
                 n_iterations=solved.n_iterations,
                 turn=solved.turn,
             )
-        new, outcome = self._accept(state, solved, h, paced=pace is not None)
+        if solved.held:
+            h = 1.0 / np.sqrt(1.0 / h**2 + solved.held)
+        new, outcome = self._accept(state, solved, h, demand.increment)
         if self._missed(new):
             return state, StepReport(
                 converged=False,
@@ -299,6 +302,7 @@ class EquilibriumEngine:
                 self.settings.space,
                 warm=state.calm,
                 was_unstable=state.unstable,
+                was_held=state.held,
                 slope=state.slope,
                 dynamic=demand.time_step > 0.0,
             )
@@ -450,7 +454,7 @@ class EquilibriumEngine:
         return guess, state.multiplier
 
     def _accept(
-        self, state: EquilibriumState, solved: StepSolution, h: float, *, paced: bool
+        self, state: EquilibriumState, solved: StepSolution, h: float, increment: float | None
     ) -> tuple[EquilibriumState, StepReport]:
         """The state that a step has led to, and its figures."""
         equations = self.equations
@@ -495,12 +499,15 @@ class EquilibriumEngine:
             gone=state.gone,
             slope=solved.slope,
             unstable=solved.unstable,
+            held=solved.held > 0.0,
             calm=bool(np.array_equal(then.branch, state.branch)),
         )
         outcome = self._report(new, judged, solved.n_iterations, h)
+        if solved.held and outcome.motion < 2.0 * abs(increment or 0.0):
+            new = replace(new, held=False)
         return new, changed(
             outcome,
-            static_multiplier=solved.multiplier if paced else outcome.static_multiplier,
+            static_multiplier=outcome.static_multiplier if increment is None else solved.multiplier,
             turn=solved.turn,
             excess=solved.excess,
             bend=solved.bend,

@@ -30,6 +30,9 @@ class StabilitySettings:
     #: Modes looked for, and inverse iterations.
     modes: int = 4
     iterations: int = 4
+    #: Growth [1/s2] below which a mode is neutral, such as where a joint slides as a whole: gravity
+    #: over the smallest block's size is 56 of them in the structure's own frame.
+    neutral: float = 0.5
     #: Push [m] of the body that moves most; the other way as well.
     push: float = 1e-5
     #: Pushes at most, and where none was of use in the last step.
@@ -64,6 +67,11 @@ class Judgement:
 class SpaceSettings:
     """How steps in space are solved."""
 
+    #: Inertia [1/s2], times the mass, of a step tried again where none else is found, or where
+    #: blocks go far: what slides or turns without resistance then goes the shortest way.
+    hold: float = 0.1
+    #: Motion over the increment that is far.
+    far: float = 10.0
     cones: ConeSettings = field(default_factory=ConeSettings)
     stability: StabilitySettings = field(default_factory=StabilitySettings)
 
@@ -96,9 +104,30 @@ class _Solver:
                 return True
         return False
 
-    def modes(self) -> Array:
-        """Shapes (k, n, n_dof) of the modes that grow, among the lowest with the pacing
-        displacement held, at the equilibrium whose stiffness is factorised."""
+    def hold(
+        self, guess: Array, multiplier: float, increment: float, found: bool
+    ) -> tuple[bool, float]:
+        """Try again with more inertia where no equilibrium is ``found``, or a far one; whether there
+        is one then, and by how much more [1/s2] the blocks were held."""
+        step, hold = self.step, self.settings.hold
+        if step.inertia_factor >= hold:
+            return found, 0.0
+        farthest = step.constants.detector.farthest
+        moved = farthest(step.x) if found else math.inf
+        if moved <= self.settings.far * increment:
+            return found, 0.0
+        before, at = step.inertia_factor, step.place
+        step.inertia_factor = hold
+        if self.find(guess, multiplier, warm=False) and farthest(step.x) < moved:
+            return True, hold - before
+        step.inertia_factor = before
+        if found:
+            self._return(at)
+        return found, 0.0
+
+    def modes(self) -> tuple[Array, Array]:
+        """Quotients of Rayleigh (k,) [1/s2] and shapes (k, n, n_dof) of the lowest modes with the
+        pacing displacement held, at the equilibrium whose stiffness is factorised."""
         step, s = self.step, self.settings.stability
         frame, mass = step.frame, step.loads.mass
         rng = np.random.default_rng(1)
@@ -114,11 +143,12 @@ class _Solver:
                 for column in y:
                     path.border(frame, column, 0.0)
             if not np.isfinite(y).all():
-                return x[:0]
+                return np.zeros(0), x[:0]
             ritz, vectors = np.linalg.eig(np.einsum("ind,nd,jnd->ij", x, mass, y))
             shapes = np.einsum("jk,jnd->knd", vectors.real, x)
             x = y
-        return shapes[ritz.real < 0.0]
+        with np.errstate(divide="ignore"):
+            return 1.0 / ritz.real, shapes
 
     def linearise(self) -> bool:
         """Factorise the stiffness at the equilibrium; False if it is singular."""
@@ -137,9 +167,12 @@ class _Solver:
         if step.pace is not None:
             step.frame.columns[0] = 0.0
             slope = step.solve(1.0)
-        modes = self.modes()
-        n = max(len(modes), 0 if step.stable else 1)
-        return Judgement(unstable=n, modes=modes, slope=slope)
+        quotients, shapes = self.modes()
+        grow = quotients < -self.settings.stability.neutral
+        # One more, if the determinant says that there is another, which is none of the lowest.
+        odd = np.count_nonzero(quotients < 0.0) % 2 == 1
+        n = int(np.count_nonzero(grow)) + (1 if step.stable == odd else 0)
+        return Judgement(unstable=n, modes=shapes[grow], slope=slope)
 
     def push(self, judged: Judgement, increment: float, *, few: bool) -> Judgement:
         """Go to a stable equilibrium beside the present one, or to one with fewer modes that grow,
@@ -202,6 +235,7 @@ def solve(
     *,
     warm: bool = False,
     was_unstable: bool = False,
+    was_held: bool = False,
     slope: float = math.nan,
     dynamic: bool = False,
 ) -> StepSolution:
@@ -219,8 +253,9 @@ def solve(
         See there.
     warm
         Whether Newton's method is tried from the guess.
-    was_unstable
-        Whether the last step ended in an equilibrium that the structure would not keep.
+    was_unstable, was_held
+        Whether the last step ended in an equilibrium that the structure would not keep, and whether
+        it was held by more inertia than asked for.
     slope
         Of the curve where the step starts [1/m], not a number where nobody knows.
     dynamic
@@ -230,7 +265,13 @@ def solve(
     begun = multiplier
     pace = step.pace
     increment = pace.missing(np.zeros_like(guess)) if pace else 0.0
+    held = 0.0
+    if was_held and pace is not None and not dynamic and step.inertia_factor < settings.hold:
+        held = settings.hold - step.inertia_factor
+        step.inertia_factor = settings.hold
     found = solver.find(guess, multiplier, warm=warm)
+    if pace is not None and not dynamic and not held:
+        found, held = solver.hold(guess, multiplier, abs(increment), found)
     n_iterations = solver.search.iterations
     turn, judged = None, None
     if found and pace is not None and not dynamic:
@@ -253,6 +294,7 @@ def solve(
         excess=shape[0] if not reason else None,
         bend=shape[1] if not reason else None,
         slope=end,
+        held=held,
         unstable=judged is not None and not judged.stable,
         reason=reason,
     )
