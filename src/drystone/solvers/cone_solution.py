@@ -9,7 +9,7 @@ more is closed or slides: a push along the mode finds it.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +43,12 @@ class StabilitySettings:
     barrier: float = 1e-4
     max_iterations: int = 30
     least_damping: float = 3.0
+    #: Where pushes find nothing the structure is let go: its blocks are held where they are by so
+    #: many times what the fastest growing mode asks for, and again where that leads, so often.
+    rest: float = 1.5
+    rests: int = 30
+    #: Motion over the smallest block below which they are at rest.
+    at_rest: float = 1e-6
     #: Motion over the increment, and at least over the smallest block, beyond which what a push
     #: finds is not the same place.
     near: float = 20.0
@@ -55,6 +61,7 @@ class Judgement:
 
     unstable: int  # how many of the lowest modes grow
     modes: Array  # (unstable, n, n_dof)
+    growth: float = 0.0  # 1/s2, of the fastest growing
     slope: float = math.nan  # 1/m, of the curve
 
     @property
@@ -172,7 +179,8 @@ class _Solver:
         # One more, if the determinant says that there is another, which is none of the lowest.
         odd = np.count_nonzero(quotients < 0.0) % 2 == 1
         n = int(np.count_nonzero(grow)) + (1 if step.stable == odd else 0)
-        return Judgement(unstable=n, modes=shapes[grow], slope=slope)
+        growth = -float(quotients[grow].min()) if grow.any() else 0.0
+        return Judgement(unstable=n, modes=shapes[grow], growth=growth, slope=slope)
 
     def push(self, judged: Judgement, increment: float, *, few: bool) -> Judgement:
         """Go to a stable equilibrium beside the present one, or to one with fewer modes that grow,
@@ -197,6 +205,43 @@ class _Solver:
             there = self.judge()
             if there.unstable < judged.unstable:
                 judged, at, ways = there, step.place, _ways(there)
+        self._return(at)
+        return judged
+
+    def rest(self, judged: Judgement, increment: float) -> Judgement:
+        """Let the structure go to where it comes to rest with the pacing displacement held; what
+        was found there, or the present equilibrium where it does not come to rest nearby."""
+        step, s = self.step, self.settings.stability
+        at, start = step.place, step.x.copy()
+        farthest = step.constants.detector.farthest
+        size = step.constants.detector.assembly.smallest_extent
+        room = max(s.near * abs(increment), s.near_least * size)
+        attempt = Attempt(barrier=s.barrier, iterations=2 * s.max_iterations)
+        ways = _ways(judged)
+        if not ways:
+            return judged
+        step.move(ways[0], s.push)
+        for _ in range(s.rests):
+            step.anchor(s.rest * judged.growth)
+            before = step.x.copy()
+            found = self.search.newton(8) or self.search.interior(attempt)
+            step.anchor(0.0)
+            if not found or not farthest(step.x - start) < room:
+                break
+            if farthest(step.x - before) > s.at_rest * size:
+                continue
+            if not (self.search.newton(8) or self.search.interior(attempt)):
+                break
+            there = self.judge()
+            if there.stable:
+                return there
+            ways = _ways(there)
+            if not ways:
+                break
+            judged_growth = max(there.growth, judged.growth)
+            judged = replace(judged, growth=judged_growth)
+            step.move(ways[0], s.push)
+        step.anchor(0.0)
         self._return(at)
         return judged
 
@@ -278,7 +323,9 @@ def solve(
         judged = solver.judge()
         if not judged.stable:
             turn = (1.0, step.multiplier)
-            judged = solver.push(judged, increment, few=was_unstable)
+            judged = solver.rest(judged, increment)
+            if not judged.stable:
+                judged = solver.push(judged, increment, few=was_unstable)
     end = judged.slope if judged else math.nan
     reason = ""
     if not found:

@@ -112,6 +112,7 @@ class ConeStep:
             border=np.ones(1),
             sign=np.ones(1),
         )
+        self.dead, self.anchored = loads.dead, 0.0
         self.spring = 0.0
         self.pace: Pace | None = None
         self.multiplier, self.residual = 0.0, np.inf
@@ -131,6 +132,7 @@ class ConeStep:
         constants = self.constants
         assembly = constants.detector.assembly
         self.pose, self.inertia_factor, self.pace = pose, 1.0 / h**2, pace
+        self.dead, self.anchored = self.loads.dead, 0.0
         for mine, theirs in zip(self.known, slots, strict=True):
             mine[:] = theirs
         self.history_before[:] = history
@@ -152,6 +154,12 @@ class ConeStep:
         self.axes[:] = self.axes_0
         self.multiplier = multiplier
         self.move(x, 1.0)
+
+    def anchor(self, hold: float) -> None:
+        """Hold the blocks where they are, by ``hold`` [1/s2] times their mass; zero lets them go."""
+        self.inertia_factor += hold - self.anchored
+        self.anchored = hold
+        self.dead = self.loads.dead + hold * self.loads.mass * self.x if hold else self.loads.dead
 
     @property
     def place(self) -> Place:
@@ -200,7 +208,7 @@ class ConeStep:
         )
         c = self.loads
         self.residual = step.unbalance(
-            self.contact_force, c.dead, c.pattern, self.multiplier, c.mass, self.x,
+            self.contact_force, self.dead, c.pattern, self.multiplier, c.mass, self.x,
             self.inertia_factor, c.extent, c.fixed, self.force,
         )  # fmt: skip
         return self.residual
