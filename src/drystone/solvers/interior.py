@@ -141,9 +141,14 @@ class InteriorPoint:
         return energy
 
     def _move(self, x: Array, length: float) -> None:
-        """Go along the direction, ``x`` in place; bodies are let go where it was good."""
+        """Go along the direction, ``x`` in place; bodies are let go where it was good.
+
+        What made a pivot positive may be far more than holds a body: where it is the last of many
+        that are unstable together, it takes what all of them lack.
+        """
         step, settings = self.step, self.settings
         if length > 0.9:
+            np.minimum(step.damping, settings.most_damping, out=step.damping)
             step.damping *= settings.less
             step.damping[step.damping < settings.least_damping] = 0.0
         x += length * step.frame.columns[0]
