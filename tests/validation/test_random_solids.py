@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from functools import cache
+from itertools import takewhile
 
 import numpy as np
 import pytest
@@ -55,11 +56,19 @@ def test_every_point_at_rest_is_balanced(seed):
 def test_no_peak_exceeds_the_associative_multiplier(seed):
     """An upper bound for rigid blocks in their designed shape; both solved to far less than 1e-6.
 
-    Joints that close and blocks that turn take from what is carried, as a rule.
+    Joints that close by p tilt blocks of size s by up to p / s, and with them the cones of friction
+    on their faces: what slides then carries up to (1 + mu^2) p / s more.  Where a part falls,
+    beside the one that the control point is on, what is left may carry more, too: only points
+    before the first motion are asked.
     """
-    bound = collapse_load(random_solids(seed), flow=ASSOCIATIVE)
+    model = random_solids(seed)
+    bound = collapse_load(model, flow=ASSOCIATIVE)
     assert bound.status == "finished", bound.reason
-    assert traced(seed).peak.load_multiplier <= bound.load_multiplier * (1.0 + 1e-6)
+    before = takewhile(lambda point: point.status != DYNAMIC, traced(seed).points)
+    highest = max(before, key=lambda point: point.load_multiplier)
+    tilt = highest.penetration / model.assembly.smallest_extent
+    room = tilt * (1.0 + model.assembly.joint.friction_coefficient**2)
+    assert highest.load_multiplier <= bound.load_multiplier * (1.0 + 1e-6) + room
 
 
 def has_ended(curve: CapacityCurve) -> bool:
