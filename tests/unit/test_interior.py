@@ -202,3 +202,17 @@ def test_a_stack_settles_in_one_long_step():
     np.add.at(joints, carried.block_b, carried.normal_reaction)
     expected = np.cumsum(weight)
     assert sorted(joints[joints > 0.0]) == pytest.approx(expected.tolist(), rel=1e-6)
+
+
+def test_a_good_direction_lets_go_of_what_a_pivot_holds_by_far_too_much():
+    """In one step to below the damping above which more would not help, others by a factor."""
+    problem = problem_of(stack(*3 * [(1.0, 0.5)]))
+    engine = EquilibriumEngine()
+    engine.start(problem)
+    interior, settings = engine.interior, engine.settings.interior
+    held = interior.step.damping
+    held[1:4] = 1e8, 1e4, settings.least_damping
+    interior.step.frame.columns[0] = 0.0
+    interior._move(np.zeros_like(interior.step.force), 1.0)
+    let_go = [settings.less * settings.most_damping, settings.less * 1e4, 0.0]
+    assert held[1:4].tolist() == let_go
