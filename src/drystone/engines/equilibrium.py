@@ -92,6 +92,7 @@ class EquilibriumState:
     gone: BoolArray  # (n,) blocks that have left
     # Of space:
     slope: float = np.nan  # 1/m, of the curve
+    tangent: Array | None = None  # (n, n_dof) per m of the control displacement
     unstable: bool = False  # whether the structure would not keep it
     held: bool = False  # by more inertia, as blocks slid or turned without resistance
     calm: bool = False  # whether no contact has changed its state in the last step
@@ -294,9 +295,12 @@ class EquilibriumEngine:
         equations = self.equations
         if isinstance(equations, ConeStep):
             equations.begin(state.pose, state.slots, state.history, state.branch, h, pace)
+            guesses = [x]
+            if state.tangent is not None and demand.increment is not None:
+                guesses.append(demand.increment * state.tangent)
             return cone_solution.solve(
                 equations,
-                x,
+                guesses,
                 multiplier,
                 accuracy,
                 self.settings.space,
@@ -388,6 +392,7 @@ class EquilibriumEngine:
             margin=margin,
             due=np.flatnonzero(np.isin(source, state.due)),
             last_increment=np.where(gone[:, None], 0.0, state.last_increment),
+            tangent=None if gone.any() else state.tangent,
             gone=gone,
         )
 
@@ -498,6 +503,7 @@ class EquilibriumEngine:
             due=np.zeros(0, np.int64),
             gone=state.gone,
             slope=solved.slope,
+            tangent=solved.tangent,
             unstable=solved.unstable,
             held=solved.held > 0.0,
             calm=bool(np.array_equal(then.branch, state.branch)),

@@ -9,6 +9,7 @@ more is closed or slides: a push along the mode finds it.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -63,6 +64,7 @@ class Judgement:
     modes: Array  # (unstable, n, n_dof)
     growth: float = 0.0  # 1/s2, of the fastest growing
     slope: float = math.nan  # 1/m, of the curve
+    tangent: Array | None = None  # (n, n_dof) per m of the pacing displacement
 
     @property
     def stable(self) -> bool:
@@ -88,6 +90,18 @@ class _Solver:
         self.step, self.settings, self.accuracy = step, settings, accuracy
         self.search = ConeSearch(step, accuracy, settings.cones)
 
+    def nearest(self, guesses: Sequence[Array], multiplier: float) -> Array:
+        """The guess, of several, that leaves least unbalanced."""
+        step = self.step
+        if len(guesses) == 1:
+            return guesses[0]
+        left = []
+        for guess in guesses:
+            step.set_out(guess, multiplier)
+            step.respond()
+            left.append(step.balance(step.reaction))
+        return guesses[int(np.argmin(left))]
+
     def find(self, guess: Array, multiplier: float, *, warm: bool) -> bool:
         """An equilibrium from a guess, be it from far; whether there is one."""
         step, s = self.step, self.settings.cones
@@ -97,19 +111,15 @@ class _Solver:
                 s.warm_iterations, patience=s.warm_patience, gain=s.warm_gain
             ):
                 return True
-        for attempt in (
-            Attempt(barrier=s.low, iterations=s.max_iterations),
+        step.set_out(guess, multiplier)
+        if self.search.interior(Attempt(barrier=s.low, iterations=s.max_iterations)):
+            return True
+        step.set_out(np.zeros_like(guess), multiplier)
+        return self.search.interior(
             Attempt(
-                barrier=s.high,
-                by_increment=True,
-                second=False,
-                iterations=s.max_slow_iterations,
-            ),
-        ):
-            step.set_out(guess, multiplier)
-            if self.search.interior(attempt):
-                return True
-        return False
+                barrier=s.high, by_increment=True, second=False, iterations=s.max_slow_iterations
+            )
+        )
 
     def hold(
         self, guess: Array, multiplier: float, increment: float, found: bool
@@ -170,17 +180,20 @@ class _Solver:
         step = self.step
         if not self.linearise():
             return Judgement(unstable=1, modes=np.zeros((0, *step.x.shape)))
-        slope = math.nan
+        slope, tangent = math.nan, None
         if step.pace is not None:
             step.frame.columns[0] = 0.0
             slope = step.solve(1.0)
+            tangent = step.frame.columns[0].copy()
         quotients, shapes = self.modes()
         grow = quotients < -self.settings.stability.neutral
         # One more, if the determinant says that there is another, which is none of the lowest.
         odd = np.count_nonzero(quotients < 0.0) % 2 == 1
         n = int(np.count_nonzero(grow)) + (1 if step.stable == odd else 0)
         growth = -float(quotients[grow].min()) if grow.any() else 0.0
-        return Judgement(unstable=n, modes=shapes[grow], growth=growth, slope=slope)
+        return Judgement(
+            unstable=n, modes=shapes[grow], growth=growth, slope=slope, tangent=tangent
+        )
 
     def push(self, judged: Judgement, increment: float, *, few: bool) -> Judgement:
         """Go to a stable equilibrium beside the present one, or to one with fewer modes that grow,
@@ -273,7 +286,7 @@ def _ways(judged: Judgement) -> list[Array]:
 
 def solve(
     step: ConeStep,
-    guess: Array,
+    guesses: Sequence[Array],
     multiplier: float,
     accuracy: Accuracy,
     settings: SpaceSettings,
@@ -290,8 +303,8 @@ def solve(
     ----------
     step
         The equations.
-    guess
-        Increments (n, n_dof) near which the step will end.
+    guesses
+        Increments (n, n_dof) near which the step may end, at least one.
     multiplier
         Where the step starts; without a pace, the one that is asked for.
     accuracy, settings
@@ -309,11 +322,12 @@ def solve(
     solver = _Solver(step, accuracy, settings)
     begun = multiplier
     pace = step.pace
-    increment = pace.missing(np.zeros_like(guess)) if pace else 0.0
+    increment = pace.missing(np.zeros_like(guesses[0])) if pace else 0.0
     held = 0.0
     if was_held and pace is not None and not dynamic and step.inertia_factor < settings.hold:
         held = settings.hold - step.inertia_factor
         step.inertia_factor = settings.hold
+    guess = solver.nearest(guesses, multiplier)
     found = solver.find(guess, multiplier, warm=warm)
     if pace is not None and not dynamic and not held:
         found, held = solver.hold(guess, multiplier, abs(increment), found)
@@ -341,6 +355,7 @@ def solve(
         excess=shape[0] if not reason else None,
         bend=shape[1] if not reason else None,
         slope=end,
+        tangent=judged.tangent if judged else None,
         held=held,
         unstable=judged is not None and not judged.stable,
         reason=reason,
