@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.geometry.motion import translations
-from drystone.kernels import lu_numeric, path
+from drystone.kernels import cones, lu_numeric, path
 from drystone.solvers.cone_search import Attempt, ConeSearch, ConeSettings
 from drystone.solvers.cone_step import ConeStep, Place
 from drystone.solvers.piecewise import Accuracy, StepSolution
@@ -34,8 +34,10 @@ class StabilitySettings:
     #: Growth [1/s2] below which a mode is neutral, such as where a joint slides as a whole: gravity
     #: over the smallest block's size is 56 of them in the structure's own frame.
     neutral: float = 0.5
-    #: Push [m] of the body that moves most; the other way as well.
-    push: float = 1e-5
+    #: Push of the body that moves most, over what a mean block's weight closes a joint by, and no
+    #: more than so much [m]; the other way as well.
+    push: float = 0.3
+    most_push: float = 1e-5
     #: Pushes at most, and where none was of use in the last step.
     most_pushes: int = 12
     few_pushes: int = 2
@@ -89,6 +91,9 @@ class _Solver:
     def __init__(self, step: ConeStep, accuracy: Accuracy, settings: SpaceSettings) -> None:
         self.step, self.settings, self.accuracy = step, settings, accuracy
         self.search = ConeSearch(step, accuracy, settings.cones)
+        s, stiffness = settings.stability, step.joint[: step.n, cones.KN]
+        closing = self.search.block_weight / float(stiffness.mean()) if step.n else math.inf
+        self.shift = min(s.push * closing, s.most_push)  # m
 
     def nearest(self, guesses: Sequence[Array], multiplier: float) -> Array:
         """The guess, of several, that leaves least unbalanced."""
@@ -210,7 +215,7 @@ class _Solver:
         while ways and left:
             left -= 1
             step.come_back(at)
-            step.move(ways.pop(0), s.push)
+            step.move(ways.pop(0), self.shift)
             if not self.search.interior(attempt):
                 continue
             if not step.constants.detector.farthest(step.x - start) < room:
@@ -233,7 +238,7 @@ class _Solver:
         ways = _ways(judged)
         if not ways:
             return judged
-        step.move(ways[0], s.push)
+        step.move(ways[0], self.shift)
         for _ in range(s.rests):
             step.anchor(s.rest * judged.growth)
             before = step.x.copy()
@@ -253,7 +258,7 @@ class _Solver:
                 break
             judged_growth = max(there.growth, judged.growth)
             judged = replace(judged, growth=judged_growth)
-            step.move(ways[0], s.push)
+            step.move(ways[0], self.shift)
         step.anchor(0.0)
         self._return(at)
         return judged
