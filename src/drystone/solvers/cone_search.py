@@ -42,8 +42,8 @@ class ConeSettings:
     #: More of the latter, over the work of a block's weight along the increment.
     reach: float = 0.05
     #: Iterations of either.
-    max_iterations: int = 60
-    max_slow_iterations: int = 100
+    max_iterations: int = 120
+    max_slow_iterations: int = 200
     #: Of the way to where the interior ends.
     share: float = 0.99
     #: Part of the predictor from which on its second order counts.
@@ -67,7 +67,7 @@ class ConeSettings:
     #: Farthest rotation in an iteration [rad].
     turn: float = 0.2
     #: Damping [1/s2], times the mass, where there are unstable directions; factors of more and less.
-    damping: float = 1e2
+    damping: float = 10.0
     more: float = 4.0
     less: float = 0.25
 
