@@ -43,6 +43,7 @@ from drystone.model import REMOVE, STOP, Model
 from drystone.plausible import Plausibility
 from drystone.ranges import found, problem
 from drystone.records import changed
+from drystone.threads import limited
 
 Array = NDArray[np.float64]
 
@@ -83,6 +84,7 @@ def pushover(
     progress: Callable[[CurvePoint], None] | None = None,
     keep_poses: bool | None = None,
     keep_contacts: bool | None = None,
+    threads: int | None = None,
     **options: Any,
 ) -> CapacityCurve:
     """Trace the capacity curve of a model.
@@ -100,6 +102,10 @@ def pushover(
     keep_poses, keep_contacts
         Keep poses and contact forces of every point in the result.  By default they are kept of
         up to `MOST_KEPT` blocks, where no recorder has them.
+    threads
+        Threads that engines may take which share their work (so far the equilibrium engine in
+        space, of large structures); as many as there are processors if left out.  The curve does
+        not depend on it.
     options
         Keys of [analysis] by name, over those of the model: see `control`.
 
@@ -129,7 +135,7 @@ def pushover(
     )
     # Threads of LAPACK only get in each other's way on systems of this size.
     lapack = threadpool_limits(limits=1, user_api="blas")
-    with closing(solver), lapack, Compilation() as compilation:
+    with closing(solver), lapack, limited(threads), Compilation() as compilation:
         end = run.traced(control)
     return run.finished(*end, time.perf_counter() - begun, compilation.seconds)
 

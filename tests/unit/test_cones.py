@@ -66,7 +66,8 @@ def test_central_variables_have_the_products_of_their_barrier(energy):
         pair, slack = np.array([0.6 * v[PN], v[P1], v[P2]]), np.array([v[ZETA], -v[Z1], -v[Z2]])
         # Differences of what is much larger where the barrier is low.
         scale = 1e-11 * np.abs(pair).max() * np.abs(slack).max()
-        expected = (2.0 * PENALTY * energy, 0.0, 0.0)
+        least = 2.0 * cones.LEAST * pair[0] * np.hypot(t[1], t[2])
+        expected = (2.0 * PENALTY * energy + least, 0.0, 0.0)
         assert product(pair, slack) == pytest.approx(expected, abs=scale, rel=1e-6)
         assert np.hypot(v[P1], v[P2]) < pair[0]
         assert np.hypot(v[Z1], v[Z2]) < slack[0]

@@ -37,12 +37,24 @@ MechanismAt = Annotated[
 ]
 
 
+Threads = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N",
+        min=1,
+        help="Threads that share the work; the results are the same. [default: one a processor]",
+        show_default=False,
+    ),
+]
+
+
 def run(
     model_file: ModelFile,
     engine: EngineName = None,
     out: Folder = None,
     strategy: StrategyName = None,
     mechanism_at: MechanismAt = None,
+    threads: Threads = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -82,6 +94,7 @@ def run(
                             strategy=strategy.value if strategy else None,
                             recorder=results,
                             progress=progress,
+                            threads=threads,
                         )
                 finally:
                     begun = results.begun

@@ -97,7 +97,7 @@ def _room_of_friction(most, size, beta):
     return room
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def centre_contacts(joint, energy, everything, trial, inner):
     """Variables of contacts for their trial reactions and a barrier ``energy`` [J]: of those that
     lie too near to the end of their cones, or of all."""
@@ -189,7 +189,7 @@ def _scaled(eta, v0, v1, v2, x0, x1, x2):
     return eta * (v0 * x0 + dot), eta * (x1 + more * v1), eta * (x2 + more * v2)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def aim(joint, energy, second, trial, inner, change, scaling, reaction):
     """Fill what is lacking of a barrier ``energy`` [J]; with ``second``, the products of the
     changes that the step without a barrier would make are taken off.
@@ -263,7 +263,7 @@ def tangent(problem, joint, scaling, diagonal, upper, lower):
                 lower[pair, i, j] += block[nd + i, j]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def responses(scaling, response):
     """Derivatives (n_contacts, 3, 3) of the reactions by the trial reactions."""
     for c in range(scaling.shape[0]):
@@ -274,7 +274,7 @@ def responses(scaling, response):
         response[c, 1, 2] = response[c, 2, 1] = scaling[c, S12]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def changes(joint, energy, second, relative, inner, scaling, change):
     """Changes of all variables for those of relative places or velocities (n_contacts, 3)."""
     for c in range(inner.shape[0]):

@@ -235,8 +235,16 @@ def assemble(structure, s, diagonal, upper, lower, factors):
         c = fronts[c, SIBLING]
 
 
-@njit(cache=True, error_model="numpy")
-def factorise(structure, diagonal, upper, lower, factors, mass, damping, least):
+def factorise(
+    structure: Structure,
+    diagonal: Array,
+    upper: Array,
+    lower: Array,
+    factors: Factors,
+    mass: Array,
+    damping: Array,
+    least: float,
+) -> float:
     """Factorise the matrix of the blocks ``diagonal`` (n, n_dof, n_dof), ``upper`` (n_pairs, n_dof,
     n_dof) in the rows of a and columns of b, and ``lower`` in the rows of b and columns of a.
 
@@ -248,12 +256,27 @@ def factorise(structure, diagonal, upper, lower, factors, mass, damping, least):
     1, with the sign of the determinant; 0, with the factors unusable, for singular matrices and
     such as hold NaN.
     """
+    last = structure.fronts[-1]
+    blocks = diagonal, upper, lower
+    n_fronts = len(structure.fronts) - 1
+    pivot = factorise_fronts(
+        structure, 0, n_fronts, last[UPDATE], *blocks, factors, mass, damping, least
+    )
+    return float(pivot)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def factorise_fronts(
+    structure, low, high, scratch_at, diagonal, upper, lower, factors, mass, damping, least
+):
+    """`factorise` fronts ``low`` to ``high``, those below them being done, with scratch memory from
+    ``scratch_at`` on."""
     nd = len(structure.dof)
     order, fronts = structure.order, structure.fronts
     panels, inverse, work = factors
-    scratch = work[fronts[-1, UPDATE] :]
+    scratch = work[scratch_at:]
     smallest, sign = 1.0, 1.0
-    for s in range(fronts.shape[0] - 1):
+    for s in range(low, high):
         assemble(structure, s, diagonal, upper, lower, factors)
         w = fronts[s + 1, FIRST] - fronts[s, FIRST]
         r = fronts[s + 1, BORDER] - fronts[s, BORDER]

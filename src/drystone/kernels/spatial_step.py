@@ -207,7 +207,7 @@ def turn_on(step, length, axes_0, motion, spin, turn, axes):
                 axes[i, j, k] = total
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def locate(which, start, law, shear, first, low, high, motion, turn, now, trial):
     """Where the contacts of pairs ``low`` to ``high`` are, and their trial reactions (n, 3) [N]."""
     for c in range(first[low], first[high]):
@@ -254,7 +254,7 @@ def locate(which, start, law, shear, first, low, high, motion, turn, now, trial)
         trial[c, 2] = shear[c, 1] - law[c, KS] * now[c, Y + 2]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def relative(which, start, now, first, low, high, twist, found):
     """How gaps and slips go (n, 3) with twists (n, 6) of the bodies, in axes of the world."""
     for c in range(first[low], first[high]):
@@ -286,7 +286,7 @@ def twists(motion, axes, twist):
             )
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def wrenches(which, start, now, first, low, high, reaction, wrench):
     """What the contacts of each pair do to its bodies, (n_pairs, 2, 6), in axes of the world."""
     for p in range(low, high):
@@ -342,7 +342,7 @@ def sum_wrenches(begin, of_body, wrench, axes, force):
             force[i, 3 + d] = axes[i, 0, d] * m0 + axes[i, 1, d] * m1 + axes[i, 2, d] * m2
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def respond(law, held, trial, low, high, branch, reaction, response):
     """The joint law: reactions (n, 3) and their derivatives (n, 3, 3) by the trial reactions.
 
@@ -531,7 +531,7 @@ def _spread_geometric(total, at, d0, d1, d2, vv, vf, fv, ff):
 
 
 # Many: contacts, what they carry, and the blocks that are filled.
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def stiffness(
     which, start, now, law, first, low, high, reaction, response, axes, diagonal, upper, lower,
 ):  # fmt: skip

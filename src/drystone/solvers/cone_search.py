@@ -240,13 +240,22 @@ class ConeSearch:
         """Fill the first column and the changes; returns that of the multiplier."""
         step, n = self.step, self.step.n
         joint, inner, change = step.joint[:n], step.inner[:n], step.change[:n]
-        scaling = step.scaling[:n]
-        cones.aim(joint, barrier, second, step.trial[:n], inner, change, scaling, step.reaction[:n])
+        scaling, trial, reaction = step.scaling[:n], step.trial[:n], step.reaction[:n]
+
+        def aim(c: slice) -> None:
+            cones.aim(
+                joint[c], barrier, second, trial[c], inner[c], change[c], scaling[c], reaction[c]
+            )
+
+        def go(c: slice) -> None:
+            cones.changes(joint[c], barrier, second, rates[c], inner[c], scaling[c], change[c])
+
+        step.by_contacts(aim)
         step.balance(step.reaction)
         step.frame.columns[0] = step.force
         by_multiplier = step.solve(missing)
         rates = step.contact_rates()[:n]
-        cones.changes(joint, barrier, second, rates, inner, scaling, change)
+        step.by_contacts(go)
         return by_multiplier
 
     def _length(self) -> float:

@@ -8,6 +8,9 @@ with reactions, gaps and gradients where the step ends; see `kernels.spatial_ste
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+from itertools import pairwise
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -35,11 +38,17 @@ from drystone.kernels.law import N_HISTORY
 from drystone.kernels.rotation import all_axes
 from drystone.kernels.spatial_step import Places, Y
 from drystone.solvers.linear_step import Pace
+from drystone.solvers.shared_lu import SharedLU
 from drystone.solvers.static_step import Constants
+from drystone.threads import team
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Number = TypeVar("Number", np.float64, np.int64)
+
+
+#: Contacts from which on threads gain when they share what is done with each.
+MANY = 3000
 
 
 class Border(NamedTuple):
@@ -102,8 +111,11 @@ class ConeStep:
         self.of_pairs = np.zeros((n_pairs, 2, 6, 6))
         self.tangent = Tangent.zeros(n, n_pairs, n_dof)
         self.begin_of, self.of_body = _pairs_of_bodies(pairs, n)
-        self.structure = lu_symbolic.analyse(pairs.a, pairs.b, loads.fixed, place, n_dof)
-        self.factors = lu_numeric.allocate(self.structure)
+        self.team = team()
+        self.cuts = [(0, n_pairs)]
+        structure = lu_symbolic.analyse(pairs.a, pairs.b, loads.fixed, place, n_dof)
+        self.lu = SharedLU(structure, self.team)
+        self.structure, self.factors = self.lu.structure, self.lu.factors
         self.frame = Border(
             load=loads.pattern,
             pace=np.zeros((n, n_dof)),
@@ -133,6 +145,7 @@ class ConeStep:
         assembly = constants.detector.assembly
         self.pose, self.inertia_factor, self.pace = pose, 1.0 / h**2, pace
         self.dead, self.anchored = self.loads.dead, 0.0
+        self.frame.axis[:] = 0.0
         for mine, theirs in zip(self.known, slots, strict=True):
             mine[:] = theirs
         self.history_before[:] = history
@@ -140,6 +153,7 @@ class ConeStep:
         self.n = n = spatial_step.pack(
             self.known, self.pairs, constants.laws, history, closed, self.places
         )
+        self._cut()
         self.branch[:n] = branch[self.places.which[:n, 0]]
         law, joint = self.places.law[:n], self.joint
         joint[:n, cones.KN], joint[:n, cones.KS] = law[:, spatial_step.KN], law[:, spatial_step.KS]
@@ -177,11 +191,7 @@ class ConeStep:
             step, length, self.axes_0, self.motion, self.spin, self.turn, self.axes
         )
         spatial_step.increments(self.motion, self.spin, self.axes_0, self.x)
-        which, start, law, shear, _, first = self.places
-        spatial_step.locate(
-            which, start, law, shear, first, 0, len(first) - 1, self.motion, self.turn, self.now,
-            self.trial,
-        )  # fmt: skip
+        self._by_pairs(self._locate)
 
     @property
     def missing(self) -> float:
@@ -192,17 +202,11 @@ class ConeStep:
 
     def respond(self) -> None:
         """Reactions of the joint law, and their derivatives."""
-        spatial_step.respond(
-            self.places.law, self.places.held, self.trial, 0, self.n, self.branch, self.reaction,
-            self.response,
-        )  # fmt: skip
+        self._by_pairs(self._respond)
 
     def balance(self, reaction: Array) -> float:
         """Make the unbalanced forces those of reactions (n_slots, 3 or more); the largest [N]."""
-        which, start, _, _, _, first = self.places
-        spatial_step.wrenches(
-            which, start, self.now, first, 0, len(first) - 1, reaction, self.wrench
-        )
+        self._by_pairs(partial(self._wrenches, reaction))
         spatial_step.sum_wrenches(
             self.begin_of, self.of_body, self.wrench, self.axes, self.contact_force
         )
@@ -215,11 +219,7 @@ class ConeStep:
 
     def factorise(self, reaction: Array, least_damping: float) -> bool:
         """Factorise the stiffness for the present `response` and reactions; False if singular."""
-        which, start, law, _, _, first = self.places
-        spatial_step.stiffness(
-            which, start, self.now, law, first, 0, len(first) - 1, reaction, self.response,
-            self.axes, self.of_pairs, self.tangent.upper, self.tangent.lower,
-        )  # fmt: skip
+        self._by_pairs(partial(self._stiffness, reaction))
         spatial_step.sum_diagonals(
             self.begin_of, self.of_body, self.of_pairs, self.tangent.diagonal
         )
@@ -228,7 +228,6 @@ class ConeStep:
     def factorise_again(self, least_damping: float) -> bool:
         """The same of a stiffness that is there; it is used up."""
         c, frame = self.loads, self.frame
-        frame.axis[:] = 0.0
         body, frame.border[0] = -1, -1.0
         if self.pace is not None:
             body = self.pace.body
@@ -237,14 +236,13 @@ class ConeStep:
         self.spring = step.stiffen(
             self.tangent.diagonal, c.mass, self.inertia_factor, self.damping, body, frame.axis
         )
-        pivot = lu_numeric.factorise(
-            self.structure, *self.tangent, self.factors, c.mass, self.damping, least_damping
-        )
+        pivot = self.lu.factorise(self.tangent, c.mass, self.damping, least_damping)
         frame.sign[0] = np.sign(pivot)
         if pivot == 0.0 or self.pace is None:
             return bool(pivot != 0.0)
         columns = frame.columns
-        columns[1], columns[2] = frame.load, self.spring * frame.axis
+        columns[1] = frame.load
+        np.multiply(self.spring, frame.axis, out=columns[2])
         lu_numeric.solve(self.structure, self.factors, columns[1:])
         return True
 
@@ -261,12 +259,57 @@ class ConeStep:
 
     def contact_rates(self) -> Array:
         """How gaps and slips go along the direction, (n_slots, 3)."""
-        which, start, _, _, _, first = self.places
         spatial_step.twists(self.frame.columns[0], self.axes, self.twist)
-        spatial_step.relative(
-            which, start, self.now, first, 0, len(first) - 1, self.twist, self.by_motion
-        )
+        self._by_pairs(self._relative)
         return self.by_motion
+
+    # What is done with each contact: of pairs from ``low`` to ``high``.
+
+    def _cut(self) -> None:
+        """Ranges of pairs with about as many contacts, one for each thread."""
+        first, parts = self.places.first, self.team.number if self.n >= MANY else 1
+        wanted = np.linspace(0, self.n, parts + 1)
+        at = [0, *np.searchsorted(first, wanted[1:-1]).tolist(), len(first) - 1]
+        self.cuts = list(pairwise(at))
+
+    def _by_pairs(self, work: Callable[[int, int], None]) -> None:
+        if len(self.cuts) == 1:
+            work(*self.cuts[0])
+        else:
+            self.team.run([partial(work, low, high) for low, high in self.cuts])
+
+    def by_contacts(self, work: Callable[[slice], None]) -> None:
+        """Do something with the contacts in use, by ranges of them; these may go side by side."""
+        first = self.places.first
+        self._by_pairs(lambda low, high: work(slice(first[low], first[high])))
+
+    def _locate(self, low: int, high: int) -> None:
+        which, start, law, shear, _, first = self.places
+        spatial_step.locate(
+            which, start, law, shear, first, low, high, self.motion, self.turn, self.now, self.trial
+        )
+
+    def _respond(self, low: int, high: int) -> None:
+        law, held, first = self.places.law, self.places.held, self.places.first
+        spatial_step.respond(
+            law, held, self.trial, first[low], first[high], self.branch, self.reaction,
+            self.response,
+        )  # fmt: skip
+
+    def _wrenches(self, reaction: Array, low: int, high: int) -> None:
+        which, start, _, _, _, first = self.places
+        spatial_step.wrenches(which, start, self.now, first, low, high, reaction, self.wrench)
+
+    def _relative(self, low: int, high: int) -> None:
+        which, start, _, _, _, first = self.places
+        spatial_step.relative(which, start, self.now, first, low, high, self.twist, self.by_motion)
+
+    def _stiffness(self, reaction: Array, low: int, high: int) -> None:
+        which, start, law, _, _, first = self.places
+        spatial_step.stiffness(
+            which, start, self.now, law, first, low, high, reaction, self.response, self.axes,
+            self.of_pairs, self.tangent.upper, self.tangent.lower,
+        )  # fmt: skip
 
     # Where it has led.
 
