@@ -103,9 +103,7 @@ def pushover(
         Keep poses and contact forces of every point in the result.  By default they are kept of
         up to `MOST_KEPT` blocks, where no recorder has them.
     threads
-        Threads that engines may take which share their work (so far the equilibrium engine in
-        space, of large structures); as many as there are processors if left out.  The curve does
-        not depend on it.
+        Most that share the work of an engine, by default one a processor; curves are the same.
     options
         Keys of [analysis] by name, over those of the model: see `control`.
 
@@ -119,8 +117,7 @@ def pushover(
     named = engine is None or isinstance(engine, str)
     solver: Any = make_engine(str(engine or model.analysis.engine)) if named else framed(engine)
     name = strategy or model.analysis.strategy
-    _check(options)
-    model = model.with_analysis(**options) if options else model
+    model = _with_options(model, options)
     control = make_control(name, solver, model)
     small = recorder is None and model.assembly.n_bodies <= MOST_KEPT
     run = _Run(
@@ -252,14 +249,16 @@ class _Run:
         return tuple(self.contacts)
 
 
-def _check(options: Mapping[str, Any]) -> None:
-    """Raise `EngineError` for options that a model file would not take."""
+def _with_options(model: Model, options: Mapping[str, Any]) -> Model:
+    """The model with options in place of its own; `EngineError` for those that a model file would
+    not take."""
     wrong = [sentence for key, value in options.items() if (sentence := problem(key, value))]
     falling = options.get("falling", REMOVE)
     if falling not in (REMOVE, STOP):
         wrong.append(f'falling: must be "{REMOVE}" or "{STOP}", it is {found(falling)}')
     if wrong:
         raise EngineError(f"[analysis] {wrong[0]}")
+    return model.with_analysis(**options) if options else model
 
 
 def _fallen(before: Any, after: Any) -> list[int]:

@@ -48,6 +48,7 @@ Threads = Annotated[
 ]
 
 
+# Long: what is asked for is checked, traced and told, in this order.
 def run(
     model_file: ModelFile,
     engine: EngineName = None,

@@ -170,7 +170,7 @@ class ConeStep:
         self.move(x, 1.0)
 
     def anchor(self, hold: float) -> None:
-        """Hold the blocks where they are, by ``hold`` [1/s2] times their mass; zero lets them go."""
+        """Hold the blocks where they are, by ``hold`` [1/s2] times their mass; zero lets go."""
         self.inertia_factor += hold - self.anchored
         self.anchored = hold
         self.dead = self.loads.dead + hold * self.loads.mass * self.x if hold else self.loads.dead
