@@ -376,4 +376,5 @@ def _point(step: int, report: StepReport, time_step: float, decision: Decision) 
         status=DYNAMIC if decision.dynamic else STATIC,
         jumped=decision.jumped,
         lost_shear=report.lost_shear,
+        unstable=report.unstable,
     )

@@ -64,6 +64,7 @@ class CurvePoint:
     status: str = STATIC
     jumped: bool = False  # reached in a jump: none at rest lies between it and the point before
     lost_shear: float = 0.0  # -, of contacts that were taken away in the step, over heaviest weight
+    unstable: bool = False  # an equilibrium that the structure would not keep, no other beside it
 
 
 @dataclass(frozen=True, kw_only=True)

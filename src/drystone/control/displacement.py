@@ -65,6 +65,7 @@ class DisplacementSettings:
     crest_share: float = 5e-3  # of the peak, by which the way through a step may lie above it
     drive_share: float = 2e-2  # of the peak, by which that may lie above both ends elsewhere
     bend_share: float = 2e-3  # of the peak, that the curve may bend within a step
+    smooth: bool = False  # whether curves bend all along, so that steps grow by how much they do
     snap_share: float = 2e-4  # of the peak, by which a snap that is passed over may move the curve
     time_step: float = 0.1  # s, first one of a jump
     snap_motion: float = 10.0  # of a block, over the increment, above which a step is a jump
@@ -343,6 +344,11 @@ class DisplacementControl:
     def _growth(self, state: _State, report: StepReport) -> float:
         """Of increments where steps are easy: the less, the rougher the way through them was."""
         s = self.settings
+        if s.smooth and report.bend is not None:
+            # A bend goes with the square of the step.
+            most = s.bend_share * max(state.highest, 10.0 * s.stop_multiplier)
+            bend = max(report.bend[0], 1e-9)
+            return min(max(math.sqrt(0.6 * most / bend), 0.5), 2.0)
         if report.crest is None:
             return 2.0
         crest = report.crest / max(state.highest, 10.0 * s.stop_multiplier)

@@ -117,7 +117,7 @@ class EquilibriumEngine:
         height = float(np.ptp(assembly.centroid[~assembly.fixed] @ assembly.up)) + size
         step = {"displacement_step": min(max(height / 500.0, 0.02 * size), 0.1 * size)}
         if assembly.dimension == 3:
-            step.update(easy_iterations=60, hard_iterations=400)
+            step.update(easy_iterations=60, hard_iterations=400, bend_share=4e-3, smooth=True)
         return step
 
     def start(self, problem: Problem) -> tuple[EquilibriumState, StepReport]:
