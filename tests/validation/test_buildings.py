@@ -128,3 +128,14 @@ def test_voussoirs_of_a_dome_have_the_volume_between_two_polyhedra():
     of_one = shells[1] / (1.4**3 - 0.6**3)
     assert shells[0] == pytest.approx(of_one * (2.2**3 - 1.8**3), rel=1e-12)
     assert 0.8 < of_one / (2.0 / 3.0 * np.pi) < 1.0  # inside the half ball
+
+
+def test_what_is_watched_moves():
+    """Of two walls around a corner, pulled off along y, the control point is on one that falls."""
+    model = buildings.watched(buildings.corner_wall(push=(0.0, -1.0, 0.0)))
+    found = collapse_load(model, flow=ASSOCIATIVE)
+    control = model.control_point
+    assert model.assembly.ids[control.block] in found.moving
+    assert found.velocities[control.block, 1] < 0.0
+    vertices = model.assembly.blocks[control.block].vertices
+    assert np.abs(vertices - control.point).max(axis=1).min() == 0.0
