@@ -27,6 +27,10 @@ STRUCTURES = {
     "arch": lambda push: buildings.arch(push=push),
     "dome": lambda push: buildings.dome(push=push),
 }
+#: Share by which a peak may exceed the associative multiplier of the designed joints.  Stones of a
+#: dome that touch along an edge alone come to touch in an area as they move: of 8 sectors, such
+#: pairs had 1.3 % of all normal forces at the peak, which lay 1.3 % above.
+ABOVE = {"dome": 0.02}
 #: In an order in which the first few already come from all around.
 ALL = sorted(range(24), key=lambda k: (k * 7) % 24)
 TAKEN = ALL[:: max(1, 24 // int(os.environ.get("DRYSTONE_DIRECTIONS", "3")))]
@@ -47,7 +51,7 @@ def test_the_curve_is_traced_to_its_end(name, turn):
     bound = collapse_load(model, flow=ASSOCIATIVE).load_multiplier
     friction = model.assembly.joint.friction_coefficient
     tilt = curve.peak.penetration / model.assembly.smallest_extent
-    highest = bound * (1.0 + 1e-6) + (1.0 + friction**2) * tilt
+    highest = bound * (1.0 + ABOVE.get(name, 1e-6)) + (1.0 + friction**2) * tilt
     assert 0.5 * bound < curve.peak.load_multiplier <= highest
     assert curve.status == FINISHED, curve.reason
     last = curve.points[-1]
