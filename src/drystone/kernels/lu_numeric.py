@@ -327,6 +327,55 @@ def factorise_fronts(
 
 
 @njit(cache=True, error_model="numpy")
+def _subtract_known(panels, at, stride, known, rest, d):
+    """Subtract from six unknowns what known ones add to their rows: as many sums at once as hide
+    each other's waiting."""
+    m = known.shape[0]
+    u0, u1, u2 = panels[at : at + m], panels[at + stride :], panels[at + 2 * stride :]
+    at += 3 * stride
+    u3, u4, u5 = panels[at : at + m], panels[at + stride :], panels[at + 2 * stride :]
+    s0, s1, s2, s3, s4, s5 = (
+        rest[d],
+        rest[d + 1],
+        rest[d + 2],
+        rest[d + 3],
+        rest[d + 4],
+        rest[d + 5],
+    )
+    for j in range(m):
+        x = known[j]
+        s0 -= u0[j] * x
+        s1 -= u1[j] * x
+        s2 -= u2[j] * x
+        s3 -= u3[j] * x
+        s4 -= u4[j] * x
+        s5 -= u5[j] * x
+    rest[d], rest[d + 1], rest[d + 2], rest[d + 3], rest[d + 4], rest[d + 5] = (
+        s0,
+        s1,
+        s2,
+        s3,
+        s4,
+        s5,
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def _subtract_sums(panels, at, stride, known, rest, d):
+    """The same of three unknowns, sums first."""
+    m = known.shape[0]
+    u0, u1, u2 = panels[at : at + m], panels[at + stride :], panels[at + 2 * stride :]
+    s0 = s1 = s2 = 0.0
+    for j in range(m):
+        s0 += u0[j] * known[j]
+        s1 += u1[j] * known[j]
+        s2 += u2[j] * known[j]
+    rest[d] -= s0
+    rest[d + 1] -= s1
+    rest[d + 2] -= s2
+
+
+@njit(cache=True, error_model="numpy")
 def solve(structure, factors, rhs):
     """Replace each of the right-hand sides ``rhs`` (k, n, n_dof) by its solution, in which fixed
     bodies have zeros whatever they had before."""
@@ -348,11 +397,14 @@ def solve(structure, factors, rhs):
                 body = order[first + i]
                 k = nd * i
                 for d in range(nd):
-                    left = panels[rows + (k + d) * m : rows + (k + d) * m + k]
-                    rest = x[body, d]
-                    for j in range(k):
-                        rest -= left[j] * y[j]
-                    t[d] = rest
+                    t[d] = x[body, d]
+                if nd == 2 * TILE:
+                    _subtract_known(panels, rows + k * m, m, y[:k], t, 0)
+                else:
+                    for d in range(nd):
+                        left = panels[rows + (k + d) * m : rows + (k + d) * m + k]
+                        for j in range(k):
+                            t[d] -= left[j] * y[j]
                 for d in range(nd):
                     y[k + d] = 0.0
                     for e in range(nd):
@@ -383,19 +435,11 @@ def solve(structure, factors, rhs):
             for i in range(w - 1, -1, -1):
                 k = nd * (i + 1)
                 known = y[k:]
-                for d in range(nd * i, k, TILE):
-                    at = fronts[s, PANEL] + d * m
-                    u0 = panels[at + k : at + m]
-                    u1 = panels[at + m + k : at + 2 * m]
-                    u2 = panels[at + 2 * m + k : at + 3 * m]
-                    s0 = s1 = s2 = 0.0
-                    for j in range(m - k):
-                        s0 += u0[j] * known[j]
-                        s1 += u1[j] * known[j]
-                        s2 += u2[j] * known[j]
-                    y[d] -= s0
-                    y[d + 1] -= s1
-                    y[d + 2] -= s2
+                at = fronts[s, PANEL] + nd * i * m + k
+                if nd == 2 * TILE:
+                    _subtract_known(panels, at, m, known, y, nd * i)
+                else:
+                    _subtract_sums(panels, at, m, known, y, nd * i)
                 for d in range(nd):
                     x[order[first + i], d] = y[nd * i + d]
     for body in order[fronts[n_fronts, FIRST] :]:
