@@ -105,7 +105,7 @@ class Heap:
             self.which, self.start, self.now, self.law, self.first, 0, 3, self.reaction,
             self.response, self.axes, part, upper, lower,
         )  # fmt: skip
-        spatial_step.sum_diagonals(self.begin, self.of_body, part, diagonal)
+        spatial_step.sum_diagonals(self.begin, self.of_body, part, self.axes, diagonal)
         whole = np.zeros((N, 6, N, 6))
         for i in range(N):
             whole[i, :, i] = diagonal[i]

@@ -365,10 +365,8 @@ def respond(law, held, trial, low, high, branch, reaction, response):
             reaction[c, 0], reaction[c, 1], reaction[c, 2] = 0.0, 0.0, 0.0
             continue
         over, near = size - mu * tn, TIE * (size + mu * abs(tn))
-        if (
-            (over <= 0.0
-            and not (branch[c] == FORWARD and over >= -near))
-            or (branch[c] == STICKING and over <= near)
+        if (over <= 0.0 and not (branch[c] == FORWARD and over >= -near)) or (
+            branch[c] == STICKING and over <= near
         ):
             branch[c] = STICKING
             reaction[c, 0], reaction[c, 1], reaction[c, 2] = tn, t1, t2
@@ -405,42 +403,75 @@ def age(which, law, trial, reaction, branch, count, history):
 
 
 @njit(cache=True)
+def _add_row(total, at, b0, b1, b2, r0, r1, r2, j, up, k, down):
+    """Add a row of B and its share of the moments' rows, from ``j`` and ``k`` on."""
+    c0, c1, c2 = b1 * r2 - b2 * r1, b2 * r0 - b0 * r2, b0 * r1 - b1 * r0
+    total[at] += b0
+    total[at + 1] += b1
+    total[at + 2] += b2
+    total[at + 3] += c0
+    total[at + 4] += c1
+    total[at + 5] += c2
+    total[j] += up * b0
+    total[j + 1] += up * b1
+    total[j + 2] += up * b2
+    total[j + 3] += up * c0
+    total[j + 4] += up * c1
+    total[j + 5] += up * c2
+    total[k] -= down * b0
+    total[k + 1] -= down * b1
+    total[k + 2] -= down * b2
+    total[k + 3] -= down * c0
+    total[k + 4] -= down * c1
+    total[k + 5] -= down * c2
+
+
+@njit(cache=True)
 def _add_material(now, law, response, c, side, total):
     """Add a contact's B, B [r], [r] B and [r] B [r] to ``total``, r its arm from body a."""
     kn, ks = law[c, KN], law[c, KS]
     arm = ARM_F if side > 0.0 else ARM_V
     r0, r1, r2 = now[c, arm], now[c, arm + 1], now[c, arm + 2]
-    for i in range(3):
-        e0, e1, e2 = now[c, NOW + 3 * i], now[c, NOW + 3 * i + 1], now[c, NOW + 3 * i + 2]
-        x = (e0 * response[c, 0, 0] + e1 * response[c, 1, 0] + e2 * response[c, 2, 0]) * kn
-        y = (e0 * response[c, 0, 1] + e1 * response[c, 1, 1] + e2 * response[c, 2, 1]) * ks
-        z = (e0 * response[c, 0, 2] + e1 * response[c, 1, 2] + e2 * response[c, 2, 2]) * ks
-        b0 = x * now[c, NOW] + y * now[c, NOW + 1] + z * now[c, NOW + 2]
-        b1 = x * now[c, NOW + 3] + y * now[c, NOW + 4] + z * now[c, NOW + 5]
-        b2 = x * now[c, NOW + 6] + y * now[c, NOW + 7] + z * now[c, NOW + 8]
-        c0, c1, c2 = b1 * r2 - b2 * r1, b2 * r0 - b0 * r2, b0 * r1 - b1 * r0
-        # The i-th component of a force is in the moments by [r] e_i.
-        j, k = 6 * ((i + 1) % 3) + 18, 6 * ((i + 2) % 3) + 18
-        up, down = now[c, arm + (i + 2) % 3], now[c, arm + (i + 1) % 3]
-        i *= 6
-        total[i] += b0
-        total[i + 1] += b1
-        total[i + 2] += b2
-        total[i + 3] += c0
-        total[i + 4] += c1
-        total[i + 5] += c2
-        total[j] += up * b0
-        total[j + 1] += up * b1
-        total[j + 2] += up * b2
-        total[j + 3] += up * c0
-        total[j + 4] += up * c1
-        total[j + 5] += up * c2
-        total[k] -= down * b0
-        total[k + 1] -= down * b1
-        total[k + 2] -= down * b2
-        total[k + 3] -= down * c0
-        total[k + 4] -= down * c1
-        total[k + 5] -= down * c2
+    q00, q01, q02 = now[c, NOW], now[c, NOW + 1], now[c, NOW + 2]
+    q10, q11, q12 = now[c, NOW + 3], now[c, NOW + 4], now[c, NOW + 5]
+    q20, q21, q22 = now[c, NOW + 6], now[c, NOW + 7], now[c, NOW + 8]
+    # What the axes get of a motion along each of them: A diag(k_n, k_s, k_s) E^T.
+    a00, a01, a02 = response[c, 0, 0] * kn, response[c, 0, 1] * ks, response[c, 0, 2] * ks
+    a10, a11, a12 = response[c, 1, 0] * kn, response[c, 1, 1] * ks, response[c, 1, 2] * ks
+    a20, a21, a22 = response[c, 2, 0] * kn, response[c, 2, 1] * ks, response[c, 2, 2] * ks
+    n0, n1, n2 = (
+        a00 * q00 + a01 * q01 + a02 * q02,
+        a00 * q10 + a01 * q11 + a02 * q12,
+        a00 * q20 + a01 * q21 + a02 * q22,
+    )
+    s0, s1, s2 = (
+        a10 * q00 + a11 * q01 + a12 * q02,
+        a10 * q10 + a11 * q11 + a12 * q12,
+        a10 * q20 + a11 * q21 + a12 * q22,
+    )
+    t0, t1, t2 = (
+        a20 * q00 + a21 * q01 + a22 * q02,
+        a20 * q10 + a21 * q11 + a22 * q12,
+        a20 * q20 + a21 * q21 + a22 * q22,
+    )
+    b0, b1, b2 = (
+        q00 * n0 + q01 * s0 + q02 * t0,
+        q00 * n1 + q01 * s1 + q02 * t1,
+        q00 * n2 + q01 * s2 + q02 * t2,
+    )
+    _add_row(total, 0, b0, b1, b2, r0, r1, r2, 24, r2, 30, r1)
+    b0, b1, b2 = (
+        q10 * n0 + q11 * s0 + q12 * t0,
+        q10 * n1 + q11 * s1 + q12 * t1,
+        q10 * n2 + q11 * s2 + q12 * t2,
+    )
+    _add_row(total, 6, b0, b1, b2, r0, r1, r2, 30, r0, 18, r2)
+    b0, b1, b2 = (
+        q20 * n0 + q21 * s0 + q22 * t0,
+        q20 * n1 + q21 * s1 + q22 * t1,
+        q20 * n2 + q21 * s2 + q22 * t2,
+    )
+    _add_row(total, 12, b0, b1, b2, r0, r1, r2, 18, r1, 24, r0)
 
 
 @njit(cache=True)
@@ -497,37 +528,36 @@ def _spread_material(total, d0, d1, d2, aa, ab, ba, bb):
 
 
 @njit(cache=True)
-def _spread_geometric(total, at, d0, d1, d2, vv, vf, fv, ff):
-    """Add the geometric part of the contacts of one sense to the blocks (6, 6) of a pair, (d0, d1,
-    d2) from f's centroid to v's."""
-    x, y, z = total[at], total[at + 1], total[at + 2]
+def _spread_geometric(total, at, sense, way, vv, vf, fv, ff):
+    """Add the geometric part of the contacts of one sense to the blocks (6, 6) of a pair; ``sense``
+    times ``way`` (3,) leads from f's centroid to v's."""
     by_v = total[at + 3] + total[at + 7] + total[at + 11]
     by_n = total[at + 12] + total[at + 16] + total[at + 20]
-    by_d = x * d0 + y * d1 + z * d2
-    d, f = (d0, d1, d2), (x, y, z)
+    by_d = total[at] * way[0] + total[at + 1] * way[1] + total[at + 2] * way[2]
     for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
+        j, k = (i + 1 if i < 2 else 0), (i - 1 if i > 0 else 2)
+        fj, fk, along = total[at + j], total[at + k], sense * total[at + i]
         # The matrix of F x.
-        vf[j, 3 + i] += f[k]
-        vf[k, 3 + i] -= f[j]
-        ff[j, 3 + i] -= f[k]
-        ff[k, 3 + i] += f[j]
-        fv[3 + j, i] -= f[k]
-        fv[3 + k, i] += f[j]
-        ff[3 + j, i] += f[k]
-        ff[3 + k, i] -= f[j]
+        vf[j, 3 + i] += fk
+        vf[k, 3 + i] -= fj
+        ff[j, 3 + i] -= fk
+        ff[k, 3 + i] += fj
+        fv[3 + j, i] -= fk
+        fv[3 + k, i] += fj
+        ff[3 + j, i] += fk
+        ff[3 + k, i] -= fj
         for m in range(3):
             # [v] [F] = F v^T - (v . F), [F] [v] its transpose; the arm from f is v + d.
-            by_arm, turned = total[at + 3 + 3 * i + m], total[at + 3 + 3 * m + i]
             rolled = total[at + 12 + 3 * i + m]
-            along = f[i] * d[m]
-            if m == i:
-                by_arm, turned, rolled = by_arm - by_v, turned - by_v, rolled - by_n
-                along -= by_d
-            vv[3 + i, 3 + m] -= turned + rolled
-            fv[3 + i, 3 + m] += turned + rolled
-            vf[3 + i, 3 + m] += by_arm + rolled
-            ff[3 + i, 3 + m] -= by_arm + along + rolled
+            by_arm, turned = total[at + 3 + 3 * i + m] + rolled, total[at + 3 + 3 * m + i] + rolled
+            vv[3 + i, 3 + m] -= turned
+            fv[3 + i, 3 + m] += turned
+            vf[3 + i, 3 + m] += by_arm
+            ff[3 + i, 3 + m] -= by_arm + along * way[m]
+        vv[3 + i, 3 + i] += by_v + by_n
+        fv[3 + i, 3 + i] -= by_v + by_n
+        vf[3 + i, 3 + i] -= by_v + by_n
+        ff[3 + i, 3 + i] += by_v + by_n + sense * by_d
 
 
 # Many: contacts, what they carry, and the blocks that are filled.
@@ -554,11 +584,12 @@ def stiffness(
     axes
         (n, 3, 3) principal axes of the bodies.
     diagonal
-        (n_pairs, 2, 6, 6) filled: what each pair adds to the diagonal blocks of its bodies.
+        (n_pairs, 2, 6, 6) filled: what each pair adds to the diagonal blocks of its bodies, in
+        axes of the world.
     upper, lower
         (n_pairs, 6, 6) filled: rows of a and columns of b, and the other way round.
     """
-    total = np.zeros(N_TOTAL)
+    total, way = np.zeros(N_TOTAL), np.zeros(3)
     for p in range(low, high):
         aa, bb, ab, ba = diagonal[p, 0], diagonal[p, 1], upper[p], lower[p]
         if first[p] == first[p + 1]:
@@ -582,37 +613,43 @@ def stiffness(
                 total[6 * i + j] = -total[6 * i + j]
         c = first[p]
         side = start[c, SIDE]
-        d0 = side * (now[c, ARM_V] - now[c, ARM_F])
-        d1 = side * (now[c, ARM_V + 1] - now[c, ARM_F + 1])
-        d2 = side * (now[c, ARM_V + 2] - now[c, ARM_F + 2])
-        _spread_material(total, d0, d1, d2, aa, ab, ba, bb)
+        for i in range(3):
+            way[i] = side * (now[c, ARM_V + i] - now[c, ARM_F + i])
+        _spread_material(total, way[0], way[1], way[2], aa, ab, ba, bb)
         if on_b:
-            _spread_geometric(total, ON_B, -d0, -d1, -d2, bb, ba, ab, aa)
+            _spread_geometric(total, ON_B, -1.0, way, bb, ba, ab, aa)
         if on_a:
-            _spread_geometric(total, ON_A, d0, d1, d2, aa, ab, ba, bb)
+            _spread_geometric(total, ON_A, 1.0, way, aa, ab, ba, bb)
         a, b = which[c, BODY_A], which[c, BODY_B]
-        _about_axes(aa, axes, a, a)
         _about_axes(ab, axes, a, b)
         _about_axes(ba, axes, b, a)
-        _about_axes(bb, axes, b, b)
 
 
 @njit(cache=True)
 def _about_axes(block, axes, r, c):
     """Turn a block (6, 6) of forces on body r by motions of body c to principal axes, in place."""
+    a00, a01, a02 = axes[c, 0, 0], axes[c, 0, 1], axes[c, 0, 2]
+    a10, a11, a12 = axes[c, 1, 0], axes[c, 1, 1], axes[c, 1, 2]
+    a20, a21, a22 = axes[c, 2, 0], axes[c, 2, 1], axes[c, 2, 2]
     for i in range(6):
         x, y, z = block[i, 3], block[i, 4], block[i, 5]
-        for j in range(3):
-            block[i, 3 + j] = x * axes[c, 0, j] + y * axes[c, 1, j] + z * axes[c, 2, j]
+        block[i, 3] = x * a00 + y * a10 + z * a20
+        block[i, 4] = x * a01 + y * a11 + z * a21
+        block[i, 5] = x * a02 + y * a12 + z * a22
+    a00, a01, a02 = axes[r, 0, 0], axes[r, 0, 1], axes[r, 0, 2]
+    a10, a11, a12 = axes[r, 1, 0], axes[r, 1, 1], axes[r, 1, 2]
+    a20, a21, a22 = axes[r, 2, 0], axes[r, 2, 1], axes[r, 2, 2]
     for i in range(6):
         x, y, z = block[3, i], block[4, i], block[5, i]
-        for j in range(3):
-            block[3 + j, i] = axes[r, 0, j] * x + axes[r, 1, j] * y + axes[r, 2, j] * z
+        block[3, i] = a00 * x + a10 * y + a20 * z
+        block[4, i] = a01 * x + a11 * y + a21 * z
+        block[5, i] = a02 * x + a12 * y + a22 * z
 
 
 @njit(cache=True)
-def sum_diagonals(begin, of_body, part, diagonal):
-    """Fill the diagonal blocks (n, 6, 6) from those of each body's pairs; see `sum_wrenches`."""
+def sum_diagonals(begin, of_body, part, axes, diagonal):
+    """Fill the diagonal blocks (n, 6, 6) from those of each body's pairs, turned to its principal
+    axes; see `sum_wrenches`."""
     for i in range(diagonal.shape[0]):
         diagonal[i, :, :] = 0.0
         for j in range(begin[i], begin[i + 1]):
@@ -620,6 +657,7 @@ def sum_diagonals(begin, of_body, part, diagonal):
             for k in range(6):
                 for m in range(6):
                     diagonal[i, k, m] += part[p, side, k, m]
+        _about_axes(diagonal[i], axes, i, i)
 
 
 @njit(cache=True)

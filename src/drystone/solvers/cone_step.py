@@ -221,7 +221,7 @@ class ConeStep:
         """Factorise the stiffness for the present `response` and reactions; False if singular."""
         self._by_pairs(partial(self._stiffness, reaction))
         spatial_step.sum_diagonals(
-            self.begin_of, self.of_body, self.of_pairs, self.tangent.diagonal
+            self.begin_of, self.of_body, self.of_pairs, self.axes, self.tangent.diagonal
         )
         return self.factorise_again(least_damping)
 
