@@ -18,6 +18,8 @@ from drystone.model import Model
 UNIT_WEIGHT = 10e3  # N/m3
 #: The joints of Bouckaert, Godio & de Almeida (2022).
 PUBLISHED_JOINT = JointLaw(friction_coefficient=0.65, normal_stiffness=1e8, shear_stiffness=1e11)
+#: The joints of the published walls with a bond, and as soft along the joint as across it.
+BONDED_JOINT = replace(PUBLISHED_JOINT, shear_stiffness=1e8, cohesion=1e4)
 #: So stiff that a block of a few kN closes the joint by a micrometre only.
 STIFF = 1e10  # Pa/m
 
@@ -64,6 +66,38 @@ def stack(
     ]
     return make_model(
         blocks, joint=joint, corner=corner, thickness=1.0, load_direction=direction, **options
+    )
+
+
+def small_wall() -> Model:
+    """Three courses of two and a half units of the published walls, with their joints."""
+    unit_width, height = 0.4, 0.175
+    blocks = [
+        Block(
+            id="base",
+            vertices=rectangle(-0.4, -0.2, 1.8, 0.2),
+            unit_weight=UNIT_WEIGHT,
+            support=True,
+        )
+    ]
+    for course, widths in enumerate(([2, 2, 1], [1, 2, 2], [2, 2, 1])):
+        x = 0.0
+        for unit, halves in enumerate(widths):
+            width = 0.5 * halves * unit_width
+            blocks.append(
+                Block(
+                    id=f"c{course + 1}u{unit + 1}",
+                    vertices=rectangle(x, course * height, width, height),
+                    unit_weight=UNIT_WEIGHT,
+                )
+            )
+            x += width
+    return make_model(
+        blocks,
+        joint=PUBLISHED_JOINT,
+        corner=Corner(radius=0.02),
+        thickness=1.0,
+        load_direction=(1.0, 0.0),
     )
 
 

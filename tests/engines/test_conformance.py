@@ -7,17 +7,19 @@ import importlib.util
 import os
 import subprocess
 import sys
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from builders import (
+    BONDED_JOINT,
     PUBLISHED_JOINT,
     UNIT_WEIGHT,
     problem_of,
     rectangle,
+    small_wall,
     stack,
     turned,
     with_corner,
@@ -74,38 +76,6 @@ def started(model, name):
     engine = make_engine(name)
     state, report = engine.start(problem_of(model))
     return engine, state, report
-
-
-def small_wall():
-    """Three courses of two and a half units of the published walls, with their joints."""
-    unit_width, height = 0.4, 0.175
-    blocks = [
-        Block(
-            id="base",
-            vertices=rectangle(-0.4, -0.2, 1.8, 0.2),
-            unit_weight=UNIT_WEIGHT,
-            support=True,
-        )
-    ]
-    for course, widths in enumerate(([2, 2, 1], [1, 2, 2], [2, 2, 1])):
-        x = 0.0
-        for unit, halves in enumerate(widths):
-            width = 0.5 * halves * unit_width
-            blocks.append(
-                Block(
-                    id=f"c{course + 1}u{unit + 1}",
-                    vertices=rectangle(x, course * height, width, height),
-                    unit_weight=UNIT_WEIGHT,
-                )
-            )
-            x += width
-    return make_model(
-        blocks,
-        joint=PUBLISHED_JOINT,
-        corner=Corner(radius=0.02),
-        thickness=1.0,
-        load_direction=(1.0, 0.0),
-    )
 
 
 def resultants(model, state, contacts, multiplier):
@@ -378,8 +348,6 @@ class TestStates:
         assert digest(first) == digest(again)
 
 
-#: The joints of the published walls with a bond, and as soft along the joint as across it.
-BONDED_JOINT = replace(PUBLISHED_JOINT, shear_stiffness=1e8, cohesion=1e4)
 EVERY_ENGINE = [
     *ENGINES,
     "distinct",

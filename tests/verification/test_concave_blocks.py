@@ -25,8 +25,7 @@ U = np.array([[0, 0], [0.2, 0], [0.2, 0.5], [0.6, 0.5], [0.6, 0], [0.8, 0], [0.8
 #: first order, also the size of the first ones after the peak.  In the mean it is half of that.
 ACCURACY = {"equilibrium": 1e-4, "nscd": 1.5e-2, "distinct": 1e-3}
 
-PLANE, SPACE = ("equilibrium", "nscd", "distinct"), ("nscd", "distinct")
-CASES = [(2, engine) for engine in PLANE] + [(3, engine) for engine in SPACE]
+CASES = [(n, engine) for n in (2, 3) for engine in ("equilibrium", "nscd", "distinct")]
 
 
 def on_base(outline: np.ndarray, dimension: int, *, friction: float = 1.5, **more) -> Model:

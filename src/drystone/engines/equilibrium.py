@@ -76,6 +76,16 @@ class EquilibriumSettings:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Acted:
+    """Contacts in space that a step was solved with, as the motion has carried them to its end."""
+
+    pairs: Pairs
+    slots: Slots
+    reaction: Array  # (n_slots, dim) N
+    branch: IntArray  # (n_slots,)
+
+
+@dataclass(frozen=True, kw_only=True)
 class EquilibriumState:
     """Poses, joint history and what the next step is predicted from."""
 
@@ -96,6 +106,7 @@ class EquilibriumState:
     unstable: bool = False  # whether the structure would not keep it
     held: bool = False  # by more inertia, as blocks slid or turned without resistance
     calm: bool = False  # whether no contact has changed its state in the last step
+    acted: Acted | None = None  # those of `slots` were found anew, on other faces perhaps
 
 
 class EquilibriumEngine:
@@ -196,9 +207,10 @@ class EquilibriumEngine:
         return 0.5 * n**2 * heaviest / (float(self.constants.laws[:, joint_law.KN].min()) * area)
 
     def contacts(self, state: EquilibriumState) -> ContactForces:
-        """Contact points and reactions of a state."""
-        status = STATUS_OF[state.branch]
-        return self.detector.forces(state.pairs, state.pose, state.slots, state.reaction, status)
+        """Contact points and reactions of a state: those that are in balance."""
+        these = state.acted or state
+        status = STATUS_OF[these.branch]
+        return self.detector.forces(these.pairs, state.pose, these.slots, these.reaction, status)
 
     def close(self) -> None:
         """Nothing is held."""
@@ -462,17 +474,22 @@ class EquilibriumEngine:
         self, state: EquilibriumState, solved: StepSolution, h: float, increment: float | None
     ) -> tuple[EquilibriumState, StepReport]:
         """The state that a step has led to, and its figures."""
-        equations = self.equations
+        equations, acted = self.equations, None
         if isinstance(equations, ConeStep):
             history = equations.finish()
             judged = equations.judged(history)
-            branch = equations.by_slot(equations.branch)
+            acted = Acted(
+                pairs=state.pairs,
+                slots=equations.slots.copied(),
+                reaction=equations.by_slot(equations.reaction),
+                branch=equations.by_slot(equations.branch),
+            )
             then = replace(
                 state,
-                slots=equations.slots.copied(),
+                slots=acted.slots,
                 history=history,
-                reaction=equations.by_slot(equations.reaction),
-                branch=branch,
+                reaction=acted.reaction,
+                branch=acted.branch,
             )
         else:
             judged = equations.judged()
@@ -507,6 +524,7 @@ class EquilibriumEngine:
             unstable=solved.unstable,
             held=solved.held > 0.0,
             calm=bool(np.array_equal(then.branch, state.branch)),
+            acted=acted,
         )
         outcome = self._report(new, judged, solved.n_iterations, h)
         if solved.held and outcome.motion < 2.0 * abs(increment or 0.0):
