@@ -34,3 +34,21 @@ def test_a_wall_of_solids_has_the_curve_of_the_plane(wall, engine):
     places = np.linspace(2e-3, min(x.max(), other_x.max()), 400)
     off = np.abs(np.interp(places, x, y) - np.interp(places, other_x, other_y))
     assert np.median(off) <= 3e-3 * peak
+
+
+@pytest.mark.parametrize("wall", [1, 2, 3])
+def test_equilibrium_has_the_curve_of_the_plane_to_its_end(wall):
+    """Peaks to 0.1 %, the median over the branch to 0.2 % of the peak, ends to 3 %."""
+    plane = ds.published_wall(wall)
+    flat = ds.pushover(plane, engine="equilibrium")
+    solid = ds.pushover(ds.extruded(plane), engine="equilibrium")
+    for point in solid.points:
+        assert point.residual <= 1e-8
+        assert point.status != STATIC or point.inertia_ratio <= 1e-3
+    peak = flat.peak.load_multiplier
+    assert solid.peak.load_multiplier == pytest.approx(peak, rel=1e-3)
+    (x, y), (other_x, other_y) = static_points(flat), static_points(solid)
+    places = np.linspace(2e-3, min(x.max(), other_x.max()), 400)
+    off = np.abs(np.interp(places, x, y) - np.interp(places, other_x, other_y))
+    assert np.median(off) <= 2e-3 * peak
+    assert solid.ultimate_displacement == pytest.approx(flat.ultimate_displacement, rel=0.03)

@@ -100,7 +100,8 @@ class TestOneBlock:
         moved, multiplier = at_rest(curve)
         slides = moved > 1e-4
         assert np.count_nonzero(slides) > 5
-        assert multiplier[slides] == pytest.approx(0.2, rel=1e-6)
+        # The inertia of a step of 8 mm, long as it takes, is 4e-7 of the weight.
+        assert multiplier[slides] == pytest.approx(0.2, rel=5e-6)
         path = curve.poses[-1][1, :3] - curve.poses[0][1, :3]
         along = path @ model.load.direction
         assert along > 0.099
@@ -115,18 +116,20 @@ def over_a_corner(stiffness: float = 1e10) -> Model:
 
 
 def test_a_block_pushed_towards_its_corner_falls_over_an_edge():
-    """Balanced on the corner it would carry 0.442 at 82 mm, and no structure would stay there."""
+    """Of the two it takes the one that carries less, 0.285 at 82 mm.
+
+    Balanced on the corner, where no structure would stay, it would carry 0.442.
+    """
     curve = certified(pushover(over_a_corner(), engine="equilibrium", max_displacement=0.12))
     # Both edges close by some 1e-6 m of 0.3.
     assert curve.peak.load_multiplier == pytest.approx(0.4 / 0.9 / 0.8, rel=2e-3)
     moved, multiplier = at_rest(curve)
-    corner = rocking(moved, 0.5, 0.9)
+    assert np.interp(0.082, moved, multiplier) == pytest.approx(0.2849, abs=1e-4)
+    assert rocking(np.array(0.082), 0.5, 0.9) == pytest.approx(0.442, abs=1e-3)
     beyond = moved > 0.02
-    assert np.count_nonzero(beyond) > 5
-    edges = np.stack((rocking(moved, 0.4, 0.9, 0.8), rocking(moved, 0.3, 0.9, 0.6)))
-    off = np.abs(edges - multiplier).min(axis=0)
-    assert off[beyond].max() <= 1e-3
-    assert np.all(multiplier[beyond] < corner[beyond] - 0.01)
+    assert np.count_nonzero(beyond) > 10
+    off = np.abs(rocking(moved, 0.3, 0.9, 0.6) - multiplier)[beyond]
+    assert off.max() <= 1e-4 * curve.peak.load_multiplier
 
 
 class TestTwist:
