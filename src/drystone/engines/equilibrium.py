@@ -422,11 +422,12 @@ class EquilibriumEngine:
                 fixed=loads.fixed,
             ),
         )
+        self.equations: ConeStep | StaticStep
         if self.problem.assembly.dimension == 3:
             self.equations = ConeStep(self.constants, pairs)
             return
-        self.equations = StaticStep(self.constants, pairs)
-        self.interior = InteriorPoint(self.equations, self.settings.interior)
+        flat = self.equations = StaticStep(self.constants, pairs)
+        self.interior = InteriorPoint(flat, self.settings.interior)
 
     def _pace(self, state: EquilibriumState, demand: Demand) -> PointPace | None:
         if demand.increment is None:
