@@ -475,34 +475,9 @@ class EquilibriumEngine:
         self, state: EquilibriumState, solved: StepSolution, h: float, increment: float | None
     ) -> tuple[EquilibriumState, StepReport]:
         """The state that a step has led to, and its figures."""
-        equations, acted = self.equations, None
-        if isinstance(equations, ConeStep):
-            history = equations.finish()
-            judged = equations.judged(history)
-            acted = Acted(
-                pairs=state.pairs,
-                slots=equations.slots.copied(),
-                reaction=equations.by_slot(equations.reaction),
-                branch=equations.by_slot(equations.branch),
-            )
-            then = replace(
-                state,
-                slots=acted.slots,
-                history=history,
-                reaction=acted.reaction,
-                branch=acted.branch,
-            )
-        else:
-            judged = equations.judged()
-            then = replace(
-                state,
-                slots=equations.known,
-                history=equations.history,
-                reaction=equations.reaction,
-                branch=equations.branch,
-            )
-        slots = equations.found.copied()
-        source = self.detector.predecessors(state.pairs, equations.known, slots)
+        judged, then = self._ended(state)
+        slots = self.equations.found.copied()
+        source = self.detector.predecessors(state.pairs, self.equations.known, slots)
         history, reaction, branch = self._inherited(source, then, slots)
         margin = np.full(len(source), np.inf)
         if self.brittle:
@@ -525,7 +500,7 @@ class EquilibriumEngine:
             unstable=solved.unstable,
             held=solved.held > 0.0,
             calm=bool(np.array_equal(then.branch, state.branch)),
-            acted=acted,
+            acted=then.acted,
         )
         outcome = self._report(new, judged, solved.n_iterations, h)
         if solved.held and outcome.motion < 2.0 * abs(increment or 0.0):
@@ -539,6 +514,34 @@ class EquilibriumEngine:
             dynamic=outcome.inertia_ratio > self.settings.inertia_limit,
             unstable=solved.unstable,
             lost_shear=self._lost(source, then),
+        )
+
+    def _ended(self, state: EquilibriumState) -> tuple[JudgedContacts, EquilibriumState]:
+        """The contacts that a step was solved with, where it has ended: as they are judged, and in
+        the state that it started from."""
+        equations = self.equations
+        if not isinstance(equations, ConeStep):
+            return equations.judged(), replace(
+                state,
+                slots=equations.known,
+                history=equations.history,
+                reaction=equations.reaction,
+                branch=equations.branch,
+            )
+        history = equations.finish()
+        acted = Acted(
+            pairs=state.pairs,
+            slots=equations.slots.copied(),
+            reaction=equations.by_slot(equations.reaction),
+            branch=equations.by_slot(equations.branch),
+        )
+        return equations.judged(history), replace(
+            state,
+            slots=acted.slots,
+            history=history,
+            reaction=acted.reaction,
+            branch=acted.branch,
+            acted=acted,
         )
 
     def _lost(self, source: IntArray, then: EquilibriumState) -> float:
