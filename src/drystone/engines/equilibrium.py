@@ -37,7 +37,7 @@ from drystone.kernels.contacts import Pairs, Slots
 from drystone.kernels.law import N_HISTORY
 from drystone.records import changed
 from drystone.solvers import cone_solution, piecewise
-from drystone.solvers.cone_solution import SpaceSettings
+from drystone.solvers.cone_solution import Before, SpaceSettings
 from drystone.solvers.cone_step import ConeStep
 from drystone.solvers.interior import InteriorPoint, InteriorSettings
 from drystone.solvers.linear_step import Loads, PointPace
@@ -316,10 +316,9 @@ class EquilibriumEngine:
                 multiplier,
                 accuracy,
                 self.settings.space,
-                warm=state.calm,
-                was_unstable=state.unstable,
-                was_held=state.held,
-                slope=state.slope,
+                Before(
+                    calm=state.calm, unstable=state.unstable, held=state.held, slope=state.slope
+                ),
                 dynamic=demand.time_step > 0.0,
             )
         equations.begin(state.pose, state.slots, state.history, state.branch, h, x)

@@ -114,7 +114,8 @@ class Slots(NamedTuple):
     def at(self, source: IntArray) -> Slots:
         """The slots in ``source`` (n,), of which -1 is none."""
         taken, known = Slots.empty(len(source), self.dim), source >= 0
-        taken.which[known], taken.value[known] = self.which[source[known]], self.value[source[known]]
+        taken.which[known] = self.which[source[known]]
+        taken.value[known] = self.value[source[known]]
         return taken
 
     # Views.

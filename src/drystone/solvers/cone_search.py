@@ -66,7 +66,8 @@ class ConeSettings:
     warm_patience: int = 4
     #: Farthest rotation in an iteration [rad].
     turn: float = 0.2
-    #: Damping [1/s2], times the mass, where there are unstable directions; factors of more and less.
+    #: Damping [1/s2], times the mass, where there are unstable directions; factors of more and
+    #: less.
     damping: float = 10.0
     more: float = 4.0
     less: float = 0.25

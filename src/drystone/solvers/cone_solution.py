@@ -87,6 +87,16 @@ class SpaceSettings:
     stability: StabilitySettings = field(default_factory=StabilitySettings)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Before:
+    """What the last step tells the next."""
+
+    calm: bool = False  # no contact changed its state, so that Newton's method is tried at once
+    unstable: bool = False  # it ended in an equilibrium that the structure would not keep
+    held: bool = False  # by more inertia than asked for
+    slope: float = math.nan  # 1/m, of the curve where it ended, if known
+
+
 class _Solver:
     def __init__(self, step: ConeStep, accuracy: Accuracy, settings: SpaceSettings) -> None:
         self.step, self.settings, self.accuracy = step, settings, accuracy
@@ -107,14 +117,34 @@ class _Solver:
             left.append(step.balance(step.reaction))
         return guesses[int(np.argmin(left))]
 
+    def reach(
+        self,
+        guesses: Sequence[Array],
+        multiplier: float,
+        increment: float,
+        before: Before,
+        *,
+        follows: bool,
+    ) -> tuple[bool, float]:
+        """An equilibrium from the best of the guesses, with more inertia where the step ``follows``
+        a curve and needs it; whether there is one, and by how much more [1/s2] blocks are held."""
+        step, hold = self.step, self.settings.hold
+        held = 0.0
+        if before.held and follows and step.inertia_factor < hold:
+            held = hold - step.inertia_factor
+            step.inertia_factor = hold
+        guess = self.nearest(guesses, multiplier)
+        found = self.find(guess, multiplier, warm=before.calm)
+        if follows and not held:
+            return self.hold(guess, multiplier, abs(increment), found)
+        return found, held
+
     def find(self, guess: Array, multiplier: float, *, warm: bool) -> bool:
         """An equilibrium from a guess, be it from far; whether there is one."""
         step, s = self.step, self.settings.cones
         if warm:
             step.set_out(guess, multiplier)
-            if self.search.newton(
-                s.warm_iterations, patience=s.warm_patience, gain=s.warm_gain
-            ):
+            if self.search.newton(s.warm_iterations, patience=s.warm_patience, gain=s.warm_gain):
                 return True
         step.set_out(guess, multiplier)
         if self.search.interior(Attempt(barrier=s.low, iterations=s.max_iterations)):
@@ -129,8 +159,8 @@ class _Solver:
     def hold(
         self, guess: Array, multiplier: float, increment: float, found: bool
     ) -> tuple[bool, float]:
-        """Try again with more inertia where no equilibrium is ``found``, or a far one; whether there
-        is one then, and by how much more [1/s2] the blocks were held."""
+        """Try again with more inertia where no equilibrium is ``found``, or a far one; whether
+        there is one then, and by how much more [1/s2] the blocks were held."""
         step, hold = self.step, self.settings.hold
         if step.inertia_factor >= hold:
             return found, 0.0
@@ -199,6 +229,12 @@ class _Solver:
         return Judgement(
             unstable=n, modes=shapes[grow], growth=growth, slope=slope, tangent=tangent
         )
+
+    def settle(self, judged: Judgement, increment: float, *, few: bool) -> Judgement:
+        """Leave an equilibrium that the structure would not keep for one that it would, if there is
+        any beside; ``few`` pushes where those of the last step were of no use."""
+        judged = self.rest(judged, increment)
+        return judged if judged.stable else self.push(judged, increment, few=few)
 
     def push(self, judged: Judgement, increment: float, *, few: bool) -> Judgement:
         """Go to a stable equilibrium beside the present one, or to one with fewer modes that grow,
@@ -295,11 +331,8 @@ def solve(
     multiplier: float,
     accuracy: Accuracy,
     settings: SpaceSettings,
+    before: Before,
     *,
-    warm: bool = False,
-    was_unstable: bool = False,
-    was_held: bool = False,
-    slope: float = math.nan,
     dynamic: bool = False,
 ) -> StepSolution:
     """Solve a step that has begun; its equations are left evaluated at the solution.
@@ -312,46 +345,29 @@ def solve(
         Increments (n, n_dof) near which the step may end, at least one.
     multiplier
         Where the step starts; without a pace, the one that is asked for.
-    accuracy, settings
+    accuracy, settings, before
         See there.
-    warm
-        Whether Newton's method is tried from the guess.
-    was_unstable, was_held
-        Whether the last step ended in an equilibrium that the structure would not keep, and whether
-        it was held by more inertia than asked for.
-    slope
-        Of the curve where the step starts [1/m], not a number where nobody knows.
     dynamic
         Whether the step is one in time, in which inertia holds what is not stable.
     """
     solver = _Solver(step, accuracy, settings)
-    begun = multiplier
-    pace = step.pace
-    increment = pace.missing(np.zeros_like(guesses[0])) if pace else 0.0
-    held = 0.0
-    if was_held and pace is not None and not dynamic and step.inertia_factor < settings.hold:
-        held = settings.hold - step.inertia_factor
-        step.inertia_factor = settings.hold
-    guess = solver.nearest(guesses, multiplier)
-    found = solver.find(guess, multiplier, warm=warm)
-    if pace is not None and not dynamic and not held:
-        found, held = solver.hold(guess, multiplier, abs(increment), found)
+    increment = step.pace.missing(np.zeros_like(guesses[0])) if step.pace else 0.0
+    follows = step.pace is not None and not dynamic  # a curve of equilibria
+    found, held = solver.reach(guesses, multiplier, increment, before, follows=follows)
     n_iterations = solver.search.iterations
     turn, judged = None, None
-    if found and pace is not None and not dynamic:
+    if found and follows:
         judged = solver.judge()
         if not judged.stable:
             turn = (1.0, step.multiplier)
-            judged = solver.rest(judged, increment)
-            if not judged.stable:
-                judged = solver.push(judged, increment, few=was_unstable)
+            judged = solver.settle(judged, increment, few=before.unstable)
     end = judged.slope if judged else math.nan
     reason = ""
     if not found:
         reason = f"no equilibrium within {n_iterations} iterations"
     elif not step.constants.detector.farthest(step.x) <= accuracy.farthest:
         reason = "a block moves too far in one step"
-    shape = _shape(begun, step.multiplier, slope, end, increment)
+    shape = _shape(multiplier, step.multiplier, before.slope, end, increment)
     return StepSolution(
         increment=step.x.copy(),
         multiplier=step.multiplier,
