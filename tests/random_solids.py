@@ -299,4 +299,4 @@ KINDS: tuple[Callable[[Generator], list[Block]], ...] = (
 )
 #: Softest joints [Pa/m] of kinds whose few corners carry most of the weight: softer ones would be
 #: pressed by more than `Analysis.max_penetration` allows, which ends a curve.
-SOFTEST = {table: 1e9}
+SOFTEST = {rubble: 1e9, table: 1e9}
