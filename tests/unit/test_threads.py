@@ -89,6 +89,7 @@ def test_a_shared_factorisation_is_the_same_to_the_last_bit(number, monkeypatch)
 def test_a_curve_is_the_same_to_the_last_bit_with_two_threads(monkeypatch):
     monkeypatch.setattr(shared_lu, "WORTH", 0.0)
     monkeypatch.setattr(cone_step, "MANY", 1)
+    monkeypatch.setattr(cone_step, "MANY_OF_LITTLE", 1)
     run, shared = Team.run, []
     monkeypatch.setattr(
         Team, "run", lambda self, tasks: shared.append(len(tasks)) or run(self, tasks)

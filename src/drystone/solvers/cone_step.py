@@ -47,8 +47,9 @@ IntArray = NDArray[np.int64]
 Number = TypeVar("Number", np.float64, np.int64)
 
 
-#: Contacts from which on threads gain when they share what is done with each.
-MANY = 3000
+#: Contacts from which on threads gain, whose waking takes some 0.1 ms, when they share the
+#: stiffness; and what takes a few times ten nanoseconds each.
+MANY, MANY_OF_LITTLE = 4000, 20000
 
 
 class Border(NamedTuple):
@@ -112,7 +113,7 @@ class ConeStep:
         self.tangent = Tangent.zeros(n, n_pairs, n_dof)
         self.begin_of, self.of_body = _pairs_of_bodies(pairs, n)
         self.team = team()
-        self.cuts = [(0, n_pairs)]
+        self.cuts = self.little_cuts = [(0, n_pairs)]
         structure = lu_symbolic.analyse(pairs.a, pairs.b, loads.fixed, place, n_dof)
         self.lu = SharedLU(structure, self.team)
         self.structure, self.factors = self.lu.structure, self.lu.factors
@@ -153,7 +154,7 @@ class ConeStep:
         self.n = n = spatial_step.pack(
             self.known, self.pairs, constants.laws, history, closed, self.places
         )
-        self._cut()
+        self.cuts, self.little_cuts = self._cut(MANY), self._cut(MANY_OF_LITTLE)
         self.branch[:n] = branch[self.places.which[:n, 0]]
         law, joint = self.places.law[:n], self.joint
         joint[:n, cones.KN], joint[:n, cones.KS] = law[:, spatial_step.KN], law[:, spatial_step.KS]
@@ -219,7 +220,7 @@ class ConeStep:
 
     def factorise(self, reaction: Array, least_damping: float) -> bool:
         """Factorise the stiffness for the present `response` and reactions; False if singular."""
-        self._by_pairs(partial(self._stiffness, reaction))
+        self._by_pairs(partial(self._stiffness, reaction), self.cuts)
         spatial_step.sum_diagonals(
             self.begin_of, self.of_body, self.of_pairs, self.axes, self.tangent.diagonal
         )
@@ -265,18 +266,21 @@ class ConeStep:
 
     # What is done with each contact: of pairs from ``low`` to ``high``.
 
-    def _cut(self) -> None:
-        """Ranges of pairs with about as many contacts, one for each thread."""
-        first, parts = self.places.first, self.team.number if self.n >= MANY else 1
+    def _cut(self, least: int) -> list[tuple[int, int]]:
+        """Ranges of pairs with about as many contacts, one for each thread from ``least`` on."""
+        first, parts = self.places.first, self.team.number if self.n >= least else 1
         wanted = np.linspace(0, self.n, parts + 1)
         at = [0, *np.searchsorted(first, wanted[1:-1]).tolist(), len(first) - 1]
-        self.cuts = list(pairwise(at))
+        return list(pairwise(at))
 
-    def _by_pairs(self, work: Callable[[int, int], None]) -> None:
-        if len(self.cuts) == 1:
-            work(*self.cuts[0])
+    def _by_pairs(
+        self, work: Callable[[int, int], None], cuts: list[tuple[int, int]] | None = None
+    ) -> None:
+        cuts = cuts or self.little_cuts
+        if len(cuts) == 1:
+            work(*cuts[0])
         else:
-            self.team.run([partial(work, low, high) for low, high in self.cuts])
+            self.team.run([partial(work, low, high) for low, high in cuts])
 
     def by_contacts(self, work: Callable[[slice], None]) -> None:
         """Do something with the contacts in use, by ranges of them; these may go side by side."""

@@ -19,7 +19,7 @@ from drystone.threads import Team
 Array = NDArray[np.float64]
 
 #: Time of a factorisation [ns], as `kernels.lu_symbolic` reckons it, from which on threads gain.
-WORTH = 3e5
+WORTH = 1e6
 #: Subtrees are parted further as long as that gains, up to so many times.
 MOST_PARTED = 40
 
