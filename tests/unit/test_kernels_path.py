@@ -78,6 +78,7 @@ def take(engine, state, increment, *, guess=None, whole=True, **options):
         body=control.block,
         arm=np.array([[c, -s], [s, c]]) @ (control.point - assembly.centroid[control.block]),
         axis=control.direction,
+        axes=assembly.axes[control.block],
         increment=increment,
     )
     step = Recorded(engine.constants, state.pairs)
