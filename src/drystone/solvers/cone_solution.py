@@ -81,6 +81,10 @@ class SpaceSettings:
     #: Inertia [1/s2], times the mass, of a step tried again where none else is found, or where
     #: blocks go far: what slides or turns without resistance then goes the shortest way.
     hold: float = 0.1
+    #: Times that a step is solved again as blocks meet in it, and the force over a block's weight
+    #: with which they do.
+    meetings: int = 3
+    slight: float = 1e-2
     #: Motion over the increment that is far.
     far: float = 10.0
     cones: ConeSettings = field(default_factory=ConeSettings)
@@ -176,6 +180,19 @@ class _Solver:
         if found:
             self._return(at)
         return found, 0.0
+
+    def meet(self) -> bool:
+        """Solve again where blocks have come to press each other elsewhere than followed; whether
+        an equilibrium is found."""
+        step, settings = self.step, self.settings
+        for _ in range(settings.meetings):
+            x, multiplier = step.x.copy(), step.multiplier
+            if not step.meet(settings.slight * self.search.block_weight):
+                return True
+            step.set_out(x, multiplier)
+            if not (self.search.newton(8) or self.find(x, multiplier, warm=False)):
+                return False
+        return True
 
     def modes(self) -> tuple[Array, Array]:
         """Quotients of Rayleigh (k,) [1/s2] and shapes (k, n, n_dof) of the lowest modes with the
@@ -354,6 +371,7 @@ def solve(
     increment = step.pace.missing(np.zeros_like(guesses[0])) if step.pace else 0.0
     follows = step.pace is not None and not dynamic  # a curve of equilibria
     found, held = solver.reach(guesses, multiplier, increment, before, follows=follows)
+    found = found and solver.meet()
     n_iterations = solver.search.iterations
     turn, judged = None, None
     if found and follows:

@@ -24,6 +24,8 @@ from drystone.kernels.contacts import (
     BOND,
     FRICTION,
     LIFT,
+    NONE,
+    PAIR,
     STIFF_N,
     STIFF_T,
     TENSILE,
@@ -162,6 +164,41 @@ class ConeStep:
         joint[:n, cones.RAISE] = law[:, spatial_step.LIFT] / law[:, spatial_step.KS]
         joint[:n, cones.HELD] = self.places.held[:n]
         all_axes(pose, assembly.axes, self.turn, self.axes_0)
+
+    def meet(self, slight: float) -> bool:
+        """Take on the contacts of pairs that have come to press each other elsewhere than followed.
+
+        Blocks that meet within a step do so with other features than those watched from afar: what
+        they would be pressed into each other there is no part of the balance.  The step begins
+        again, with the contacts that such pairs have where the blocks are now; whether there are
+        any by more than a force ``slight`` [N].
+        """
+        detector, pairs, n = self.constants.detector, self.pairs, self.n
+        pose = detector.assembly.moved(self.pose, self.x)
+        self.found.which[:] = self.known.which
+        detector.fill(pairs, pose, self.found)
+        stiffness = self.constants.laws[pairs.law_of_slot, joint_law.KN] * self.found.size
+        overlap = np.where(self.found.kind == NONE, 0.0, np.maximum(-self.found.gap, 0.0))
+        # Faces that lie on each other part and meet by rounding.
+        pressed = np.bincount(pairs.of_slot, stiffness * overlap, pairs.n_pairs)
+        carried = np.bincount(
+            self.places.which[:n, PAIR], self.reaction[:n, 0], minlength=pairs.n_pairs
+        )
+        anew = (pressed > slight + 2.0 * carried)[pairs.of_slot]
+        if not anew.any():
+            return False
+        history, branch = self.history_before.copy(), self.by_slot(self.branch)
+        self.known.which[anew], self.known.value[anew] = (
+            self.found.which[anew],
+            self.found.value[anew],
+        )
+        history[anew], branch[anew] = 0.0, joint_law.OPEN
+        history[anew, joint_law.BROKEN] = 1.0
+        detector.follow(pairs, self.pose, self.known, self.slots)
+        held = self.inertia_factor
+        self.begin(self.pose, self.slots, history, branch, 1.0, self.pace)
+        self.inertia_factor = held
+        return True
 
     def set_out(self, x: Array, multiplier: float) -> None:
         """Go to increments (n, 6) from where the step starts."""
