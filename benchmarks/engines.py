@@ -1,16 +1,20 @@
 """The published walls over all engines that are installed: one process order, one core each.
 
     python benchmarks/engines.py [--engine NAME ...] [--wall N ...] [--repeats N]
+    python benchmarks/engines.py --model FILE [--max-displacement M] ...
 
 Every engine traces a wall's curve before the next one begins; LMGC90, which takes its time, does so
-once.  Writes ``results/engines.json`` and ``.md``.
+once.  Writes ``results/engines.json`` and ``.md``; of a model file, such as one of solids, under
+its name.
 """
 
 from __future__ import annotations
 
 import argparse
+import math
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 
 import harness  # first: it holds the libraries' threads to one
 import numpy as np
@@ -20,6 +24,7 @@ from drystone.analysis import pushover
 from drystone.curve import DYNAMIC, CapacityCurve
 from drystone.engines import engine_names, make_engine
 from drystone.engines.base import EngineError
+from drystone.model import Model
 
 #: Engines that are timed in a single run: they need no warming up, and are slow.
 ONCE = ("lmgc90", "distinct")
@@ -27,9 +32,9 @@ ONCE = ("lmgc90", "distinct")
 
 @dataclass(frozen=True, kw_only=True)
 class EngineTiming:
-    """One wall on one engine."""
+    """One wall, or model, on one engine."""
 
-    wall: int
+    wall: str
     engine: str
     seconds: float  # median of warm runs, or of the one run
     n_points: int
@@ -42,16 +47,16 @@ class EngineTiming:
     status: str
 
 
-def timing(wall: int, engine: str, repeats: int) -> EngineTiming:
-    """Trace one wall's curve; raises `EngineError`."""
-    model = ds.published_wall(wall)
+def timing(wall: str, model: Model, engine: str, repeats: int, farthest: float) -> EngineTiming:
+    """Trace one model's curve, up to a displacement [m]; raises `EngineError`."""
     curves: list[CapacityCurve] = []
     if engine in ONCE:
-        curves.append(pushover(model, engine=engine))
+        curves.append(pushover(model, engine=engine, max_displacement=farthest))
         seconds = curves[0].wall_time
     else:
         seconds = harness.median_seconds(
-            lambda: curves.append(pushover(model, engine=engine)), repeats
+            lambda: curves.append(pushover(model, engine=engine, max_displacement=farthest)),
+            repeats,
         )
     curve = curves[-1]
     static = np.array([p.residual for p in curve.points if p.status != DYNAMIC])
@@ -85,7 +90,7 @@ def rows(timings: list[EngineTiming]) -> list[dict[str, str]]:
     """The table."""
     return [
         {
-            "wall": str(t.wall),
+            "wall": t.wall,
             "engine": t.engine,
             "s": f"{t.seconds:.2f}",
             "points": str(t.n_points),
@@ -109,7 +114,7 @@ def ratios(timings: list[EngineTiming]) -> list[str]:
         if ours and theirs:
             better = "at a smaller" if ours.max_residual <= theirs.max_residual else "at a LARGER"
             lines.append(
-                f"Wall {wall}: LMGC90 takes {theirs.seconds / ours.seconds:.0f} times as long as "
+                f"{wall}: LMGC90 takes {theirs.seconds / ours.seconds:.0f} times as long as "
                 f"the equilibrium engine, which is {better} residual "
                 f"({ours.max_residual:.0e} against {theirs.max_residual:.0e})."
             )
@@ -121,17 +126,25 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--engine", action="append", help="may be repeated; all by default")
     parser.add_argument("--wall", action="append", type=int, choices=(1, 2, 3))
+    parser.add_argument("--model", type=Path, help="a model file instead of the walls")
+    parser.add_argument("--max-displacement", type=float, default=math.inf, help="m")
     parser.add_argument("--repeats", type=int, default=3)
     options = parser.parse_args()
     timings: list[EngineTiming] = []
     left_out: list[str] = []
-    for wall in options.wall or (1, 2, 3):
+    if options.model:
+        models = {options.model.stem: ds.read_model(options.model)}
+    else:
+        models = {f"wall {k}": ds.published_wall(k) for k in options.wall or (1, 2, 3)}
+    for wall, model in models.items():
         for engine in options.engine or engine_names():
             try:
                 make_engine(engine)
-                timings.append(timing(wall, engine, options.repeats))
+                timings.append(
+                    timing(wall, model, engine, options.repeats, options.max_displacement)
+                )
             except EngineError as error:
-                left_out.append(f"{engine}, wall {wall}: {error}")
+                left_out.append(f"{engine}, {wall}: {error}")
                 continue
             print(harness.table(rows(timings[-1:])).splitlines()[-1], flush=True)
     programs = ", ".join(f"{name} {number}" for name, number in versions().items())
@@ -149,8 +162,8 @@ def main() -> None:
         ]
     )
     harness.write(
-        "engines",
-        "The published walls over all engines",
+        f"engines_{options.model.stem}" if options.model else "engines",
+        f"{options.model.stem if options.model else 'The published walls'} over all engines",
         notes,
         {
             "programs": [versions()],
