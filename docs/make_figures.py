@@ -13,16 +13,16 @@ from drystone.report import Mechanism, canvas, draw_curve, draw_mechanism
 
 HERE = Path(__file__).parent
 IMAGES = HERE / "images"
-WALL = HERE.parent / "examples" / "wall1.toml"
+EXAMPLES = HERE.parent / "examples"
 AT = 0.2  # m, control displacement of the mechanism, the published one
 OVERSHOOTS = (1.005, 1.02, 1.05)
 
 
-def wall(engine: str | None) -> None:
-    """Curve and mechanism of wall 1."""
-    model = ds.read_model(WALL)
+def example(name: str, engine: str | None) -> None:
+    """Curve and mechanism of one of the examples."""
+    model = ds.read_model(EXAMPLES / f"{name}.toml")
     curve = ds.pushover(model, engine=engine, keep_poses=True, keep_contacts=True)
-    draw_curve(curve, IMAGES / "wall1_curve.png", title=model.title)
+    draw_curve(curve, IMAGES / f"{name}_curve.png", title=model.title)
     row = curve.nearest(AT)
     point = curve.points[row]
     mechanism = Mechanism(
@@ -33,7 +33,7 @@ def wall(engine: str | None) -> None:
         control_point=model.control_point,
     )
     title = f"{model.title} at a control displacement of {point.control_displacement:.3f} m"
-    draw_mechanism(mechanism, IMAGES / "wall1_mechanism.png", title=title)
+    draw_mechanism(mechanism, IMAGES / f"{name}_mechanism.png", title=title)
 
 
 def bias() -> None:
@@ -70,10 +70,11 @@ def bias() -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--engine", help="of the wall's pictures; default: what the model says")
+    parser.add_argument("--engine", help="of the examples' pictures; default: what the model says")
     arguments = parser.parse_args()
     IMAGES.mkdir(exist_ok=True)
-    wall(arguments.engine)
+    for name in ("wall1", "facade"):
+        example(name, arguments.engine)
     bias()
 
 
