@@ -1,8 +1,8 @@
 """Contacts of a static step in space: where they are, what they carry, how stiff they are.
 
-A contact is a point of body v on a plane of body f.  With Q = [n t1 t2] its axes (n from f to v),
-d from f's centroid to the point and p from v's, all where the step starts, and with the motions
-(u, R) since then, the axes are E = R_f Q, and gap and slips have grown by
+A contact is a point of body v on a plane of body f.  With Q = [n t1 t2] its axes (n from f to v)
+and p from v's centroid to the point where the step starts, the motions (u, R) since then, and d
+from f's centroid to the point now, the axes are E = R_f Q, and gap and slips have grown by
 
     y = Q^T { (R_f^T - I) d + u_v - u_f + (R_v - I) p }
 
