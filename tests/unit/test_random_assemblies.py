@@ -140,8 +140,11 @@ def check(model, **options):
         movable = [one.id for one in model.assembly.blocks if not one.support]
         assert any(f'"{name}"' in str(error) for name in movable)
         return None
-    except EngineError as error:  # joints that the weight alone crushes
-        assert "pressed" in str(error) and model.assembly.joint.normal_stiffness < 1e9
+    except EngineError as error:
+        # Joints that the weight alone crushes; or that tell no place from another once blocks have
+        # slid far, as without friction they do.
+        stiff = model.assembly.joint.normal_stiffness >= 1e9
+        assert ("too stiff" if stiff else "pressed") in str(error)
         return None
     assert curve.reason
     assert curve.residual.max() <= 1e-6

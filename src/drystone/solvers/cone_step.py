@@ -184,7 +184,9 @@ class ConeStep:
         carried = np.bincount(
             self.places.which[:n, PAIR], self.reaction[:n, 0], minlength=pairs.n_pairs
         )
-        anew = (pressed > slight + 2.0 * carried)[pairs.of_slot]
+        # What bonds hold together has not come to meet.
+        held = np.bincount(self.places.which[:n, PAIR], self.places.held[:n], pairs.n_pairs)
+        anew = ((pressed > slight + 2.0 * carried) & (held == 0.0))[pairs.of_slot]
         if not anew.any():
             return False
         history, branch = self.history_before.copy(), self.by_slot(self.branch)
@@ -195,9 +197,9 @@ class ConeStep:
         history[anew], branch[anew] = 0.0, joint_law.OPEN
         history[anew, joint_law.BROKEN] = 1.0
         detector.follow(pairs, self.pose, self.known, self.slots)
-        held = self.inertia_factor
+        inertia = self.inertia_factor
         self.begin(self.pose, self.slots, history, branch, 1.0, self.pace)
-        self.inertia_factor = held
+        self.inertia_factor = inertia
         return True
 
     def set_out(self, x: Array, multiplier: float) -> None:
