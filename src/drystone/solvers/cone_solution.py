@@ -103,7 +103,7 @@ class Before:
 
 class _Solver:
     def __init__(self, step: ConeStep, accuracy: Accuracy, settings: SpaceSettings) -> None:
-        self.step, self.settings, self.accuracy = step, settings, accuracy
+        self.step, self.settings = step, settings
         self.search = ConeSearch(step, accuracy, settings.cones)
         s, stiffness = settings.stability, step.joint[: step.n, cones.KN]
         closing = self.search.block_weight / float(stiffness.mean()) if step.n else math.inf
@@ -257,9 +257,7 @@ class _Solver:
         """Go to a stable equilibrium beside the present one, or to one with fewer modes that grow,
         where pushes along these find it."""
         step, s = self.step, self.settings.stability
-        start, at = step.x.copy(), step.place
-        size = step.constants.detector.assembly.smallest_extent
-        room = max(s.near * abs(increment), s.near_least * size)
+        start, at, room = step.x.copy(), step.place, self.room(increment)
         attempt = Attempt(
             barrier=s.barrier, least_damping=s.least_damping, iterations=s.max_iterations
         )
@@ -283,10 +281,9 @@ class _Solver:
         """Let the structure go to where it comes to rest with the pacing displacement held; what
         was found there, or the present equilibrium where it does not come to rest nearby."""
         step, s = self.step, self.settings.stability
-        at, start = step.place, step.x.copy()
+        at, start, room = step.place, step.x.copy(), self.room(increment)
         farthest = step.constants.detector.farthest
         size = step.constants.detector.assembly.smallest_extent
-        room = max(s.near * abs(increment), s.near_least * size)
         attempt = Attempt(barrier=s.barrier, iterations=2 * s.max_iterations)
         ways = _ways(judged)
         if not ways:
@@ -309,12 +306,16 @@ class _Solver:
             ways = _ways(there)
             if not ways:
                 break
-            judged_growth = max(there.growth, judged.growth)
-            judged = replace(judged, growth=judged_growth)
+            judged = replace(judged, growth=max(there.growth, judged.growth))
             step.move(ways[0], self.shift)
         step.anchor(0.0)
         self._return(at)
         return judged
+
+    def room(self, increment: float) -> float:
+        """Motion [m] up to which an equilibrium is beside another."""
+        s, size = self.settings.stability, self.step.constants.detector.assembly.smallest_extent
+        return max(s.near * abs(increment), s.near_least * size)
 
     def _return(self, at: Place) -> None:
         step = self.step

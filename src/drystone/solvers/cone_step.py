@@ -263,10 +263,6 @@ class ConeStep:
         spatial_step.sum_diagonals(
             self.begin_of, self.of_body, self.of_pairs, self.axes, self.tangent.diagonal
         )
-        return self.factorise_again(least_damping)
-
-    def factorise_again(self, least_damping: float) -> bool:
-        """The same of a stiffness that is there; it is used up."""
         c, frame = self.loads, self.frame
         body, frame.border[0] = -1, -1.0
         if self.pace is not None:
