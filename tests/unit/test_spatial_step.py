@@ -61,7 +61,7 @@ class Heap:
         self.law[:, KN], self.law[:, KS] = rng.uniform(0.5, 2.0, (2, n))
         self.held, self.shear = np.zeros(n), rng.normal(size=(n, 2))
         self.axes_0 = np.array([rotation(rng) for _ in range(N)])
-        self.motion, self.spin = np.zeros((N, 3)), np.tile((1.0, 0.0, 0.0, 0.0), (N, 1))
+        self.motion = np.tile((0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0), (N, 1))
         self.turn, self.axes = np.zeros((N, 3, 3)), self.axes_0.copy()
         self.now, self.trial = np.zeros((n, spatial_step.N_NOW)), np.zeros((n, 3))
         self.reaction, self.response = np.zeros((n, 3)), np.zeros((n, 3, 3))
@@ -72,9 +72,7 @@ class Heap:
         self.begin = np.searchsorted(body[order], np.arange(N + 1)).astype(np.int64)
 
     def move(self, step, length=1.0):
-        spatial_step.turn_on(
-            step, length, self.axes_0, self.motion, self.spin, self.turn, self.axes
-        )
+        spatial_step.turn_on(step, length, self.axes_0, self.motion, self.turn, self.axes)
         self.locate()
 
     def locate(self):
@@ -116,18 +114,18 @@ class Heap:
     def differences(self, h=2e-6):
         """Of minus the forces, by increments from here, moments about axes that do not turn."""
         columns, axes = [], self.axes.copy()
-        motion, spin, branch = self.motion.copy(), self.spin.copy(), self.branch.copy()
+        motion, branch = self.motion.copy(), self.branch.copy()
         for k in range(6 * N):
             sides = []
             for step in (h, -h):
-                self.motion[:], self.spin[:], self.axes[:] = motion, spin, axes
+                self.motion[:], self.axes[:] = motion, axes
                 increment = np.zeros(6 * N)
                 increment[k] = step
                 self.move(increment.reshape(N, 6))
                 assert np.array_equal(self.branch, branch)
                 sides.append(self.force(axes).ravel())
             columns.append((sides[1] - sides[0]) / (2.0 * h))
-        self.motion[:], self.spin[:], self.axes[:] = motion, spin, axes
+        self.motion[:], self.axes[:] = motion, axes
         self.move(np.zeros((N, 6)))
         return np.array(columns).T
 
@@ -175,7 +173,7 @@ def test_rigid_motions_of_all_bodies_change_no_gap_and_no_slip(size, radius):
     step = np.zeros((N, 6))
     step[:, 3:] = np.einsum("nij,i->nj", heap.axes_0, vector)
     heap.move(step)
-    heap.motion[:] = way + np.einsum("nij,nj->ni", heap.turn, heap.centroid)
+    heap.motion[:, :3] = way + np.einsum("nij,nj->ni", heap.turn, heap.centroid)
     heap.locate()
     # A dozen sums of terms of the motions' size.
     assert np.abs(heap.now[:, Y : Y + 3]).max() < 100.0 * np.finfo(float).eps * size
@@ -198,7 +196,7 @@ def test_forces_of_a_pair_are_in_balance_whatever_its_motion(radius):
     heap = Heap(3, radius)
     dilatant(heap)
     heap.move(0.3 * heap.rng.normal(size=(N, 6)))
-    place, wrench = heap.centroid + heap.motion, heap.wrenches()
+    place, wrench = heap.centroid + heap.motion[:, :3], heap.wrenches()
     assert np.abs(wrench[[0, 2]]).max() > 0.1
     assert wrench[1] == pytest.approx(0.0, abs=0.0)
     force = wrench[:, :, :3]

@@ -63,6 +63,7 @@ from drystone.kernels.law import (
 from drystone.kernels.law import KN as LAW_KN
 from drystone.kernels.law import KS as LAW_KS
 from drystone.kernels.law import MU as LAW_MU
+from drystone.kernels.rotation import place_axes, spin
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -150,7 +151,7 @@ def pack(slots, pairs, laws, history, closed, places):
 
 
 @njit(cache=True)
-def turn_on(step, length, axes_0, motion, spin, turn, axes):
+def turn_on(step, length, axes_0, motion, turn, axes):
     """Move bodies on by ``length`` times increments, from where they are in a step.
 
     Parameters
@@ -161,50 +162,21 @@ def turn_on(step, length, axes_0, motion, spin, turn, axes):
         Of it.
     axes_0
         (n, 3, 3) principal axes where the step starts, in columns.
-    motion, spin
-        (n, 3) [m] and unit quaternion (n, 4) since the start of the step, axes of the world;
-        changed in place.
+    motion
+        Poses (n, 7) as seen from the start of the step, changed in place.
     turn, axes
         (n, 3, 3) filled with the rotation less identity, and the principal axes.
     """
     for i in range(step.shape[0]):
-        for d in range(3):
-            motion[i, d] += length * step[i, d]
         vx, vy, vz = 0.0, 0.0, 0.0
         for k in range(3):
+            motion[i, k] += length * step[i, k]
             w = length * step[i, 3 + k]
-            vx += axes[i, 0, k] * w
-            vy += axes[i, 1, k] * w
-            vz += axes[i, 2, k] * w
-        if vx != 0.0 or vy != 0.0 or vz != 0.0:
-            angle = np.sqrt(vx * vx + vy * vy + vz * vz)
-            half = 0.5 * angle
-            share = np.sin(half) / angle if angle > 1e-8 else 0.5 - angle * angle / 48.0
-            w0, x0, y0, z0 = np.cos(half), share * vx, share * vy, share * vz
-            w1, x1, y1, z1 = spin[i, 0], spin[i, 1], spin[i, 2], spin[i, 3]
-            w2 = w0 * w1 - x0 * x1 - y0 * y1 - z0 * z1
-            x2 = w0 * x1 + w1 * x0 + y0 * z1 - z0 * y1
-            y2 = w0 * y1 + w1 * y0 + z0 * x1 - x0 * z1
-            z2 = w0 * z1 + w1 * z0 + x0 * y1 - y0 * x1
-            norm = 1.0 / np.sqrt(w2 * w2 + x2 * x2 + y2 * y2 + z2 * z2)
-            spin[i, 0], spin[i, 1] = w2 * norm, x2 * norm
-            spin[i, 2], spin[i, 3] = y2 * norm, z2 * norm
-        w, x, y, z = spin[i, 0], spin[i, 1], spin[i, 2], spin[i, 3]
-        turn[i, 0, 0] = -2.0 * (y * y + z * z)
-        turn[i, 1, 1] = -2.0 * (x * x + z * z)
-        turn[i, 2, 2] = -2.0 * (x * x + y * y)
-        turn[i, 0, 1] = 2.0 * (x * y - w * z)
-        turn[i, 1, 0] = 2.0 * (x * y + w * z)
-        turn[i, 0, 2] = 2.0 * (x * z + w * y)
-        turn[i, 2, 0] = 2.0 * (x * z - w * y)
-        turn[i, 1, 2] = 2.0 * (y * z - w * x)
-        turn[i, 2, 1] = 2.0 * (y * z + w * x)
-        for j in range(3):
-            for k in range(3):
-                total = axes_0[i, j, k]
-                for m in range(3):
-                    total += turn[i, j, m] * axes_0[i, m, k]
-                axes[i, j, k] = total
+            vx += axes_0[i, 0, k] * w
+            vy += axes_0[i, 1, k] * w
+            vz += axes_0[i, 2, k] * w
+        spin(motion, i, vx, vy, vz)
+        place_axes(motion, i, axes_0, turn, axes)
 
 
 @njit(cache=True, nogil=True)
@@ -658,19 +630,3 @@ def sum_diagonals(begin, of_body, part, axes, diagonal):
                 for m in range(6):
                     diagonal[i, k, m] += part[p, side, k, m]
         _about_axes(diagonal[i], axes, i, i)
-
-
-@njit(cache=True)
-def increments(motion, spin, axes_0, x):
-    """Fill ``x`` (n, 6) [m, rad] with the increments that a motion and a spin amount to, rotations
-    about the principal axes where the step starts; see `turn_on`."""
-    for i in range(motion.shape[0]):
-        sign = -1.0 if spin[i, 0] < 0.0 else 1.0
-        v0, v1, v2 = sign * spin[i, 1], sign * spin[i, 2], sign * spin[i, 3]
-        size = np.sqrt(v0 * v0 + v1 * v1 + v2 * v2)
-        share = 2.0 * np.arctan2(size, sign * spin[i, 0]) / size if size > 0.0 else 2.0
-        for d in range(3):
-            x[i, d] = motion[i, d]
-            x[i, 3 + d] = share * (
-                axes_0[i, 0, d] * v0 + axes_0[i, 1, d] * v1 + axes_0[i, 2, d] * v2
-            )

@@ -37,7 +37,7 @@ from drystone.kernels.contacts import (
 )
 from drystone.kernels.forces import Tangent
 from drystone.kernels.law import N_HISTORY
-from drystone.kernels.rotation import all_axes
+from drystone.kernels.rotation import all_axes, difference
 from drystone.kernels.spatial_step import Places, Y
 from drystone.solvers.linear_step import Pace
 from drystone.solvers.shared_lu import SharedLU
@@ -68,8 +68,7 @@ class Border(NamedTuple):
 class Place(NamedTuple):
     """Where a step has come to."""
 
-    motion: Array  # (n, 3) m, since its start
-    spin: Array  # (n, 4) unit quaternions
+    motion: Array  # (n, 7) poses as seen from its start
     multiplier: float
 
 
@@ -105,7 +104,7 @@ class ConeStep:
         self.joint = np.zeros((n_slots, cones.N_JOINT))
         self.inner, self.change = (np.zeros((n_slots, cones.N_INNER)) for _ in range(2))
         self.scaling = np.zeros((n_slots, cones.N_SCALING))
-        self.motion, self.spin = np.zeros((n, 3)), np.zeros((n, 4))
+        self.motion, self.none = assembly.rest_pose(), assembly.rest_pose()
         self.turn, self.axes_0, self.axes = (np.zeros((n, 3, 3)) for _ in range(3))
         self.x, self.twist, self.force = (np.zeros((n, n_dof)) for _ in range(3))
         self.contact_force = np.zeros((n, n_dof))
@@ -204,7 +203,7 @@ class ConeStep:
 
     def set_out(self, x: Array, multiplier: float) -> None:
         """Go to increments (n, 6) from where the step starts."""
-        self.motion[:], self.spin[:] = 0.0, (1.0, 0.0, 0.0, 0.0)
+        self.motion[:] = self.none
         self.axes[:] = self.axes_0
         self.multiplier = multiplier
         self.move(x, 1.0)
@@ -218,19 +217,17 @@ class ConeStep:
     @property
     def place(self) -> Place:
         """Where the step is, to come back to."""
-        return Place(self.motion.copy(), self.spin.copy(), self.multiplier)
+        return Place(self.motion.copy(), self.multiplier)
 
     def come_back(self, place: Place) -> None:
         """Go to a place where the step has been."""
-        self.motion[:], self.spin[:], self.multiplier = place
+        self.motion[:], self.multiplier = place
         self.move(np.zeros_like(self.x), 0.0)
 
     def move(self, step: Array, length: float) -> None:
         """Move on by ``length`` times increments (n, 6) from here; contacts are located anew."""
-        spatial_step.turn_on(
-            step, length, self.axes_0, self.motion, self.spin, self.turn, self.axes
-        )
-        spatial_step.increments(self.motion, self.spin, self.axes_0, self.x)
+        spatial_step.turn_on(step, length, self.axes_0, self.motion, self.turn, self.axes)
+        difference(self.motion, self.none, self.axes_0, self.x)
         self._by_pairs(self._locate)
 
     @property
