@@ -39,6 +39,11 @@ def convex_polygon(rng):
     return around + rng.uniform(-0.7, 0.7, 2)
 
 
+def mirrored(faces):
+    """Of a solid that is mirrored."""
+    return tuple(face[::-1] for face in faces)
+
+
 class TestOverlap:
     @pytest.mark.parametrize("seed", range(60))
     def test_area_and_centroid_equal_brute_force(self, seed):
@@ -251,6 +256,65 @@ class TestTilted:
                     assert np.abs(slots.gap[k]).min(initial=0.0) < 0.03
                     length = np.linalg.norm(slots.normal[k], axis=1)
                     assert length == pytest.approx(1.0, abs=ROUNDING)
+
+
+class TestTies:
+    """Solids that meet in less than a face are separated alike by faces of several directions."""
+
+    BASE = box((-0.4, -0.3, -0.2), (0, 0, 0))
+    ROOF = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0), (-1, 0.3, 1), (1, 0.3, 1.0)])
+    ROOF_FACES = ((0, 3, 2, 1), (0, 1, 5, 4), (2, 3, 4, 5), (1, 2, 5), (3, 0, 4))
+    #: What touches it in a corner, along an edge, and by an edge on a ridge.
+    SCENES = (
+        (BASE, box((0, 0, 0), (0.4, 0.2, 0.2))),
+        (BASE, box((0, 0, 0), (0.2, 0.2, 0.2))),
+        (BASE, box((0, -0.3, 0), (0.4, 0.2, 0.2))),
+        (BASE, box((-0.1, 0, 0), (0.4, 0.2, 0.2))),
+        ((ROOF, ROOF_FACES), (ROOF * (0.5, 0.4, -1) + (0.0, 0.18, 2.0), mirrored(ROOF_FACES))),
+    )
+
+    @pytest.mark.parametrize("solids", SCENES)
+    def test_rounding_decides_nothing(self, solids):
+        """The same features and areas wherever the solids are, however they are turned, and where
+        they have come nearer or gone apart by what rounding does to places."""
+        expected, rng = Scene(solids).find(), np.random.default_rng(0)
+        assert 1 <= len(used(expected)) <= 2
+        for _ in range(20):
+            turn, shift = rotation(rng.normal(size=3)), rng.uniform(-3, 3, 3)
+            noise = 1e-12 * rng.normal(size=3)
+            moved_ = [(v @ turn.T + shift, f) for v, f in solids]
+            found = Scene([moved_[0], (moved_[1][0] + noise, moved_[1][1])]).find()
+            assert np.array_equal(found.which, expected.which)
+            assert found.size == pytest.approx(expected.size, rel=1e-9)
+
+    @pytest.mark.parametrize(
+        ("upper", "pairs"),
+        [
+            # Smaller faces of the pairs along x, y and z [m2].
+            (box((0, 0, 0), (0.4, 0.2, 0.1)), (0.2 * 0.1, 0.4 * 0.1, 0.4 * 0.2)),
+            (box((0, 0, 0), (0.2, 0.6, 0.3)), (0.3 * 0.2, 0.2 * 0.3, 0.2 * 0.6)),
+            # Along an edge there are two.
+            (box((0, -0.3, 0), (0.4, 0, 0.1)), (0.3 * 0.1, np.inf, 0.4 * 0.3)),
+            (box((-0.4, 0, 0), (0, 0.1, 0.6)), (np.inf, 0.4 * 0.2, 0.4 * 0.1)),
+        ],
+    )
+    def test_what_only_touches_has_the_smallest_interface(self, upper, pairs):
+        slots = Scene([self.BASE, upper]).find()
+        k = used(slots)
+        assert slots.size[k].sum() == pytest.approx(manifold.LEAST_SHARE * min(pairs), rel=1e-9)
+        along = np.eye(3)[np.argmin(pairs)]
+        assert slots.normal[k] == pytest.approx(np.tile(along, (len(k), 1)), abs=ROUNDING)
+
+    def test_an_incident_face_is_no_matter_of_rounding(self):
+        """A cube on its edge has two faces that are opposed alike to what it stands on."""
+        cube, faces = box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))
+        upright = cube @ rotation((np.pi / 4, 0, 0)).T + (0, 0, np.sqrt(0.5))
+        solids, rng = [box((-1, -1, -1), (1, 1, 0)), (upright, faces)], np.random.default_rng(0)
+        expected = Scene(solids).find()
+        for _ in range(20):
+            turn = rotation(rng.normal(size=3))
+            found = Scene([(v @ turn.T, f) for v, f in solids]).find()
+            assert np.array_equal(found.which, expected.which)
 
 
 class TestRounded:

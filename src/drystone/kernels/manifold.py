@@ -27,9 +27,10 @@ Which points there are
 ----------------------
 The *reference* face is the one, of both parts, that separates them most; the face of the other part
 that is most opposed to it is the *incident* one.  Both are kept as long as they are nearly as good
-(HELD), so that a block that rests does not change them with every rounding error.  Their overlap,
-seen along the reference normal (see `overlap`), gives the points, and its area, to which what
-treated edges take off the faces is added again:
+(HELD), so that a block that rests does not change them with every rounding error; of faces that are
+as good at first, `facing` says which it is.  Their overlap, seen along the reference normal (see
+`overlap`), gives the points, and its area, to which what treated edges take off the faces is added
+again:
 
     a vertex of the incident face              on the plane of the reference face
     a vertex of the reference face alone       on the plane of the incident face
@@ -81,6 +82,14 @@ from drystone.kernels.contacts import (
     A,
     B,
 )
+from drystone.kernels.facing import (
+    HELD,
+    LEAST_SHARE,
+    TIED,
+    incident_face,
+    project_both,
+    untied,
+)
 from drystone.kernels.overlap import (
     CLIP,
     CROSSING,
@@ -106,20 +115,7 @@ from drystone.kernels.overlap import (
     width_of,
 )
 from drystone.kernels.rotation import place_axes
-from drystone.kernels.separation import (
-    best_edges,
-    best_face,
-    most_opposed,
-    most_opposed_near,
-    nearest_edges,
-)
-
-#: The area of an interface is at least this share of its smaller face.
-LEAST_SHARE = 0.01
-
-#: Faces are kept while others separate the parts by no more than this share of their size more, or
-#: are more opposed by no more than this.
-HELD = 1e-3
+from drystone.kernels.separation import best_edges, best_face, nearest_edges
 
 #: Edges count where they separate the parts by this share of their size more than faces do.
 MARGIN = 1e-2
@@ -261,21 +257,6 @@ def _evaluate(centroid, radii, turn, pose, which, value, k, a, b):
 
 
 @njit(cache=True)
-def _project(ring, corner, vertex, face, origin, t1, t2, backwards, out):
-    """Corners of a face in the coordinates of a plane, (m, 2); returns m."""
-    begin, m = ring[face], ring[face + 1] - ring[face]
-    for j in range(m):
-        v = corner[begin + (m - 1 - j if backwards else j), 0]
-        x, y = 0.0, 0.0
-        for i in range(3):
-            d = vertex[v, i] - vertex[origin, i]
-            x += t1[i] * d
-            y += t2[i] * d
-        out[j, 0], out[j, 1] = x, y
-    return m
-
-
-@njit(cache=True)
 def _side(ring, corner, face, j, backwards):
     """Edge that leaves corner j of a face, listed forwards or backwards."""
     begin, m = ring[face], ring[face + 1] - ring[face]
@@ -409,15 +390,10 @@ def _face_points(
     point, mark, weight, t1, t2,
 ):  # fmt: skip
     """Points of the overlap of a reference face p and an incident face q; the slot behind them."""
-    body = of_part[part_p]
-    turned = _turned(turn, body, plane, face_p, 3)
-    for c in range(3):
-        t1[c] = plane[face_p, 3 + c] + turned[c]
-    nx, ny, nz = normal[face_p, 0], normal[face_p, 1], normal[face_p, 2]
-    t2[0], t2[1], t2[2] = ny * t1[2] - nz * t1[1], nz * t1[0] - nx * t1[2], nx * t1[1] - ny * t1[0]
-    origin = corner[ring[face_p], 0]
-    n = _project(ring, corner, vertex, face_p, origin, t1, t2, False, reference)
-    m = _project(ring, corner, vertex, face_q, origin, t1, t2, True, incident)
+    n, m = project_both(
+        ring, corner, vertex, normal, plane, turn, of_part[part_p], face_p, face_q, t1, t2,
+        reference, incident,
+    )  # fmt: skip
     near = CLIP * min(extent[face_p, 1], extent[face_q, 1])
     half, count, area, cx, cy = _overlap(reference, incident, m, n, near, polygon, name)
     if count == 0:
@@ -521,7 +497,7 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
         )
         if apart_b > limit:
             continue
-        slack = HELD * min(size[p], size[q])
+        slack, tie = HELD * min(size[p], size[q]), TIED * min(size[p], size[q])
         best = max(apart_a, apart_b)
         stop, tried, least = begin, -1, np.inf
         p_is_a, face_p, face_q, cosine = True, face_a, face_b, 0.0
@@ -531,22 +507,25 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
             elif attempt == 0 and held_b >= best - slack:
                 p_is_a, face_p, apart = False, kept_b, held_b
             elif apart_a >= apart_b - slack:
-                p_is_a, face_p, apart = True, face_a, apart_a
+                p_is_a = True
+                face_p, apart = untied(
+                    first, ring, corner, vertex, normal, plane, extent, turn, a, p, q, face_a,
+                    apart_a, tie, slack, kept_b, t1, t2, reference, incident, polygon, name,
+                )  # fmt: skip
             else:
-                p_is_a, face_p, apart = False, face_b, apart_b
+                p_is_a = False
+                face_p, apart = untied(
+                    first, ring, corner, vertex, normal, plane, extent, turn, b, q, p, face_b,
+                    apart_b, tie, slack, kept_a, t1, t2, reference, incident, polygon, name,
+                )  # fmt: skip
             if face_p == tried:
                 break
             tried = face_p
             part_p, part_q = (p, q) if p_is_a else (q, p)
-            face_q, cosine = most_opposed(
-                first, normal, face_p, part_q, kept_b if p_is_a else kept_a, HELD
-            )
-            if cosine > -1.0 + HELD:  # on a vertex or an edge: of a face that has it
-                trial, better = most_opposed_near(
-                    first, ring, corner, vertex, normal, face_p, part_q, apart + slack
-                )
-                if better > cosine + 2.0 * HELD:
-                    face_q, cosine = trial, better
+            face_q, cosine = incident_face(
+                first, ring, corner, vertex, normal, face_p, part_q, kept_b if p_is_a else kept_a,
+                apart + slack,
+            )  # fmt: skip
             stop = _face_points(
                 ring, corner, setback, local, plane, edge, extent, turn, vertex, normal, of_part,
                 face_p, face_q, part_p, p_is_a, points, begin, end, which, value, reference,

@@ -17,8 +17,22 @@ from numba import njit
 #: Edges with a smaller sine between them are parallel: they meet along a face's side.
 PARALLEL = 1e-3
 
+#: Scalar products of normals that differ by less are the same but for rounding: the first counts.
+SAME = 1e-12
+
 #: Of the edges' length: nearest points are on the common normal but for this.
 ROUNDING = 1e-6
+
+
+@njit(cache=True)
+def separation(first, ring, corner, vertex, normal, face, q):
+    """By how much a face of another part separates it from part q [m]."""
+    nx, ny, nz = normal[face, 0], normal[face, 1], normal[face, 2]
+    least = np.inf
+    for j in range(first[q, 0], first[q + 1, 0]):
+        least = min(least, nx * vertex[j, 0] + ny * vertex[j, 1] + nz * vertex[j, 2])
+    v = corner[ring[face], 0]
+    return least - (nx * vertex[v, 0] + ny * vertex[v, 1] + nz * vertex[v, 2])
 
 
 @njit(cache=True)
@@ -30,7 +44,6 @@ def best_face(first, ring, corner, vertex, normal, middle, p, q, kept, limit):
     each part: where that of q is no farther off a face than the best so far, all of q is not.
     """
     best, found, of_kept = -np.inf, first[p, 1], -np.inf
-    begin, end = first[q, 0], first[q + 1, 0]
     mx, my, mz = middle[q, 0], middle[q, 1], middle[q, 2]
     for f in range(first[p, 1], first[p + 1, 1]):
         nx, ny, nz = normal[f, 0], normal[f, 1], normal[f, 2]
@@ -38,11 +51,7 @@ def best_face(first, ring, corner, vertex, normal, middle, p, q, kept, limit):
         base = nx * vertex[v, 0] + ny * vertex[v, 1] + nz * vertex[v, 2]
         if nx * mx + ny * my + nz * mz - base <= best and f != kept:
             continue
-        least = np.inf
-        for j in range(begin, end):
-            d = nx * vertex[j, 0] + ny * vertex[j, 1] + nz * vertex[j, 2]
-            least = min(least, d)
-        least -= base
+        least = separation(first, ring, corner, vertex, normal, f, q)
         if f == kept:
             of_kept = least
         if least > best:
@@ -64,7 +73,7 @@ def most_opposed(first, normal, face, q, kept, slack):
         d = nx * normal[f, 0] + ny * normal[f, 1] + nz * normal[f, 2]
         if f == kept:
             of_kept = d
-        if d < best:
+        if d < best - SAME:
             best, found = d, f
     if of_kept <= best + slack:
         return kept, of_kept
@@ -80,7 +89,7 @@ def most_opposed_near(first, ring, corner, vertex, normal, face, q, deepest):
     best, found = np.inf, first[q, 1]
     for f in range(first[q, 1], first[q + 1, 1]):
         d = nx * normal[f, 0] + ny * normal[f, 1] + nz * normal[f, 2]
-        if d >= best:
+        if d >= best - SAME:
             continue
         for c in range(ring[f], ring[f + 1]):
             v = corner[c, 0]
