@@ -65,10 +65,11 @@ CORNERS = {
 STEPS_IN_TIME = ("nscd", "lmgc90")
 REFUSED = r"^the {} engine has no dilatancy, cohesion or tensile strength: set them to zero"
 
-#: What contacts given out by steps in time may miss of a force, over the heaviest weight: at rest
-#: the inertia that settling ends with, later what was carried, 2e-5 at most, by contacts that are
+#: What contacts given out by steps in time may miss of a force, over the heaviest weight.  Settling
+#: ends with steps of 0.05 s that move blocks by 1e-3 of what joints have closed by, 1e-4 m here: an
+#: inertia of 4e-6.  Of LMGC90 there is what was carried as well, 2e-5 at most, by contacts that are
 #: none any more where the blocks have come to.
-MISSED = 1e-4
+MISSED = {"nscd": 1e-5, "lmgc90": 1e-4}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -240,16 +241,17 @@ def largest_extent(model: Model) -> float:
 def check_balance(solver: Engine, point: Point) -> None:
     """Newton's laws of a point, of every block and of the whole.
 
-    Steps in time take arms and normals from their beginning.  Slip of rounded corners is measured
-    on their discs, its reaction acts where they overlap: a share of closing over the diameter of
-    the shear is the difference.
+    Steps in time take arms from their beginning; LMGC90's normals are those of another place as
+    well.  Slip of rounded corners is measured on their discs, its reaction acts where they overlap:
+    a share of closing over the diameter of the shear is the difference.
     """
     a, c, dim = point.model.assembly, point.contacts, point.dim
     limit = solver.residual_limit * a.heaviest_weight + point.held
     way = turn = 0.0
     if solver.name in STEPS_IN_TIME:
         way, turn = came(point)
-        limit += MISSED * a.heaviest_weight
+        turn = turn if solver.name == "lmgc90" else 0.0
+        limit += MISSED[solver.name] * a.heaviest_weight
     shear = np.linalg.norm(c.tangential_reaction, axis=1)
     size = np.hypot(c.normal_reaction, shear)
     disc = np.maximum(-c.gap, 0.0) / (2.0 * a.corner.radius) if a.corner.radius else 0.0 * size
@@ -387,21 +389,22 @@ def pushed(model: Model, push: tuple[float, float]) -> Model:
     return replace(model, load=LoadPattern(direction=along), control_point=control)
 
 
-#: Those that report contacts in space where the step ends; `nscd` gives those of its beginning.
-AT_THE_END = ["equilibrium", "distinct"]
+#: Those that take blocks of several parts, and contacts that come and go.
+OWN = ["equilibrium", "distinct", "nscd"]
 
 
-@pytest.mark.parametrize("engine", AT_THE_END)
+@pytest.mark.parametrize("engine", OWN)
 def test_a_small_wall_of_solids_that_is_turned(engine):
     """Gravity, load and control with it, anyhow."""
     model = pushed(extruded(with_corner(small_wall(), Corner())), (0.8, 0.6))
     check(turned(model, Rotation.from_rotvec((0.4, -0.9, 1.3)), (3.0, -2.0, 5.0)), engine)
 
 
-@pytest.mark.parametrize("engine", AT_THE_END)
-def test_solids_of_two_parts(engine):
-    """Every unit is two boxes side by side."""
-    model = pushed(extruded(with_corner(small_wall(), Corner())), (1.0, 0.0))
+@pytest.mark.parametrize("engine", OWN)
+@pytest.mark.parametrize("push", [(1.0, 0.0), (0.8, 0.6), (0.0, 1.0)], ids=str)
+def test_solids_of_two_parts(engine, push):
+    """Every unit is two boxes side by side: on units that slide they meet other boxes."""
+    model = pushed(extruded(with_corner(small_wall(), Corner())), push)
     blocks = []
     for block in model.assembly.blocks:
         low, high = block.vertices.min(axis=0), block.vertices.max(axis=0)

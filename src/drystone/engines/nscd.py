@@ -50,6 +50,19 @@ class NscdSettings:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Acted:
+    """Contacts that a step was solved with, where the motion has carried them to.
+
+    Normals and tangents are those of the step's beginning, along which the reactions act.
+    """
+
+    pairs: Pairs
+    slots: Slots
+    reaction: Array  # (n_slots, dim) N
+    status: IntArray  # (n_slots,)
+
+
+@dataclass(frozen=True, kw_only=True)
 class NscdState:
     """Poses, velocities and the reactions that the next step starts from."""
 
@@ -61,6 +74,7 @@ class NscdState:
     reaction: Array  # (n_slots, dim) N
     status: IntArray  # (n_slots,)
     gone: BoolArray  # (n,) blocks that have left
+    acted: Acted | None = None  # those of `slots` were found anew, on other features perhaps
 
 
 class NscdEngine:
@@ -232,12 +246,11 @@ class NscdEngine:
         """The state with new pairs, without the blocks that are ``gone``."""
         pairs = self.detector.pairs(state.pose, gone)
         source = predecessor_slots(state.pairs, pairs)
-        slots = self.detector.find(pairs, state.pose)
+        before, reaction = state.slots.at(source), np.zeros((len(source), state.slots.dim))
         known = source >= 0
-        reaction = np.zeros_like(slots.normal)
         reaction[known] = state.reaction[source[known]]
-        status = np.zeros(len(source), np.int64)
-        status[known] = state.status[source[known]]
+        slots = self.detector.find(pairs, state.pose, before)
+        reaction, status = self._carried(pairs, before, slots, reaction)
         return replace(
             state,
             velocity=np.where(gone[:, None], 0.0, state.velocity),
@@ -266,14 +279,12 @@ class NscdEngine:
         """
         reaction = np.zeros_like(state.reaction)
         reaction[chosen] = found
+        followed = Slots.empty(len(reaction), state.slots.dim)
+        self.detector.follow(state.pairs, pose, state.slots, followed)
+        followed.frame[:] = state.slots.frame
         slots = self.detector.find(state.pairs, pose, state.slots)
-        source = self.detector.predecessors(state.pairs, state.slots, slots)
-        carried = np.empty_like(reaction)
-        carried[:, 0] = np.where(source >= 0, reaction[source, 0], 0.0)
-        # Where the step starts is near enough: the next one only begins with them.
-        carried[:, 1:] = self.detector.carried(state.slots, slots, source, reaction[:, 1:])
-        status = np.empty(len(source), np.int64)
-        status_of(state.pairs, self.laws, carried, status)
+        # Tangents where the step starts are near enough: the next one only begins with these.
+        carried, status = self._carried(state.pairs, state.slots, slots, reaction)
         new = NscdState(
             pose=pose,
             velocity=velocity,
@@ -283,13 +294,37 @@ class NscdEngine:
             reaction=carried,
             status=status,
             gone=state.gone,
+            acted=Acted(
+                pairs=state.pairs,
+                slots=followed,
+                reaction=reaction,
+                status=self._status(state.pairs, reaction),
+            ),
         )
         return new, reaction
 
+    def _carried(
+        self, pairs: Pairs, before: Slots, now: Slots, reaction: Array
+    ) -> tuple[Array, IntArray]:
+        """Reactions (n_slots, dim) [N] of slots ``before``, by those that go on with them, and
+        what these do."""
+        source = self.detector.predecessors(pairs, before, now)
+        carried = np.empty_like(reaction)
+        carried[:, 0] = np.where(source >= 0, reaction[source, 0], 0.0)
+        carried[:, 1:] = self.detector.carried(before, now, source, reaction[:, 1:])
+        return carried, self._status(pairs, carried)
+
+    def _status(self, pairs: Pairs, reaction: Array) -> IntArray:
+        """What contacts with these reactions do, (n_slots,)."""
+        status = np.empty(len(reaction), np.int64)
+        status_of(pairs, self.laws, reaction, status)
+        return status
+
     def contacts(self, state: NscdState) -> ContactForces:
-        """Contact points and reactions of a state."""
+        """Contact points and reactions of a state: those that are in balance."""
+        these = state.acted or state
         return self.detector.forces(
-            state.pairs, state.pose, state.slots, state.reaction, state.status
+            these.pairs, state.pose, these.slots, these.reaction, these.status
         )
 
     def close(self) -> None:

@@ -165,6 +165,12 @@ class Slots(NamedTuple):
         return np.stack((first, np.cross(normal, first)), axis=1)
 
     @property
+    def frame(self) -> Array:
+        """(n_slots, dim or 6) normal and, in space, first tangent."""
+        first, end = (NORMAL, ARM_A) if self.dim == 2 else (NORMAL_3, ARM_A_3)
+        return self.value[:, first:end]
+
+    @property
     def arm_a(self) -> Array:
         """(n_slots, dim) m"""
         return self._vector(ARM_A, ARM_A_3)
