@@ -23,6 +23,8 @@ CASE = Path(__file__).parents[1] / "cases" / "solids" / "facade_2.4m.toml"
 #: How well places are known again [m]: steps end at the same place but for what their tolerance
 #: leaves of a block's place, 1e-9 of a weight over joints that are hardly pressed.
 PLACE = 1e-6
+#: Of multipliers: `equilibrium` is satisfied with 1e-9 of a weight, `nscd` with 5e-7.
+SAME = {"equilibrium": 1e-9, "nscd": 1e-6}
 SIDEWAYS, INWARDS, OUTWARDS = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
 
 
@@ -58,7 +60,7 @@ def contact_table(curve: CapacityCurve, point: int, turn: np.ndarray) -> np.ndar
 def test_a_facade_that_is_turned_has_the_same_contacts_and_curve(engine, push, seed):
     plain, other = traced(engine, push, None), traced(engine, push, seed)
     assert len(other.points) == len(plain.points)
-    assert other.load_multiplier == pytest.approx(plain.load_multiplier, abs=1e-6)
+    assert other.load_multiplier == pytest.approx(plain.load_multiplier, abs=SAME[engine])
     turn = Rotation.random(random_state=seed).as_matrix()
     for point in range(len(plain.points)):
         expected = contact_table(plain, point, np.eye(3))

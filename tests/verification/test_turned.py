@@ -48,11 +48,11 @@ FACADE = Path(__file__).parents[1] / "cases" / "solids" / "facade_2.4m.toml"
 def test_a_facade_in_another_place_has_the_same_curve():
     """92 blocks, to 0.03 m, where no step jumps: 1e-9 of the peak at every point.
 
-    It is turned about the vertical: units of its returns meet others in single points, where three
-    faces separate them as well as each other, and which of them counts is rounding's choice.
+    Units of its returns meet others in single points, where three faces separate them as well as
+    each other; which of them counts is no matter of axes.
     """
     model = from_boxes(FACADE, push=(0.0, -1.0, 0.0))
-    other = turned(model, Rotation.from_rotvec([0.0, 0.0, 0.3]), SHIFT)
+    other = turned(model, TURN, SHIFT)
     curves = [pushover(m, engine="equilibrium", max_displacement=0.03) for m in (model, other)]
     first, second = (curve.load_multiplier for curve in curves)
     assert len(first) == len(second)
