@@ -44,7 +44,9 @@ CENTRAL = 1e-2
 #: law itself is asked.
 LEAST = 1e-10
 #: Cosine of the angle by which what slides may turn in an iteration.
-TURN = 0.98
+TURN = 0.9
+#: Friction over what keeps a contact open, below which it is open: it slides freely.
+OPENING = 1e-2
 
 
 @njit(cache=True, error_model="numpy")
@@ -373,9 +375,12 @@ def turns_too_far(joint, far, inner, change):
         size, slid = p1 * p1 + p2 * p2, z1 * z1 + z2 * z2
         if size < most * most and slid < zeta * zeta and most > 0.0 and zeta > 0.0:
             continue
+        if most < OPENING * (inner[c, W] + far * change[c, W]):
+            continue
         size, slid = np.sqrt(size), np.sqrt(slid)
         was, slid_was = np.sqrt(w1 * w1 + w2 * w2), np.sqrt(u1 * u1 + u2 * u2)
-        if size > 2.0 * most or slid < 0.1 * slid_was:
+        # What has slid by little may stick again at once.
+        if size > 2.0 * most or (slid_was > most and slid < 0.1 * slid_was):
             return True
         if size > 0.3 * most and p1 * w1 + p2 * w2 < TURN * size * was:
             return True

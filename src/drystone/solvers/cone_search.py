@@ -41,9 +41,10 @@ class ConeSettings:
     high: float = 1.0
     #: More of the latter, over the work of a block's weight along the increment.
     reach: float = 0.05
-    #: Iterations of either.
+    #: Iterations of either, and in how many its energy must halve.
     max_iterations: int = 120
     max_slow_iterations: int = 200
+    patience: int = 40
     #: Of the way to where the interior ends.
     share: float = 0.99
     #: Part of the predictor from which on its second order counts.
@@ -54,10 +55,12 @@ class ConeSettings:
     residual: float = 1e-6
     least: float = 1e-24
     #: Iterations after which Newton's method is tried, where the unbalanced force is no more than
-    #: that; how many of its own it has.
-    probe: int = 10
+    #: that; how many of its own it has, and by how much it must gain in how many.
+    probe: int = 8
     calm: float = 0.05
     probe_iterations: int = 6
+    probe_gain: float = 10.0
+    probe_patience: int = 2
     #: Iterations after which it is tried again, where the branches may be told.
     again: int = 4
     #: Of Newton's method from the last step: iterations, and by how much it must gain in how many.
@@ -166,11 +169,15 @@ class ConeSearch:
             barrier += settings.reach * self.block_weight * abs(step.missing)
         step.damping[:] = 0.0
         cones.centre_contacts(joint, barrier, True, trial, inner)
-        again = 0
+        again, least, since = 0, math.inf, 0
         for k in range(1, attempt.iterations + 1):
             energy = cones.scale(joint, inner, step.scaling[:n])
             residual = step.balance(step.inner)
             if not math.isfinite(energy + residual):
+                return False
+            if energy <= 0.5 * least:
+                least, since = energy, k
+            elif k - since > settings.patience:
                 return False
             near = residual <= settings.residual * self.block_weight
             told = near and energy <= settings.enough * unit
@@ -200,7 +207,8 @@ class ConeSearch:
         """Whether Newton's method finds the solution from here; else all is as before."""
         step = self.step
         place = step.place
-        if self.newton(self.settings.probe_iterations):
+        s = self.settings
+        if self.newton(s.probe_iterations, patience=s.probe_patience, gain=s.probe_gain):
             return True
         step.come_back(place)
         step.balance(step.inner)

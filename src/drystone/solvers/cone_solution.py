@@ -202,10 +202,9 @@ class _Solver:
         rng = np.random.default_rng(1)
         free = ~step.loads.fixed[:, None]
         x = np.where(free, rng.normal(size=(s.modes, *mass.shape)), 0.0)
-        shapes = x
-        ritz = np.zeros(s.modes)
+        y = x
         for _ in range(s.iterations):
-            x = _orthonormal(x, mass)
+            x = _orthonormal(y, mass)
             y = mass * x
             lu_numeric.solve(step.structure, step.factors, y)
             if step.pace is not None:
@@ -213,9 +212,9 @@ class _Solver:
                     path.border(frame, column, 0.0)
             if not np.isfinite(y).all():
                 return np.zeros(0), x[:0]
-            ritz, vectors = np.linalg.eig(np.einsum("ind,nd,jnd->ij", x, mass, y))
-            shapes = np.einsum("jk,jnd->knd", vectors.real, x)
-            x = y
+        weighted = (x * mass).reshape(s.modes, -1)
+        ritz, vectors = np.linalg.eig(weighted @ y.reshape(s.modes, -1).T)
+        shapes = np.tensordot(vectors.real.T, x, 1)
         with np.errstate(divide="ignore"):
             return 1.0 / ritz.real, shapes
 

@@ -146,6 +146,7 @@ class ConeStep:
         constants = self.constants
         assembly = constants.detector.assembly
         self.pose, self.inertia_factor, self.pace = pose, 1.0 / h**2, pace
+        self.found_at: Array | None = None  # poses that `found` is of, for the known contacts
         self.dead, self.anchored = self.loads.dead, 0.0
         self.frame.axis[:] = 0.0
         for mine, theirs in zip(self.known, slots, strict=True):
@@ -173,9 +174,7 @@ class ConeStep:
         any by more than a force ``slight`` [N].
         """
         detector, pairs, n = self.constants.detector, self.pairs, self.n
-        pose = detector.assembly.moved(self.pose, self.x)
-        self.found.which[:] = self.known.which
-        detector.fill(pairs, pose, self.found)
+        self._find()
         stiffness = self.constants.laws[pairs.law_of_slot, joint_law.KN] * self.found.size
         overlap = np.where(self.found.kind == NONE, 0.0, np.maximum(-self.found.gap, 0.0))
         # Faces that lie on each other part and meet by rounding.
@@ -353,15 +352,23 @@ class ConeStep:
         """Find the contacts where the blocks are now, into `found`, and follow the known ones
         there, into `slots`; the history of these, (n_slots, N_HISTORY + 1)."""
         detector, n = self.constants.detector, self.n
-        pose = detector.assembly.moved(self.pose, self.x)
-        detector.follow(self.pairs, pose, self.known, self.slots)
-        self.found.which[:] = self.known.which
-        detector.fill(self.pairs, pose, self.found)
+        detector.follow(self.pairs, self._find(), self.known, self.slots)
         history = self.history_before.copy()
         spatial_step.age(
             self.places.which, self.places.law, self.trial, self.reaction, self.branch, n, history
         )
         return history
+
+    def _find(self) -> Array:
+        """Find the contacts where the blocks are now, into `found`, unless they have been; the poses
+        of the blocks."""
+        detector = self.constants.detector
+        pose = detector.assembly.moved(self.pose, self.x)
+        if self.found_at is None or not np.array_equal(self.found_at, pose):
+            self.found.which[:] = self.known.which
+            detector.fill(self.pairs, pose, self.found)
+            self.found_at = pose
+        return pose
 
     def by_slot(self, values: NDArray[Number]) -> NDArray[Number]:
         """Values of the contacts in use, (n_slots, ...), by slot; zeros elsewhere."""
