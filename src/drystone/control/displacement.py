@@ -66,6 +66,10 @@ class DisplacementSettings:
     drive_share: float = 2e-2  # of the peak, by which that may lie above both ends elsewhere
     bend_share: float = 2e-3  # of the peak, that the curve may bend within a step
     smooth: bool = False  # whether curves bend all along, so that steps grow by how much they do
+    thorough_share: float = (
+        0.04  # increment over the largest, up to which such steps are worth more
+    )
+    # than one try
     snap_share: float = 2e-4  # of the peak, by which a snap that is passed over may move the curve
     time_step: float = 0.1  # s, first one of a jump
     snap_motion: float = 10.0  # of a block, over the increment, above which a step is a jump
@@ -120,12 +124,21 @@ class DisplacementControl:
         if state.released:
             return Demand(multiplier=0.0)
         if state.time_step == 0.0:
-            return Demand(increment=state.increment, over_fold=state.stage == CROSSING)
+            return Demand(
+                increment=state.increment,
+                over_fold=state.stage == CROSSING,
+                thorough=state.stage == CROSSING or not self._would_halve(state),
+            )
         # In a jump the control point creeps with an acceleration that does not depend on the step.
         s = self.settings
         share = min((state.time_step / s.time_step) ** 2, 50.0)
         creep = s.creep_share * s.displacement_step * share
         return Demand(increment=creep, time_step=state.time_step)
+
+    def _would_halve(self, state: _State) -> bool:
+        """Whether a step that fails may soon be tried again with half of it."""
+        s = self.settings
+        return s.smooth and state.increment > s.thorough_share * s.displacement_step
 
     def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
         """Try again with less where a step fails; else go on."""
@@ -338,6 +351,8 @@ class DisplacementControl:
             scale = self._growth(state, report)
         else:
             scale = 1.0 if report.n_iterations <= s.hard_iterations else 0.7
+        if s.smooth and state.stage == NEARING:
+            scale = min(scale, 1.0)  # what has just failed would fail again
         increment = min(scale * state.increment, s.displacement_step)
         return changed(state, increment=increment, stage=FOLLOWING, rested=0.0)
 

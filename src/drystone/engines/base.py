@@ -59,6 +59,7 @@ class Demand:
     multiplier: float | None = None
     increment: float | None = None  # m, of the control displacement
     over_fold: bool = False  # with `increment`: any equilibrium there, not only one on the path
+    thorough: bool = True  # whether all ways are tried: no less will be asked for if this fails
     time_step: float = 0.0  # s; engines of dynamic formulations only need a positive one
     stop_blocks: bool = True  # start the step from rest
 

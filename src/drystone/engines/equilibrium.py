@@ -320,6 +320,7 @@ class EquilibriumEngine:
                     calm=state.calm, unstable=state.unstable, held=state.held, slope=state.slope
                 ),
                 dynamic=demand.time_step > 0.0,
+                thorough=demand.thorough,
             )
         equations.begin(state.pose, state.slots, state.history, state.branch, h, x)
         return piecewise.solve(

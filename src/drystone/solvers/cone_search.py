@@ -39,6 +39,10 @@ class ConeSettings:
     #: First barrier of the first attempt, and of the second, which takes no second order.
     low: float = 1e-2
     high: float = 1.0
+    #: More of the former, over the square of what is unbalanced where it begins, and at most: with
+    #: less, contacts that are far from what they will be cut the way to nothing.
+    unbalanced: float = 0.1
+    most_unbalanced: float = 3.0
     #: More of the latter, over the work of a block's weight along the increment.
     reach: float = 0.05
     #: Iterations of either, and in how many its energy must halve.
@@ -81,6 +85,7 @@ class Attempt:
     """One way to begin."""
 
     barrier: float  # over the energy of a mean block's weight
+    by_residual: bool = False  # more of it where much is unbalanced
     by_increment: bool = False  # more of it for a long step
     second: bool = True
     iterations: int = 60
@@ -165,6 +170,11 @@ class ConeSearch:
         stiffness = float(joint[free, cones.KN].mean())
         unit = self.block_weight**2 / stiffness  # J
         barrier = attempt.barrier * unit
+        if attempt.by_residual:
+            step.respond()
+            unbalanced = step.balance(step.reaction) / self.block_weight
+            most = min(settings.unbalanced * unbalanced**2, settings.most_unbalanced)
+            barrier = max(barrier, most * unit)
         if attempt.by_increment:
             barrier += settings.reach * self.block_weight * abs(step.missing)
         step.damping[:] = 0.0

@@ -129,30 +129,38 @@ class _Solver:
         before: Before,
         *,
         follows: bool,
+        thorough: bool,
     ) -> tuple[bool, float]:
         """An equilibrium from the best of the guesses, with more inertia where the step ``follows``
-        a curve and needs it; whether there is one, and by how much more [1/s2] blocks are held."""
+        a curve and needs it; whether there is one, and by how much more [1/s2] blocks are held.
+
+        One that is not ``thorough`` is given up soon.
+        """
         step, hold = self.step, self.settings.hold
         held = 0.0
         if before.held and follows and step.inertia_factor < hold:
             held = hold - step.inertia_factor
             step.inertia_factor = hold
         guess = self.nearest(guesses, multiplier)
-        found = self.find(guess, multiplier, warm=before.calm)
-        if follows and not held:
+        found = self.find(guess, multiplier, warm=before.calm, thorough=thorough)
+        if follows and not held and (found or thorough):
             return self.hold(guess, multiplier, abs(increment), found)
         return found, held
 
-    def find(self, guess: Array, multiplier: float, *, warm: bool) -> bool:
-        """An equilibrium from a guess, be it from far; whether there is one."""
+    def find(self, guess: Array, multiplier: float, *, warm: bool, thorough: bool = True) -> bool:
+        """An equilibrium from a guess, or be it from far; whether there is one."""
         step, s = self.step, self.settings.cones
         if warm:
             step.set_out(guess, multiplier)
             if self.search.newton(s.warm_iterations, patience=s.warm_patience, gain=s.warm_gain):
                 return True
-        step.set_out(guess, multiplier)
-        if self.search.interior(Attempt(barrier=s.low, iterations=s.max_iterations)):
-            return True
+        first = Attempt(barrier=s.low, by_residual=True, iterations=s.max_iterations)
+        for attempt in (first, replace(first, least_damping=self.settings.stability.least_damping)):
+            step.set_out(guess, multiplier)
+            if self.search.interior(attempt):
+                return True
+        if not thorough:
+            return False
         step.set_out(np.zeros_like(guess), multiplier)
         return self.search.interior(
             Attempt(
@@ -351,6 +359,7 @@ def solve(
     before: Before,
     *,
     dynamic: bool = False,
+    thorough: bool = True,
 ) -> StepSolution:
     """Solve a step that has begun; its equations are left evaluated at the solution.
 
@@ -366,11 +375,15 @@ def solve(
         See there.
     dynamic
         Whether the step is one in time, in which inertia holds what is not stable.
+    thorough
+        Whether more than the first way is tried.
     """
     solver = _Solver(step, accuracy, settings)
     increment = step.pace.missing(np.zeros_like(guesses[0])) if step.pace else 0.0
     follows = step.pace is not None and not dynamic  # a curve of equilibria
-    found, held = solver.reach(guesses, multiplier, increment, before, follows=follows)
+    found, held = solver.reach(
+        guesses, multiplier, increment, before, follows=follows, thorough=thorough
+    )
     found = found and solver.meet()
     n_iterations = solver.search.iterations
     turn, judged = None, None

@@ -360,8 +360,8 @@ class ConeStep:
         return history
 
     def _find(self) -> Array:
-        """Find the contacts where the blocks are now, into `found`, unless they have been; the poses
-        of the blocks."""
+        """Find the contacts where the blocks are now, into `found`, unless they have been; their
+        poses."""
         detector = self.constants.detector
         pose = detector.assembly.moved(self.pose, self.x)
         if self.found_at is None or not np.array_equal(self.found_at, pose):
