@@ -190,13 +190,13 @@ class ConeSearch:
             elif k - since > settings.patience:
                 return False
             near = residual <= settings.residual * self.block_weight
-            told = near and energy <= settings.enough * unit
-            probe = k % settings.probe == 0 and residual <= settings.calm * self.block_weight
-            if told and self._solved():
+            told = energy <= settings.enough * unit
+            if told and near and self._solved():
                 return True
-            if (probe or (told and k >= again)) and self._probe():
+            due = k % settings.probe == 0 or (told and k >= again)
+            if due and residual <= settings.calm * self.block_weight and self._probe():
                 return True
-            again = k + settings.again if told and k >= again else again
+            again = k + settings.again if due and told else again
             if near and energy <= settings.least * unit:
                 return False
             if not self._descend(attempt, energy):
