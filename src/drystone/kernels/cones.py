@@ -44,7 +44,7 @@ CENTRAL = 1e-2
 #: law itself is asked.
 LEAST = 1e-10
 #: Cosine of the angle by which what slides may turn in an iteration.
-TURN = 0.9
+TURN = 0.5
 #: Friction over what keeps a contact open, below which it is open: it slides freely.
 OPENING = 1e-2
 
