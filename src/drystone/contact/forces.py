@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.kernels.contacts import Pairs, Slots
+
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
@@ -64,3 +66,14 @@ class ContactForces:
         for i in range(tangents.shape[1]):
             total = total + self.tangential_reaction[:, [i]] * tangents[:, i]
         return total
+
+
+@dataclass(frozen=True, kw_only=True)
+class ActedContacts:
+    """Contacts that a step was solved with, where the motion has carried them to; those that are
+    found there anew, on other features perhaps, are for the next step."""
+
+    pairs: Pairs
+    slots: Slots
+    reaction: Array  # (n_slots, dim) N
+    status: IntArray  # (n_slots,)

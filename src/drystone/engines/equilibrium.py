@@ -25,7 +25,7 @@ from drystone.contact.detection import (
     predecessor_pairs,
     predecessor_slots,
 )
-from drystone.contact.forces import ContactForces
+from drystone.contact.forces import ActedContacts, ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.bonds import SLIGHT, BondSteps
@@ -76,16 +76,6 @@ class EquilibriumSettings:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Acted:
-    """Contacts in space that a step was solved with, as the motion has carried them to its end."""
-
-    pairs: Pairs
-    slots: Slots
-    reaction: Array  # (n_slots, dim) N
-    branch: IntArray  # (n_slots,)
-
-
-@dataclass(frozen=True, kw_only=True)
 class EquilibriumState:
     """Poses, joint history and what the next step is predicted from."""
 
@@ -106,7 +96,7 @@ class EquilibriumState:
     unstable: bool = False  # whether the structure would not keep it
     held: bool = False  # by more inertia, as blocks slid or turned without resistance
     calm: bool = False  # whether no contact has changed its state in the last step
-    acted: Acted | None = None  # those of `slots` were found anew, on other faces perhaps
+    acted: ActedContacts | None = None
 
 
 class EquilibriumEngine:
@@ -208,9 +198,19 @@ class EquilibriumEngine:
 
     def contacts(self, state: EquilibriumState) -> ContactForces:
         """Contact points and reactions of a state: those that are in balance."""
-        these = state.acted or state
-        status = STATUS_OF[these.branch]
-        return self.detector.forces(these.pairs, state.pose, these.slots, these.reaction, status)
+        these = state.acted or self._acted(state)
+        return self.detector.forces(
+            these.pairs, state.pose, these.slots, these.reaction, these.status
+        )
+
+    @staticmethod
+    def _acted(state: EquilibriumState) -> ActedContacts:
+        return ActedContacts(
+            pairs=state.pairs,
+            slots=state.slots,
+            reaction=state.reaction,
+            status=STATUS_OF[state.branch],
+        )
 
     def close(self) -> None:
         """Nothing is held."""
@@ -529,20 +529,14 @@ class EquilibriumEngine:
                 branch=equations.branch,
             )
         history = equations.finish()
-        acted = Acted(
-            pairs=state.pairs,
+        ended = replace(
+            state,
             slots=equations.slots.copied(),
+            history=history,
             reaction=equations.by_slot(equations.reaction),
             branch=equations.by_slot(equations.branch),
         )
-        return equations.judged(history), replace(
-            state,
-            slots=acted.slots,
-            history=history,
-            reaction=acted.reaction,
-            branch=acted.branch,
-            acted=acted,
-        )
+        return equations.judged(history), replace(ended, acted=self._acted(ended))
 
     def _lost(self, source: IntArray, then: EquilibriumState) -> float:
         """Shear that no contact goes on with, over the heaviest weight; in space."""

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from drystone.contact.certificate import Forces, JudgedContacts, certify
 from drystone.contact.detection import Detector, predecessor_slots
-from drystone.contact.forces import ContactForces
+from drystone.contact.forces import ActedContacts, ContactForces
 from drystone.contact.law import law_table
 from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
 from drystone.engines.departure import departing
@@ -50,19 +50,6 @@ class NscdSettings:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Acted:
-    """Contacts that a step was solved with, where the motion has carried them to.
-
-    Normals and tangents are those of the step's beginning, along which the reactions act.
-    """
-
-    pairs: Pairs
-    slots: Slots
-    reaction: Array  # (n_slots, dim) N
-    status: IntArray  # (n_slots,)
-
-
-@dataclass(frozen=True, kw_only=True)
 class NscdState:
     """Poses, velocities and the reactions that the next step starts from."""
 
@@ -74,7 +61,7 @@ class NscdState:
     reaction: Array  # (n_slots, dim) N
     status: IntArray  # (n_slots,)
     gone: BoolArray  # (n,) blocks that have left
-    acted: Acted | None = None  # those of `slots` were found anew, on other features perhaps
+    acted: ActedContacts | None = None  # along the normals and tangents of the step's beginning
 
 
 class NscdEngine:
@@ -294,7 +281,7 @@ class NscdEngine:
             reaction=carried,
             status=status,
             gone=state.gone,
-            acted=Acted(
+            acted=ActedContacts(
                 pairs=state.pairs,
                 slots=followed,
                 reaction=reaction,
