@@ -29,6 +29,10 @@ GRAVITY = 9.81
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+#: Who is in the first group of a pair, (n,), who in the second, and the number of the law.
+_OfGroups = tuple[BoolArray, BoolArray, int]
 
 #: Contact points that a quadrilateral joint in space may have, and has where nothing is said.
 POINTS_KNOWN = (4, 9, 16)
@@ -82,6 +86,7 @@ class Block:
     support: bool = False
     faces: Faces = ()  # of space: rows of vertices, counter-clockwise from outside; none: the hull
     parts: tuple[Part, ...] = ()  # convex, where they are given
+    groups: tuple[str, ...] = ()  # names of what it belongs to: a wall, a storey, a layer
 
     @classmethod
     def of_parts(cls, parts: Sequence[Part], **values: Any) -> Block:
@@ -304,6 +309,15 @@ class Assembly:
         return tuple(block.id for block in self.blocks)
 
     @cached_property
+    def groups(self) -> dict[str, IntArray]:
+        """Rows of the blocks of each group, ascending; groups in the order of appearance."""
+        rows: dict[str, list[int]] = {}
+        for i, block in enumerate(self.blocks):
+            for name in dict.fromkeys(block.groups):
+                rows.setdefault(name, []).append(i)
+        return {name: np.array(own, dtype=np.int64) for name, own in rows.items()}
+
+    @cached_property
     def _row(self) -> dict[str, int]:
         """Row of each block by its name."""
         return {name: i for i, name in enumerate(self.ids)}
@@ -331,12 +345,15 @@ class Assembly:
     def law_index(self, a: IntArray, b: IntArray) -> IntArray:
         """Index into `laws` of the joint between blocks ``a[k]`` and ``b[k]``.
 
-        A pair named by two block ids goes before one named by two materials.
+        A pair named by two block ids goes before one with a group in it, and that before one named
+        by two materials.
         """
         if not self.joint_between:
             return np.zeros(len(a), dtype=np.int64)
-        of_materials, pair, of_pair = self._exceptions
+        of_materials, of_groups, pair, of_pair = self._exceptions
         index = of_materials[self._material[a], self._material[b]]
+        for first, last, law in of_groups:
+            index = np.where((first[a] & last[b]) | (first[b] & last[a]), law, index)
         if len(pair):
             wanted = np.minimum(a, b) * self.n_bodies + np.maximum(a, b)
             place = np.minimum(np.searchsorted(pair, wanted), len(pair) - 1)
@@ -351,14 +368,16 @@ class Assembly:
         return np.array(numbers, dtype=np.int64)
 
     @cached_property
-    def _exceptions(self) -> tuple[IntArray, IntArray, IntArray]:
-        """`joint_between` by number: a table over two materials; pairs of blocks and their laws.
+    def _exceptions(self) -> tuple[IntArray, list[_OfGroups], IntArray, IntArray]:
+        """`joint_between` by number: a table over two materials; who is in the two groups of a pair
+        and its law; pairs of blocks and their laws.
 
         A pair of rows i < j is i n + j; the pairs are sorted.
         """
         material = {block.material: k for block, k in zip(self.blocks, self._material, strict=True)}
         of_materials = np.zeros((len(material), len(material)), dtype=np.int64)
         pairs = {}
+        of_groups: list[_OfGroups] = []
         for names, law in self.joint_between.items():
             first, last = min(names), max(names)
             index = self.laws.index(law)
@@ -368,12 +387,21 @@ class Assembly:
             if len(names) == 2 and names <= self._row.keys():
                 i, j = sorted((self._row[first], self._row[last]))
                 pairs[i * self.n_bodies + j] = index
+            elif names <= self.groups.keys() | self._row.keys():
+                of_groups.append((self._is_in(first), self._is_in(last), index))
         order = sorted(pairs)
         return (
             of_materials,
+            of_groups,
             np.array(order, dtype=np.int64),
             np.array([pairs[k] for k in order], dtype=np.int64),
         )
+
+    def _is_in(self, name: str) -> BoolArray:
+        """Whether each block has the name, or is in the group of that name, (n,)."""
+        found = np.zeros(self.n_bodies, dtype=bool)
+        found[self.groups[name] if name in self.groups else self._row[name]] = True
+        return found
 
     @cached_property
     def outlines(self) -> Outlines:

@@ -218,9 +218,9 @@ class TestJointBetween:
         [
             (with_pair('"b1 bse"'), 'joint.between."b1 bse": there is no block or material "bse"'),
             (with_pair('"b1 bse"'), 'did you mean "base"?'),
-            (with_pair('"b1"'), "joint.between.b1: must name two blocks or two materials"),
+            (with_pair('"b1"'), "joint.between.b1: must name two blocks, groups or materials"),
             (with_pair('"b1 b1"'), "names the same block twice"),
-            (with_pair('"b1 stone"'), "names a block and a material"),
+            (with_pair('"b1 stone"'), "names a block or a group and a material"),
             (with_pair('"b1 base"', "frction = 1"), 'unknown key "frction"'),
             (with_pair('"b1 base"', "cohesion = -1"), 'joint.between."b1 base".cohesion: must be'),
             (with_pair('"b1 base"', "dilatancy_angle = 34"), "more than the friction angle"),

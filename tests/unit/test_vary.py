@@ -101,7 +101,10 @@ class TestJoint:
         [
             ({"friction_coefficient": -0.1}, "joint.friction_coefficient: must be at least 0"),
             ({"friction": 0.5}, 'no value "friction": did you mean "friction_coefficient"'),
-            ({"cohesion": 1.0, "between": ("base", "lfet")}, "names neither two blocks nor two"),
+            (
+                {"cohesion": 1.0, "between": ("base", "lfet")},
+                "names neither two blocks or groups nor two",
+            ),
         ],
     )
     def test_what_no_joint_can_have_is_refused(self, piers, values, sentence):

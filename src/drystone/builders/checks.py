@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import combinations
 
 import numpy as np
 
 from drystone.assembly import Assembly, Block, Corner, JointLaw
-from drystone.builders.words import millimetres
+from drystone.builders.words import millimetres, quoted
 from drystone.geometry import GeometryError
 from drystone.geometry.outlines import TOUCHING, Outlines
 from drystone.geometry.polyhedra import Polyhedra
@@ -75,14 +76,53 @@ def block_problems(blocks: Sequence[Block], corner: Corner, place: Place) -> lis
 def pair_problems(
     blocks: Sequence[Block], joint_between: Mapping[frozenset[str], JointLaw]
 ) -> list[str]:
-    """Laws between blocks or materials that do not exist."""
+    """Laws between blocks, groups or materials that do not exist, or cannot be told apart."""
+    if not joint_between:
+        return []
     ids = {block.id for block in blocks}
     materials = {block.material for block in blocks}
-    return [
-        f'joint.between."{" ".join(sorted(names))}": names neither two blocks nor two materials'
-        for names in joint_between
-        if not (names <= ids and len(names) == 2) and not names <= materials
-    ]
+    groups = {name for block in blocks for name in block.groups}
+    problems, of_groups = [], []
+    for names in joint_between:
+        place = f'joint.between."{" ".join(sorted(names))}"'
+        if names <= ids and len(names) == 2:
+            continue
+        if names & groups and names <= ids | groups:
+            of_groups.append(names)
+            problems += [
+                f"{place}: {quoted(name)} is a group and a {what}: give the group another name"
+                for name in sorted(names & groups)
+                for what, others in (("block", ids), ("material", materials))
+                if name in others
+            ]
+        elif not names <= materials:
+            problems.append(f"{place}: names neither two blocks or groups nor two materials")
+    return problems or _ambiguous(blocks, {names: joint_between[names] for names in of_groups})
+
+
+def _ambiguous(blocks: Sequence[Block], of_groups: Mapping[frozenset[str], JointLaw]) -> list[str]:
+    """Two blocks between which the pairs of groups give two laws."""
+    members: dict[str, set[str]] = {}
+    for block in blocks:
+        for name in (block.id, *block.groups):
+            members.setdefault(name, set()).add(block.id)
+    found = []
+    for (names, law), (others, other_law) in combinations(of_groups.items(), 2):
+        if law == other_law:
+            continue
+        a, b = members[min(names)], members[max(names)]
+        for c, d in ((min(others), max(others)), (max(others), min(others))):
+            first, last = a & members[c], b & members[d]
+            both = ((i, j) for i in sorted(first) for j in sorted(last) if i != j)
+            if pair := next(both, None):
+                i, j = pair
+                found.append(
+                    f'joint.between."{" ".join(sorted(names))}": between blocks {quoted(i)} and '
+                    f'{quoted(j)} "{" ".join(sorted(others))}" gives another law: take smaller '
+                    "groups, or name the two blocks"
+                )
+                break
+    return found
 
 
 def layout_problems(assembly: Assembly, place: Place) -> list[str]:

@@ -40,6 +40,7 @@ def model_to_dict(model: Model) -> dict[str, Any]:
             "material": names[block.material, float(block.unit_weight)],
             **_shape(block),
             "support": bool(block.support),
+            **({"groups": list(block.groups)} if block.groups else {}),
         }
         for block in assembly.blocks
     ]

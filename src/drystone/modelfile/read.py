@@ -17,6 +17,7 @@ from drystone.builders.model import make_model
 from drystone.builders.wall import coursed_wall, unequal_courses
 from drystone.builders.words import quoted, suggestion
 from drystone.model import Analysis, Model
+from drystone.modelfile.groups import grouped
 from drystone.modelfile.parse import parse, read_bytes
 from drystone.modelfile.schema import ExceptionSection, ModelSection
 from drystone.modelfile.sentences import place_of, sentences
@@ -209,10 +210,11 @@ def _blocks(
                 unit_weight=unit_weights[material],
                 material=material,
                 support=block.support,
+                groups=tuple(dict.fromkeys(block.groups)),
                 **shape,
             )
         )
-    return blocks, places
+    return grouped(blocks, section.group, problems), places
 
 
 def _notes(section: ModelSection) -> list[str]:
@@ -235,12 +237,13 @@ def _laws(
             if getattr(joint, key) is None
         )
     ids = {block.id for block in blocks}
-    in_use = ids | {block.material for block in blocks}
+    groups = frozenset(name for block in blocks for name in block.groups)
+    in_use = ids | groups | {block.material for block in blocks}
     between: dict[frozenset[str], JointLaw] = {}
     for key, exception in section.joint.between.items():
         place = place_of(("joint", "between", key), {})
         try:
-            names = pair_named(key, ids, set(section.material))
+            names = pair_named(key, ids, set(section.material), groups)
         except ModelError as error:
             problems.extend(f"{place}: {problem}" for problem in error.problems)
             continue
@@ -258,8 +261,10 @@ def _given(section: ExceptionSection) -> dict[str, float]:
     return {key: float(value) for key, value in values.items() if value is not None}
 
 
-def pair_named(key: str, ids: set[str], materials: set[str]) -> frozenset[str]:
-    """The two block ids, or the two materials, that ``key`` names with a space between them.
+def pair_named(
+    key: str, ids: set[str], materials: set[str], groups: frozenset[str] = frozenset()
+) -> frozenset[str]:
+    """The two blocks or groups, or the two materials, that ``key`` names with a space between.
 
     Names may hold spaces themselves, as long as only one way of reading the key makes sense.
     """
@@ -268,21 +273,25 @@ def pair_named(key: str, ids: set[str], materials: set[str]) -> frozenset[str]:
     fitting = {
         frozenset(names)
         for names in readings
-        if (names[0] != names[1] and ids.issuperset(names)) or materials.issuperset(names)
+        if (names[0] != names[1] and ids.issuperset(names))
+        or (not groups.isdisjoint(names) and groups.union(ids).issuperset(names))
+        or materials.issuperset(names)
     }
     if len(fitting) == 1:
         return fitting.pop()
     if fitting:
         raise ModelError(["can be read as more than one pair: rename one of them without spaces"])
     if len(readings) != 1:
-        raise ModelError(['must name two blocks or two materials that exist, as in "a b"'])
-    known = sorted(materials) + sorted(ids)
-    unknown = [name for name in dict.fromkeys(readings[0]) if name not in ids | materials]
+        raise ModelError(['must name two blocks, groups or materials that exist, as in "a b"'])
+    known = sorted(materials) + sorted(groups) + sorted(ids)
+    unknown = [name for name in dict.fromkeys(readings[0]) if name not in known]
     if unknown:
+        what = "block, group or material" if groups else "block or material"
         raise ModelError(
-            f"there is no block or material {quoted(name)}: {suggestion(name, known)}"
-            for name in unknown
+            f"there is no {what} {quoted(name)}: {suggestion(name, known)}" for name in unknown
         )
     if readings[0][0] == readings[0][1]:
         raise ModelError(["names the same block twice: name the two blocks that meet"])
-    raise ModelError(["names a block and a material: name two blocks or two materials"])
+    raise ModelError(
+        ["names a block or a group and a material: name two blocks or groups, or two materials"]
+    )

@@ -212,6 +212,16 @@ class BlockSection(ShapeSection):
     parts: Annotated[list[ShapeSection] | None, Field(min_length=1)] = None
     material: str | None = None
     support: bool = False
+    groups: list[Name] = []
+
+
+class GroupSection(Section):
+    """[group.NAME]"""
+
+    blocks: Annotated[list[str], Field(min_length=1)] = Field(
+        description='ids of its blocks, * for any letters and ? for one, as in blocks = ["c1*"]'
+    )
+    support: bool = False
 
 
 class WallSection(Section):
@@ -299,6 +309,7 @@ class ModelSection(Section):
     contact: Annotated[ContactSection | None, Spatial] = None
     block: list[BlockSection] = []
     wall: Annotated[WallSection | None, BeforeValidator(in_plane_only)] = None
+    group: dict[Name, GroupSection] = {}
     load: LoadSection = Field(description="a table [load] with pattern and direction")
     control: ControlSection = ControlSection()
     analysis: AnalysisSection = AnalysisSection()

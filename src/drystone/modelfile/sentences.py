@@ -89,7 +89,7 @@ def _complaint(kind: str, details: ErrorDetails, value: Any) -> str:
         return f"must be {words} {context[key]:g}, it is {found(value)}"
     if kind in ("too_short", "too_long"):
         wanted = context.get("min_length" if kind == "too_short" else "max_length")
-        least = "at least " if details["loc"][-1] in ("courses", "material") else ""
+        least = "at least " if details["loc"][-1] in ("courses", "material", "blocks") else ""
         noun = "entry" if wanted == 1 else "entries"
         return f"must have {least}{wanted} {noun}, it has {context['actual_length']}"
     if kind == "literal_error":
