@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import Assembly, Corner
+from drystone.geometry.mend import Mended
 from drystone.loading import LoadPattern
 from drystone.monitor import ControlPoint
 
@@ -59,6 +60,8 @@ class Model:
     origin: Origin | None = None
     notes: tuple[str, ...] = ()
     """Sentences on what was amended or looks amiss in the file or the outlines."""
+    mended: tuple[Mended, ...] = ()
+    """What was done to which block of files that were imported."""
 
     @property
     def contents(self) -> tuple[Any, ...]:

@@ -22,6 +22,7 @@ from drystone.builders.describe import material_names
 from drystone.builders.errors import ModelError
 from drystone.builders.fit import DRAWING_TOLERANCE, fitted, turned_round
 from drystone.geometry import GeometryError
+from drystone.geometry.mend import Mended
 from drystone.loading import LoadPattern
 from drystone.model import Analysis, Model, Origin
 from drystone.monitor import ControlPoint
@@ -53,6 +54,7 @@ def make_model(
     place: Place | None = None,
     drawing_tolerance: float = DRAWING_TOLERANCE,
     notes: Sequence[str] = (),
+    mended: Sequence[Mended] = (),
 ) -> Model:
     """Put a model together and check that it can be analysed.
 
@@ -80,6 +82,8 @@ def make_model(
         Gaps and overlaps of joints, over the smallest edge of all blocks, that are closed.
     notes
         Sentences on the file that was read, to go with those on its outlines.
+    mended
+        What was done to blocks that were imported.
 
     Raises
     ------
@@ -108,6 +112,7 @@ def make_model(
         control_point=control,
         analysis=analysis or Analysis(),
         notes=(*notes, *amended),
+        mended=tuple(mended),
     )
     if source is None or sha256 is None:
         return model

@@ -35,6 +35,7 @@ def remade(model: Model, **changes: Any) -> Model:
         "analysis": model.analysis,
         "title": model.title,
         "notes": model.notes,
+        "mended": model.mended,
         "drawing_tolerance": 0.0,  # the outlines fit already
     }
     made = make_model(**{**parts, **changes})

@@ -43,6 +43,19 @@ def overlap_depths(solids: Polyhedra, a: IntArray, b: IntArray) -> Array:
     return depth
 
 
+def separating_axis(a: Polyhedra, b: Polyhedra) -> tuple[Array, float]:
+    """Of two parts, packed by themselves, the unit vector (3,) from the first to the second along
+    which they are farthest apart, or overlap least, and by how much [m]; below zero they overlap.
+    """
+    p, q = _Shape(a, 0), _Shape(b, 0)
+    axes = np.vstack((p.normals, -q.normals, _axes(p, q)))
+    axes = np.vstack((axes, -axes[len(p.normals) + len(q.normals) :]))
+    gap = (q.vertices @ axes.T).min(axis=0) - (p.vertices @ axes.T).max(axis=0)
+    # Of axes that do as well a face's normal goes first.
+    best = int(np.argmax(np.round(gap / TOUCHING, 6)))
+    return axes[best], float(gap[best])
+
+
 class _Shape:
     """A part: its vertices, its faces' planes, and the directions of its edges, once each."""
 

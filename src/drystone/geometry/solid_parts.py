@@ -96,7 +96,7 @@ def _surface(vertices: Array, faces: Faces) -> _Surface:
     normal, offset = face_planes(vertices, faces)
     pieces, owner = [], []
     for i, face in enumerate(faces):
-        for piece in _convex_pieces(vertices[list(face)], normal[i], i):
+        for piece in convex_pieces(vertices[list(face)], normal[i], i):
             pieces.append(piece)
             owner.append(i)
     triangles = [
@@ -105,7 +105,7 @@ def _surface(vertices: Array, faces: Faces) -> _Surface:
     return _Surface(pieces, normal[owner], offset[owner], np.array(triangles))
 
 
-def _convex_pieces(face: Array, normal: Array, i: int) -> list[Array]:
+def convex_pieces(face: Array, normal: Array, i: int) -> list[Array]:
     """Convex pieces of a face (n, 3), in its plane."""
     if len(face) == 3:
         return [face]

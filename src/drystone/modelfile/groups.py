@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from drystone.assembly import Block
 from drystone.builders.words import quoted, suggestion
+from drystone.drawings.patterns import expression
 from drystone.modelfile.schema import GroupSection
 from drystone.modelfile.sentences import place_of
 
@@ -24,7 +24,7 @@ def grouped(
     for name, section in groups.items():
         rows: set[int] = set()
         for k, pattern in enumerate(section.blocks):
-            fits = re.compile(expression(pattern), re.DOTALL).fullmatch
+            fits = expression(pattern).fullmatch
             found = {i for i, own in enumerate(ids) if fits(own)}
             if not found:
                 place = place_of(("group", name, "blocks", k), {})
@@ -38,11 +38,6 @@ def grouped(
                 support=block.support or section.support,
             )
     return blocks
-
-
-def expression(pattern: str) -> str:
-    """A regular expression for a pattern in which * stands for any letters and ? for one."""
-    return "".join({"*": ".*", "?": "."}.get(letter, re.escape(letter)) for letter in pattern)
 
 
 def nothing_fits(pattern: str, ids: Sequence[str]) -> str:

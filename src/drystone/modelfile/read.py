@@ -18,6 +18,7 @@ from drystone.builders.wall import coursed_wall, unequal_courses
 from drystone.builders.words import quoted, suggestion
 from drystone.model import Analysis, Model
 from drystone.modelfile.groups import grouped
+from drystone.modelfile.imports import imports_of
 from drystone.modelfile.parse import parse, read_bytes
 from drystone.modelfile.schema import ExceptionSection, ModelSection
 from drystone.modelfile.sentences import place_of, sentences
@@ -106,6 +107,12 @@ def _model(
     section = _checked(data)
     problems: list[str] = []
     blocks, places = _blocks(section, data, problems)
+    imports = imports_of(section, _unit_weights(section), source, problems)
+    places = [*places, *imports.places]
+    blocks = grouped([*blocks, *imports.blocks], section.group, problems)
+    control_block, control_point = section.control.block, section.control.point
+    if imports.control and control_block is None and control_point is None:
+        control_block, control_point = imports.control
     joint, between = _laws(section, blocks, need_stiffness, problems)
     engine = section.analysis.engine
     if engines is not None and engine not in engines:
@@ -122,8 +129,8 @@ def _model(
         thickness=section.thickness,
         points=section.contact.points if section.contact else POINTS,
         load_direction=section.load.direction,
-        control_block=section.control.block,
-        control_point=section.control.point,
+        control_block=control_block,
+        control_point=control_point,
         control_direction=section.control.direction,
         analysis=Analysis(
             engine=engine,
@@ -139,7 +146,8 @@ def _model(
         sha256=sha256,
         place=lambda i: places[i],
         drawing_tolerance=section.drawing_tolerance,
-        notes=_notes(section),
+        notes=[*_notes(section), *imports.notes],
+        mended=imports.mended,
     )
 
 
@@ -161,12 +169,7 @@ def _blocks(
     section: ModelSection, data: dict[str, Any], problems: list[str]
 ) -> tuple[list[Block], list[str]]:
     """Blocks of [wall] and then of [[block]], and the place of each in the file."""
-    unit_weights = {
-        name: (material.density or 0.0) * GRAVITY
-        if material.unit_weight is None
-        else material.unit_weight
-        for name, material in section.material.items()
-    }
+    unit_weights = _unit_weights(section)
 
     def material_of(name: str | None, place: str) -> str:
         known = list(unit_weights)
@@ -214,7 +217,17 @@ def _blocks(
                 **shape,
             )
         )
-    return grouped(blocks, section.group, problems), places
+    return blocks, places
+
+
+def _unit_weights(section: ModelSection) -> dict[str, float]:
+    """Of the materials by their names [N/m3]."""
+    return {
+        name: (material.density or 0.0) * GRAVITY
+        if material.unit_weight is None
+        else material.unit_weight
+        for name, material in section.material.items()
+    }
 
 
 def _notes(section: ModelSection) -> list[str]:

@@ -17,12 +17,14 @@ from pydantic import (
     ValidationInfo,
     model_validator,
 )
+from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from drystone.builders.control import NAMED_POINTS
 from drystone.builders.fit import DRAWING_TOLERANCE
 from drystone.builders.wall import course_problem
 from drystone.builders.words import quoted, suggestion
+from drystone.drawings import TOLERANCE
 from drystone.model import Analysis
 from drystone.ranges import RANGES
 
@@ -113,6 +115,16 @@ def _point(value: Any, info: ValidationInfo) -> str | list[float]:
     return [float(x) for x in numbers]
 
 
+def _rotation(value: Any, info: ValidationInfo) -> tuple[float, ...]:
+    angles = value if isinstance(value, list) else [value]
+    if len(angles) != 1 and not (len(angles) == 3 and dimension_of(info) != 2):
+        raise sentence("must be one angle in degrees, or in space three, about x, y and z")
+    for angle in angles:
+        if problem := RANGES["angle"].problem(angle):
+            raise sentence(problem)
+    return tuple(map(float, angles))
+
+
 def ranged(name: str) -> PlainValidator:
     """The check of a number that has its range in `RANGES`."""
 
@@ -140,6 +152,11 @@ class Section(BaseModel):
     """
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
+
+    @classmethod
+    def keys(cls) -> dict[str, FieldInfo]:
+        """The fields by their keys in files, which are their names but for words of Python's."""
+        return {field.alias or name: field for name, field in cls.model_fields.items()}
 
 
 class MaterialSection(Section):
@@ -222,6 +239,23 @@ class GroupSection(Section):
         description='ids of its blocks, * for any letters and ? for one, as in blocks = ["c1*"]'
     )
     support: bool = False
+
+
+class ImportSection(Section):
+    """[[import]]"""
+
+    file: str = Field(description='its path from the model file, as in file = "arch.dxf"')
+    format: Literal["obj", "ply", "stl", "compas", "dxf", "bodies", "ifc"] | None = None
+    unit: Literal["m", "cm", "mm", "in", "ft"] | None = None
+    up: Annotated[Literal["z", "y"] | None, Spatial] = None
+    material: str | None = None
+    support: list[str] = []
+    support_below: Annotated[float, ranged("coordinate")] | None = None  # m
+    tolerance: Annotated[float, ranged("tolerance")] = TOLERANCE
+    name: Name | None = None
+    group: Name | None = None
+    origin: Place | None = None  # m
+    rotation: Annotated[Any, PlainValidator(_rotation)] = None  # degrees
 
 
 class WallSection(Section):
@@ -309,6 +343,7 @@ class ModelSection(Section):
     contact: Annotated[ContactSection | None, Spatial] = None
     block: list[BlockSection] = []
     wall: Annotated[WallSection | None, BeforeValidator(in_plane_only)] = None
+    imports: list[ImportSection] = Field(default=[], alias="import")
     group: dict[Name, GroupSection] = {}
     load: LoadSection = Field(description="a table [load] with pattern and direction")
     control: ControlSection = ControlSection()

@@ -65,11 +65,11 @@ def _sentence(details: ErrorDetails, data: dict[str, Any]) -> str:
     kind, keys, value = details["type"], [*details["loc"]], details["input"]
     if kind == "missing":
         section, key = _section_at(keys[:-1]), str(keys[-1])
-        description = section.model_fields[key].description or ""
+        description = section.keys()[key].description or ""
         return f"{_within(keys[:-1], data)}{key} is missing: add it ({description})"
     if kind == "extra_forbidden":
         section, key = _section_at(keys[:-1]), str(keys[-1])
-        mend = suggestion(key, list(section.model_fields))
+        mend = suggestion(key, list(section.keys()))
         return f"{_within(keys[:-1], data)}unknown key {quoted(key)}: {mend}"
     if keys and keys[-1] == "[key]":
         keys.pop()
@@ -130,7 +130,7 @@ def _section_at(keys: Sequence[str | int]) -> type[Section]:
     """The schema of the table at a path."""
     section: type[Section] = ModelSection
     for key in keys:
-        field = section.model_fields.get(key) if isinstance(key, str) else None
+        field = section.keys().get(key) if isinstance(key, str) else None
         section = (_section_in(field.annotation) if field else None) or section
     return section
 

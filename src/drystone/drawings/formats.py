@@ -1,0 +1,83 @@
+"""Which formats there are, by name and ending, and how a file of each is read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from drystone.builders.errors import ModelError
+from drystone.builders.words import quoted, suggestion
+from drystone.drawings import bodies, compas, dxf, ifc, obj, ply, stl
+from drystone.drawings.drawing import Drawing
+
+#: Reads a file: its contents, its path, and the dimension of the model, if it is known.
+Read = Callable[[bytes, Path, int | None], Drawing]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Format:
+    """A kind of file."""
+
+    name: str
+    endings: tuple[str, ...]
+    read: Read
+
+
+FORMATS = {
+    one.name: one
+    for one in (
+        Format(name="obj", endings=(".obj",), read=lambda data, *_: obj.read(data)),
+        Format(name="ply", endings=(".ply",), read=lambda data, *_: ply.read(data)),
+        Format(name="stl", endings=(".stl",), read=lambda data, *_: stl.read(data)),
+        Format(name="compas", endings=(".json",), read=lambda data, *_: compas.read(data)),
+        Format(name="dxf", endings=(".dxf",), read=lambda data, _, n: dxf.read(data, n)),
+        Format(
+            name="bodies", endings=(".dat",), read=lambda data, path, _: bodies.read(data, path)
+        ),
+        Format(name="ifc", endings=(".ifc",), read=lambda data, *_: ifc.read(data)),
+    )
+}
+
+
+def format_of(path: Path, name: str | None = None) -> Format:
+    """The format of that name, or else the one that a file's ending means; raises `ModelError`."""
+    if name is not None:
+        if name not in FORMATS:
+            raise ModelError(
+                [f"there is no format {quoted(name)}: {suggestion(name, list(FORMATS))}"]
+            )
+        return FORMATS[name]
+    for one in FORMATS.values():
+        if path.suffix.lower() in one.endings:
+            return one
+    known = ", ".join(f"{one.endings[0]} ({one.name})" for one in FORMATS.values())
+    raise ModelError(
+        [f"the ending {quoted(path.suffix)} means no format: give one, or end it in {known}"]
+    )
+
+
+def read_drawing(path: Path, name: str | None = None, dimension: int | None = None) -> Drawing:
+    """What a file holds, names made unique; raises `ModelError` without the file's name in it."""
+    kind = format_of(path, name)
+    try:
+        contents = path.read_bytes()
+    except FileNotFoundError:
+        raise ModelError(["there is no such file: check the path"]) from None
+    except IsADirectoryError:
+        raise ModelError(["is a folder: name the file in it"]) from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise ModelError([f"cannot be read ({reason}): check path and permissions"]) from None
+    if not contents.strip():
+        raise ModelError(["is empty: export it anew"])
+    try:
+        return kind.read(contents, path, dimension).renamed()
+    except (ArithmeticError, LookupError, TypeError, ValueError, AttributeError) as error:
+        # Readers know what files should hold; what a torn one holds nobody foresees.
+        what = " ".join(str(error).split())[:120]
+        raise ModelError(
+            [f"is no {kind.name} file that can be read ({what}): export it anew"]
+        ) from None
+    except (MemoryError, RecursionError):
+        raise ModelError(["is too large, or nested too deeply, to be read"]) from None
