@@ -38,7 +38,7 @@ def model_to_dict(model: Model) -> dict[str, Any]:
         {
             "id": block.id,
             "material": names[block.material, float(block.unit_weight)],
-            **_shape(block),
+            **shape_of_block(block),
             "support": bool(block.support),
             **({"groups": list(block.groups)} if block.groups else {}),
         }
@@ -96,7 +96,7 @@ def material_names(blocks: Sequence[Block]) -> dict[tuple[str, float], str]:
     return names
 
 
-def _shape(block: Block) -> dict[str, Any]:
+def shape_of_block(block: Block) -> dict[str, Any]:
     """Vertices and faces of a block, or those of its parts where these were given."""
     if block.parts:
         return {"parts": [_solid(part.vertices, part.faces) for part in block.parts]}

@@ -2,7 +2,8 @@
 
 A writer takes a model and gives the file's text with notes on what the target cannot express; a
 reader rebuilds the model from such a file.  The readers know the grammar that our writers use, not
-every file of those programs.
+every file of those programs.  Files of modelling programs, which hold blocks and no models, are
+read by `drystone.drawings`; `from_drawing` makes a model file of one.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from os import PathLike
 from pathlib import Path
 
 from drystone.builders.errors import ModelError
-from drystone.convert import lmgc90, threedec, udec, vtk
+from drystone.convert import drawings, lmgc90, threedec, udec, vtk
 from drystone.convert.common import Written
 from drystone.model import Model
 
@@ -35,6 +36,11 @@ TARGETS = {
         Target(name="3dec", endings=(".3ddat",), write=threedec.write, read=threedec.read),
         Target(name="lmgc90", endings=(".py",), write=lmgc90.write, read=lmgc90.read),
         Target(name="vtk", endings=(".vtk", ".vtu"), write=vtk.write, read=None),
+        Target(name="dxf", endings=(".dxf",), write=drawings.write_dxf, read=None),
+        Target(name="obj", endings=(".obj",), write=drawings.write_obj, read=None),
+        Target(name="compas", endings=(".json",), write=drawings.write_compas, read=None),
+        Target(name="ply", endings=(".ply",), write=drawings.write_ply, read=None),
+        Target(name="stl", endings=(".stl",), write=drawings.write_stl, read=None),
     )
 }
 
@@ -69,7 +75,7 @@ def convert(model: Model, path: str | PathLike[str], target: str | None = None) 
     path
         Of the file to write.
     target
-        "udec", "3dec", "lmgc90" or "vtk"; by default what the file's ending means.
+        One of `TARGETS`; by default what the file's ending means.
 
     Returns
     -------

@@ -53,6 +53,7 @@ def read(contents: bytes) -> Drawing:
             group = "" if group == "default" else group
         elif key == "usemtl":
             material = tidy_name(" ".join(words))
+            material = "" if material == "default" else material
         elif key in ("curv", "curv2", "surf", "cstype"):
             ignored.add("free curves and surfaces")
     notes = tuple(f"{what} were left out: export meshes" for what in sorted(ignored))
@@ -107,9 +108,10 @@ def write(shapes: Sequence[Shape], title: str) -> str:
     """The text of a file: an object and a material for each shape."""
     lines = [f"# {tidy_name(title)}", "# in metres, z up"]
     first = 1
+    layered = any(shape.layer for shape in shapes)
     for shape in shapes:
         lines += [f"o {tidy_name(shape.name)}"]
-        lines += [f"usemtl {tidy_name(shape.layer)}"] * bool(shape.layer)
+        lines += [f"usemtl {tidy_name(shape.layer) or 'default'}"] * layered
         lines += ["v " + " ".join(map(repr, row)) for row in shape.vertices.tolist()]
         lines += ["f " + " ".join(str(first + i) for i in face) for face in shape.faces]
         first += len(shape.vertices)

@@ -134,7 +134,7 @@ def united(mesh: Mesh, label: Sequence[int], near: float) -> tuple[Mesh, list[in
     labels: list[int] = []
     for number, own in groups.items():
         for loops in _connected(own):
-            outline = _outline(loops)
+            outline = _outline(loops) if len(loops) > 1 else None
             faces += [outline] if outline else loops
             labels += [number] * (1 if outline else len(loops))
     merged = Mesh(mesh.vertices, tuple(faces))

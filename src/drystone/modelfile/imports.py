@@ -63,7 +63,7 @@ def imports_of(
         found.mended += made.mended
         found.notes += made.notes
         if made.control is not None:
-            found.control = _nearest(made.blocks, made.control), list(made.control)
+            found.control = nearest(made.blocks, made.control), list(made.control)
     return found
 
 
@@ -104,7 +104,7 @@ def _material(
     return name, unit_weights[name]
 
 
-def _nearest(blocks: Sequence[Block], point: Sequence[float]) -> str:
+def nearest(blocks: Sequence[Block], point: Sequence[float]) -> str:
     """The movable block that a point is in, or nearest to."""
     place = np.array(point)
     away = {}

@@ -1,0 +1,409 @@
+"""Files of drawing and modelling programs: what is read of them, and what is said of broken ones."""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drawn import box, brick_wall, obj_text
+from drystone.builders.errors import ModelError
+from drystone.drawings import ImportSettings, Shape, imported, read_drawing
+from drystone.drawings import compas as compas_format
+from drystone.drawings import obj as obj_format
+from drystone.drawings import ply as ply_format
+from drystone.drawings import stl as stl_format
+from drystone.geometry import solid
+
+
+def kept(tmp_path: Path, name: str, contents: str | bytes) -> Path:
+    path = tmp_path / name
+    path.write_bytes(contents if isinstance(contents, bytes) else contents.encode())
+    return path
+
+
+def blocks_of(path: Path, **settings):
+    given = {"unit": "m", **({"up": "z"} if path.suffix not in (".dxf", ".json") else {})}
+    return imported(ImportSettings(file=path, **{**given, **settings}), lambda layer: ("stone", 2e4))
+
+
+def volumes(made):
+    return [solid.volume_of(b.vertices, b.faces) for b in made.blocks]
+
+
+def shapes(blocks=None):
+    return [
+        Shape(name=n, vertices=v, faces=tuple(f), layer="stone", support=n.startswith("c0"))
+        for n, v, f in blocks or brick_wall()
+    ]
+
+
+class TestObj:
+    def test_an_object_is_a_block(self, tmp_path):
+        made = blocks_of(kept(tmp_path, "wall.obj", obj_text(brick_wall())))
+        assert [b.id for b in made.blocks] == [n for n, _, _ in brick_wall()]
+        assert volumes(made) == pytest.approx([0.4 * 0.15 * 0.2] * 6, rel=1e-9)
+
+    def test_groups_are_blocks_where_there_are_no_objects(self, tmp_path):
+        text = obj_text(brick_wall()).replace("o ", "g ")
+        assert len(blocks_of(kept(tmp_path, "a.obj", text)).blocks) == 6
+
+    def test_connected_surfaces_are_blocks_where_there_is_neither(self, tmp_path):
+        lines = obj_text(brick_wall()).splitlines()
+        text = "\n".join(line for line in lines if not line.startswith("o "))
+        made = blocks_of(kept(tmp_path, "a.obj", text))
+        assert [b.id for b in made.blocks] == [f"b{k}" for k in range(1, 7)]
+
+    def test_rows_counted_backwards_textures_and_long_lines(self, tmp_path):
+        vertices, faces = box((0, 0, 0), (1, 1, 1))
+        lines = ["o a b", "usemtl stone", "g south"]
+        lines += ["v " + " ".join(map(str, v)) for v in vertices.tolist()]
+        lines += ["f " + " ".join(f"{i - 8}/1/1" for i in face) for face in faces[:-1]]
+        lines += ["f 4//2 1//2 \\", " 5 8 # the last one"]
+        drawing = read_drawing(kept(tmp_path, "a.obj", "\r\n".join(lines)))
+        (shape,) = drawing.shapes
+        assert (shape.name, shape.layer, shape.groups) == ("a b", "stone", ("south",))
+        assert shape.faces == (*faces[:-1], (3, 0, 4, 7))
+
+    def test_what_is_written_reads_back(self, tmp_path):
+        text = obj_format.write(shapes(), "a wall")
+        drawing = read_drawing(kept(tmp_path, "a.obj", text))
+        for shape, (name, vertices, faces) in zip(drawing.shapes, brick_wall(), strict=True):
+            assert (shape.name, shape.layer, shape.faces) == (name, "stone", faces)
+            assert shape.vertices.tobytes() == vertices.tobytes()
+
+    @pytest.mark.parametrize(
+        ("text", "said"),
+        [
+            ("v 0 0\n", "line 1: a vertex needs three numbers"),
+            ("v 0 0 x\n", 'line 1: "x" is no number'),
+            ("v 0 0 nan\n", 'line 1: "nan" is no place'),
+            ("v 0 0 0\nf 1 2 3\n", "line 2: there is no vertex 2 up to here, only 1"),
+            ("v 0 0 0\nf 1 1\n", "line 2: a face needs three vertices"),
+            ("v 0 0 0\nf a 1 1\n", 'line 2: "a" is no whole number'),
+            ("v 0 0 0\n", "holds no faces"),
+            ("  \n", "is empty"),
+        ],
+    )
+    def test_what_is_said_of_broken_ones(self, tmp_path, text, said):
+        with pytest.raises(ModelError) as error:
+            blocks_of(kept(tmp_path, "a.obj", text))
+        assert str(error.value).startswith('"a.obj": ')
+        assert said in str(error.value)
+
+
+class TestStl:
+    def test_text_keeps_names(self, tmp_path):
+        text = stl_format.write(shapes(), "a wall")
+        made = blocks_of(kept(tmp_path, "a.stl", text))
+        assert [b.id for b in made.blocks] == [n for n, _, _ in brick_wall()]
+        assert volumes(made) == pytest.approx([0.4 * 0.15 * 0.2] * 6, rel=1e-9)
+
+    def test_binary_is_cut_into_connected_surfaces(self, tmp_path):
+        made = blocks_of(kept(tmp_path, "a.stl", binary_stl(brick_wall())))
+        assert len(made.blocks) == 6
+        # Numbers of 24 bits at seven metres: half a micrometre of 0.15 m, three sides.
+        assert volumes(made) == pytest.approx([0.4 * 0.15 * 0.2] * 6, rel=1e-5)
+        assert all(len(b.faces) == 6 for b in made.blocks)
+
+    def test_torn_ones_are_refused(self, tmp_path):
+        whole = binary_stl(brick_wall())
+        for contents, said in (
+            (whole[:-7], "says 72 triangles"),
+            (b"abc", "too short"),
+            (b"solid a\nfacet\nouter loop\nvertex 0 0\n", "three numbers"),
+            (b"solid a\nendsolid a\n" + b" " * 80, "holds no triangles"),
+        ):
+            with pytest.raises(ModelError, match=said):
+                blocks_of(kept(tmp_path, "a.stl", contents))
+
+
+def binary_stl(blocks) -> bytes:
+    triangles = [
+        (v[f[0]], v[f[k]], v[f[k + 1]]) for _, v, fs in blocks for f in fs for k in range(1, len(f) - 1)
+    ]
+    rows = b"".join(
+        struct.pack("<12fH", 0, 0, 0, *(float(x) for p in t for x in p), 0) for t in triangles
+    )
+    return b"made by a test".ljust(80) + struct.pack("<I", len(triangles)) + rows
+
+
+class TestPly:
+    def test_text_keeps_blocks_and_names(self, tmp_path):
+        made = blocks_of(kept(tmp_path, "a.ply", ply_format.write(shapes(), "a wall")))
+        assert [b.id for b in made.blocks] == [n for n, _, _ in brick_wall()]
+
+    @pytest.mark.parametrize("order", ["<", ">"])
+    def test_binary_with_other_columns(self, tmp_path, order):
+        name = {"<": "little", ">": "big"}[order]
+        vertices, faces = box((0, 0, 0), (1, 1, 2))
+        head = (
+            f"ply\nformat binary_{name}_endian 1.0\nelement vertex 8\nproperty float x\n"
+            "property float y\nproperty float z\nproperty uchar red\nelement face 6\n"
+            "property list uchar int vertex_index\nproperty float quality\nend_header\n"
+        ).encode()
+        body = b"".join(struct.pack(order + "3fB", *v, 7) for v in vertices)
+        body += b"".join(struct.pack(order + "B4if", 4, *f, 0.5) for f in faces)
+        made = blocks_of(kept(tmp_path, "a.ply", head + body))
+        assert volumes(made) == pytest.approx([2.0], rel=1e-6)
+        with pytest.raises(ModelError, match="ends in face 6"):
+            blocks_of(kept(tmp_path, "b.ply", head + body[:-5]))
+
+    def test_what_is_said_of_broken_ones(self, tmp_path):
+        for text, said in (
+            ("plx", "is no PLY file"),
+            ("ply\nformat ascii 1.0\nend_header\n", "no faces"),
+            ("ply\nformat odd 1.0\nend_header\n", 'format "odd"'),
+            ("ply\nformat ascii 1.0\nelement vertex 99999999999\nend_header\n", "torn"),
+            (
+                "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n",
+                "no x, y and z",
+            ),
+        ):
+            with pytest.raises(ModelError, match=said):
+                blocks_of(kept(tmp_path, "a.ply", text))
+
+
+def mesh_data(vertices, faces):
+    return {
+        "vertex": {str(k): dict(zip("xyz", v, strict=True)) for k, v in enumerate(vertices.tolist())},
+        "face": {str(k): list(f) for k, f in enumerate(faces)},
+    }
+
+
+class TestCompas:
+    """The layouts of several versions; the fields that matter are all that is written."""
+
+    def check(self, path, supports):
+        made = blocks_of(path)
+        assert len(made.blocks) == 6
+        assert [b.id for b in made.blocks if b.support] == supports
+        assert volumes(made) == pytest.approx([0.4 * 0.15 * 0.2] * 6, rel=1e-9)
+
+    def test_what_is_written_reads_back(self, tmp_path):
+        path = kept(tmp_path, "a.json", compas_format.write(shapes(), "a wall"))
+        self.check(path, ["c0u0", "c0u1"])
+
+    def test_blocks_beside_an_assembly_as_the_oldest(self, tmp_path):
+        data = {
+            "blocks": {str(k): mesh_data(v, f) for k, (_, v, f) in enumerate(brick_wall())},
+            "assembly": {"vertex": {"0": {"is_support": True}, "1": {"is_support": False}}},
+        }
+        self.check(kept(tmp_path, "a.json", json.dumps(data)), ["0"])
+
+    def test_elements_of_a_model_as_the_newest(self, tmp_path):
+        shift = [[1, 0, 0, 1.0], [0, 1, 0, 2.0], [0, 0, 1, 3.0], [0, 0, 0, 1]]
+        elements = [
+            {
+                "dtype": "compas_dem.elements/BlockElement",
+                "data": {
+                    "name": name,
+                    "is_support": name == "c0u0",
+                    "transformation": {
+                        "dtype": "compas.geometry/Transformation",
+                        "data": {"matrix": shift},
+                    },
+                    "geometry": {
+                        "dtype": "compas.datastructures/Mesh",
+                        "data": mesh_data(v - [1, 2, 3], f),
+                    },
+                },
+            }
+            for name, v, f in brick_wall()
+        ]
+        data = {"dtype": "compas_dem.models/BlockModel", "data": {"elements": elements}}
+        path = kept(tmp_path, "a.json", json.dumps(data))
+        self.check(path, ["c0u0"])
+        made = blocks_of(path)
+        for block, (name, vertices, _) in zip(made.blocks, brick_wall(), strict=True):
+            assert block.id == name
+            assert np.abs(block.vertices - vertices).max() < 1e-12
+
+    def test_half_edges_and_polyhedra(self, tmp_path):
+        vertices, faces = box((0, 0, 0), (1, 1, 1))
+        ahead = [
+            {str(a): str(b) for a, b in zip(f, f[1:] + f[:1], strict=True)} for f in faces
+        ]
+        old = mesh_data(vertices, faces) | {"face": dict(zip("abcdef", ahead, strict=True))}
+        solid_data = {"vertices": vertices.tolist(), "faces": [list(f) for f in faces]}
+        for data in ({"blocks": {"7": old}}, {"data": {"block": {"7": solid_data}}}):
+            made = blocks_of(kept(tmp_path, "a.json", json.dumps(data)))
+            assert [b.id for b in made.blocks] == ["7"]
+            assert volumes(made) == pytest.approx([1.0])
+
+    def test_flat_supports_are_given_a_thickness_and_other_flat_blocks_refused(self, tmp_path):
+        plate = np.array([[-1, -1, 0], [2, -1, 0], [2, 2, 0], [-1, 2, 0]], float)
+        stone = box((0, 0, 0), (1, 1, 1))
+        for held in (True, False):
+            data = {
+                "blocks": {"0": mesh_data(plate, [(0, 1, 2, 3)]), "1": mesh_data(*stone)},
+                "assembly": {"vertex": {"0": {"is_support": held}}},
+            }
+            path = kept(tmp_path, "a.json", json.dumps(data))
+            if held:
+                made = blocks_of(path)
+                low = made.blocks[0].vertices
+                assert (low[:, 2].min(), low[:, 2].max()) == pytest.approx((-0.3, 0.0))
+                assert made.mended[0].how_much == pytest.approx(0.3)  # a tenth of 3 m
+            else:
+                with pytest.raises(ModelError, match='"0": it is flat'):
+                    blocks_of(path)
+
+    @pytest.mark.parametrize(
+        ("text", "said"),
+        [
+            ("{", "line 1, column 2: not valid JSON"),
+            ("[" * 10000, "no JSON that an assembly has|not valid JSON"),
+            ("{}", "holds no meshes"),
+            ('{"blocks": {"0": {"vertex": {"0": {"x": 1}}, "face": {"0": [0]}}}}', "finite x, y"),
+            (
+                '{"blocks": {"0": {"vertex": {"0": {"x": 1, "y": 0, "z": 0}}, "face": {"0": [5]}}}}',
+                "names vertex 5",
+            ),
+        ],
+    )
+    def test_what_is_said_of_broken_ones(self, tmp_path, text, said):
+        with pytest.raises(ModelError, match=said):
+            blocks_of(kept(tmp_path, "a.json", text))
+
+
+BODIES = """\
+! File BODIES
+
+$bodies
+ RBDY2      1
+$blmty
+ PLAIN      1  behav  TDURx  avrd= 0.1000000D+01  gyrd= 0.0000000D+00
+$nodty
+ NO3xx      1                coo1= 0.1000000D+01  coo2= 0.2000000D+01  coo3= 0.0000000D+00
+$tacty
+ POLYG      1  color  BLEUx  nb_vertex=      4
+                             coo1=-0.5000000D+00  coo2=-0.5000000D+00
+                             coo1= 0.5000000D+00  coo2=-0.5000000D+00
+                             coo1= 0.5000000D+00  coo2= 0.5000000D+00
+                             coo1=-0.5000000D+00  coo2= 0.5000000D+00
+$$$$$$
+"""
+
+
+def bodies_3d(blocks) -> str:
+    lines = ["! File BODIES", ""]
+    for k, (_, vertices, faces) in enumerate(blocks, 1):
+        middle = vertices.mean(axis=0)
+        cut = [(f[0], f[i], f[i + 1]) for f in faces for i in range(1, len(f) - 1)]
+        number = lambda x: f"{x: .14E}".replace("E", "D")  # noqa: E731
+        lines += ["$bodies", f" RBDY3      {k}", "$blmty"]
+        lines += [" PLAIN      1  behav  STONE  avrd= 0.0D+00", "$nodty"]
+        lines += [" NO6xx      1   " + "".join(f"coo{i}={number(x)}  " for i, x in enumerate(middle, 1))]
+        lines += ["     " + "".join(f"coo{i}={number(0.0)}  " for i in (4, 5, 6)), "$tacty"]
+        lines += [f" POLYR      1  color  REDxx  nb_vertex={len(vertices)}  nb_faces={len(cut)}"]
+        lines += [
+            "   " + "".join(f"coo{i}={number(x)}  " for i, x in enumerate(v - middle, 1))
+            for v in vertices
+        ]
+        lines += ["   " + "".join(f"ver{i}={j + 1}  " for i, j in enumerate(f, 1)) for f in cut]
+        lines += ["$$$$$$"]
+    return "\n".join(lines) + "\n"
+
+
+class TestBodies:
+    def test_a_polygon(self, tmp_path):
+        (tmp_path / "DRV_DOF.DAT").write_text("$bdyty\n RBDY2  1\n$dofty\n vlocy 1 CT= 0.0\n$$$$$$\n")
+        path = kept(tmp_path, "BODIES.DAT", BODIES)
+        made = imported(ImportSettings(file=path), lambda layer: (layer, 2e4), 2)
+        (block,) = made.blocks
+        assert (block.id, block.material, block.groups) == ("rbdy21", "TDURx", ("TDURx", "BLEUx"))
+        assert block.support
+        assert block.vertices.tolist() == [[0.5, 1.5], [1.5, 1.5], [1.5, 2.5], [0.5, 2.5]]
+
+    def test_polyhedra(self, tmp_path):
+        path = kept(tmp_path, "BODIES.DAT", bodies_3d(brick_wall()))
+        made = imported(ImportSettings(file=path), lambda layer: (layer, 2e4))
+        assert volumes(made) == pytest.approx([0.4 * 0.15 * 0.2] * 6, rel=1e-9)
+        assert all(len(b.faces) == 6 for b in made.blocks)
+
+    @pytest.mark.parametrize(
+        ("old", "new", "said"),
+        [
+            ("$$$$$$", "", "has no end"),
+            ("nb_vertex=      4", "nb_vertex=      5", "says 5 vertices"),
+            ("RBDY2      1", "RBDY2      x", "no whole number"),
+            ("POLYG      1", "DISKx      1", "holds no polygons"),
+            ("RBDY2      1", "MAILx      1", "meshed bodies"),
+        ],
+    )
+    def test_what_is_said_of_broken_ones(self, tmp_path, old, new, said):
+        path = kept(tmp_path, "BODIES.DAT", BODIES.replace(old, new))
+        with pytest.raises(ModelError, match=said):
+            imported(ImportSettings(file=path), lambda layer: (layer, 2e4))
+
+
+class TestSettings:
+    """Units, axes, place, supports: what the file does not say is asked for."""
+
+    @pytest.fixture
+    def path(self, tmp_path):
+        return kept(tmp_path, "a.obj", obj_text(brick_wall()))
+
+    def test_unit_and_up_are_asked_for(self, path):
+        with pytest.raises(ModelError, match="unit is missing"):
+            blocks_of(path, unit=None)
+        with pytest.raises(ModelError, match="up is missing"):
+            blocks_of(path, up=None)
+
+    @pytest.mark.parametrize(("unit", "metres"), [("mm", 1e-3), ("cm", 1e-2), ("ft", 0.3048)])
+    def test_units(self, path, unit, metres):
+        assert sum(volumes(blocks_of(path, unit=unit))) == pytest.approx(
+            0.072 * metres**3, rel=1e-9
+        )
+
+    def test_y_up_becomes_z_up(self, tmp_path):
+        vertices, faces = box((0, 0, 0), (1, 2, 3))
+        path = kept(tmp_path, "a.obj", obj_text([("a", vertices, faces)]))
+        made = blocks_of(path, up="y")
+        (block,) = made.blocks
+        assert np.ptp(block.vertices, axis=0).tolist() == [1.0, 3.0, 2.0]
+        assert volumes(made) == pytest.approx([6.0])
+        assert "y pointed up" in made.notes[0]
+
+    def test_rotation_and_then_origin(self, path):
+        plain, turned = blocks_of(path), blocks_of(path, rotation=(90.0,), origin=(1.0, 2.0, 3.0))
+        for a, b in zip(plain.blocks, turned.blocks, strict=True):
+            x, y, z = a.vertices.T
+            assert np.array_equal(b.vertices, np.column_stack((-y, x, z)) + [1.0, 2.0, 3.0])
+        about_x = blocks_of(path, rotation=(90.0, 0.0, 90.0))
+        x, y, z = plain.blocks[0].vertices.T
+        assert np.array_equal(about_x.blocks[0].vertices, np.column_stack((z, x, y)))
+
+    def test_supports_by_name_group_layer_and_height(self, tmp_path, path):
+        names = [n for n, _, _ in brick_wall()]
+        held = lambda made: [b.id for b in made.blocks if b.support]  # noqa: E731
+        assert held(blocks_of(path, support=("c0*",))) == names[:2]
+        assert held(blocks_of(path, support=("c?u1",))) == names[1::2]
+        assert held(blocks_of(path, support_below=0.1)) == names[:2]
+        assert held(blocks_of(path, support_below=0.21)) == names[:4]
+        with pytest.raises(ModelError, match='no block, group or layer "c9"'):
+            blocks_of(path, support=("c9",))
+        with pytest.raises(ModelError, match="no block reaches below -1 m"):
+            blocks_of(path, support_below=-1.0)
+        text = obj_text(brick_wall()).replace("o c1u0", "o c1u0\nusemtl Support")
+        text = text.replace("o c1u1", "o c1u1\nusemtl stone")  # a material holds until the next
+        assert held(blocks_of(kept(tmp_path, "b.obj", text))) == ["c1u0"]
+
+    def test_names_and_groups(self, path):
+        made = blocks_of(path, name="south", group="walls")
+        assert made.blocks[0].id == "south/c0u0"
+        assert made.blocks[0].groups == ("walls",)
+
+    def test_formats_and_files_that_are_not_there(self, tmp_path, path):
+        for file, settings, said in (
+            (tmp_path / "none.obj", {}, "there is no such file"),
+            (tmp_path, {"format": "obj"}, "is a folder"),
+            (path.with_suffix(".xyz"), {}, 'ending ".xyz" means no format'),
+            (path, {"format": "objx"}, 'no format "objx": did you mean "obj"'),
+        ):
+            with pytest.raises(ModelError, match=said):
+                blocks_of(file, **settings)

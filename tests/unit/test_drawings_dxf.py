@@ -1,0 +1,229 @@
+"""DXF and IFC by their libraries, where these are installed."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drawn import box, brick_wall
+from drystone.builders.errors import ModelError
+from drystone.drawings import ImportSettings, Shape, imported
+from drystone.drawings import dxf as dxf_format
+from drystone.geometry import polygon, solid
+
+ezdxf = pytest.importorskip("ezdxf")
+
+SQUARE = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+
+
+def drawing(unit=6):
+    document = ezdxf.new("R2010", units=unit)
+    return document, document.modelspace()
+
+
+def saved(tmp_path: Path, document) -> Path:
+    path = tmp_path / "a.dxf"
+    document.saveas(path)
+    return path
+
+
+def blocks_of(path: Path, dimension=None, **settings):
+    return imported(
+        ImportSettings(file=path, **settings), lambda layer: (layer or "stone", 2e4), dimension
+    )
+
+
+class TestPlane:
+    def test_closed_polylines_by_layer(self, tmp_path):
+        document, space = drawing()
+        space.add_lwpolyline(SQUARE, close=True, dxfattribs={"layer": "brick"})
+        high = [(x, y + 1.0) for x, y in SQUARE]
+        space.add_lwpolyline([*high, high[0]], dxfattribs={"layer": "brick"})
+        low = [(x, y - 1.0) for x, y in SQUARE[::-1]]
+        space.add_polyline2d(low, close=True, dxfattribs={"layer": "Support"})
+        space.add_lwpolyline([(5, 5), (6, 6)], dxfattribs={"layer": "axes"})
+        space.add_text("a title", dxfattribs={"layer": "axes"})
+        space.add_point((0.5, 2.0), dxfattribs={"layer": "control"})
+        made = blocks_of(saved(tmp_path, document))
+        assert [(b.id, b.material, b.support) for b in made.blocks] == [
+            ("brick/1", "brick", False),
+            ("brick/2", "brick", False),
+            ("Support/3", "Support", True),
+        ]
+        assert [polygon.signed_area(b.vertices) for b in made.blocks] == [1.0, 1.0, 1.0]
+        assert made.control == (0.5, 2.0)
+        notes = "\n".join(made.notes)
+        assert '1 left out: LWPOLYLINE on layer "axes"' in notes
+        assert "TEXT" not in notes
+        assert "ran clockwise" in notes
+
+    def test_arcs_become_chords(self, tmp_path):
+        document, space = drawing()
+        # A circle of two half arcs: a bulge of 1 is half a turn.
+        space.add_lwpolyline([(1, 0, 1), (-1, 0, 1)], format="xyb", close=True)
+        (block,) = blocks_of(saved(tmp_path, document)).blocks
+        # Chords lie a thousandth of the radius inside at most: two thirds of it in the mean.
+        area = polygon.signed_area(block.vertices)
+        assert np.pi * (1.0 - 2e-3) < area < np.pi
+        assert np.hypot(*block.vertices.T) == pytest.approx(np.ones(len(block.vertices)))
+
+    def test_units_are_read_or_asked_for(self, tmp_path):
+        for number, unit, size in ((4, None, 1e-3), (1, None, 0.0254), (0, "cm", 0.01), (4, "m", 1)):
+            document, space = drawing(number)
+            space.add_lwpolyline(SQUARE, close=True)
+            made = blocks_of(saved(tmp_path, document), unit=unit)
+            assert np.ptp(made.blocks[0].vertices, axis=0) == pytest.approx([size, size])
+            assert ("by its own word" in "".join(made.notes)) == (number == 4 and unit == "m")
+        document, space = drawing(0)
+        space.add_lwpolyline(SQUARE, close=True)
+        with pytest.raises(ModelError, match="unit is missing"):
+            blocks_of(saved(tmp_path, document))
+
+    def test_references_are_followed(self, tmp_path):
+        document, space = drawing()
+        own = document.blocks.new("brick")
+        own.add_lwpolyline(SQUARE, close=True)
+        for k in range(3):
+            space.add_blockref("brick", (2.0 * k, 0.0), dxfattribs={"rotation": 90.0})
+        made = blocks_of(saved(tmp_path, document))
+        assert [round(float(b.vertices[:, 0].max()), 9) for b in made.blocks] == [0.0, 2.0, 4.0]
+
+    def test_gaps_of_a_drawing_are_closed(self, tmp_path):
+        document, space = drawing()
+        space.add_lwpolyline(SQUARE, close=True)
+        space.add_lwpolyline([(x, y + 1.003) for x, y in SQUARE], close=True)
+        made = blocks_of(saved(tmp_path, document))
+        assert made.blocks[1].vertices[:, 1].min() == made.blocks[0].vertices[:, 1].max()
+        assert max(r.how_much for r in made.mended) == pytest.approx(0.0015, rel=1e-6)
+
+    def test_what_is_no_outline_is_refused(self, tmp_path):
+        document, space = drawing()
+        space.add_lwpolyline([(0, 0), (1, 1), (1, 0), (0, 1)], close=True)
+        with pytest.raises(ModelError, match='"0/1": the outline crosses itself|no area'):
+            blocks_of(saved(tmp_path, document))
+        document, space = drawing()
+        space.add_line((0, 0), (1, 1))
+        with pytest.raises(ModelError, match='no closed polylines, only 1 LINE on layer "0"'):
+            blocks_of(saved(tmp_path, document))
+
+
+class TestSpace:
+    def test_faces_polyface_meshes_and_meshes(self, tmp_path):
+        document, space = drawing()
+        blocks = brick_wall()
+        for _, vertices, faces in blocks[:2]:
+            for face in faces:
+                space.add_3dface(vertices[list(face)].tolist(), dxfattribs={"layer": "low"})
+        for _, vertices, faces in blocks[2:4]:
+            mesh = space.add_mesh(dxfattribs={"layer": "middle"})
+            with mesh.edit_data() as data:
+                data.vertices, data.faces = vertices.tolist(), [list(f) for f in faces]
+        for _, vertices, faces in blocks[4:]:
+            space.add_polyface(dxfattribs={"layer": "high"}).append_faces(
+                [vertices[list(f)].tolist() for f in faces]
+            )
+        made = blocks_of(saved(tmp_path, document), support=("low",))
+        volumes = [solid.volume_of(b.vertices, b.faces) for b in made.blocks]
+        assert volumes == pytest.approx([0.4 * 0.15 * 0.2] * 6, rel=1e-9)
+        by_layer = [b.material for b in made.blocks]
+        assert sorted(by_layer) == ["high"] * 2 + ["low"] * 2 + ["middle"] * 2
+        assert [b.material for b in made.blocks if b.support] == ["low", "low"]
+        assert all(b.groups == (b.material,) for b in made.blocks)
+
+    def test_what_is_written_reads_back(self, tmp_path):
+        shapes = [
+            Shape(name=f"{n} / south", vertices=v, faces=tuple(f), layer="stone: a", groups=("x", n),
+                  support=n == "c0u0")
+            for n, v, f in brick_wall()
+        ]  # fmt: skip
+        text = dxf_format.write(shapes, "a wall", (1.0, 2.0, 3.0))
+        path = tmp_path / "a.dxf"
+        path.write_text(text)
+        made = blocks_of(path)
+        assert made.control == (1.0, 2.0, 3.0)
+        for block, shape in zip(made.blocks, shapes, strict=True):
+            assert (block.id, block.material, block.support) == (
+                shape.name,
+                shape.layer,
+                shape.support,
+            )
+            assert block.groups[-2:] == shape.groups
+            assert block.vertices.tobytes() == shape.vertices.tobytes()
+
+    def test_solids_are_asked_for_as_meshes(self, tmp_path):
+        document, space = drawing()
+        space.add_3dsolid()
+        with pytest.raises(ModelError, match="export them as meshes"):
+            blocks_of(saved(tmp_path, document), 3)
+
+    def test_torn_files_are_refused(self, tmp_path):
+        document, space = drawing()
+        space.add_lwpolyline(SQUARE, close=True)
+        stream = io.StringIO()
+        document.write(stream)
+        for contents in ("not a drawing", stream.getvalue()[:200], "0\nSECTION\n2\nENTITIES\n"):
+            path = tmp_path / "a.dxf"
+            path.write_text(contents)
+            with pytest.raises(ModelError, match='"a.dxf": '):
+                blocks_of(path, unit="m")
+
+
+def test_ifc_elements_are_blocks(tmp_path):
+    ifcopenshell = pytest.importorskip("ifcopenshell")
+    import ifcopenshell.api.aggregate
+    import ifcopenshell.api.context
+    import ifcopenshell.api.geometry
+    import ifcopenshell.api.project
+    import ifcopenshell.api.root
+    import ifcopenshell.api.spatial
+    import ifcopenshell.api.unit
+
+    file = ifcopenshell.api.project.create_file()
+    project = ifcopenshell.api.root.create_entity(file, ifc_class="IfcProject", name="a")
+    ifcopenshell.api.unit.assign_unit(file)  # millimetres
+    model = ifcopenshell.api.context.add_context(file, context_type="Model")
+    body = ifcopenshell.api.context.add_context(
+        file, context_type="Model", context_identifier="Body", target_view="MODEL_VIEW", parent=model
+    )
+    storey = ifcopenshell.api.root.create_entity(file, ifc_class="IfcBuildingStorey", name="ground")
+    ifcopenshell.api.aggregate.assign_object(file, products=[storey], relating_object=project)
+    for name, kind, low, high in (
+        ("wall", "IfcWall", (0, 0, 0), (2, 0.3, 1)),
+        ("foot", "IfcFooting", (0, 0, -0.5), (2, 0.3, 0)),
+    ):
+        element = ifcopenshell.api.root.create_entity(file, ifc_class=kind, name=name)
+        vertices, faces = box(low, high)
+        shape = ifcopenshell.api.geometry.add_mesh_representation(
+            file, context=body, vertices=[vertices.tolist()], faces=[[list(f) for f in faces]]
+        )
+        ifcopenshell.api.geometry.assign_representation(file, product=element, representation=shape)
+        ifcopenshell.api.spatial.assign_container(
+            file, products=[element], relating_structure=storey
+        )
+    path = tmp_path / "a.ifc"
+    file.write(str(path))
+    made = blocks_of(path)
+    found = {b.id: (round(solid.volume_of(b.vertices, b.faces), 9), b.support) for b in made.blocks}
+    assert found == {"wall": (0.6, False), "foot": (0.3, True)}
+    assert all(b.groups == ("ground",) for b in made.blocks)
+    path.write_text("ISO-10303-21;\nnothing\n")
+    with pytest.raises(ModelError, match='"a.ifc": '):
+        blocks_of(path)
+
+
+def test_a_library_that_is_missing_is_named(tmp_path, monkeypatch):
+    import sys
+
+    path = tmp_path / "a.dxf"
+    path.write_text("0\nEOF\n")
+    monkeypatch.setitem(sys.modules, "ezdxf", None)
+    with pytest.raises(ModelError, match=r"pip install drystone\[dxf\]"):
+        blocks_of(path)
+    path = tmp_path / "a.ifc"
+    path.write_text("ISO-10303-21;")
+    monkeypatch.setitem(sys.modules, "ifcopenshell", None)
+    with pytest.raises(ModelError, match=r"pip install drystone\[ifc\]"):
+        blocks_of(path)
