@@ -153,9 +153,21 @@ class TestSpace:
             assert block.groups[-2:] == shape.groups
             assert block.vertices.tobytes() == shape.vertices.tobytes()
 
-    def test_solids_are_asked_for_as_meshes(self, tmp_path):
+    def test_solids_with_flat_faces_are_read(self, tmp_path):
+        from ezdxf.acis import api as acis
+        from ezdxf.render import forms
+
         document, space = drawing()
-        space.add_3dsolid()
+        acis.export_dxf(
+            space.add_3dsolid(dxfattribs={"layer": "stone"}), [acis.body_from_mesh(forms.cube())]
+        )
+        (block,) = blocks_of(saved(tmp_path, document)).blocks
+        assert block.material == "stone"
+        assert solid.volume_of(block.vertices, block.faces) == pytest.approx(1.0, rel=1e-9)
+
+    def test_other_solids_are_asked_for_as_meshes(self, tmp_path):
+        document, space = drawing()
+        space.add_3dsolid().sat = ["400 0 1 0", "nobody knows this"]
         with pytest.raises(ModelError, match="export them as meshes"):
             blocks_of(saved(tmp_path, document), 3)
 

@@ -60,8 +60,9 @@ def read(contents: bytes, dimension: int | None = None) -> Drawing:
             points.append((layer, tuple(entity.dxf.location)))
         elif kind == "3DFACE":
             loose.setdefault(layer, []).append(np.array([tuple(v) for v in entity.wcs_vertices()]))
-        elif (found := _mesh(entity, kind)) is not None:
-            meshes += _named(entity, layer, *found)
+        elif found := _meshes(entity, kind):
+            for mesh in found:
+                meshes += _named(entity, layer, *mesh)
         elif (outline := _outline(entity, kind)) is not None:
             outlines.append(_marked(entity, layer, len(outlines) + 1, outline))
         elif kind not in _SILENT:
@@ -187,18 +188,30 @@ def _chords(
 # --- space ------------------------------------------------------------------------------------
 
 
-def _mesh(entity: Any, kind: str) -> tuple[np.ndarray, list[tuple[int, ...]]] | None:
-    """Vertices and faces of a mesh; None of anything else."""
+_Mesh = tuple[np.ndarray, list[tuple[int, ...]]]
+
+
+def _meshes(entity: Any, kind: str) -> list[_Mesh]:
+    """Vertices and faces of a mesh, or of the bodies of a solid with flat faces."""
     if kind == "MESH":
-        vertices = np.array([tuple(v) for v in entity.vertices], dtype=np.float64)
-        return vertices.reshape(-1, 3), [tuple(map(int, face)) for face in entity.faces]
+        return [_mesh(entity)]
     if kind == "POLYLINE" and (entity.is_poly_face_mesh or entity.is_polygon_mesh):
         from ezdxf.render import MeshBuilder
 
-        built = MeshBuilder.from_polyface(entity)
-        vertices = np.array([tuple(v) for v in built.vertices], dtype=np.float64)
-        return vertices.reshape(-1, 3), [tuple(map(int, face)) for face in built.faces]
-    return None
+        return [_mesh(MeshBuilder.from_polyface(entity))]
+    if kind in ("3DSOLID", "BODY"):
+        from ezdxf.acis import api as acis
+
+        try:
+            return [_mesh(built) for body in acis.load_dxf(entity) for built in acis.mesh_from_body(body)]
+        except Exception:  # curved faces, or a version that ezdxf does not know: left out, and said
+            return []
+    return []
+
+
+def _mesh(built: Any) -> _Mesh:
+    vertices = np.array([tuple(v) for v in built.vertices], dtype=np.float64)
+    return vertices.reshape(-1, 3), [tuple(map(int, face)) for face in built.faces]
 
 
 def _components(layer: str, faces: Sequence[np.ndarray]) -> list[Shape]:

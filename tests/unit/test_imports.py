@@ -1,0 +1,236 @@
+"""[[import]] in model files, and `drystone convert` between drawings and models."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import drystone as ds
+from drawn import bent_dome, brick_wall, obj_text
+from drystone.builders import ModelError
+from drystone.cli import app
+from drystone.modelfile import read_model
+
+HEAD = """\
+dimension = 3
+[material.stone]
+unit_weight = 20e3
+[material.brick]
+unit_weight = 18e3
+[joint]
+friction_coefficient = 0.7
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+[load]
+pattern = "mass"
+direction = [0.0, 1.0, 0.0]
+"""
+IMPORT = """\
+[[import]]
+file = "wall.obj"
+unit = "m"
+up = "z"
+material = "stone"
+support = ["c0*"]
+"""
+
+
+@pytest.fixture
+def folder(tmp_path) -> Path:
+    (tmp_path / "wall.obj").write_text(obj_text(brick_wall()))
+    return tmp_path
+
+
+def read(folder: Path, text: str) -> ds.Model:
+    path = folder / "model.toml"
+    path.write_text(text)
+    return read_model(path)
+
+
+def pairs(model: ds.Model) -> dict[tuple[str, str], float]:
+    """Area of the joints between each two blocks, by their ids."""
+    found: dict[tuple[str, str], float] = {}
+    joints, ids = model.assembly.interfaces, model.assembly.ids
+    for a, b, size in zip(joints.block_a, joints.block_b, joints.size, strict=True):
+        found[ids[a], ids[b]] = found.get((ids[a], ids[b]), 0.0) + float(size)
+    return found
+
+
+class TestModelFile:
+    def test_blocks_of_a_file_beside_others(self, folder):
+        text = HEAD + IMPORT + 'name = "south"\ngroup = "wall"\n'
+        text += '[[block]]\nid = "b"\nmaterial = "brick"\nbox = [[9, 0, 0], [10, 1, 1]]\nsupport = true\n'
+        assembly = read(folder, text).assembly
+        assert assembly.ids[:2] == ("b", "south/c0u0")
+        assert assembly.n_supports == 3
+        assert len(assembly.groups["wall"]) == 6
+        assert set(assembly.weight[assembly.groups["wall"]].round(6)) == {20e3 * 0.4 * 0.15 * 0.2}
+
+    def test_layers_are_materials_of_their_names(self, folder):
+        text = obj_text(brick_wall()).replace("o c2u0", "o c2u0\nusemtl brick")
+        (folder / "wall.obj").write_text(text)
+        assembly = read(folder, HEAD + IMPORT).assembly
+        materials = {b.id: b.material for b in assembly.blocks}
+        assert [name for name, own in materials.items() if own == "brick"] == ["c2u0", "c2u1"]
+
+    def test_groups_of_patterns_hold_imported_blocks(self, folder):
+        text = HEAD + IMPORT + '[group.top]\nblocks = ["c2*"]\n'
+        text += '[joint.between."top c1u0"]\nfriction_coefficient = 0.1\n'
+        assembly = read(folder, text).assembly
+        assert len(assembly.groups["top"]) == 2
+        assert len(assembly.laws) == 2
+
+    def test_what_was_mended_is_told(self, folder):
+        rounded = [(n, np.round(v, 3), f + f) for n, v, f in bent_dome()]
+        (folder / "wall.obj").write_text(obj_text(rounded, decimals=3))
+        text = HEAD + IMPORT.replace('["c0*"]', '["r0*"]')
+        model = read(folder, text)
+        assert {record.block for record in model.mended} == {n for n, _, _ in rounded}
+        notes = "\n".join(model.notes)
+        assert 'import "wall.obj": 18 blocks had faces that stood twice: "r0b0"' in notes
+        assert model.with_joint(friction_coefficient=0.8).mended == model.mended
+
+    @pytest.mark.parametrize(
+        ("old", "new", "said"),
+        [
+            ('file = "wall.obj"\n', "", "import[1]: file is missing"),
+            ('"wall.obj"', '"wal.obj"', 'import[1] "wal.obj": there is no such file'),
+            ('unit = "m"\n', "", 'import[1] "wall.obj": unit is missing'),
+            ('unit = "m"', 'unit = "km"', 'import[1].unit: must not be "km"'),
+            ('up = "z"\n', "", 'import[1] "wall.obj": up is missing'),
+            ('"stone"\nsupport', '"stne"\nsupport', 'no material "stne": did you mean "stone"'),
+            ('material = "stone"\nsupport', "support", "material is missing"),
+            ('["c0*"]', '["d*"]', 'support: there is no block, group or layer "d*"'),
+            ('up = "z"', 'up = "z"\ntolerance = 2', "import[1].tolerance: must be at most 0.2"),
+            ('up = "z"', 'up = "z"\nrotation = [1, 2]', "one angle in degrees, or in space three"),
+            ('up = "z"', 'up = "z"\norigin = [1, 2]', "import[1].origin: must have 3 entries"),
+            ('up = "z"', 'up = "z"\nunits = 1', 'unknown key "units": did you mean "unit"'),
+        ],
+    )
+    def test_what_is_said_of_tables_that_are_wrong(self, folder, old, new, said):
+        text = HEAD + IMPORT
+        assert text.count(old) == 1
+        with pytest.raises(ModelError) as error:
+            read(folder, text.replace(old, new))
+        assert said in str(error.value)
+
+    def test_dimensions_must_be_those_of_the_model(self, folder):
+        text = HEAD.replace("dimension = 3", "dimension = 2\nthickness = 1.0")
+        text = text.replace("[0.0, 1.0, 0.0]", "[1.0, 0.0]")
+        with pytest.raises(ModelError, match="holds blocks of 3 dimensions, the model has 2"):
+            read(folder, text + IMPORT.replace('up = "z"\n', ""))
+
+    def test_plane_drawings(self, tmp_path):
+        ezdxf = pytest.importorskip("ezdxf")
+        document = ezdxf.new("R2010", units=5)
+        for k, layer in enumerate(("support", "stone", "brick")):
+            outline = [(0, 50 * k), (100, 50 * k), (100, 50 * k + 50), (0, 50 * k + 50)]
+            document.modelspace().add_lwpolyline(outline, close=True, dxfattribs={"layer": layer})
+        document.modelspace().add_point((100, 140), dxfattribs={"layer": "control"})
+        document.saveas(tmp_path / "pile.dxf")
+        text = HEAD.replace("dimension = 3", "dimension = 2\nthickness = 1.0")
+        text = text.replace("[0.0, 1.0, 0.0]", "[1.0, 0.0]")
+        model = read(tmp_path, text + '[[import]]\nfile = "pile.dxf"\nmaterial = "stone"\n')
+        assert model.assembly.ids == ("support/1", "stone/2", "brick/3")
+        assert model.assembly.fixed.tolist() == [True, False, False]
+        assert model.assembly.weight.tolist() == [10e3, 10e3, 9e3]
+        assert model.control_point.block == 2
+        assert model.control_point.point.tolist() == pytest.approx([1.0, 1.4])
+        # A square on a square: the upper one topples where its weight is 1 m wide and 0.5 m high,
+        # both together at one, all sliding at 0.7.
+        assert ds.collapse_load(model).load_multiplier == pytest.approx(0.7, rel=1e-6)
+
+
+def run(*words: object):
+    result = CliRunner().invoke(app, ["convert", *map(str, words), "--json"])
+    return result.exit_code, json.loads(result.stdout) if result.stdout else {}, result.stderr
+
+
+class TestConvert:
+    @pytest.fixture
+    def model(self, folder) -> Path:
+        path = folder / "model.toml"
+        path.write_text(HEAD + IMPORT)
+        return path
+
+    @pytest.mark.parametrize("ending", ["dxf", "obj", "json", "ply", "stl"])
+    def test_a_model_as_a_drawing_and_back(self, folder, model, ending):
+        if ending == "dxf":
+            pytest.importorskip("ezdxf")
+        file = folder / f"again.{ending}"
+        assert run(model, file)[0] == 0
+        given = [] if ending == "dxf" else ["--unit", "m"]
+        given += ["--up", "z"] * (ending in ("obj", "ply", "stl"))
+        given += ["--support", "c0*"] * (ending in ("ply", "stl"))
+        back = folder / "back.toml"
+        code, told, _ = run(file, back, *given, "--like", model, "--material", "stone")
+        assert code == 0
+        assert told["n_blocks"] == 6
+        first, again = read_model(model), read_model(back)
+        assert again.assembly.ids == first.assembly.ids
+        assert again.assembly.fixed.tolist() == first.assembly.fixed.tolist()
+        assert pairs(again) == pytest.approx(pairs(first), rel=1e-9)
+        a, b = (ds.collapse_load(m, flow="associative").load_multiplier for m in (first, again))
+        assert b == pytest.approx(a, rel=1e-6)  # of the solver
+
+    def test_three_decimals_give_the_same_joints_after_mending(self, folder, model):
+        rng = np.random.default_rng(3)
+        disturbed = brick_wall(rng, noise=4e-4, decimals=3)
+        (folder / "rounded.obj").write_text(obj_text(disturbed, decimals=3))
+        back = folder / "back.toml"
+        given = ("--unit", "m", "--up", "z", "--support", "c0*", "--like", model)
+        code, told, _ = run(folder / "rounded.obj", back, *given, "--material", "stone")
+        assert code == 0
+        first, again = read_model(model), read_model(back)
+        # Up to 0.9 mm at either end of 0.15 m.
+        assert pairs(again) == pytest.approx(pairs(first), rel=0.012)
+        a, b = (ds.collapse_load(m, flow="associative").load_multiplier for m in (first, again))
+        assert b == pytest.approx(a, abs=3e-3)  # 0.25, with a thickness of 0.15 m less 0.9 mm twice
+        with open(folder / "back.mended.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        assert len(rows) == len(told["mended"]) > 0
+        assert max(float(row["how_much_m"]) for row in rows) < 1e-3
+
+    def test_what_a_drawing_does_not_say_is_left_to_fill_in(self, folder):
+        back = folder / "back.toml"
+        code, told, _ = run(folder / "wall.obj", back, "--unit", "m", "--up", "z")
+        assert code == 0
+        assert "does not say [material], [joint], [load]" in told["notes"][-1]
+        marked = back.read_text().splitlines()
+        start = len(marked) - 1 - marked[::-1].index(
+            "# What no drawing says: put in your numbers and take the marks off."
+        )
+        filled = [
+            line.removeprefix("# ") if k > start else line for k, line in enumerate(marked)
+        ]
+        back.write_text("\n".join([*filled, '[group.foot]\nblocks = ["c0*"]\nsupport = true']))
+        assert read_model(back).assembly.n_blocks == 4
+
+    @pytest.mark.parametrize(
+        ("words", "said"),
+        [
+            (("wall.obj", "out.toml", "--up", "z"), "unit is missing"),
+            (("wall.obj", "out.toml", "--unit", "km", "--up", "z"), "--unit: must be one of m, cm"),
+            (("wall.obj", "out.dxf", "--unit", "m"), "make a model of it first"),
+            (("none.obj", "out.toml", "--unit", "m", "--up", "z"), "there is no such file"),
+            (("wall.obj", "out.toml", "--from", "xyz"), 'nothing to read from "xyz"'),
+            (("model.toml", "out.obj", "--unit", "m"), "--unit: is for drawings"),
+            (("wall.obj", "out.toml", "--like", "none.toml"), "none.toml: there is no such file"),
+        ],
+    )
+    def test_what_is_said_of_commands_that_are_wrong(self, folder, model, words, said):
+        words = [str(folder / w) if "." in w else w for w in words]
+        result = CliRunner().invoke(app, ["convert", *words])
+        assert result.exit_code == 2
+        assert said in result.stderr
+        assert not (folder / "out.toml").exists()
+
+    def test_models_between_their_own_formats(self, folder, model):
+        assert run(model, folder / "plain.toml")[0] == 0
+        assert run(folder / "plain.toml", folder / "same.json", "--to", "model")[0] in (0, 2)
+        assert pairs(read_model(folder / "plain.toml")) == pairs(read_model(model))
