@@ -1,4 +1,4 @@
-"""Files of drawing and modelling programs: what is read of them, and what is said of broken ones."""
+"""Files of modelling programs: what is read of them, and what is said of broken ones."""
 
 from __future__ import annotations
 
@@ -27,7 +27,9 @@ def kept(tmp_path: Path, name: str, contents: str | bytes) -> Path:
 
 def blocks_of(path: Path, **settings):
     given = {"unit": "m", **({"up": "z"} if path.suffix not in (".dxf", ".json") else {})}
-    return imported(ImportSettings(file=path, **{**given, **settings}), lambda layer: ("stone", 2e4))
+    return imported(
+        ImportSettings(file=path, **{**given, **settings}), lambda layer: ("stone", 2e4)
+    )
 
 
 def volumes(made):
@@ -123,7 +125,10 @@ class TestStl:
 
 def binary_stl(blocks) -> bytes:
     triangles = [
-        (v[f[0]], v[f[k]], v[f[k + 1]]) for _, v, fs in blocks for f in fs for k in range(1, len(f) - 1)
+        (v[f[0]], v[f[k]], v[f[k + 1]])
+        for _, v, fs in blocks
+        for f in fs
+        for k in range(1, len(f) - 1)
     ]
     rows = b"".join(
         struct.pack("<12fH", 0, 0, 0, *(float(x) for p in t for x in p), 0) for t in triangles
@@ -169,7 +174,9 @@ class TestPly:
 
 def mesh_data(vertices, faces):
     return {
-        "vertex": {str(k): dict(zip("xyz", v, strict=True)) for k, v in enumerate(vertices.tolist())},
+        "vertex": {
+            str(k): dict(zip("xyz", v, strict=True)) for k, v in enumerate(vertices.tolist())
+        },
         "face": {str(k): list(f) for k, f in enumerate(faces)},
     }
 
@@ -224,9 +231,7 @@ class TestCompas:
 
     def test_half_edges_and_polyhedra(self, tmp_path):
         vertices, faces = box((0, 0, 0), (1, 1, 1))
-        ahead = [
-            {str(a): str(b) for a, b in zip(f, f[1:] + f[:1], strict=True)} for f in faces
-        ]
+        ahead = [{str(a): str(b) for a, b in zip(f, f[1:] + f[:1], strict=True)} for f in faces]
         old = mesh_data(vertices, faces) | {"face": dict(zip("abcdef", ahead, strict=True))}
         solid_data = {"vertices": vertices.tolist(), "faces": [list(f) for f in faces]}
         for data in ({"blocks": {"7": old}}, {"data": {"block": {"7": solid_data}}}):
@@ -260,7 +265,8 @@ class TestCompas:
             ("{}", "holds no meshes"),
             ('{"blocks": {"0": {"vertex": {"0": {"x": 1}}, "face": {"0": [0]}}}}', "finite x, y"),
             (
-                '{"blocks": {"0": {"vertex": {"0": {"x": 1, "y": 0, "z": 0}}, "face": {"0": [5]}}}}',
+                '{"blocks": {"0": {"vertex": {"0": {"x": 1, "y": 0, "z": 0}}, "face": {"0": [5]}'
+                "}}}",
                 "names vertex 5",
             ),
         ],
@@ -297,7 +303,9 @@ def bodies_3d(blocks) -> str:
         number = lambda x: f"{x: .14E}".replace("E", "D")  # noqa: E731
         lines += ["$bodies", f" RBDY3      {k}", "$blmty"]
         lines += [" PLAIN      1  behav  STONE  avrd= 0.0D+00", "$nodty"]
-        lines += [" NO6xx      1   " + "".join(f"coo{i}={number(x)}  " for i, x in enumerate(middle, 1))]
+        lines += [
+            " NO6xx      1   " + "".join(f"coo{i}={number(x)}  " for i, x in enumerate(middle, 1))
+        ]
         lines += ["     " + "".join(f"coo{i}={number(0.0)}  " for i in (4, 5, 6)), "$tacty"]
         lines += [f" POLYR      1  color  REDxx  nb_vertex={len(vertices)}  nb_faces={len(cut)}"]
         lines += [
@@ -311,7 +319,9 @@ def bodies_3d(blocks) -> str:
 
 class TestBodies:
     def test_a_polygon(self, tmp_path):
-        (tmp_path / "DRV_DOF.DAT").write_text("$bdyty\n RBDY2  1\n$dofty\n vlocy 1 CT= 0.0\n$$$$$$\n")
+        (tmp_path / "DRV_DOF.DAT").write_text(
+            "$bdyty\n RBDY2  1\n$dofty\n vlocy 1 CT= 0.0\n$$$$$$\n"
+        )
         path = kept(tmp_path, "BODIES.DAT", BODIES)
         made = imported(ImportSettings(file=path), lambda layer: (layer, 2e4), 2)
         (block,) = made.blocks

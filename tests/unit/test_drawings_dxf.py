@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import io
 from pathlib import Path
 
@@ -71,7 +72,12 @@ class TestPlane:
         assert np.hypot(*block.vertices.T) == pytest.approx(np.ones(len(block.vertices)))
 
     def test_units_are_read_or_asked_for(self, tmp_path):
-        for number, unit, size in ((4, None, 1e-3), (1, None, 0.0254), (0, "cm", 0.01), (4, "m", 1)):
+        for number, unit, size in (
+            (4, None, 1e-3),
+            (1, None, 0.0254),
+            (0, "cm", 0.01),
+            (4, "m", 1),
+        ):
             document, space = drawing(number)
             space.add_lwpolyline(SQUARE, close=True)
             made = blocks_of(saved(tmp_path, document), unit=unit)
@@ -102,7 +108,7 @@ class TestPlane:
     def test_what_is_no_outline_is_refused(self, tmp_path):
         document, space = drawing()
         space.add_lwpolyline([(0, 0), (1, 1), (1, 0), (0, 1)], close=True)
-        with pytest.raises(ModelError, match='"0/1": the outline crosses itself|no area'):
+        with pytest.raises(ModelError, match=r'"0/1": .*(crosses itself|no area)'):
             blocks_of(saved(tmp_path, document))
         document, space = drawing()
         space.add_line((0, 0), (1, 1))
@@ -135,8 +141,8 @@ class TestSpace:
 
     def test_what_is_written_reads_back(self, tmp_path):
         shapes = [
-            Shape(name=f"{n} / south", vertices=v, faces=tuple(f), layer="stone: a", groups=("x", n),
-                  support=n == "c0u0")
+            Shape(name=f"{n} / south", vertices=v, faces=tuple(f), layer="stone: a",
+                  groups=("x", n), support=n == "c0u0")
             for n, v, f in brick_wall()
         ]  # fmt: skip
         text = dxf_format.write(shapes, "a wall", (1.0, 2.0, 3.0))
@@ -179,26 +185,24 @@ class TestSpace:
         for contents in ("not a drawing", stream.getvalue()[:200], "0\nSECTION\n2\nENTITIES\n"):
             path = tmp_path / "a.dxf"
             path.write_text(contents)
-            with pytest.raises(ModelError, match='"a.dxf": '):
+            with pytest.raises(ModelError, match=r'"a\.dxf": '):
                 blocks_of(path, unit="m")
 
 
 def test_ifc_elements_are_blocks(tmp_path):
     ifcopenshell = pytest.importorskip("ifcopenshell")
-    import ifcopenshell.api.aggregate
-    import ifcopenshell.api.context
-    import ifcopenshell.api.geometry
-    import ifcopenshell.api.project
-    import ifcopenshell.api.root
-    import ifcopenshell.api.spatial
-    import ifcopenshell.api.unit
-
+    for part in ("aggregate", "context", "geometry", "project", "root", "spatial", "unit"):
+        importlib.import_module(f"ifcopenshell.api.{part}")
     file = ifcopenshell.api.project.create_file()
     project = ifcopenshell.api.root.create_entity(file, ifc_class="IfcProject", name="a")
     ifcopenshell.api.unit.assign_unit(file)  # millimetres
     model = ifcopenshell.api.context.add_context(file, context_type="Model")
     body = ifcopenshell.api.context.add_context(
-        file, context_type="Model", context_identifier="Body", target_view="MODEL_VIEW", parent=model
+        file,
+        context_type="Model",
+        context_identifier="Body",
+        target_view="MODEL_VIEW",
+        parent=model,
     )
     storey = ifcopenshell.api.root.create_entity(file, ifc_class="IfcBuildingStorey", name="ground")
     ifcopenshell.api.aggregate.assign_object(file, products=[storey], relating_object=project)
@@ -222,7 +226,7 @@ def test_ifc_elements_are_blocks(tmp_path):
     assert found == {"wall": (0.6, False), "foot": (0.3, True)}
     assert all(b.groups == ("ground",) for b in made.blocks)
     path.write_text("ISO-10303-21;\nnothing\n")
-    with pytest.raises(ModelError, match='"a.ifc": '):
+    with pytest.raises(ModelError, match=r'"a\.ifc": '):
         blocks_of(path)
 
 

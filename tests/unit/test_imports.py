@@ -64,7 +64,8 @@ def pairs(model: ds.Model) -> dict[tuple[str, str], float]:
 class TestModelFile:
     def test_blocks_of_a_file_beside_others(self, folder):
         text = HEAD + IMPORT + 'name = "south"\ngroup = "wall"\n'
-        text += '[[block]]\nid = "b"\nmaterial = "brick"\nbox = [[9, 0, 0], [10, 1, 1]]\nsupport = true\n'
+        text += '[[block]]\nid = "b"\nmaterial = "brick"\nsupport = true\n'
+        text += "box = [[9, 0, 0], [10, 1, 1]]\n"
         assembly = read(folder, text).assembly
         assert assembly.ids[:2] == ("b", "south/c0u0")
         assert assembly.n_supports == 3
@@ -202,12 +203,14 @@ class TestConvert:
         assert code == 0
         assert "does not say [material], [joint], [load]" in told["notes"][-1]
         marked = back.read_text().splitlines()
-        start = len(marked) - 1 - marked[::-1].index(
-            "# What no drawing says: put in your numbers and take the marks off."
+        start = (
+            len(marked)
+            - 1
+            - marked[::-1].index(
+                "# What no drawing says: put in your numbers and take the marks off."
+            )
         )
-        filled = [
-            line.removeprefix("# ") if k > start else line for k, line in enumerate(marked)
-        ]
+        filled = [line.removeprefix("# ") if k > start else line for k, line in enumerate(marked)]
         back.write_text("\n".join([*filled, '[group.foot]\nblocks = ["c0*"]\nsupport = true']))
         assert read_model(back).assembly.n_blocks == 4
 

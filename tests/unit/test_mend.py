@@ -100,7 +100,9 @@ class TestOneSolid:
         (name, vertices, faces), *_ = bent_dome(rings=1)
         (made,), records = mended_solids(drawn([(name, vertices, faces)]), 0.02)
         assert sorted(map(len, made.faces)) == [4] * 10
-        assert [(r.what, r.count) for r in records] == [("had faces that were not flat and were cut", 2)]
+        assert [(r.what, r.count) for r in records] == [
+            ("had faces that were not flat and were cut", 2)
+        ]
 
     def test_rounded_faces_are_made_flat_by_no_more_than_the_rounding_asks(self):
         rng = np.random.default_rng(1)
@@ -241,7 +243,16 @@ class TestPieces:
     def test_flat_pieces_are_as_few_as_may_be(self):
         # A strip that is bent twice.
         vertices = np.array(
-            [[0, 0, 0], [1, 0, 0], [2, 0, 1], [3, 0, 1], [3, 1, 1], [2, 1, 1], [1, 1, 0], [0, 1, 0]],
+            [
+                [0, 0, 0],
+                [1, 0, 0],
+                [2, 0, 1],
+                [3, 0, 1],
+                [3, 1, 1],
+                [2, 1, 1],
+                [1, 1, 0],
+                [0, 1, 0],
+            ],
             float,
         )
         pieces = flat_pieces(vertices, tuple(range(8)), 1e-6)

@@ -203,7 +203,11 @@ def _meshes(entity: Any, kind: str) -> list[_Mesh]:
         from ezdxf.acis import api as acis
 
         try:
-            return [_mesh(built) for body in acis.load_dxf(entity) for built in acis.mesh_from_body(body)]
+            return [
+                _mesh(built)
+                for body in acis.load_dxf(entity)
+                for built in acis.mesh_from_body(body)
+            ]
         except Exception:  # curved faces, or a version that ezdxf does not know: left out, and said
             return []
     return []
