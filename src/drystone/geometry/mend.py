@@ -27,6 +27,7 @@ from drystone.geometry.meshes import (
     shells,
     shortest_edge,
     stitched,
+    unevenness,
     welded,
 )
 from drystone.geometry.neighbours import meeting_faces, vertices_in_faces
@@ -185,14 +186,19 @@ def _piece(mesh: Mesh, name: str, source: int, tolerance: float, records: list[M
     mesh, count = oriented(mesh)
     note("had faces that ran clockwise and were turned round", count)
     near = tolerance * shortest_edge(mesh)
-    pieces = [flat_pieces(mesh.vertices, face, near) for face in mesh.faces]
+    pieces = [
+        [face] if off <= near else flat_pieces(mesh.vertices, face, near)
+        for face, off in zip(mesh.faces, unevenness(mesh).tolist(), strict=True)
+    ]
     note("had faces that were not flat and were cut", sum(len(p) > 1 for p in pieces))
     mesh = Mesh(mesh.vertices, tuple(piece for own in pieces for piece in own))
     within = max(ONE_FACE * near, ROUNDING * size)
     mesh, label, n_faces, n_vertices = united(mesh, plane_labels(mesh, within), within)
     note("had faces in one plane that were made one", n_faces)
     note("had vertices amid edges or faces, which were left out", n_vertices)
-    uneven = max(off_plane(mesh.vertices[list(face)]) for face in mesh.faces)
+    off = zip(mesh.faces, unevenness(mesh).tolist(), strict=True)
+    rough = [face for face, by in off if by > ROUNDING * size]
+    uneven = max((off_plane(mesh.vertices[list(face)]) for face in rough), default=0.0)
     if uneven > ROUNDING * size:
         records.append(
             Mended(
@@ -229,7 +235,7 @@ class _Planes:
             return int(self.first_plane[k] + pieces[k].label[face])
 
         meeting = meeting_faces(meshes, near) if tolerance > 0.0 else []
-        lying = vertices_in_faces(meshes, near) if tolerance > 0.0 else []
+        lying = vertices_in_faces(meshes, near, meeting) if tolerance > 0.0 else []
         #: Pieces and planes of faces that lie on each other, (n, 4).
         self.joints = np.array(
             [(a, b, plane_of(a, p), plane_of(b, q)) for a, p, b, q in meeting], np.int64

@@ -175,12 +175,35 @@ def shells(mesh: Mesh) -> list[Mesh]:
 
 def face_normals(mesh: Mesh) -> Array:
     """Newell's normals of the faces, as long as twice their areas, (n_faces, 3) [m2]."""
-    found = np.zeros((len(mesh.faces), 3))
-    for k, face in enumerate(mesh.faces):
-        p = mesh.vertices[list(face)]
-        p = p - p[0]
-        found[k] = np.cross(p, np.roll(p, -1, axis=0)).sum(axis=0)
-    return found
+    first, rows, following = _packed(mesh.faces)
+    count = np.diff(np.append(first, len(rows)))
+    arm = mesh.vertices[rows] - np.repeat(mesh.vertices[rows[first]], count, axis=0)
+    ahead = mesh.vertices[following] - np.repeat(mesh.vertices[rows[first]], count, axis=0)
+    return np.asarray(np.add.reduceat(np.cross(arm, ahead), first))
+
+
+def unevenness(mesh: Mesh) -> Array:
+    """How far a vertex of each face is off its plane by Newell's normal, at most, (n_faces,) [m]:
+    a bound of what it is off the plane that fits best."""
+    first, rows, _ = _packed(mesh.faces)
+    count = np.diff(np.append(first, len(rows)))
+    normal = face_normals(mesh)
+    length = np.linalg.norm(normal, axis=1)
+    normal /= np.where(length > 0.0, length, 1.0)[:, None]
+    points = mesh.vertices[rows]
+    middle = np.add.reduceat(points, first) / count[:, None]
+    off = np.sum((points - np.repeat(middle, count, axis=0)) * np.repeat(normal, count, axis=0), 1)
+    return np.maximum.reduceat(np.where(np.repeat(length, count) > 0.0, np.abs(off), np.inf), first)
+
+
+def _packed(faces: Faces) -> tuple[IntArray, IntArray, IntArray]:
+    """Where each face begins; rows of all its vertices, and of those that follow them."""
+    count = np.array([len(face) for face in faces])
+    end = np.cumsum(count)
+    rows = np.array([i for face in faces for i in face], np.int64)
+    after = np.arange(1, len(rows) + 1)
+    after[end - 1] = end - count
+    return end - count, rows, rows[after]
 
 
 def _pairs_around(

@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 #: Width of what two faces share, over the distance by which they may be apart, from which on they
 #: were meant to lie on each other: less is where two planes of one neighbour meet.
 WIDE = 4.0
+#: Cosine of the angle between planes up to which a vertex of one is not put into the other.
+ALONG = 0.87
 
 
 def meeting_faces(meshes: Sequence[Mesh], near: Array) -> list[tuple[int, int, int, int]]:
@@ -38,8 +40,7 @@ def meeting_faces(meshes: Sequence[Mesh], near: Array) -> list[tuple[int, int, i
         around = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1).sum()
         if 4.0 * joints.size[k] < WIDE * allowed * around:
             continue
-        on_q = packed.vertices[packed.rows[packed.face_offset[q]]]
-        gap = (corners - on_q) @ packed.normals[q]
+        gap = (corners - packed.discs[q, :3]) @ packed.normals[q]
         if float(np.abs(gap).max()) <= allowed:
             found.add((a, owner[p], b, owner[q]))
     return sorted(found)
@@ -66,35 +67,69 @@ def _packed(meshes: Sequence[Mesh]) -> tuple[Polyhedra, list[int]]:
     return Polyhedra.pack(blocks), owner
 
 
-def vertices_in_faces(meshes: Sequence[Mesh], near: Array) -> list[tuple[int, int, int, int]]:
+def vertices_in_faces(
+    meshes: Sequence[Mesh], near: Array, meeting: Sequence[tuple[int, int, int, int]] = ()
+) -> list[tuple[int, int, int, int]]:
     """Vertices of solids a that lie in faces of solids b: (a, vertex, b, face) each.
 
     Within ``near`` (n,) [m] of the solid that allows less, off the plane and beside the face.
+    Those of faces that are known to be ``meeting``, as `meeting_faces` has them, are left out.
     """
     from drystone.geometry.broad import candidate_pairs
 
     low = np.array([mesh.vertices.min(axis=0) for mesh in meshes]) - near[:, None]
     high = np.array([mesh.vertices.max(axis=0) for mesh in meshes]) + near[:, None]
-    normals, offsets = [], []
-    for mesh in meshes:
-        normal = face_normals(mesh)
-        normal /= np.linalg.norm(normal, axis=1)[:, None]
-        middle = np.array([mesh.vertices[list(face)].mean(axis=0) for face in mesh.faces])
-        normals.append(normal)
-        offsets.append(np.sum(normal * middle, axis=1))
+    known: dict[tuple[int, int], set[tuple[int, int]]] = {}
+    for a, p, b, q in meeting:
+        known.setdefault((a, b), set()).update((i, q) for i in meshes[a].faces[p])
+        known.setdefault((b, a), set()).update((i, p) for i in meshes[b].faces[q])
+    sides = [_Sides(mesh) for mesh in meshes]
     found = []
     for p, q in zip(*(rows.tolist() for rows in candidate_pairs(low, high)), strict=True):
         allowed = float(min(near[p], near[q]))
         for a, b in ((p, q), (q, p)):
             points = meshes[a].vertices
-            inside = np.all((points >= low[b]) & (points <= high[b]), axis=1)
-            rows = np.flatnonzero(inside)
-            height = points[rows] @ normals[b].T - offsets[b]
-            for i, face in np.argwhere(np.abs(height) <= allowed).tolist():
+            rows = np.flatnonzero(np.all((points >= low[b]) & (points <= high[b]), axis=1))
+            if not len(rows):
+                continue
+            done = known.get((a, b), set())
+            for i, face in sides[b].near(points[rows], allowed):
+                row = int(rows[i])
+                if (row, face) in done or sides[a].faces_along(row, sides[b].normal[face]):
+                    continue
                 loop = meshes[b].vertices[list(meshes[b].faces[face])]
-                if _beside(points[rows[i]], loop, normals[b][face]) <= allowed:
-                    found.append((a, int(rows[i]), b, face))
+                if _beside(points[row], loop, sides[b].normal[face]) <= allowed:
+                    found.append((a, row, b, face))
     return found
+
+
+class _Sides:
+    """Planes and boxes of a solid's faces."""
+
+    def __init__(self, mesh: Mesh) -> None:
+        normal = face_normals(mesh)
+        self.normal = normal / np.linalg.norm(normal, axis=1)[:, None]
+        loops = [mesh.vertices[list(face)] for face in mesh.faces]
+        self.low = np.array([loop.min(axis=0) for loop in loops])
+        self.high = np.array([loop.max(axis=0) for loop in loops])
+        middle = np.array([loop.mean(axis=0) for loop in loops])
+        self.offset = np.sum(self.normal * middle, axis=1)
+        self._around: dict[int, list[int]] = {}
+        for k, face in enumerate(mesh.faces):
+            for i in face:
+                self._around.setdefault(i, []).append(k)
+
+    def faces_along(self, vertex: int, normal: Array) -> bool:
+        """Whether a face at a vertex has that normal or its opposite, about: it goes on beside
+        the other one, or does not lie on it widely enough to be a joint."""
+        return bool(np.abs(self.normal[self._around[vertex]] @ normal).max() > ALONG)
+
+    def near(self, points: Array, allowed: float) -> list[list[int]]:
+        """Pairs of points and faces that lie within a distance [m] of planes and boxes."""
+        hit = np.abs(points @ self.normal.T - self.offset) <= allowed
+        hit &= np.all(points[:, None] >= self.low - allowed, axis=2)
+        hit &= np.all(points[:, None] <= self.high + allowed, axis=2)
+        return np.argwhere(hit).tolist()
 
 
 def _beside(point: Array, loop: Array, normal: Array) -> float:

@@ -61,20 +61,19 @@ class Fit:
 
 def fitted_planes(vertices: Array, incidences: Incidences) -> Fit:
     """The planes that fit best, one by one."""
-    start = incidences.start
-    normals, middles, reaches = [], [], []
-    off = np.zeros(len(incidences.vertex))
-    for first, last in zip(start[:-1].tolist(), start[1:].tolist(), strict=True):
-        points = vertices[incidences.vertex[first:last]]
-        middle = points.mean(axis=0)
-        arm = points - middle
-        normal = np.linalg.svd(arm, full_matrices=False)[2][2]
-        off[first:last] = arm @ normal
-        normals.append(normal)
-        middles.append(middle)
-        reaches.append(float(np.linalg.norm(arm, axis=1).max()))
+    if not len(incidences.vertex):
+        return Fit(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0))
+    start, plane = incidences.start, incidences.plane
+    points = vertices[incidences.vertex]
+    middle = np.add.reduceat(points, start[:-1]) / np.diff(start)[:, None]
+    arm = points - middle[plane]
+    spread = np.add.reduceat(arm[:, :, None] * arm[:, None, :], start[:-1])
+    normal = np.linalg.eigh(spread)[1][:, :, 0]  # of least spread
     return Fit(
-        np.array(normals).reshape(-1, 3), np.array(middles).reshape(-1, 3), np.array(reaches), off
+        normal=normal,
+        middle=middle,
+        reach=np.maximum.reduceat(np.linalg.norm(arm, axis=1), start[:-1]),
+        off=np.sum(arm * normal[plane], axis=1),
     )
 
 
