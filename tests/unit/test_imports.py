@@ -197,6 +197,24 @@ class TestConvert:
         assert len(rows) == len(told["mended"]) > 0
         assert max(float(row["how_much_m"]) for row in rows) < 1e-3
 
+    def test_a_plane_model_as_a_drawing_and_back(self, folder):
+        pytest.importorskip("ezdxf")
+        text = HEAD.replace("dimension = 3", "dimension = 2\nthickness = 1.0")
+        text = text.replace("[0.0, 1.0, 0.0]", "[1.0, 0.0]")
+        text += '[wall]\nunit = [0.4, 0.175]\ncourses = ["11", "h1h"]\nrepeat = 2\nbase = true\n'
+        text += 'material = "brick"\n'
+        model = folder / "plane.toml"
+        model.write_text(text)
+        assert run(model, folder / "plane.dxf")[0] == 0
+        assert run(folder / "plane.dxf", folder / "back.toml", "--like", model)[0] == 0
+        first, again = read_model(model), read_model(folder / "back.toml")
+        assert again.assembly.ids == first.assembly.ids
+        assert {b.material for b in again.assembly.blocks} == {"brick"}
+        assert pairs(again) == pairs(first)
+        assert again.control_point.point.tolist() == first.control_point.point.tolist()
+        a, b = (ds.collapse_load(m).load_multiplier for m in (first, again))
+        assert b == pytest.approx(a, rel=1e-9)
+
     def test_what_a_drawing_does_not_say_is_left_to_fill_in(self, folder):
         back = folder / "back.toml"
         code, told, _ = run(folder / "wall.obj", back, "--unit", "m", "--up", "z")

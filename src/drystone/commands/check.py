@@ -36,7 +36,8 @@ def check(model_file: ModelFile, as_json: AsJson = False, quiet: Quiet = False) 
         found = inspect(model)
         problems = [*found.problems, *statics(model)]
         if as_json:
-            emit({**asdict(found), "status": "valid", "problems": problems})
+            mended = [asdict(record) for record in model.mended]
+            emit({**asdict(found), "status": "valid", "problems": problems, "mended": mended})
         else:
             typer.echo(report(found, problems))
     raise typer.Exit(DONE)

@@ -157,7 +157,8 @@ def mended_csv(records: Sequence[Mended]) -> str:
     """What was done to which block, a line each."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(["block", "what", "how_much_m", "count"])
+    writer.writerow(["block", "what", "how_much_m", "count", "volume_m3"])
     for record in records:
-        writer.writerow([record.block, record.what, f"{record.how_much:.6g}", record.count])
+        row = (f"{record.how_much:.6g}", record.count, f"{record.volume:.6g}")
+        writer.writerow([record.block, record.what, *row])
     return stream.getvalue()

@@ -160,6 +160,10 @@ def sentences(records: Sequence[Mended]) -> list[str]:
         many = "1 block" if len(names) == 1 else f"{len(names)} blocks"
         most = max(record.how_much for record in own)
         by = f" (by up to {millimetres(most)})" if most else ""
+        more = sum(record.volume for record in own)
+        if more:
+            word = "more" if more > 0.0 else "less"
+            by += f" (together {abs(more):.4g} m3 {word} than with fans from their first corners)"
         found.append(f"{many} {what}{by}: {listed(names)}")
     return found
 
