@@ -88,6 +88,19 @@ class TestPlane:
         with pytest.raises(ModelError, match="unit is missing"):
             blocks_of(saved(tmp_path, document))
 
+    def test_damaged_numbers_are_not_guessed_at(self, tmp_path):
+        for damaged in ("3,25", "4.25x", ""):
+            document, space = drawing()
+            space.add_lwpolyline([(x + 3.25, y) for x, y in SQUARE], close=True)
+            path = saved(tmp_path, document)
+            path.write_text(path.read_text().replace("3.25\n", damaged + "\n", 1))
+            try:
+                made = blocks_of(path)
+            except ModelError as error:
+                assert str(error).startswith('"a.dxf": is ')
+            else:
+                assert "was read with a guess" in "".join(made.notes)
+
     def test_references_are_followed(self, tmp_path):
         document, space = drawing()
         own = document.blocks.new("brick")

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import io
 import json
+import logging
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,7 @@ from drystone.drawings.drawing import (
     SUPPORT_LAYERS,
     Drawing,
     Shape,
+    check_faces,
     shapes_of_mesh,
     tidy_name,
 )
@@ -48,7 +51,7 @@ def read(contents: bytes, dimension: int | None = None) -> Drawing:
     dimension
         2 or 3; where nothing is said 3 if there is any face or mesh.
     """
-    document = _document(contents)
+    document, guesses = _document(contents)
     outlines: list[Shape] = []
     meshes: list[Shape] = []
     loose: dict[str, list[np.ndarray]] = {}
@@ -86,31 +89,51 @@ def read(contents: bytes, dimension: int | None = None) -> Drawing:
         unit=_UNITS.get(int(document.header.get("$INSUNITS", 0) or 0)),
         up="z" if dimension == 3 else "",
         control=on_control[0][:dimension] if on_control else None,
-        notes=tuple(f"{n} left out: {what}" for what, n in sorted(others.items())),
+        notes=(*guesses, *(f"{n} left out: {what}" for what, n in sorted(others.items()))),
     )
 
 
-def _document(contents: bytes) -> Any:
+def _document(contents: bytes) -> tuple[Any, list[str]]:
+    """The document, and sentences on what of a damaged one had to be guessed."""
     try:
         import ezdxf
         from ezdxf import recover
     except ImportError:
-        raise ModelError(
-            ["needs ezdxf, which is not installed: pip install drystone[dxf]"]
-        ) from None
+        raise ModelError([MISSING]) from None
     if len(contents) > 500_000_000:
         raise ModelError(["is larger than any drawing of blocks"])
-    try:
-        document, auditor = recover.read(io.BytesIO(contents))
-    except (ezdxf.DXFError, OSError) as error:
-        raise ModelError([f"is no DXF file that can be read: {_line(error)}"]) from None
-    except Exception as error:  # a torn file takes the parser anywhere
-        raise ModelError([f"is a torn DXF file: {_line(error)}"]) from None
+    with _overheard() as told:
+        try:
+            document, auditor = recover.read(io.BytesIO(contents))
+        except (ezdxf.DXFError, OSError) as error:
+            raise ModelError([f"is no DXF file that can be read: {_line(error)}"]) from None
+        except Exception as error:  # a torn file takes the parser anywhere
+            raise ModelError([f"is a torn DXF file: {_line(error)}"]) from None
     if auditor.has_errors:
         raise ModelError(
             [f"is a damaged DXF file: {_line(auditor.errors[0].message)}: save it anew"]
         )
-    return document
+    return document, [f"is damaged, and was read with a guess: {_line(text)}" for text in told]
+
+
+@contextmanager
+def _overheard() -> Iterator[list[str]]:
+    """What ezdxf warns of: numbers that it mends, lines that it leaves out."""
+    told: list[str] = []
+
+    class Listener(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            told.append(record.getMessage())
+
+    logger, listener = logging.getLogger("ezdxf"), Listener(logging.WARNING)
+    passed_on = logger.propagate
+    logger.addHandler(listener)
+    logger.propagate = False
+    try:
+        yield told
+    finally:
+        logger.removeHandler(listener)
+        logger.propagate = passed_on
 
 
 def _line(error: object) -> str:
@@ -214,8 +237,10 @@ def _meshes(entity: Any, kind: str) -> list[_Mesh]:
 
 
 def _mesh(built: Any) -> _Mesh:
-    vertices = np.array([tuple(v) for v in built.vertices], dtype=np.float64)
-    return vertices.reshape(-1, 3), [tuple(map(int, face)) for face in built.faces]
+    vertices = np.array([tuple(v) for v in built.vertices], dtype=np.float64).reshape(-1, 3)
+    faces = [tuple(map(int, face)) for face in built.faces]
+    check_faces(len(vertices), faces, "a mesh: ")
+    return vertices, [face for face in faces if len(face) > 2]
 
 
 def _components(layer: str, faces: Sequence[np.ndarray]) -> list[Shape]:
