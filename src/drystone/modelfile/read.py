@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -13,10 +14,13 @@ from pydantic import ValidationError
 from drystone.assembly import GRAVITY, POINTS, Block, Corner, JointLaw
 from drystone.builders.checks import law_problems
 from drystone.builders.errors import ModelError
+from drystone.builders.kinds.placing import placed
 from drystone.builders.model import make_model
 from drystone.builders.wall import coursed_wall, unequal_courses
 from drystone.builders.words import quoted, suggestion
+from drystone.geometry import GeometryError
 from drystone.model import Analysis, Model
+from drystone.modelfile.builds import BuildSection
 from drystone.modelfile.groups import grouped
 from drystone.modelfile.imports import imports_of
 from drystone.modelfile.parse import parse, read_bytes
@@ -168,22 +172,9 @@ def _checked(data: dict[str, Any]) -> ModelSection:
 def _blocks(
     section: ModelSection, data: dict[str, Any], problems: list[str]
 ) -> tuple[list[Block], list[str]]:
-    """Blocks of [wall] and then of [[block]], and the place of each in the file."""
+    """Blocks of [wall], of [[build]] and of [[block]], and the place of each in the file."""
     unit_weights = _unit_weights(section)
-
-    def material_of(name: str | None, place: str) -> str:
-        known = list(unit_weights)
-        if name is None:
-            if len(known) > 1:
-                problems.append(f"{place} is missing: with several materials, name one of them")
-            return known[0]
-        if name not in unit_weights:
-            problems.append(
-                f"{place}: there is no material {quoted(name)}: {suggestion(name, known)}"
-            )
-            return known[0]
-        return name
-
+    material_of = partial(_material, list(unit_weights), problems)
     blocks, places = [], []
     if section.wall:
         wall = section.wall
@@ -198,6 +189,12 @@ def _blocks(
             material=material,
         )
         places = [f"wall block {quoted(block.id)}" for block in blocks]
+    for i, build in enumerate(section.build):
+        place = place_of(("build", i), data)
+        material = material_of(build.material, f"{place} material")
+        made = built(section.build, i, unit_weights[material], material, place, problems)
+        places += [f"{place} block {quoted(block.id)}" for block in made]
+        blocks += made
     for i, block in enumerate(section.block):
         place = place_of(("block", i), data)
         material = material_of(block.material, f"{place} material")
@@ -228,6 +225,49 @@ def _unit_weights(section: ModelSection) -> dict[str, float]:
         else material.unit_weight
         for name, material in section.material.items()
     }
+
+
+def _material(known: list[str], problems: list[str], name: str | None, place: str) -> str:
+    """The material of a name, or the only one; what is wrong is added to ``problems``."""
+    if name is None:
+        if len(known) > 1:
+            problems.append(f"{place} is missing: with several materials, name one of them")
+        return known[0]
+    if name not in known:
+        problems.append(f"{place}: there is no material {quoted(name)}: {suggestion(name, known)}")
+        return known[0]
+    return name
+
+
+def built(
+    tables: Sequence[BuildSection], i: int, unit_weight: float, material: str, place: str,
+    problems: list[str],
+) -> list[Block]:  # fmt: skip
+    """The blocks of a [[build]] in their place; what is wrong with it is added to ``problems``."""
+    table = tables[i]
+    names = [other.name or other.kind for other in tables]
+    name = names[i]
+    if name in names[:i]:
+        first = names.index(name) + 1
+        problems.append(
+            f"{place} name: {quoted(name)} is taken by build[{first}]: give it a name of its own"
+        )
+        return []
+    try:
+        return placed(
+            table.blocks(unit_weight, material),
+            name=name,
+            group=table.group or "",
+            prefix=len(tables) > 1,
+            origin=table.origin,
+            rotation=table.rotation,
+            base=table.base,
+        )
+    except ModelError as error:
+        problems += [f"{place} {problem}" for problem in error.problems]
+    except GeometryError as error:
+        problems.append(f"{place}: {error}")
+    return []
 
 
 def _notes(section: ModelSection) -> list[str]:

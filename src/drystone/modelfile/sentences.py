@@ -10,7 +10,9 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from drystone.builders.words import quoted, suggestion
-from drystone.modelfile.schema import ModelSection, Section
+from drystone.modelfile.builds import SECTIONS
+from drystone.modelfile.keys import Section
+from drystone.modelfile.schema import ModelSection
 from drystone.ranges import found
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
@@ -53,7 +55,7 @@ def place_of(keys: Sequence[str | int], data: Any) -> str:
             text += f"[{key + 1}]"
         else:
             text += (" " if after_id else "." if text else "") + _key(key)
-        block_id = data.get("id") if isinstance(data, dict) else None
+        block_id = data.get("id", data.get("name")) if isinstance(data, dict) else None
         after_id = False
         if isinstance(key, int) and isinstance(block_id, str):
             text += f" {quoted(block_id)}"
@@ -62,13 +64,23 @@ def place_of(keys: Sequence[str | int], data: Any) -> str:
 
 
 def _sentence(details: ErrorDetails, data: dict[str, Any]) -> str:
-    kind, keys, value = details["type"], [*details["loc"]], details["input"]
+    kind, value = details["type"], details["input"]
+    section, keys = _section_at(details["loc"][:-1]), _without_kind(details["loc"])
+    if kind == "union_tag_not_found":
+        return f'{place_of(keys, data)}: kind is missing: add it (as in kind = "panel")'
+    if kind == "union_tag_invalid":
+        given = value.get("kind") if isinstance(value, dict) else None
+        known = list(SECTIONS)
+        if not isinstance(given, str):
+            return f"{place_of(keys, data)} kind: must be text in quotes, it is {found(given)}"
+        mend = suggestion(given, known)
+        return f"{place_of(keys, data)} kind: there is no kind {quoted(given)}: {mend}"
     if kind == "missing":
-        section, key = _section_at(keys[:-1]), str(keys[-1])
+        key = str(keys[-1])
         description = section.keys()[key].description or ""
         return f"{_within(keys[:-1], data)}{key} is missing: add it ({description})"
     if kind == "extra_forbidden":
-        section, key = _section_at(keys[:-1]), str(keys[-1])
+        key = str(keys[-1])
         mend = suggestion(key, list(section.keys()))
         return f"{_within(keys[:-1], data)}unknown key {quoted(key)}: {mend}"
     if keys and keys[-1] == "[key]":
@@ -126,9 +138,17 @@ def _at(data: Any, key: str | int) -> Any:
         return None
 
 
+def _without_kind(keys: Sequence[str | int]) -> list[str | int]:
+    """The path as the file has it: the check names the kind of a [[build]] in it."""
+    tagged = len(keys) > 2 and keys[0] == "build" and keys[2] in SECTIONS
+    return [*keys[:2], *keys[3:]] if tagged else [*keys]
+
+
 def _section_at(keys: Sequence[str | int]) -> type[Section]:
     """The schema of the table at a path."""
     section: type[Section] = ModelSection
+    if len(keys) > 2 and keys[0] == "build" and keys[2] in SECTIONS:
+        section, keys = SECTIONS[str(keys[2])], keys[3:]
     for key in keys:
         field = section.keys().get(key) if isinstance(key, str) else None
         section = (_section_in(field.annotation) if field else None) or section
