@@ -144,7 +144,17 @@ class Polyhedra:
         """Depth [m] by which the parts of each pair overlap; minus their gap when apart."""
         from drystone.geometry.separation import overlap_depths
 
-        return overlap_depths(self, a, b)
+        known, pairs = self._depths, list(zip(a.tolist(), b.tolist(), strict=True))
+        new = np.array([k for k, pair in enumerate(pairs) if pair not in known], dtype=np.int64)
+        if len(new):
+            found = overlap_depths(self, a[new], b[new]).tolist()
+            known.update(zip([pairs[k] for k in new], found, strict=True))
+        return np.array([known[pair] for pair in pairs])
+
+    @cached_property
+    def _depths(self) -> dict[tuple[int, int], float]:
+        """Depths of pairs that were asked for: checks and inspections ask for the same ones."""
+        return {}
 
     def touching(self, a: IntArray, b: IntArray) -> NDArray[np.bool_]:
         """Whether the parts of each pair touch, at a corner at least."""

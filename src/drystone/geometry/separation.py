@@ -71,8 +71,10 @@ class _Shape:
         # One of the two directions of each edge, and one of all edges that are parallel.
         lead = np.argmax(np.abs(along) > PARALLEL, axis=1)
         along *= np.sign(along[np.arange(len(along)), lead])[:, None]
-        _, once = np.unique(np.round(along, 9), axis=0, return_index=True)
-        self.directions = along[np.sort(once)]
+        seen: dict[tuple[float, ...], int] = {}
+        for k, row in enumerate(np.round(along, 9).tolist()):
+            seen.setdefault(tuple(row), k)
+        self.directions = along[list(seen.values())]
         self.turn = np.round(np.vstack((self.normals, self.directions)), 9).tobytes()
 
 
