@@ -149,7 +149,11 @@ def room_problems(
         shift = hole.opening.at - first
         fitting = [min(max(first, a), b - (last - first)) + shift for a, b in gaps]
         fitting.sort(key=lambda at: abs(at - hole.opening.at))
-        mend = f"the nearest that fits is at = {fitting[0]:.6g}" if fitting else "make it narrower"
+        mend = (
+            f"the nearest that fits is at = {fitting[0]:.6g}"
+            if fitting
+            else "make it narrower, or its bearing shorter"
+        )
         found.append(
             f"{hole.place}: from {first:g} m to {last:g} m, its lintel included, it would meet the "
             f"end of the wall, another wall or an opening: {mend}"

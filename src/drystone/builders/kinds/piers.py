@@ -68,7 +68,7 @@ def skewback(
     outline.append((sides[1], top) if right is None else (float(right[0]), top))
     outline.append((sides[0], top) if left is None else (float(left[0]), top))
     corners = np.array(outline)
-    if corners[3, 0] >= corners[2, 0]:  # the joints meet over the pier
+    if corners[3, 0] >= corners[2, 0] - LEVEL * (sides[1] - sides[0]):  # they meet over the pier
         corners = corners[:3]
     across = None if depth is None else (0.0, depth)
     return [mason.upright(name, corners, across, *groups)]

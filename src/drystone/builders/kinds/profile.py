@@ -150,14 +150,14 @@ def ring(
         problems.append("voussoirs: give either their number or their size")
     if problems:
         raise ModelError(problems)
-    if span is None:
-        curve = through(intrados or ())
+    if intrados is not None:
+        curve = through(intrados)
         n = _number(voussoirs, size, length_of(curve), 1)
         found = np.array([curve(k / n) for k in range(n + 1)])
         joints = Joints(found[:, 0], found[:, 0] + thickness * found[:, 1])
     else:
         joints = _symmetric(
-            half_curve(shape, span, rise), shape == "pointed", thickness, voussoirs, size
+            half_curve(shape, span or 0.0, rise), shape == "pointed", thickness, voussoirs, size
         )
     _check_turns(joints)
     return joints

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from drystone.assembly import Block
 from drystone.builders.errors import ModelError
 from drystone.geometry import solid
+from drystone.geometry.outline_parts import convex_outlines
+from drystone.geometry.polygon import reflex_corners
 from drystone.geometry.solid import Part
 
 Array = NDArray[np.float64]
@@ -39,9 +41,12 @@ class Mason:
         self, name: str, outline: Array, depth: Depth, *groups: str, support: bool = False
     ) -> Block:
         """The prism of an outline (n, 2), [x, z] [m], counter-clockwise, from y to y [m]; without a
-        depth a block of the plane."""
+        depth a block of the plane.  A concave one has convex parts."""
         if depth is None:
             return self._block(name, outline, (), groups, support)
+        if reflex_corners(outline).any():
+            pieces = [Part(*solid.extruded(piece, depth)) for piece in convex_outlines(outline)]
+            return self._of_parts(name, pieces, groups, support)
         return self._block(name, *solid.extruded(outline, depth), groups, support)
 
     def flat(self, name: str, plan: Array, levels: tuple[float, float], *groups: str) -> Block:
@@ -73,12 +78,19 @@ class Mason:
         if len(pieces) == 1:
             own = pieces[0]
             return self._block(name, own.vertices, own.faces, groups, own.support)
+        parts = [Part(piece.vertices, piece.faces) for piece in pieces]
+        return self._of_parts(name, parts, groups, False)
+
+    def _of_parts(
+        self, name: str, parts: Sequence[Part], groups: tuple[str, ...], support: bool
+    ) -> Block:
         return Block.of_parts(
-            [Part(piece.vertices, piece.faces) for piece in pieces],
+            parts,
             id=name,
             groups=groups,
             unit_weight=self.unit_weight,
             material=self.material,
+            support=support,
         )
 
     def _block(

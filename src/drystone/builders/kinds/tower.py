@@ -155,6 +155,8 @@ class _Round:
         problems, holes = [], []
         step = self.unit[1]
         stones = max(1, round(wide * self.halves / (4.0 * np.pi * self.outer)))
+        if 2 * stones + 2 > self.halves // 2:
+            raise ModelError(["opening: is as wide as half the tower: make it narrower"])
         for k, sill in enumerate(sills):
             for key, length in (("first_sill" if k == 0 else "climb", sill), ("opening", high)):
                 if length and whole(length, step) is None:
@@ -177,8 +179,6 @@ class _Round:
                 met = {h % self.halves for h in own} & {h % self.halves for h in other}
                 if met and first <= top and low <= head:
                     problems.append("climb: openings meet: make it larger, or the openings smaller")
-        if 2 * stones + 2 > self.halves // 2:
-            problems.append("opening: is as wide as half the tower: make it narrower")
         if problems:
             raise ModelError(dict.fromkeys(problems))
         return holes
