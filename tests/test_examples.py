@@ -1,6 +1,7 @@
 """Every example is imported and one number of it is asserted."""
 
 import importlib.util
+import tomllib
 from pathlib import Path
 from types import ModuleType
 
@@ -11,6 +12,8 @@ import drystone as ds
 from builders import RockingBlock, stack
 from drystone.analysis import pushover
 from drystone.engines import engine_names
+from drystone.limit import at_rest
+from drystone.modelfile.builds import SECTIONS
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 
@@ -36,6 +39,29 @@ def test_every_model_is_read():
     for path in paths:
         model = ds.read_model(path)
         assert model.assembly.n_blocks >= 1
+
+
+BUILT = sorted((EXAMPLES / "builders").glob("*.toml"))
+
+
+@pytest.mark.parametrize("path", BUILT, ids=lambda path: path.stem)
+def test_what_is_built_stands_and_nothing_is_amiss(path):
+    model = ds.read_model(path)
+    found = ds.inspect(model)
+    assert not found.problems
+    if found.n_blocks > 500:  # left to the command `limit`
+        assert path.stem == "house" and 1000 < found.n_blocks < 1200
+        assert len(path.read_text().splitlines()) < 40
+        return
+    rest = at_rest(model)
+    assert rest.falls is None
+    # Forces in space balance to 1e-7 of a load factor, see `limit.inside`.
+    assert rest.reaction == pytest.approx(found.weight, rel=1e-6)
+
+
+def test_every_kind_is_built_in_an_example():
+    tables = [table for path in BUILT for table in tomllib.loads(path.read_text())["build"]]
+    assert {table["kind"] for table in tables} == set(SECTIONS)
 
 
 def test_model_files_of_the_walls_are_the_published_walls():

@@ -14,6 +14,7 @@ from drystone.commands.check import check
 from drystone.commands.convert import convert
 from drystone.commands.limit import limit
 from drystone.commands.run import run
+from drystone.commands.show import show
 
 app = typer.Typer(
     name="drystone",
@@ -47,6 +48,7 @@ def drystone(
 app.command()(run)
 app.command()(limit)
 app.command()(check)
+app.command()(show)
 app.command()(convert)
 app.command()(benchmark)
 

@@ -10,7 +10,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from drystone.assembly import GRAVITY, Assembly
-from drystone.builders.words import listed, millimetres
+from drystone.builders.words import FEW, listed, millimetres, quoted
+from drystone.geometry.missed import Missed
 from drystone.geometry.outlines import Array, IntArray, Outlines
 from drystone.geometry.polyhedra import Polyhedra
 from drystone.model import Model
@@ -38,6 +39,8 @@ class Inspection:
     n_contacts: int
     """Contact points at rest, two to a joint in two dimensions; in three as many as [contact]
     says."""
+    joint_area: float
+    """Of all joints but those between supports [m2]."""
     volume: float
     """Of the movable blocks [m3]."""
     weight: float
@@ -75,6 +78,7 @@ def inspect(model: Model) -> Inspection:
         n_supports=assembly.n_supports,
         n_joints=n_joints,
         n_contacts=(2 if assembly.dimension == 2 else assembly.points) * n_joints,
+        joint_area=float(joints.size[loose].sum()) * assembly.thickness,
         volume=float(assembly.volume[movable].sum()),
         weight=float(assembly.weight[movable].sum()),
         lower=_place(packed.lower[parts].min(axis=0)),
@@ -95,6 +99,7 @@ def doubts(model: Model, packed: Outlines | Polyhedra, p: IntArray, q: IntArray)
     assembly = model.assembly
     return [
         *_floating(assembly, packed, p, q),
+        *_missed(assembly),
         *_unit_doubts(assembly),
         *_law_doubts(assembly),
     ]
@@ -133,6 +138,25 @@ def _floating(
         names = listed([assembly.ids[i] for i in idle])
         warnings.append(f"block: nothing touches the support {names}: take it out, or move it")
     return warnings
+
+
+def _missed(assembly: Assembly) -> list[str]:
+    """Faces that lie near each other without a joint: the first few, and how many more."""
+    found = Missed.of(assembly)
+    rows = np.argsort(-found.gap, kind="stable")
+    unit = "m2" if assembly.dimension == 3 else "m"
+    pairs: dict[tuple[str, str], str] = {}
+    for k in rows.tolist():
+        a, b = (assembly.ids[block[k]] for block in (found.joints.block_a, found.joints.block_b))
+        pairs.setdefault(
+            (a, b),
+            f"block: {quoted(a)} and {quoted(b)} have faces {millimetres(found.gap[k])} apart over "
+            f"{found.size[k]:.3g} {unit}, and no joint: move them together, or farther apart",
+        )
+    told = list(pairs.values())[:FEW]
+    if len(pairs) > FEW:
+        told.append(f"block: {len(pairs) - FEW} more pairs have faces near each other and no joint")
+    return told
 
 
 def _unit_doubts(assembly: Assembly) -> list[str]:

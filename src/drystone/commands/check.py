@@ -34,30 +34,34 @@ def check(model_file: ModelFile, as_json: AsJson = False, quiet: Quiet = False) 
         except ModelError as error:
             fail(WRONG, error.problems, as_json=as_json, extra=dict.fromkeys(COUNTS))
         found = inspect(model)
-        problems = [*found.problems, *statics(model)]
+        against, reaction = statics(model)
+        problems = [*found.problems, *against]
         if as_json:
             mended = [asdict(record) for record in model.mended]
-            emit({**asdict(found), "status": "valid", "problems": problems, "mended": mended})
+            more = {"reaction": reaction, "status": "valid", "problems": problems}
+            emit({**asdict(found), **more, "mended": mended})
         else:
-            typer.echo(report(found, problems))
+            typer.echo(report(found, problems, reaction))
     raise typer.Exit(DONE)
 
 
-def statics(model: Model) -> list[str]:
-    """What limit analysis says against a model: it falls, or no load brings it down."""
-    from drystone.limit import MOST_BLOCKS, is_locked, why_it_falls
+def statics(model: Model) -> tuple[list[str], float | None]:
+    """What limit analysis says against a model: it falls, or no load brings it down; and the
+    reaction of the supports at rest [N], where it was looked for and the structure stands."""
+    from drystone.limit import MOST_BLOCKS, at_rest, is_locked
 
     if model.assembly.n_blocks > MOST_BLOCKS[model.assembly.dimension]:
-        return []
-    falls = why_it_falls(model)
-    if falls:
-        return [f"the structure {falls}"]
+        return [], None
+    rest = at_rest(model)
+    if rest.falls:
+        return [f"the structure {rest.falls}"], None
     if is_locked(model):
-        return ["load: no multiple of it brings the structure down: turn its direction"]
-    return []
+        locked = "load: no multiple of it brings the structure down: turn its direction"
+        return [locked], rest.reaction
+    return [], rest.reaction
 
 
-def report(found: Inspection, problems: Sequence[str]) -> str:
+def report(found: Inspection, problems: Sequence[str], reaction: float | None = None) -> str:
     """The model in a few lines."""
     from drystone.builders.words import printable
 
@@ -66,9 +70,14 @@ def report(found: Inspection, problems: Sequence[str]) -> str:
     rows = (
         ("blocks", str(found.n_blocks)),
         ("supports", str(found.n_supports)),
-        ("joints", f"{found.n_joints}, with {found.n_contacts} contact points at rest"),
+        (
+            "joints",
+            f"{found.n_joints} of {found.joint_area:.4g} m2, with {found.n_contacts} contact "
+            "points at rest",
+        ),
         ("volume", f"{found.volume:.4g} m3"),
         ("weight", f"{found.weight / 1e3:.4g} kN"),
+        *(() if reaction is None else (("reaction", f"{reaction / 1e3:.4g} kN of the supports"),)),
         ("size", " x ".join(f"{side:.4g} m" for side in sides)),
         ("control point", f'({point}) m on block "{found.control_block}"'),
     )

@@ -102,7 +102,7 @@ def fall(equilibrium: Equilibrium) -> Array:
 
 def stands(equilibrium: Equilibrium) -> bool:
     """Whether the structure carries its own weight."""
-    return _is_whole(dead_load_factor(equilibrium))
+    return is_whole(dead_load_factor(equilibrium))
 
 
 def is_locked(equilibrium: Equilibrium, *, friction: bool = True) -> bool:
@@ -115,7 +115,7 @@ def is_locked(equilibrium: Equilibrium, *, friction: bool = True) -> bool:
         smooth = replace(equilibrium.points, friction=np.zeros(equilibrium.n_contacts))
         equilibrium = replace(equilibrium, points=smooth)
     zero = np.zeros_like(equilibrium.dead)
-    return _is_whole(_strongest(equilibrium, equilibrium.live, zero, recession=True))
+    return is_whole(_strongest(equilibrium, equilibrium.live, zero, recession=True))
 
 
 def slides_away(equilibrium: Equilibrium, direction: Array) -> bool:
@@ -160,7 +160,8 @@ def flow_violation(equilibrium: Equilibrium, velocity: Array, tangent: Array) ->
     return missing / largest if largest > 0.0 else 0.0
 
 
-def _is_whole(answer: Answer) -> bool:
+def is_whole(answer: Answer) -> bool:
+    """Whether all of what was asked for is carried."""
     return answer.status == OPTIMAL and answer.factor >= 1.0 - WHOLE
 
 

@@ -166,12 +166,32 @@ def stands(assembly: Assembly) -> bool:
     return bounds.stands(Equilibrium.of(assembly, sideways))
 
 
+@dataclass(frozen=True, kw_only=True)
+class AtRest:
+    """Whether a structure stands under its own weight."""
+
+    falls: str | None
+    """A sentence where it does not."""
+    reaction: float | None
+    """Of the supports, upwards [N], by forces that keep the joint law; None where it falls."""
+
+
+def at_rest(model: Model) -> AtRest:
+    """A structure under its own weight: what the supports carry, or why it falls."""
+    equilibrium = Equilibrium.of(model.assembly, model.load)
+    answer = bounds.dead_load_factor(equilibrium)
+    if not bounds.is_whole(answer):
+        reason = _unstable(equilibrium, ASSOCIATIVE, bounds.fall(equilibrium)).reason
+        return AtRest(falls=reason, reaction=None)
+    fixed, points = model.assembly.fixed, equilibrium.points
+    onto = fixed[points.block_a].astype(float) - fixed[points.block_b]  # of the movable block
+    upward = np.einsum("kj,kji,i->k", answer.forces, points.frame, model.assembly.up)
+    return AtRest(falls=None, reaction=float(onto @ upward) * equilibrium.force)
+
+
 def why_it_falls(model: Model) -> str | None:
     """A sentence where a structure does not stand under its own weight, else None."""
-    equilibrium = Equilibrium.of(model.assembly, model.load)
-    if bounds.stands(equilibrium):
-        return None
-    return _unstable(equilibrium, ASSOCIATIVE, bounds.fall(equilibrium)).reason
+    return at_rest(model).falls
 
 
 def is_locked(model: Model) -> bool:
