@@ -1,6 +1,6 @@
 """Draw the figures of the README and of these pages, docs/images/*.png.
 
-python docs/make_figures.py [--engine NAME]
+python docs/make_figures.py [--built] [--engine NAME]
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from pathlib import Path
 
 import drystone as ds
 from drystone.report import Mechanism, canvas, draw_curve, draw_mechanism
+from drystone.report.mechanism_figure import plot_mechanism
 
 HERE = Path(__file__).parent
 IMAGES = HERE / "images"
@@ -68,11 +69,31 @@ def bias() -> None:
     canvas.save(figure, IMAGES / "bias.png")
 
 
+def built() -> None:
+    """A picture of every example of builders, docs/images/builders/*.png."""
+    folder = IMAGES / "builders"
+    folder.mkdir(exist_ok=True)
+    for path in sorted((EXAMPLES / "builders").glob("*.toml")):
+        assembly = ds.read_model(path).assembly
+        figure = canvas.new_figure(5.0, 5.0)
+        axes = figure.subplots()
+        plot_mechanism(axes, Mechanism(assembly=assembly, pose=assembly.rest_pose()))
+        axes.set_axis_off()
+        (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+        ratio = (top - bottom) / (right - left)
+        figure.set_size_inches(5.0, min(5.0 * ratio, 6.0))
+        canvas.save(figure, folder / f"{path.stem}.png")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--built", action="store_true", help="those of builders alone")
     parser.add_argument("--engine", help="of the examples' pictures; default: what the model says")
     arguments = parser.parse_args()
     IMAGES.mkdir(exist_ok=True)
+    built()
+    if arguments.built:
+        return
     for name in ("wall1", "facade"):
         example(name, arguments.engine)
     bias()

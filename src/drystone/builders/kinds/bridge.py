@@ -42,10 +42,10 @@ def bridge(
     """Arches from left to right over piers and two abutments, with spandrels up to the deck.
 
     The origin is at the ground, at the left springing of the first arch.  Spandrels are coursed
-    from the springing up to where the arches grow flatter than 45 degrees; over that stones stand
-    on one voussoir each.  Stones are cut to fit, those beside arches along their backs; courses are
-    the nearest whole number of equal ones.  Piers too narrow for the springings are refused with
-    the nearest width that fits.
+    between the arches; where these are flatter than 45 degrees stones stand on one voussoir each.
+    Stones are cut to fit, those beside arches along their backs; courses are the nearest whole
+    number of equal ones.  Piers too narrow for the springings are refused with the nearest width
+    that fits.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from drystone.assembly import Block
 from drystone.builders.kinds.coursing import Bond, Line
-from drystone.builders.kinds.stones import Depth, Mason
+from drystone.builders.kinds.stones import Depth, Mason, rectangle
 
 Array = NDArray[np.float64]
 
@@ -74,8 +74,8 @@ class Spandrel:
         return np.vstack((first, within, last))
 
     def _under_deck(self, level: float, top: float, course: int) -> list[Array]:
-        """Outlines from left to right: on voussoirs, on the level between the arches, again on
-        voussoirs."""
+        """Outlines from left to right: on voussoirs, in courses on the level between the arches,
+        again on voussoirs."""
         left, right = (
             [np.array([self.ends[k], level])] if chain is None else self._above(chain, level)
             for k, chain in enumerate((self.left, self.right))
@@ -88,9 +88,12 @@ class Spandrel:
         if high - low < self.bond.least and rising:  # a sliver goes with its neighbour
             first = np.vstack(([low, level], rising[0][:2], [rising[0][1][0], top], [low, top]))
             return [*outlines, first, *rising[1:]]
-        pieces = self.bond.pieces(course, Line(low), Line(high), (0.0, 0.0), self.ends[0])
+        rows = max(1, round((top - level) / self.unit[1]))
+        heights = np.linspace(level, top, rows + 1).tolist()
         flat = [
-            _under(np.array([p.begin.at, level]), np.array([p.end.at, level]), top) for p in pieces
+            rectangle(piece.begin.at, bottom, piece.end.at, above)
+            for k, (bottom, above) in enumerate(pairwise(heights), start=course)
+            for piece in self.bond.pieces(k, Line(low), Line(high), (0.0, 0.0), self.ends[0])
         ]
         return outlines + flat + rising
 
