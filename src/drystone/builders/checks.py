@@ -130,7 +130,8 @@ def layout_problems(assembly: Assembly, place: Place) -> list[str]:
     problems = []
     if assembly.n_supports == 0:
         problems.append(
-            "block: no block is a support: set support = true in one, or base = true in [wall]"
+            "block: no block is a support: set support = true in one, or base = true in [wall] "
+            "or [[build]]"
         )
     if assembly.n_blocks == 0:
         problems.append("block: every block is a support, nothing can move: add a block")

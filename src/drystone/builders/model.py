@@ -140,7 +140,7 @@ def _assembly(
     if wrong := problem("drawing_tolerance", drawing_tolerance):
         problems.append(wrong)
     if not blocks:
-        problems.append("block: there is none: add [[block]] or [wall]")
+        problems.append("block: there is none: add [[block]], [[build]] or [wall]")
     problems += _depth_problems(blocks, thickness, points)
     if any(problem("unit_weight", weight) for weight in {block.unit_weight for block in blocks}):
         problems += block_problems(blocks, corner, place)

@@ -28,6 +28,7 @@ _KINDS = {
     "list_type": "a list in square brackets",
     "dict_type": "a table",
     "model_type": "a table",
+    "model_attributes_type": "a table",
 }
 
 _BOUNDS = {
