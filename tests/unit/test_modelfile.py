@@ -471,7 +471,9 @@ class TestBrokenKeys:
 
     def test_no_block_at_all(self, tmp_path):
         text = GOOD.replace(BLOCKS, "")
-        assert problems(tmp_path, text) == ["block: there is none: add [[block]], [[build]] or [wall]"]
+        assert problems(tmp_path, text) == [
+            "block: there is none: add [[block]], [[build]] or [wall]"
+        ]
 
     def test_everything_wrong_is_said_at_once(self, tmp_path):
         text = changed("thickness", "thicknes").replace("0.65", "-0.65").replace("10e3", "nan")

@@ -162,12 +162,18 @@ def test_a_corner_is_closed_and_interlocked(angle):
     blocks = plan(lines=lines, thickness=t, height=0.8, unit=(0.5, 0.2), **W)
     assembly = assembled(blocks)
     assert assembly.volume.sum() == pytest.approx(6.0 * t * 0.8, **EXACT)
-    joints, wall = assembly.interfaces, {}
-    for k, block in enumerate(assembly.blocks):
-        wall[k] = "w1" if "wall w1" in block.groups else "w2"
-    beds = np.abs(joints.normal[:, 2]) > 0.5
-    across = [wall[a] != wall[b] for a, b in zip(joints.block_a, joints.block_b, strict=True)]
-    assert np.any(beds & across), "no stone of one wall lies on one of the other"
+    # In every course the stone in the corner's inner face reaches further, by a closer at least.
+    corner = np.array([3.0, 0.0])
+    ways = {"wall w1": np.array([-1.0, 0.0]), "wall w2": np.array([np.cos(turn), np.sin(turn)])}
+    for course in range(4):
+        row = [blocks[i] for i in assembly.groups[f"course {course + 1}"]]
+        (stone,) = (
+            b for b in row if b.figure().distance(np.array([*corner, 0.1 + 0.2 * course])) < 0
+        )
+        (wall,) = (group for group in stone.groups if group.startswith("wall"))
+        assert wall == ("wall w1" if course % 2 else "wall w2")
+        length = np.ptp(stone.vertices[:, :2] @ ways[wall])
+        assert length >= t / abs(np.sin(turn)) + LEAST * 0.5 - 1e-9
 
 
 def test_storeys_floors_and_their_groups():

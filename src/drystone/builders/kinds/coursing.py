@@ -86,11 +86,15 @@ class Bond:
         return (stretcher,), -0.5 * self.unit if odd and self.name == "running" else 0.0
 
     def pieces(
-        self, course: int, begin: Line, end: Line, breadth: tuple[float, float], anchor: float
-    ) -> list[Piece]:
-        """The stones between two lines, the bond counted from u = ``anchor`` [m]."""
-        first = begin.ends(breadth)[1] + self.least
-        last = end.ends(breadth)[0] - self.least
+        self, course: int, begin: Line, end: Line, breadth: tuple[float, float], anchor: float,
+        through: tuple[float, float] = (0.0, 0.0),
+    ) -> list[Piece]:  # fmt: skip
+        """The stones between two lines, the bond counted from u = ``anchor`` [m].
+
+        No joint is nearer to an end than the length ``through`` [m] there and a closer.
+        """
+        first = begin.ends(breadth)[1] + through[0] + self.least
+        last = end.ends(breadth)[0] - through[1] - self.least
         check_count((last - first) / self.header)
         cuts = [u for u, _ in self._joints(course, first, last, anchor)]
         lines = [begin, *map(Line, cuts), end]

@@ -67,11 +67,25 @@ class Joined:
     begin: list[Line]
     end: list[Line]
     voids: tuple[list[Void], list[Void]] = field(default_factory=lambda: ([], []))
+    # Length along it of the wall that it goes through at either end [m]; 0 where it does not.
+    through: tuple[list[float], list[float]] = field(
+        default_factory=lambda: ([0.0, 0.0], [0.0, 0.0])
+    )
 
     def free(self, breadth: tuple[float, float]) -> tuple[float, float]:
         """Between which u [m] both courses have the wall."""
         low = max(line.ends(breadth)[1] for line in self.begin)
         return low, min(line.ends(breadth)[0] for line in self.end)
+
+    def anchor(self, unit: float, breadth: tuple[float, float]) -> float:
+        """From where the bond counts u [m]: from the end that goes through another wall, so that a
+        whole unit lies there; of two, or none, from the beginning."""
+        middle = 0.5 * (breadth[0] + breadth[1])
+        if any(self.through[1]) and not any(self.through[0]):
+            parity = int(self.through[1][1] > 0.0)
+            return self.end[parity](middle) + 0.5 * unit * parity
+        parity = int(self.through[0][1] > 0.0)
+        return self.begin[parity](middle) + 0.5 * unit * parity
 
     def taken(self, breadth: tuple[float, float]) -> list[tuple[float, float]]:
         """Where other walls go through [m]."""
@@ -140,6 +154,8 @@ def _join(
         near_side = float(np.sign(inward @ across.across))
         bounds[parity] = wall.face(across, -near_side, thickness)
         bounds[1 - parity] = wall.face(across, near_side, thickness)
+        sine = abs(float(wall.along @ across.across))
+        found[k].through[ends[own] == "end"][parity] = thickness / sine
 
 
 def _end_of(wall: Wall, u: float, near: float) -> str | None:

@@ -58,8 +58,9 @@ def plan(
 ) -> list[Block]:
     """Walls along centre lines, all of one thickness and height, with openings and floors.
 
-    Where walls meet, one of them goes through in a course and the other one in the next.  Units are
-    cut to fit along the walls; heights must fit the courses and are refused otherwise, with the
+    Where walls meet, one of them goes through in a course and the other one in the next, with a
+    stone that reaches at least a quarter of a unit beyond.  Units are cut to fit along the walls;
+    heights must fit the courses and are refused otherwise, with the
     nearest that fit, and so are openings that meet another wall.
 
     Parameters
@@ -204,7 +205,8 @@ class _House:
                 parity, cut = course % 2, holes[wall.name]
                 ends = own.begin[parity], own.end[parity]
                 voids = [*own.voids[parity], *voids_in(cut, k)]
-                made += strip.course(course, levels, *ends, voids, number=number)
+                through = own.through[0][parity], own.through[1][parity]
+                made += strip.course(course, levels, *ends, voids, number=number, through=through)
                 made += strip.lintels(k, height, foot, cut, lintel)
         return made
 
@@ -276,7 +278,7 @@ def _strip(
         along=(cx, cy),
         prefix=f"{wall.name}/",
         groups=(f"wall {wall.name}",),
-        anchor=own.begin[0](0.5 * thickness),
+        anchor=own.anchor(bond.unit, (0.0, thickness)),
     )
 
 

@@ -39,15 +39,18 @@ class Strip:
     def course(
         self, course: int, levels: tuple[float, float], begin: Line, end: Line,
         voids: Sequence[Void] = (), *, number: int | None = None,
+        through: tuple[float, float] = (0.0, 0.0),
     ) -> list[Block]:  # fmt: skip
         """The stones of a course, which the bond counts from 0, between two lines, but for voids.
 
         ``number`` goes into names and groups, counted from 1, where it is not that of the bond.
+        Stones at the two ends reach ``through`` [m] and a closer further.
         """
         row = course + 1 if number is None else number
         made, count = [], 0
         for low, high in between(begin, end, voids):
-            for piece in self.bond.pieces(course, low, high, self.breadth, self.anchor):
+            ends = through[0] if low == begin else 0.0, through[1] if high == end else 0.0
+            for piece in self.bond.pieces(course, low, high, self.breadth, self.anchor, ends):
                 count += 1
                 groups = (f"course {row}", *self.groups)
                 name = f"{self.prefix}c{row}u{count}"
