@@ -176,7 +176,8 @@ class House:
 
     def blocks(self) -> list[Block]:
         """The ground, then storey upon storey, each with the floor above it."""
-        walls = self.walls(floor=self.unit[2], openings=self.openings())
+        beam = self.side / self.units  # half a unit more is shared out among them
+        walls = self.walls(floor=self.unit[2], beam=beam, openings=self.openings())
         return [_ground(self.side, self.unit), *walls]
 
 
