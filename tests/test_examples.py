@@ -59,6 +59,15 @@ def test_what_is_built_stands_and_nothing_is_amiss(path):
     assert rest.reaction == pytest.approx(found.weight, rel=1e-6)
 
 
+@pytest.mark.parametrize("name", ["portal", "buttress", "column", "drum_column", "barrel_vault"])
+def test_what_is_built_can_be_pushed(name):
+    """Just under what rigid blocks carry: elastic joints, 1e9 Pa/m, take up to 7 % of it."""
+    model = ds.read_model(EXAMPLES / "builders" / f"{name}.toml")
+    peak = ds.pushover(model, max_displacement=0.01).peak.load_multiplier
+    rigid = ds.collapse_load(model, flow="associative").load_multiplier
+    assert 0.9 * rigid < peak < 1.001 * rigid
+
+
 def test_every_kind_is_built_in_an_example():
     tables = [table for path in BUILT for table in tomllib.loads(path.read_text())["build"]]
     assert {table["kind"] for table in tables} == set(SECTIONS)
