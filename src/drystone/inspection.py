@@ -6,8 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from drystone.assembly import GRAVITY, Assembly
 from drystone.builders.words import FEW, listed, millimetres, quoted
@@ -119,6 +117,18 @@ def _law_notes(assembly: Assembly) -> list[str]:
     return warnings
 
 
+def _connected(n: int, a: IntArray, b: IntArray) -> IntArray:
+    """Lowest row that links ``a[k]`` to ``b[k]`` lead to from each of n rows, (n,)."""
+    lowest = np.arange(n)
+    while True:  # each round at least halves the way to it
+        before, least = lowest.copy(), np.minimum(lowest[a], lowest[b])
+        np.minimum.at(lowest, lowest[a], least)
+        np.minimum.at(lowest, lowest[b], least)
+        lowest = lowest[lowest]
+        if np.array_equal(lowest, before):
+            return lowest
+
+
 def _floating(
     assembly: Assembly, packed: Outlines | Polyhedra, p: IntArray, q: IntArray
 ) -> list[str]:
@@ -126,8 +136,7 @@ def _floating(
     touching = packed.touching(p, q)
     a, b = packed.body[p[touching]], packed.body[q[touching]]
     n = assembly.n_bodies
-    links = coo_array((np.ones(len(a)), (a, b)), shape=(n, n))
-    _, group = connected_components(links, directed=False)
+    group = _connected(n, a, b)
     borne = np.isin(group, group[assembly.fixed])
     warnings = []
     if not borne.all():

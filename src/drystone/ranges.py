@@ -84,6 +84,11 @@ RANGES = {
 }
 
 
+#: Structures of more blocks, in the plane and in space, are left out where limit analysis is only
+#: asked beside something else: it would take seconds.
+MOST_BLOCKS = {2: 2000, 3: 500}
+
+
 def problem(name: str, value: Any) -> str | None:
     """What is wrong with the number of that name, as a sentence "name: must be ..."."""
     found_wrong = RANGES[name].problem(value) if name in RANGES else None

@@ -3,10 +3,14 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from typer.testing import CliRunner
 
 from drystone.cli import app
+from drystone.inspection import _connected
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
@@ -123,3 +127,14 @@ def test_run_tells_it_too_and_keeps_it(tmp_path):
     assert "warning: block: 1 joint" in result.stderr
     (note,) = json.loads((tmp_path / "out/summary.json").read_text())["notes"]
     assert "1 joint" in note
+
+
+def test_what_hangs_together_is_found_as_scipy_finds_it():
+    rng = np.random.default_rng(1)
+    for _ in range(200):
+        n, m = int(rng.integers(1, 40)), int(rng.integers(0, 50))
+        a, b = rng.integers(0, n, m), rng.integers(0, n, m)
+        links = coo_array((np.ones(m), (a, b)), shape=(n, n))
+        _, group = connected_components(links, directed=False)
+        lowest = np.array([np.flatnonzero(group == own).min() for own in group])
+        np.testing.assert_array_equal(_connected(n, a, b), lowest)

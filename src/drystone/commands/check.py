@@ -48,10 +48,12 @@ def check(model_file: ModelFile, as_json: AsJson = False, quiet: Quiet = False) 
 def statics(model: Model) -> tuple[list[str], float | None]:
     """What limit analysis says against a model: it falls, or no load brings it down; and the
     reaction of the supports at rest [N], where it was looked for and the structure stands."""
-    from drystone.limit import MOST_BLOCKS, at_rest, is_locked
+    from drystone.ranges import MOST_BLOCKS
 
     if model.assembly.n_blocks > MOST_BLOCKS[model.assembly.dimension]:
         return [], None
+    from drystone.limit import at_rest, is_locked  # takes long to import
+
     rest = at_rest(model)
     if rest.falls:
         return [f"the structure {rest.falls}"], None

@@ -1,6 +1,6 @@
 """Limit analysis: the load that brings rigid blocks down, and how."""
 
-from drystone.limit.beside import MOST_BLOCKS, Beside, limits_beside, range_text
+from drystone.limit.beside import Beside, limits_beside, range_text
 from drystone.limit.collapse import (
     ASSOCIATIVE,
     FLOWS,
@@ -20,7 +20,6 @@ from drystone.limit.search import least_standing
 __all__ = [
     "ASSOCIATIVE",
     "FLOWS",
-    "MOST_BLOCKS",
     "NON_ASSOCIATIVE",
     "Beside",
     "Collapse",

@@ -9,10 +9,10 @@ import numpy as np
 from drystone.limit.collapse import ASSOCIATIVE, FLOWS, NON_ASSOCIATIVE, collapse_loads
 from drystone.limit.non_associative import NonAssociativeSettings
 from drystone.model import Model
+from drystone.ranges import MOST_BLOCKS
 
-#: Structures of more blocks are left out, in the plane and in space: they would take seconds.
-MOST_BLOCKS = {2: 2000, 3: 500}
-#: Likewise for the non-associative scheme, which solves dozens of programs.
+#: Structures of more blocks than these are left out of the non-associative scheme, which solves
+#: dozens of programs; those of more than `MOST_BLOCKS` altogether.
 MOST_NON_ASSOCIATIVE = {2: 120, 3: 20}
 #: Paths of that scheme: from associative forces and from those at rest, which often differ.
 PATHS = 2
