@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from drystone.builders import coursed_wall as wall
     from drystone.builders.column import column, stack
     from drystone.curve import CapacityCurve, CurvePoint
+    from drystone.drawings.blocks import imported
+    from drystone.drawings.settings import ImportSettings
     from drystone.engines.base import EngineError, UnstableError
     from drystone.export.directory import ResultsDirectory
     from drystone.export.folder import OutputError
@@ -38,6 +40,7 @@ _PLACES = {
     "Corner": "drystone.assembly",
     "CurvePoint": "drystone.curve",
     "EngineError": "drystone.engines.base",
+    "ImportSettings": "drystone.drawings.settings",
     "Inspection": "drystone.inspection",
     "JointLaw": "drystone.assembly",
     "Model": "drystone.model",
@@ -50,6 +53,7 @@ _PLACES = {
     "collapse_load": "drystone.limit",
     "column": "drystone.builders.column",
     "extruded": "drystone.builders",
+    "imported": "drystone.drawings.blocks",
     "inspect": "drystone.inspection",
     "load_results": "drystone.export.results",
     "make_model": "drystone.builders",

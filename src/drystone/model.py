@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import Assembly, Corner
-from drystone.geometry.mend import Mended
+from drystone.geometry.mended import Mended
 from drystone.loading import LoadPattern
 from drystone.monitor import ControlPoint
 

@@ -22,7 +22,7 @@ from drystone.builders.describe import material_names
 from drystone.builders.errors import ModelError
 from drystone.builders.fit import DRAWING_TOLERANCE, fitted, turned_round
 from drystone.geometry import GeometryError
-from drystone.geometry.mend import Mended
+from drystone.geometry.mended import Mended
 from drystone.loading import LoadPattern
 from drystone.model import Analysis, Model, Origin
 from drystone.monitor import ControlPoint

@@ -13,7 +13,7 @@ from typing import Any
 from drystone.assembly import Block
 from drystone.builders.errors import ModelError
 from drystone.drawings import Imported, ImportSettings, imported
-from drystone.geometry.mend import Mended
+from drystone.geometry.mended import Mended
 from drystone.modelfile.parse import parse, read_bytes
 from drystone.modelfile.write import to_toml
 

@@ -1,8 +1,29 @@
 """Geometry from elsewhere: files of drawing and modelling programs as blocks, and back."""
 
-from drystone.drawings.blocks import TOLERANCE, Imported, ImportSettings, imported
-from drystone.drawings.drawing import UNITS, Drawing, Shape
-from drystone.drawings.formats import FORMATS, format_of, read_drawing
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from drystone.drawings.blocks import Imported, imported
+    from drystone.drawings.drawing import UNITS, Drawing, Shape
+    from drystone.drawings.formats import FORMATS, format_of, read_drawing
+    from drystone.drawings.settings import TOLERANCE, ImportSettings
+
+#: Where each name is: most models import nothing, and need not wait for it.
+_PLACES = {
+    "FORMATS": "formats",
+    "TOLERANCE": "settings",
+    "UNITS": "drawing",
+    "Drawing": "drawing",
+    "ImportSettings": "settings",
+    "Imported": "blocks",
+    "Shape": "drawing",
+    "format_of": "formats",
+    "imported": "blocks",
+    "read_drawing": "formats",
+}
 
 __all__ = [
     "FORMATS",
@@ -16,3 +37,9 @@ __all__ = [
     "imported",
     "read_drawing",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PLACES:
+        raise AttributeError(f"module 'drystone.drawings' has no attribute {name!r}")
+    return getattr(import_module(f"drystone.drawings.{_PLACES[name]}"), name)

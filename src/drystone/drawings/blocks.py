@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,37 +16,19 @@ from drystone.drawings.formats import read_drawing
 from drystone.drawings.outlines import mended_outlines
 from drystone.drawings.patterns import expression
 from drystone.drawings.placing import placed, turned_up
+from drystone.drawings.settings import ImportSettings
 from drystone.geometry import GeometryError
 from drystone.geometry.figure import Figure
-from drystone.geometry.mend import DrawnSolid, Mended, mended_solids
+from drystone.geometry.mend import DrawnSolid, mended_solids
+from drystone.geometry.mended import Mended
 from drystone.geometry.meshes import Mesh, is_flat, shortest_edge
 from drystone.geometry.solid import Faces
 from drystone.geometry.trim import trimmed
 
 Array = NDArray[np.float64]
 
-#: Largest distance by which vertices are moved, over the shortest edge of their block.
-TOLERANCE = 0.02
 #: Thickness given to a support that is drawn as a flat outline, over its shortest edge.
 PLATE = 0.1
-
-
-@dataclass(frozen=True, kw_only=True)
-class ImportSettings:
-    """How a file is read; what the file says itself may be left out."""
-
-    file: Path
-    format: str | None = None  # by the file's ending
-    unit: str | None = None  # of its numbers: "m", "cm", "mm", "in", "ft"
-    up: str | None = None  # the axis that points up in it: "z" or "y"
-    material: str | None = None  # of what lies on no layer that a material is named after
-    support: tuple[str, ...] = ()  # ids, groups or layers, * for any letters and ? for one
-    support_below: float | None = None  # m; blocks that reach below this height are supports
-    tolerance: float = TOLERANCE  # over the shortest edge of each block
-    name: str | None = None  # goes before the ids, "name/..."
-    group: str | None = None  # that all blocks belong to
-    origin: tuple[float, ...] = ()  # m, where the drawing's origin is put
-    rotation: tuple[float, ...] = ()  # degrees: in space one about z, or three about x, y and z
 
 
 @dataclass(frozen=True, kw_only=True)

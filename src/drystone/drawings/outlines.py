@@ -11,7 +11,8 @@ from drystone.assembly import Block
 from drystone.builders.fit import fitted
 from drystone.drawings.drawing import Shape
 from drystone.geometry import GeometryError, polygon
-from drystone.geometry.mend import ONE_FACE, ROUNDING, SAME_POINT, WELDED, Mended
+from drystone.geometry.mend import ONE_FACE, ROUNDING, SAME_POINT, WELDED
+from drystone.geometry.mended import Mended
 
 Array = NDArray[np.float64]
 

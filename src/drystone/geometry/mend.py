@@ -19,6 +19,7 @@ from scipy.sparse.csgraph import connected_components
 
 from drystone.geometry import GeometryError, solid
 from drystone.geometry.flatness import flat_pieces, off_plane, plane_labels, united
+from drystone.geometry.mended import Mended
 from drystone.geometry.meshes import (
     Mesh,
     is_flat,
@@ -48,17 +49,6 @@ ONE_FACE = 0.5
 ROUNDING = 1e-9
 #: How often joints that cannot be closed are given up, before all of them are.
 ATTEMPTS = 6
-
-
-@dataclass(frozen=True, kw_only=True)
-class Mended:
-    """What was done to a block."""
-
-    block: str
-    what: str  # as the end of a sentence on blocks
-    how_much: float = 0.0  # m, where something was moved
-    count: int = 0  # of what was found, where that can be counted
-    volume: float = 0.0  # m3, more than with bent faces cut into fans from their first corners
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -12,9 +12,9 @@ import numpy as np
 from drystone.assembly import Block
 from drystone.builders.errors import ModelError
 from drystone.builders.words import quoted, suggestion
-from drystone.drawings import ImportSettings, imported
+from drystone.drawings.settings import ImportSettings
 from drystone.geometry import GeometryError
-from drystone.geometry.mend import Mended
+from drystone.geometry.mended import Mended
 from drystone.modelfile.schema import ImportSection, ModelSection
 from drystone.modelfile.sentences import place_of
 
@@ -46,6 +46,10 @@ def imports_of(
         Path of the model file, from whose folder files are named.
     """
     found = Imports()
+    if not section.imports:
+        return found
+    from drystone.drawings.blocks import imported  # brings much along that most models do without
+
     for i, table in enumerate(section.imports):
         place = place_of(("import", i), {})
         file = Path(source or "").parent / table.file

@@ -18,7 +18,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from drystone.builders.fit import DRAWING_TOLERANCE
-from drystone.drawings import TOLERANCE
+from drystone.drawings.settings import TOLERANCE
 from drystone.model import Analysis
 from drystone.modelfile.builds import BuildTable
 from drystone.modelfile.keys import (

@@ -1,0 +1,27 @@
+"""How a file of another program is read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+#: Largest distance by which vertices are moved, over the shortest edge of their block.
+TOLERANCE = 0.02
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImportSettings:
+    """How a file is read; what the file says itself may be left out."""
+
+    file: Path
+    format: str | None = None  # by the file's ending
+    unit: str | None = None  # of its numbers: "m", "cm", "mm", "in", "ft"
+    up: str | None = None  # the axis that points up in it: "z" or "y"
+    material: str | None = None  # of what lies on no layer that a material is named after
+    support: tuple[str, ...] = ()  # ids, groups or layers, * for any letters and ? for one
+    support_below: float | None = None  # m; blocks that reach below this height are supports
+    tolerance: float = TOLERANCE  # over the shortest edge of each block
+    name: str | None = None  # goes before the ids, "name/..."
+    group: str | None = None  # that all blocks belong to
+    origin: tuple[float, ...] = ()  # m, where the drawing's origin is put
+    rotation: tuple[float, ...] = ()  # degrees: in space one about z, or three about x, y and z

@@ -1,0 +1,16 @@
+"""What was done to a block that was drawn by others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mended:
+    """What was done to a block."""
+
+    block: str
+    what: str  # as the end of a sentence on blocks
+    how_much: float = 0.0  # m, where something was moved
+    count: int = 0  # of what was found, where that can be counted
+    volume: float = 0.0  # m3, more than with bent faces cut into fans from their first corners
