@@ -12,7 +12,7 @@ import pytest
 from drystone.geometry.broad import candidate_pairs
 from drystone.geometry.motion import moved
 from drystone.kernels import manifold, overlap
-from drystone.kernels.contacts import BALL_3, NONE, VERTEX_B
+from drystone.kernels.contacts import BALL_3, GAP, KIND, NONE, VERTEX_B
 from drystone.kernels.measures import left_behind
 from drystone.kernels.succession import carried, find_predecessors
 from touching import (
@@ -139,6 +139,18 @@ class TestFlush:
             before = slots
 
     @pytest.mark.parametrize("points", [4, 9, 16])
+    def test_unused_slots_keep_nothing_of_other_poses(self):
+        """Whoever finds again into the same slots may have set what was used, and not the rest."""
+        scene = flush()
+        pose = scene.pose.copy()
+        pose[1, 2] = -0.02
+        slots = scene.find(pose)
+        assert slots.gap[used(slots)] == pytest.approx(-0.02, abs=ROUNDING)
+        slots.which[:, KIND] = NONE
+        apart = scene.find(scene.pose + (0, 0, 1, 0, 0, 0, 0) * np.array([[0], [1]]), before=slots)
+        assert len(used(apart)) == 0
+        assert np.all(apart.value[:, GAP] == np.inf)
+
     def test_a_face_inside_another(self, points):
         plate, block = box((-2, -2, -1), (2, 2, 0)), box((0, 0, 0), (0.5, 0.25, 1))
         for solids in ([plate, block], [block, plate]):

@@ -481,10 +481,9 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
             continue
         p, q, a, b = of_pair[i, PART_A], of_pair[i, PART_B], of_pair[i, A], of_pair[i, B]
         kept_a, kept_b = which[begin, EDGE_A], which[begin, EDGE_B]
-        for k in range(begin, end):
-            if which[k, KIND] != NONE:
-                which[k, KIND], value[k, GAP] = NONE, np.inf
-                which[k, FEATURE_A], which[k, FEATURE_B] = -1, -1
+        for k in range(begin, end):  # of unused slots as well: the values may be of other poses
+            which[k, KIND], value[k, GAP] = NONE, np.inf
+            which[k, FEATURE_A], which[k, FEATURE_B] = -1, -1
         radii = radius[p] + radius[q]
         limit = reach + radii
         face_a, apart_a, held_a = best_face(
