@@ -21,6 +21,7 @@ from touching import (
     Scene,
     box,
     brute_overlap,
+    brute_separation,
     flush,
     hull,
     quaternion,
@@ -138,7 +139,6 @@ class TestFlush:
             assert slots.size[used(slots)] == pytest.approx(first.size[used(first)], abs=1e-7)
             before = slots
 
-    @pytest.mark.parametrize("points", [4, 9, 16])
     def test_unused_slots_keep_nothing_of_other_poses(self):
         """Whoever finds again into the same slots may have set what was used, and not the rest."""
         scene = flush()
@@ -151,6 +151,7 @@ class TestFlush:
         assert len(used(apart)) == 0
         assert np.all(apart.value[:, GAP] == np.inf)
 
+    @pytest.mark.parametrize("points", [4, 9, 16])
     def test_a_face_inside_another(self, points):
         plate, block = box((-2, -2, -1), (2, 2, 0)), box((0, 0, 0), (0.5, 0.25, 1))
         for solids in ([plate, block], [block, plate]):
@@ -327,6 +328,42 @@ class TestTies:
             turn = rotation(rng.normal(size=3))
             found = Scene([(v @ turn.T, f) for v, f in solids]).find()
             assert np.array_equal(found.which, expected.which)
+
+
+#: A slab whose lower edge lies on the top of a leaning hexagonal drum, and overlaps it by a sliver:
+#: some 13 mm wide as seen from above, and as deep as 2.7 mm.
+DRUM = (
+    [(0.66955, 0.30805, 0.23452), (0.53721, 0.28538, 0.22258), (0.50685, 0.16782, 0.22239)]
+    + [(0.56972, 0.09459, 0.22996), (0.68079, 0.10118, 0.24025), (0.73183, 0.23529, 0.24202)]
+    + [(0.63927, 0.30558, 0.47161), (0.52197, 0.28549, 0.46104), (0.49506, 0.18128, 0.46086)]
+    + [(0.55078, 0.11638, 0.46757), (0.64923, 0.12222, 0.47670), (0.69447, 0.24108, 0.47826)]
+)
+SIX_SIDES = (
+    ((0, 5, 4, 3, 2, 1), (6, 7, 8, 9, 10, 11), (0, 1, 7, 6), (1, 2, 8, 7), (2, 3, 9, 8))
+    + ((3, 4, 10, 9), (4, 5, 11, 10), (5, 0, 6, 11))
+)  # fmt: skip
+SLAB = (
+    [(-0.85174, -0.52874, 0.46183), (0.49067, -0.56301, 0.45980), (0.51424, 0.36037, 0.45987)]
+    + [(-0.82817, 0.39464, 0.46190), (-0.85148, -0.52876, 0.63683), (0.49093, -0.56303, 0.63480)]
+    + [(0.51451, 0.36035, 0.63487), (-0.82791, 0.39462, 0.63690)]
+)
+
+
+class TestRims:
+    @staticmethod
+    def sliver():
+        return Scene([(np.array(DRUM), SIX_SIDES), (np.array(SLAB), BOX)], points=9)
+
+    def test_a_sliver_is_as_deep_as_edges_say(self):
+        """The slab's side separates the two best of all faces, and has points that are as deep."""
+        scene = self.sliver()
+        deepest, of_drum, of_slab = brute_separation(*scene.solids[0], *scene.solids[1])
+        assert max(of_drum, of_slab) < -0.014 < -0.003 < deepest < -0.002
+        slots = scene.find()
+        k = used(slots)
+        # A point is as deep on a plane that is inclined to the axis by 0.05 at most, but for that.
+        assert slots.gap[k].min() == pytest.approx(deepest, abs=1e-4)
+        assert slots.normal[k, 2] == pytest.approx(1.0, abs=0.01)
 
 
 class TestRounded:

@@ -43,7 +43,10 @@ has LEAST_SHARE of the smaller face.
 Where no point of the overlap is as near as the separation says, the faces are not what touches.
 Then edges that cross and separate the parts more by MARGIN, or touch where those points are open
 by as much, make one point, on a normal that a carries along; of rounded parts, likewise the nearest
-points of all edges.  Its area is LEAST_SHARE of the smaller of the two faces.
+points of all edges.  Its area is LEAST_SHARE of the smaller of the two faces.  Points that are as
+near are no proof where parts overlap by more than MARGIN: an edge that lies on the rim of a face
+overlaps it by little, and by much as seen along the face beside.  Edges that separate the parts
+more by MARGIN touch there, too.
 
 Features are numbers: vertices of all parts, then edges, then faces, then points between.
 """
@@ -537,11 +540,11 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
             if stop > begin:
                 break
         face_a, face_b = (face_p, face_q) if p_is_a else (face_q, face_p)
-        if least > best - radii + slack and (radii > 0.0 or cosine > -1.0 + HELD * HELD):
+        margin, near = MARGIN * min(size[p], size[q]), least <= best - radii + slack
+        if not (near and best >= -margin) and (radii > 0.0 or cosine > -1.0 + HELD * HELD):
             edge_a, edge_b, across = best_edges(first, edge, vertex, normal, p, q, work)
-            margin = MARGIN * min(size[p], size[q])
-            found = (across > best + margin or least + radii > across + margin) and across <= limit
-            found = found and edge_a >= 0 and across > -np.inf
+            found = across > best + margin or (not near and least + radii > across + margin)
+            found = found and edge_a >= 0 and -np.inf < across <= limit
             if not found and radii > 0.0:
                 edge_a, edge_b, across = nearest_edges(first, edge, vertex, p, q, work)
                 found = slack < across <= limit and across - radii < least - slack
