@@ -361,9 +361,40 @@ class TestRims:
         assert max(of_drum, of_slab) < -0.014 < -0.003 < deepest < -0.002
         slots = scene.find()
         k = used(slots)
-        # A point is as deep on a plane that is inclined to the axis by 0.05 at most, but for that.
-        assert slots.gap[k].min() == pytest.approx(deepest, abs=1e-4)
-        assert slots.normal[k, 2] == pytest.approx(1.0, abs=0.01)
+        # As deep on a plane inclined by FLAT to the axis, but for 1 - cos(0.05); nowhere deeper.
+        assert slots.gap[k].min() == pytest.approx(deepest, rel=2e-3)
+        # The drum's top leans by 0.096, and so does the axis by no more than that and FLAT.
+        assert slots.normal[k, 2].min() > np.cos(0.096 + 0.05)
+        # A line across the drum: the slab's edge, x = 0.511 and 0.509, enters and leaves its top at
+        # y = 0.1813 + 0.1042 0.0159 / 0.0269 and y = 0.1813 - 0.0649 0.0139 / 0.0557.
+        place = scene.shapes.centroid[0] + slots.arm_a[k]
+        assert np.ptp(place[:, 1]) == pytest.approx(0.0778, abs=2e-3)  # of the digits of x
+
+    @pytest.mark.parametrize("twist", [0.0, 0.01, 0.03])
+    @pytest.mark.parametrize("far", [1.0, 10.0])
+    def test_what_tilts_over_a_rim_rests_on_both_ends(self, twist, far):
+        """However far the rim goes on beyond the block, and the block be turned about its slope."""
+        tilt, sunk = 0.3, 0.005
+        vertices, faces = box((-0.5, -0.5, 0), (0.5, 0.5, 0.5))
+        lean = rotation((0, tilt, 0)) @ rotation((twist, 0, 0))
+        base = box((-2.0, -far, -0.5), (0, far, 0))
+        lowest = (vertices[:4] @ lean.T)[:, 2].min()
+        # Put on the rim in its middle, where the slope passes, and sunk there.
+        slots = (scene := Scene([base, (vertices @ lean.T - (0, 0, sunk), faces)])).find()
+        assert lowest < -0.1
+        k = used(slots)
+        place = scene.shapes.centroid[0] + slots.arm_a[k]
+        on_rim = np.abs(place[:, 0]) < 0.02
+        assert np.count_nonzero(on_rim) == 2
+        assert np.ptp(place[on_rim, 1]) == pytest.approx(1.0, abs=0.02)
+        # The normal of the face, and along it as deep as its points are at each end.
+        normal = lean @ (0, 0, 1)
+        assert slots.normal[k][on_rim] == pytest.approx(np.tile(normal, (2, 1)), abs=1e-12)
+        ends = np.sort(slots.gap[k][on_rim])
+        across = sunk * np.cos(tilt) * np.cos(twist)
+        end = 0.5 * np.sin(twist)
+        assert ends == pytest.approx((-across - end, -across + end), abs=0.02 * end + 1e-9)
+        assert slots.gap[k].min() == ends[0]
 
 
 class TestRounded:

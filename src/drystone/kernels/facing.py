@@ -35,6 +35,9 @@ HELD = 1e-3
 #: rounding of places, and less than a gap that a drawing means.
 TIED = 1e-6
 
+#: An edge that lies on a face but for less than this angle [rad] rests on it at both of its ends.
+FLAT = 0.05
+
 
 @njit(cache=True)
 def incident_face(first, ring, corner, vertex, normal, face, q, kept, deepest):
@@ -48,6 +51,34 @@ def incident_face(first, ring, corner, vertex, normal, face, q, kept, deepest):
         if better > cosine + 2.0 * HELD:
             return trial, better
     return found, cosine
+
+
+@njit(cache=True)
+def edge_on_face(edge, normal, edge_p, edge_q, axis):
+    """Whether an edge of p or q lies nearly flat on a face of the other at their crossing, and how.
+
+    ``axis`` (3,) is the one that the edges cross on, from p to q.  Returned is whether the face is
+    one of p, the face, or -1 where both edges cross in earnest, and the face of the other part
+    behind that edge which is more opposed to it.
+    """
+    least, of_p, face = 1.0 - 0.5 * FLAT * FLAT, True, -1
+    for side in range(2):
+        chosen, sign = (edge_p, 1.0) if side == 0 else (edge_q, -1.0)
+        for c in range(2, 4):
+            f = edge[chosen, c]
+            along = axis[0] * normal[f, 0] + axis[1] * normal[f, 1] + axis[2] * normal[f, 2]
+            if sign * along > least:
+                least, of_p, face = sign * along, side == 0, f
+    if face < 0:
+        return True, -1, -1
+    other, found, most = edge_q if of_p else edge_p, -1, np.inf
+    for c in range(2, 4):
+        f, along = edge[other, c], 0.0
+        for i in range(3):
+            along += normal[face, i] * normal[f, i]
+        if along < most:
+            most, found = along, f
+    return of_p, face, found
 
 
 @njit(cache=True)

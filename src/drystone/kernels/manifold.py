@@ -48,6 +48,11 @@ near are no proof where parts overlap by more than MARGIN: an edge that lies on 
 overlaps it by little, and by much as seen along the face beside.  Edges that separate the parts
 more by MARGIN touch there, too.
 
+Edges that cross where one lies nearly flat (FLAT) on a face beside the other are no point but a
+line: a block on the rim of a long support, and turned a little, would rock from one end of it to
+the other.  So that face, be it cut by what is far off, is the reference face then, and the one
+behind the edge the incident one, if their deepest point is as deep as the edges say, within MARGIN.
+
 Features are numbers: vertices of all parts, then edges, then faces, then points between.
 """
 
@@ -89,6 +94,7 @@ from drystone.kernels.facing import (
     HELD,
     LEAST_SHARE,
     TIED,
+    edge_on_face,
     incident_face,
     project_both,
     untied,
@@ -459,6 +465,26 @@ def _edge_point(
             value[k, PLANE_TANGENT_3 + c] = t / np.sqrt(size * off)
 
 
+# Many: arrays one by one, for records that are handed on count references at every pair.
+@njit(cache=True)
+def _evaluate_all(centroid, radius_a, radius_b, turn, pose, which, value, begin, stop, a, b):
+    """Evaluate the slots from ``begin`` to ``stop``; the least gap."""
+    least = np.inf
+    for k in range(begin, stop):
+        value[k, BALL_3] = radius_b if which[k, KIND] == VERTEX_B else radius_a
+        _evaluate(centroid, radius_a + radius_b, turn, pose, which, value, k, a, b)
+        least = min(least, value[k, GAP])
+    return least
+
+
+@njit(cache=True)
+def _empty(which, value, begin, stop):
+    """Take the slots from ``begin`` to ``stop`` out of use."""
+    for k in range(begin, stop):
+        which[k, KIND], value[k, GAP] = NONE, np.inf
+        which[k, FEATURE_A], which[k, FEATURE_B] = -1, -1
+
+
 # Long: the phases of one pair, with the arrays they take, one by one (many: for records that are
 # handed on count references at every pair).
 @njit(cache=True)
@@ -484,9 +510,7 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
             continue
         p, q, a, b = of_pair[i, PART_A], of_pair[i, PART_B], of_pair[i, A], of_pair[i, B]
         kept_a, kept_b = which[begin, EDGE_A], which[begin, EDGE_B]
-        for k in range(begin, end):  # of unused slots as well: the values may be of other poses
-            which[k, KIND], value[k, GAP] = NONE, np.inf
-            which[k, FEATURE_A], which[k, FEATURE_B] = -1, -1
+        _empty(which, value, begin, end)  # unused ones as well: their values may be of other poses
         radii = radius[p] + radius[q]
         limit = reach + radii
         face_a, apart_a, held_a = best_face(
@@ -533,10 +557,9 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
                 face_p, face_q, part_p, p_is_a, points, begin, end, which, value, reference,
                 incident, polygon, name, point, mark, weight, t1, t2,
             )  # fmt: skip
-            for k in range(begin, stop):
-                value[k, BALL_3] = radius[q] if which[k, KIND] == VERTEX_B else radius[p]
-                _evaluate(centroid, radii, turn, pose, which, value, k, a, b)
-                least = min(least, value[k, GAP])
+            least = _evaluate_all(
+                centroid, radius[p], radius[q], turn, pose, which, value, begin, stop, a, b
+            )
             if stop > begin:
                 break
         face_a, face_b = (face_p, face_q) if p_is_a else (face_q, face_p)
@@ -545,19 +568,36 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
             edge_a, edge_b, across = best_edges(first, edge, vertex, normal, p, q, work)
             found = across > best + margin or (not near and least + radii > across + margin)
             found = found and edge_a >= 0 and -np.inf < across <= limit
-            if not found and radii > 0.0:
+            p_is_a, face_p, face_q = True, -1, -1
+            if found:
+                p_is_a, face_p, face_q = edge_on_face(edge, normal, edge_a, edge_b, work[0])
+            elif radii > 0.0:
                 edge_a, edge_b, across = nearest_edges(first, edge, vertex, p, q, work)
                 found = slack < across <= limit and across - radii < least - slack
             if found:
-                for k in range(begin, stop):
-                    which[k, KIND], value[k, GAP] = NONE, np.inf
+                _empty(which, value, begin, stop)
+                stop = begin
+            if face_p >= 0:
+                stop = _face_points(
+                    ring, corner, setback, local, plane, edge, extent, turn, vertex, normal,
+                    of_part, face_p, face_q, p if p_is_a else q, p_is_a, points, begin, end, which,
+                    value, reference, incident, polygon, name, point, mark, weight, t1, t2,
+                )  # fmt: skip
+                least = _evaluate_all(
+                    centroid, radius[p], radius[q], turn, pose, which, value, begin, stop, a, b
+                )
+                if abs(least + radii - across) > margin:  # not by what lies on the face alone
+                    _empty(which, value, begin, stop)
+                    stop = begin
+            if found and stop == begin:
                 _edge_point(
                     local, edge, plane, extent, turn, a, begin, (edge_a, edge_b),
                     (face_a, face_b), which, value, work[0], work[1],
                 )  # fmt: skip
-                value[begin, BALL_3] = radius[q]
                 stop = begin + 1
-                _evaluate(centroid, radii, turn, pose, which, value, begin, a, b)
+                _evaluate_all(
+                    centroid, radius[p], radius[q], turn, pose, which, value, begin, stop, a, b
+                )
         for k in range(begin, stop):
             if value[k, GAP] > reach:
                 which[k, KIND], value[k, GAP] = NONE, np.inf
