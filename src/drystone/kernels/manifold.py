@@ -485,8 +485,8 @@ def _empty(which, value, begin, stop):
         which[k, FEATURE_A], which[k, FEATURE_B] = -1, -1
 
 
-# Long: the phases of one pair, with the arrays they take, one by one (many: for records that are
-# handed on count references at every pair).
+# Arrays are taken one by one, for records that are handed on count references at every pair.
+# Long, and many: the phases of one pair, with the scratch that they share.
 @njit(cache=True)
 def _find(shapes, pose, world, of_pair, reach, points, which, value):
     centroid, of_part, radius, size = shapes.centroid, shapes.of_part, shapes.radius, shapes.size
