@@ -19,7 +19,10 @@ from drystone.limit import ASSOCIATIVE, collapse_load
 from random_solids import random_solids
 
 FIRST = int(os.environ.get("DRYSTONE_SEED", "0"))
-SEEDS = range(FIRST, FIRST + int(os.environ.get("DRYSTONE_SOLIDS", "10")))
+#: Where blocks slide over rims, or the contacts of tries that were given up had been kept: such
+#: curves were stopped with blocks pressed into each other that were not.
+RIMS = (41, 44, 59, 66, 91)
+SEEDS = sorted({*range(FIRST, FIRST + int(os.environ.get("DRYSTONE_SOLIDS", "10"))), *RIMS})
 
 #: Residual over the heaviest weight that a point at rest may leave; the engine keeps a tenth of it.
 BALANCED = 1e-8
