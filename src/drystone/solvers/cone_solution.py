@@ -393,11 +393,7 @@ def solve(
             turn = (1.0, step.multiplier)
             judged = solver.settle(judged, increment, few=before.unstable)
     end = judged.slope if judged else math.nan
-    reason = ""
-    if not found:
-        reason = f"no equilibrium within {n_iterations} iterations"
-    elif not step.constants.detector.farthest(step.x) <= accuracy.farthest:
-        reason = "a block moves too far in one step"
+    reason = _reason(found, n_iterations, step, accuracy)
     shape = _shape(multiplier, step.multiplier, before.slope, end, increment)
     return StepSolution(
         increment=step.x.copy(),
@@ -412,6 +408,15 @@ def solve(
         unstable=judged is not None and not judged.stable,
         reason=reason,
     )
+
+
+def _reason(found: bool, n_iterations: int, step: ConeStep, accuracy: Accuracy) -> str:
+    """Why a step has failed; "" where it has not."""
+    if not found:
+        return f"no equilibrium within {n_iterations} iterations"
+    if not step.constants.detector.farthest(step.x) <= accuracy.farthest:
+        return "a block moves too far in one step"
+    return ""
 
 
 def _shape(
