@@ -153,3 +153,16 @@ def turned(model: Model, rotation: Rotation, shift: Sequence[float] = (0.0, 0.0,
             direction=rotation.apply(control.direction),
         ),
     )
+
+
+def twisting_lever(side: float, points: int) -> float:
+    """Mean distance of a square joint from its centre [m], as its contact points have it."""
+    if points == 4:
+        return side / np.sqrt(2.0)
+    n = {9: 3, 16: 4}[points]
+    # Points at the corners of (n - 1) x (n - 1) cells, each corner with a quarter of its cells.
+    x = np.linspace(-0.5, 0.5, n) * side
+    share = np.ones(n)
+    share[[0, -1]] = 0.5
+    weight = np.outer(share, share) / share.sum() ** 2
+    return float(np.sum(weight * np.hypot(*np.meshgrid(x, x))))

@@ -19,7 +19,7 @@ from drystone.builders.arch import circular_arch
 from drystone.engines.base import Demand, UnstableError
 from drystone.engines.distinct import DistinctEngine, DistinctSettings, DistinctState, Workspace
 from drystone.geometry import solid
-from solids import box, joint, model_of, one_block, turned
+from solids import box, joint, model_of, one_block, turned, twisting_lever
 
 UNDAMPED = DistinctSettings(local_damping=0.0, safety=0.05)
 UP = np.array([0.0, 0.0, 1.0])
@@ -77,18 +77,6 @@ class TestTwist:
 
     side, friction = 0.4, 0.6
 
-    def lever(self, points: int) -> float:
-        """Mean distance of the joint from its centre [m], as the points have it."""
-        if points == 4:
-            return self.side / np.sqrt(2.0)
-        n = {9: 3, 16: 4}[points]
-        # Points at the corners of (n - 1) x (n - 1) cells, each corner with a quarter of its cells.
-        x = np.linspace(-0.5, 0.5, n) * self.side
-        share = np.ones(n)
-        share[[0, -1]] = 0.5
-        weight = np.outer(share, share) / share.sum() ** 2
-        return float(np.sum(weight * np.hypot(*np.meshgrid(x, x))))
-
     @pytest.mark.parametrize(("points", "factor"), [(4, 1.85), (9, 1.12), (16, 1.09)])
     def test_strength(self, points, factor):
         blocks = [
@@ -111,7 +99,7 @@ class TestTwist:
             torques.append(work.multiplier)
         weight = model.assembly.weight[1]
         torque = float(np.mean(torques)) / (self.friction * weight)
-        assert torque == pytest.approx(self.lever(points), rel=2e-3)
+        assert torque == pytest.approx(twisting_lever(self.side, points), rel=2e-3)
         uniform = self.side / 6.0 * (np.sqrt(2.0) + np.log(1.0 + np.sqrt(2.0)))
         assert torque / uniform == pytest.approx(factor, rel=0.01)
 

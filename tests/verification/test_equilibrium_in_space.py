@@ -27,7 +27,7 @@ from drystone.curve import DYNAMIC, FINISHED, STATIC, CapacityCurve
 from drystone.engines.base import Demand
 from drystone.engines.equilibrium import EquilibriumEngine
 from drystone.model import Model
-from solids import box, joint, leaf, model_of, one_block
+from solids import box, joint, leaf, model_of, one_block, twisting_lever
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -137,18 +137,6 @@ class TestTwist:
 
     side, friction = 0.4, 0.6
 
-    def lever(self, points: int) -> float:
-        """Mean distance of the joint from its centre [m], as the points have it."""
-        if points == 4:
-            return self.side / np.sqrt(2.0)
-        n = {9: 3, 16: 4}[points]
-        # Points at the corners of (n - 1) x (n - 1) cells, each corner with a quarter of its cells.
-        x = np.linspace(-0.5, 0.5, n) * self.side
-        share = np.ones(n)
-        share[[0, -1]] = 0.5
-        weight = np.outer(share, share) / share.sum() ** 2
-        return float(np.sum(weight * np.hypot(*np.meshgrid(x, x))))
-
     @pytest.mark.parametrize(("points", "factor"), [(4, 1.85), (9, 1.12), (16, 1.09)])
     def test_strength(self, points, factor):
         """A torque in place of the load, paced by how far a corner of the cube goes round."""
@@ -171,7 +159,7 @@ class TestTwist:
             assert report.residual <= 1e-8
         torque = state.multiplier / (self.friction * model.assembly.weight[1])
         # The joint is sheared by 1e-6 m when it slips; then nothing grows any more.
-        assert torque == pytest.approx(self.lever(points), rel=1e-5)
+        assert torque == pytest.approx(twisting_lever(self.side, points), rel=1e-5)
         uniform = self.side / 6.0 * (np.sqrt(2.0) + np.log(1.0 + np.sqrt(2.0)))
         assert torque / uniform == pytest.approx(factor, rel=0.01)
 

@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from drystone.assembly import Block
+from drystone.builders.contents import read_bytes
 from drystone.builders.errors import ModelError
 from drystone.drawings import Imported, ImportSettings, imported
 from drystone.geometry.mended import Mended
-from drystone.modelfile.parse import parse, read_bytes
+from drystone.modelfile.parse import parse
 from drystone.modelfile.write import to_toml
 
 #: Tables that are taken over from another model file.
@@ -66,7 +67,9 @@ def from_drawing(settings: ImportSettings, like: Path | None = None) -> FromDraw
     known: dict[str, Any] = {}
     if like is not None:
         try:
-            given = parse(read_bytes(like), is_json=like.suffix.lower() == ".json")
+            given = parse(
+                read_bytes(like, "the model file"), is_json=like.suffix.lower() == ".json"
+            )
         except ModelError as error:
             raise ModelError(f"{like}: {problem}" for problem in error.problems) from None
         known = {key: given[key] for key in TAKEN if key in given}

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from drystone.builders.contents import read_bytes
 from drystone.builders.errors import ModelError
 from drystone.builders.words import quoted, suggestion
 from drystone.drawings import bodies, compas, dxf, ifc, obj, ply, stl
@@ -60,15 +61,7 @@ def format_of(path: Path, name: str | None = None) -> Format:
 def read_drawing(path: Path, name: str | None = None, dimension: int | None = None) -> Drawing:
     """What a file holds, names made unique; raises `ModelError` without the file's name in it."""
     kind = format_of(path, name)
-    try:
-        contents = path.read_bytes()
-    except FileNotFoundError:
-        raise ModelError(["there is no such file: check the path"]) from None
-    except IsADirectoryError:
-        raise ModelError(["is a folder: name the file in it"]) from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise ModelError([f"cannot be read ({reason}): check path and permissions"]) from None
+    contents = read_bytes(path, "the file")
     if not contents.strip():
         raise ModelError(["is empty: export it anew"])
     try:

@@ -155,7 +155,7 @@ def _of_polyhedra(solids: Polyhedra, distance: float | None) -> Interfaces:
         offset=offset,
         normal=normal,
         tangent=solids.tangents[found[:, 1]],
-        size=_areas(corners, offset, normal),
+        size=polygon_areas(corners, offset, normal),
         extent=none,
         extent_b=none,
     )
@@ -186,7 +186,7 @@ def _set_back(joints: Interfaces, solids: Polyhedra, setback: Array) -> tuple[Ar
     return out[: offset[-1]], offset
 
 
-def _areas(corners: Array, offset: IntArray, normal: Array) -> Array:
+def polygon_areas(corners: Array, offset: IntArray, normal: Array) -> Array:
     """Areas (n,) [m2] of polygons with unit normals."""
     if not len(normal):
         return np.zeros(0)

@@ -157,7 +157,7 @@ def _pieces(one: DrawnSolid, source: int, tolerance: float, records: list[Mended
 
 
 def _size(vertices: Array) -> float:
-    return float(np.ptp(vertices, axis=0).max()) if len(vertices) else 0.0
+    return solid.size_of(vertices) if len(vertices) else 0.0
 
 
 def _piece(mesh: Mesh, name: str, source: int, tolerance: float, records: list[Mended]) -> _Piece:

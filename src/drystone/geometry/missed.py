@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.geometry.interfaces import Interfaces
+from drystone.geometry.interfaces import Interfaces, polygon_areas
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly
@@ -55,10 +55,7 @@ def _sizes(assembly: Assembly) -> Array:
     if assembly.dimension == 2:
         return assembly.outlines.edges[1]
     solids = assembly.polyhedra
-    start, end = solids.vertices[solids.rows], solids.vertices[solids.following]
-    first = solids.vertices[solids.rows[solids.face_offset[:-1]]][solids.face_of_edge]
-    twice = np.add.reduceat(np.cross(start - first, end - first), solids.face_offset[:-1])
-    return np.asarray(0.5 * np.linalg.norm(twice, axis=1))
+    return polygon_areas(solids.vertices[solids.rows], solids.face_offset, solids.normals)
 
 
 def _rows(joints: Interfaces, rows: NDArray[np.int64]) -> Interfaces:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from pathlib import Path
 from typing import Any
 
 from drystone.builders.errors import ModelError
@@ -25,19 +24,6 @@ _NO_KEYS = re.compile(
 _LONG_KEY = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{DEEPEST}}}")
 #: A number with a decimal comma, as the value of a key.
 _COMMA = re.compile(r"""^\s*[\w."'-]+\s*[=:]\s*([-+]?\d+),(\d+)""")
-
-
-def read_bytes(path: Path) -> bytes:
-    """Contents of the file; raises `ModelError` where there is none to read."""
-    try:
-        return path.read_bytes()
-    except FileNotFoundError:
-        raise ModelError(["there is no such file: check the path"]) from None
-    except IsADirectoryError:
-        raise ModelError(["is a folder: name the model file in it"]) from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise ModelError([f"cannot be read ({reason}): check path and permissions"]) from None
 
 
 def parse(contents: bytes, *, is_json: bool) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from pydantic import ValidationError
 
 from drystone.assembly import GRAVITY, POINTS, Block, Corner, JointLaw
 from drystone.builders.checks import law_problems
+from drystone.builders.contents import read_bytes
 from drystone.builders.errors import ModelError
 from drystone.builders.kinds.placing import placed
 from drystone.builders.model import make_model
@@ -23,7 +24,7 @@ from drystone.model import Analysis, Model
 from drystone.modelfile.builds import BuildSection
 from drystone.modelfile.groups import grouped
 from drystone.modelfile.imports import imports_of
-from drystone.modelfile.parse import parse, read_bytes
+from drystone.modelfile.parse import parse
 from drystone.modelfile.schema import ExceptionSection, ModelSection
 from drystone.modelfile.sentences import place_of, sentences
 from drystone.modelfile.shapes import ShapeError, shape_of, shape_problems
@@ -58,7 +59,7 @@ def read_model(
     """
     path = Path(path)
     try:
-        contents = read_bytes(path)
+        contents = read_bytes(path, "the model file")
         data = parse(contents, is_json=path.suffix.lower() == ".json")
         return _model(
             data,

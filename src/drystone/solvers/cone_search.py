@@ -204,13 +204,10 @@ class ConeSearch:
         return False
 
     def _solved(self) -> bool:
-        """Whether the joint law itself leaves nothing unbalanced here."""
-        step = self.step
-        step.respond()
-        step.balance(step.reaction)
-        if step.residual <= self._enough() and abs(step.missing) <= self.accuracy.lag:
+        """Whether the joint law itself leaves nothing unbalanced here; else all is as before."""
+        if self.newton(0):
             return True
-        step.balance(step.inner)
+        self.step.balance(self.step.inner)
         return False
 
     def _probe(self) -> bool:
