@@ -11,7 +11,6 @@ its name.
 from __future__ import annotations
 
 import argparse
-import math
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -47,15 +46,17 @@ class EngineTiming:
     status: str
 
 
-def timing(wall: str, model: Model, engine: str, repeats: int, farthest: float) -> EngineTiming:
-    """Trace one model's curve, up to a displacement [m]; raises `EngineError`."""
+def timing(
+    wall: str, model: Model, engine: str, repeats: int, limit: dict[str, float]
+) -> EngineTiming:
+    """Trace one model's curve, up to a ``max_displacement`` [m] if given; raises `EngineError`."""
     curves: list[CapacityCurve] = []
     if engine in ONCE:
-        curves.append(pushover(model, engine=engine, max_displacement=farthest))
+        curves.append(pushover(model, engine=engine, **limit))
         seconds = curves[0].wall_time
     else:
         seconds = harness.median_seconds(
-            lambda: curves.append(pushover(model, engine=engine, max_displacement=farthest)),
+            lambda: curves.append(pushover(model, engine=engine, **limit)),
             repeats,
         )
     curve = curves[-1]
@@ -127,7 +128,7 @@ def main() -> None:
     parser.add_argument("--engine", action="append", help="may be repeated; all by default")
     parser.add_argument("--wall", action="append", type=int, choices=(1, 2, 3))
     parser.add_argument("--model", type=Path, help="a model file instead of the walls")
-    parser.add_argument("--max-displacement", type=float, default=math.inf, help="m")
+    parser.add_argument("--max-displacement", type=float, help="m; whole curves by default")
     parser.add_argument("--repeats", type=int, default=3)
     options = parser.parse_args()
     timings: list[EngineTiming] = []
@@ -136,13 +137,14 @@ def main() -> None:
         models = {options.model.stem: ds.read_model(options.model)}
     else:
         models = {f"wall {k}": ds.published_wall(k) for k in options.wall or (1, 2, 3)}
+    limit: dict[str, float] = {}
+    if options.max_displacement is not None:
+        limit["max_displacement"] = options.max_displacement
     for wall, model in models.items():
         for engine in options.engine or engine_names():
             try:
                 make_engine(engine)
-                timings.append(
-                    timing(wall, model, engine, options.repeats, options.max_displacement)
-                )
+                timings.append(timing(wall, model, engine, options.repeats, limit))
             except EngineError as error:
                 left_out.append(f"{engine}, {wall}: {error}")
                 continue
