@@ -1,0 +1,298 @@
+"""A capacity curve as one degree of freedom: what every method of assessment takes.
+
+Three readings of the same curve are in use.  They share the displacement (but for the literal one)
+and differ in the acceleration: see `READINGS`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drystone.assembly import GRAVITY
+from drystone.assessment.errors import AssessmentError, positive
+
+Array = NDArray[np.float64]
+
+#: How multiplier and control displacement become acceleration and displacement of the oscillator.
+READINGS: dict[str, str] = {
+    "base_shear": "a* = lambda g/e*, d* = d_C/Gamma, mass e* M: Circolare 7/2019 C7.3.4.2 and "
+    "(C8.7.1.3) to (C8.7.1.5)",
+    "energy": "a* = lambda g, d* = d_C/Gamma, mass e* M: the work of the load along the curve",
+    "literal_ec8": "a* = lambda g, d* = d_C, mass M: EN 1998-1:2004 (B.2), where a load in "
+    "proportion to mass has the shape 1",
+}
+
+
+class Participation(NamedTuple):
+    """What the masses of a mechanism and its shape amount to, see `participation`."""
+
+    factor: float  # Gamma, for a shape that is 1 at the control point
+    mass_ratio: float  # e*
+    mass: float  # kg, M* = e* M
+    mechanism_mass: float  # kg, M
+    equivalent_mass: float  # kg, sum of m phi, the m* of EN 1998-1
+
+
+def participation(mass: ArrayLike, shape: ArrayLike) -> Participation:
+    """Participation of masses (n,) [kg] that move by a shape (n,), 1 at the control point.
+
+    Gamma = sum m phi/sum m phi^2 and e* = (sum m phi)^2/(sum m sum m phi^2): EN 1998-1:2004 (B.2)
+    and (B.3), NTC 2018 Circ. 7/2019 (C7.3.5), (C8.7.1.4) and (C8.7.1.5).  The masses are those of
+    rigid bodies of the mechanism: what is at rest, or one body cut in pieces, changes e*.
+    """
+    m, phi = np.asarray(mass, dtype=np.float64), np.asarray(shape, dtype=np.float64)
+    if m.shape != phi.shape or m.ndim != 1 or not len(m):
+        raise AssessmentError(f"masses {m.shape} and shape {phi.shape} are not two equal lists")
+    if not (np.isfinite(m).all() and np.isfinite(phi).all() and (m > 0.0).all()):
+        raise AssessmentError("masses are above zero, and a shape is of finite numbers")
+    first, second, total = float(m @ phi), float(m @ phi**2), float(m.sum())
+    if first <= 0.0:
+        raise AssessmentError(
+            "the mechanism does not move along the load: the masses times their shape add up to "
+            f"{first:g} kg; choose a control point that moves with the load"
+        )
+    ratio = first**2 / (total * second)
+    return Participation(first / second, ratio, ratio * total, total, first)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Capacity:
+    """A capacity curve with what makes an oscillator of it.
+
+    `control_displacement` grows from point to point: of a curve that turns back it is the lower
+    envelope of the static points.  Confidence factors are not part of it.
+    """
+
+    control_displacement: Array  # (n,) m
+    load_multiplier: Array  # (n,)
+    participation_factor: float  # Gamma
+    participating_mass_ratio: float  # e*
+    participating_mass: float  # kg, M* = e* M
+    mechanism_mass: float  # kg, M
+    equivalent_mass: float  # kg, sum of m phi
+    reading: str  # one of `READINGS`
+    activation_multiplier: float  # lambda_0
+    collapse_displacement: float | None  # m, d_C0 of the control point where lambda is zero
+    collapse_extrapolated: bool = False  # whether that lies beyond the last point
+    notes: tuple[str, ...] = ()  # assumptions and warnings, a sentence each
+
+    def __post_init__(self) -> None:
+        if self.reading not in READINGS:
+            raise AssessmentError(
+                f'the reading "{self.reading}" is not known: choose one of {", ".join(READINGS)}'
+            )
+        d = np.ascontiguousarray(self.control_displacement, dtype=np.float64)
+        x = np.ascontiguousarray(self.load_multiplier, dtype=np.float64)
+        if d.ndim != 1 or d.shape != x.shape or len(d) < 2:
+            raise AssessmentError(
+                "a capacity curve has two points or more, a displacement and a multiplier each"
+            )
+        if not (np.isfinite(d).all() and np.isfinite(x).all()):
+            raise AssessmentError("the capacity curve holds values that are not finite")
+        if d[0] < 0.0 or (np.diff(d) <= 0.0).any():
+            raise AssessmentError(
+                "control displacements do not grow from zero: keep the static points that go "
+                "forward, the lower envelope where the curve turns back"
+            )
+        for name in (
+            "participation_factor",
+            "participating_mass_ratio",
+            "participating_mass",
+            "mechanism_mass",
+            "equivalent_mass",
+            "activation_multiplier",
+        ):
+            positive(getattr(self, name), name)
+        if self.collapse_displacement is not None:
+            positive(self.collapse_displacement, "collapse_displacement")
+        object.__setattr__(self, "control_displacement", d)
+        object.__setattr__(self, "load_multiplier", x)
+
+    @classmethod
+    def of(
+        cls,
+        control_displacement: ArrayLike,
+        load_multiplier: ArrayLike,
+        part: Participation,
+        *,
+        reading: str,
+        activation_multiplier: float | None = None,
+        collapse_displacement: float | None = None,
+        collapse_extrapolated: bool = False,
+        notes: Sequence[str] = (),
+    ) -> Capacity:
+        """A capacity of a curve (n,) [m], (n,) and of what takes part in it.
+
+        The activation multiplier is the highest one unless given.  Where a curve falls to zero its
+        collapse displacement is read from it unless given.
+        """
+        d = np.asarray(control_displacement, dtype=np.float64)
+        x = np.asarray(load_multiplier, dtype=np.float64)
+        if collapse_displacement is None:
+            collapse_displacement = _zero_after_peak(d, x)
+        return cls(
+            control_displacement=d,
+            load_multiplier=x,
+            participation_factor=part.factor,
+            participating_mass_ratio=part.mass_ratio,
+            participating_mass=part.mass,
+            mechanism_mass=part.mechanism_mass,
+            equivalent_mass=part.equivalent_mass,
+            reading=reading,
+            activation_multiplier=float(x.max())
+            if activation_multiplier is None
+            else activation_multiplier,
+            collapse_displacement=collapse_displacement,
+            collapse_extrapolated=collapse_extrapolated,
+            notes=tuple(notes),
+        )
+
+    @classmethod
+    def straight(
+        cls,
+        activation_multiplier: float,
+        collapse_displacement: float,
+        part: Participation,
+        *,
+        reading: str,
+        notes: Sequence[str] = (),
+    ) -> Capacity:
+        """Rigid bodies under constant forces: lambda_0 (1 - d_C/d_C0), EN 1998-3:2025 (11.4)."""
+        end = positive(collapse_displacement, "collapse_displacement")
+        top = positive(activation_multiplier, "activation_multiplier")
+        return cls.of([0.0, end], [top, 0.0], part, reading=reading, notes=notes)
+
+    def read_as(self, reading: str) -> Capacity:
+        """The same curve in another reading."""
+        return replace(self, reading=reading)
+
+    @property
+    def transformation_factor(self) -> float:
+        """What control displacements are divided by: Gamma, or 1 in the literal reading."""
+        return 1.0 if self.reading == "literal_ec8" else self.participation_factor
+
+    @property
+    def acceleration_factor(self) -> float:
+        """What multipliers are multiplied by [m/s2]: g/e* in the reading of the base shear."""
+        if self.reading == "base_shear":
+            return GRAVITY / self.participating_mass_ratio
+        return GRAVITY
+
+    @property
+    def oscillator_mass(self) -> float:
+        """Mass of the oscillator [kg]: M* = e* M, or M in the literal reading."""
+        literal = self.reading == "literal_ec8"
+        return self.mechanism_mass if literal else self.participating_mass
+
+    @property
+    def spectral_displacement(self) -> Array:
+        """(n,) d* [m]."""
+        return self.control_displacement / self.transformation_factor
+
+    @property
+    def spectral_acceleration(self) -> Array:
+        """(n,) a* [m/s2], before any confidence factor."""
+        return self.load_multiplier * self.acceleration_factor
+
+    @property
+    def activation_acceleration(self) -> float:
+        """a0* [m/s2], of the activation multiplier, before any confidence factor."""
+        return self.activation_multiplier * self.acceleration_factor
+
+    @property
+    def spectral_collapse_displacement(self) -> float | None:
+        """d0* [m], where the acceleration is zero."""
+        if self.collapse_displacement is None:
+            return None
+        return self.collapse_displacement / self.transformation_factor
+
+    @property
+    def peak_index(self) -> int:
+        """The first point of highest multiplier."""
+        return int(np.argmax(self.load_multiplier))
+
+    @property
+    def reach(self) -> float:
+        """d* [m] up to which the curve is known: its last point, or the collapse beyond it."""
+        last = float(self.spectral_displacement[-1])
+        return max(last, self.spectral_collapse_displacement or 0.0)
+
+    def acceleration_at(self, spectral_displacement: float) -> float:
+        """a* [m/s2] at d* [m], before any confidence factor.
+
+        Straight between points, from the last of them to the collapse, and zero after it.
+        """
+        d, a = self._branch()
+        if not 0.0 <= spectral_displacement <= d[-1]:
+            if self.collapse_displacement is not None and spectral_displacement > 0.0:
+                return 0.0
+            raise AssessmentError(
+                f"the curve is not known at d* = {spectral_displacement:.4g} m: it ends at "
+                f"{d[-1]:.4g} m; trace it further"
+            )
+        return float(np.interp(spectral_displacement, d, a))
+
+    def control_at(self, spectral_displacement: float) -> float:
+        """The control displacement [m] of d* [m]."""
+        return spectral_displacement * self.transformation_factor
+
+    def spectral_at(self, control_displacement: float) -> float:
+        """d* [m] of a control displacement [m]."""
+        return control_displacement / self.transformation_factor
+
+    def secant_stiffness(self, spectral_displacement: float) -> float:
+        """k_s = M* a*/d* [N/m] at d* [m]."""
+        d = positive(spectral_displacement, "spectral_displacement")
+        return self.oscillator_mass * self.acceleration_at(d) / d
+
+    def secant_period(self, spectral_displacement: float) -> float:
+        """2 pi sqrt(d*/a*) [s] at d* [m], without a confidence factor."""
+        d = positive(spectral_displacement, "spectral_displacement")
+        a = self.acceleration_at(d)
+        if a <= 0.0:
+            raise AssessmentError(f"nothing is carried at d* = {d:.4g} m: no secant period there")
+        return float(2.0 * np.pi * np.sqrt(d / a))
+
+    def initial_period(self) -> float:
+        """2 pi sqrt(d*/a*) [s] where half the peak is reached; 0 where the curve begins above it.
+
+        It is the period on the stiffness of joints, T_0 of Circ. 7/2019 C8.7.1.2.1.6.
+        """
+        top = self.peak_index
+        half = 0.5 * self.load_multiplier[top]
+        if self.load_multiplier[0] >= half:
+            return 0.0
+        i = int(np.argmax(self.load_multiplier >= half))
+        d, x = self.spectral_displacement, self.load_multiplier
+        share = (half - x[i - 1]) / (x[i] - x[i - 1])
+        at = d[i - 1] + share * (d[i] - d[i - 1])
+        return float(2.0 * np.pi * np.sqrt(at / (half * self.acceleration_factor)))
+
+    def _branch(self) -> tuple[Array, Array]:
+        """d* and a* with the collapse as last point where it lies beyond the last one."""
+        d, a = self.spectral_displacement, self.spectral_acceleration
+        end = self.spectral_collapse_displacement
+        if end is None:
+            return d, a
+        if end > d[-1]:
+            return np.append(d, end), np.append(a, 0.0)
+        before = d < end
+        return np.append(d[before], end), np.append(a[before], 0.0)
+
+
+def _zero_after_peak(displacement: Array, multiplier: Array) -> float | None:
+    """Where the curve first falls to zero after its highest point [m], or None."""
+    top = int(np.argmax(multiplier))
+    down = np.flatnonzero(multiplier[top:] <= 0.0)
+    if not len(down):
+        return None
+    i = top + int(down[0])
+    if i == 0:
+        return None
+    share = multiplier[i - 1] / (multiplier[i - 1] - multiplier[i])
+    return float(displacement[i - 1] + share * (displacement[i] - displacement[i - 1]))

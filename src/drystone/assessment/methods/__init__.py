@@ -1,0 +1,1 @@
+"""Methods of assessment by name, one file each."""

@@ -1,0 +1,312 @@
+"""What goes into a method of assessment and what comes out of it, frozen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from drystone.assembly import GRAVITY
+from drystone.assessment.bilinear import Bilinear
+from drystone.assessment.capacity import Capacity
+from drystone.assessment.errors import AssessmentError
+from drystone.assessment.spectra.base import Spectrum
+
+__all__ = [
+    "Assessment",
+    "AssessmentError",
+    "LimitState",
+    "Method",
+    "Settings",
+    "Spectra",
+    "spectra_of",
+]
+
+#: One spectrum that serves for every limit state, or one for each by its name.
+Spectra = Spectrum | Mapping[str, Spectrum]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """What the engineer decides.  None means not said: a method that needs it asks for it.
+
+    Damping is a ratio everywhere.
+    """
+
+    method: str
+    reading: str = "base_shear"  # see `drystone.assessment.capacity.READINGS`
+    confidence_factor: float | None = None  # FC
+    kinematics: str = "nonlinear"  # or "linear": local mechanisms of which lambda_0 alone counts
+    #: States that the verdict rests on; all that have a spectrum of their own where None.
+    limit_states: tuple[str, ...] | None = None
+    #: Control displacements [m] by limit state beyond which something local fails: a tie breaks
+    #: that costs half the strength, a beam slips off, a drift limit is met.
+    displacement_limits: Mapping[str, float] = field(default_factory=dict)
+    elastic_period: float | None = None  # s, T_0; 0 where the mechanism is rigid until it rocks
+    straight_capacity: bool | None = None  # a0 (1 - d/d0) instead of the curve; None: the code's
+    # ntc2018-global
+    procedure: str | None = None  # "A" or "B"
+    dissipation: str | None = None  # of procedure B: "high", "moderate", "low"
+    secant_share: float | None = None  # of the peak; 0.6 in NTC 2018
+    # en1998-3-2025-rocking
+    damping: Mapping[str, float] = field(default_factory=dict)  # xi by limit state
+    demand_factor: float | None = None  # gamma_Sd
+    knowledge_level: int | None = None  # 1, 2 or 3
+    infinitely_strong_blocks: bool | None = None
+    # asce41
+    site_class: str | None = None  # "A" to "F"
+    effective_mass_factor: float | None = None  # C_m
+    near_fault: bool | None = None
+    # rocking
+    records: tuple[Any, ...] = ()  # `drystone.assessment.rocking.record.Record`
+    pulses: tuple[Any, ...] = ()  # `drystone.assessment.rocking.pulse.Pulse`
+    restitution: float | None = None  # velocity after an impact over velocity before it
+
+    def need(self, key: str, why: str) -> Any:
+        """The value of a key; `AssessmentError` says why it is needed where there is none."""
+        value = getattr(self, key)
+        if value is None or (isinstance(value, Mapping | tuple) and not value):
+            raise AssessmentError(f'method "{self.method}" needs "{key}": {why}')
+        return value
+
+
+@dataclass(frozen=True, kw_only=True)
+class LimitState:
+    """One limit state: what the mechanism bears and what the ground asks of it."""
+
+    name: str
+    limit_displacement: float | None = None  # m, d*
+    limit_control_displacement: float | None = None  # m
+    limit_acceleration: float | None = None  # m/s2, a* with the confidence factor
+    limit_period: float | None = None  # s
+    damping: float | None = None  # ratio
+    displacement_demand: float | None = None  # m, d* under the ground acceleration of the site
+    control_displacement_demand: float | None = None  # m
+    acceleration_demand: float | None = None  # m/s2, where accelerations are compared
+    ground_acceleration_capacity: float | None = None  # m/s2
+    ground_acceleration_demand: float | None = None  # m/s2
+    return_period_demand: float | None = None  # years
+    return_period_capacity: float | None = None  # years
+    satisfied: bool | None = None
+    verified: bool = True  # whether the verdict rests on it
+    governed_by: str = ""  # what sets the capacity, a few words
+    clause: str = ""
+    details: Mapping[str, Any] = field(default_factory=dict)  # intermediate numbers by name
+
+    @property
+    def safety_index(self) -> float | None:
+        """Ground acceleration that is borne over that of the site; or of displacements."""
+        capacity, demand = self.ground_acceleration_capacity, self.ground_acceleration_demand
+        if capacity is None or not demand:
+            capacity, demand = self.limit_displacement, self.displacement_demand
+        if capacity is None or not demand:
+            return None
+        return capacity / demand
+
+    def as_dict(self) -> dict[str, Any]:
+        """Numbers and words for a file; None where there is no such number."""
+        return {
+            "limit_displacement": _number(self.limit_displacement),
+            "limit_control_displacement": _number(self.limit_control_displacement),
+            "limit_acceleration": _number(self.limit_acceleration),
+            "limit_period": _number(self.limit_period),
+            "equivalent_damping": _number(self.damping),
+            "displacement_demand": _number(self.displacement_demand),
+            "target_displacement": _number(self.control_displacement_demand),
+            "acceleration_demand": _number(self.acceleration_demand),
+            "ground_acceleration_capacity": _number(self.ground_acceleration_capacity),
+            "ground_acceleration_demand": _number(self.ground_acceleration_demand),
+            "return_period_demand": _number(self.return_period_demand),
+            "return_period_capacity": _number(self.return_period_capacity),
+            "safety_index": _number(self.safety_index),
+            "satisfied": self.satisfied,
+            "verified": self.verified,
+            "governed_by": self.governed_by,
+            "clause": self.clause,
+            "details": {key: _plain(value) for key, value in self.details.items()},
+        }
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Assessment:
+    """The answer of a method.
+
+    `reference_state` is the state of the code's safety index, `uncertain` are sentences on clauses
+    whose text was not at hand or which the sources tell differently.
+    """
+
+    method: str
+    capacity: Capacity
+    settings: Settings
+    limit_states: tuple[LimitState, ...]
+    reference_state: str | None
+    activation_acceleration: float  # m/s2, a0* with the confidence factor
+    confidence_factor: float | None  # as applied to the curve
+    spectra: Mapping[str, Spectrum] = field(default_factory=dict)
+    bilinear: Bilinear | None = None  # in d*, a*
+    quantities: Mapping[str, Any] = field(default_factory=dict)  # further numbers by name
+    assumptions: tuple[str, ...] = ()
+    uncertain: tuple[str, ...] = ()
+    weighs_most: str = ""  # the assumption of most weight, the end of a sentence
+
+    def state(self, name: str) -> LimitState:
+        """A limit state by its name."""
+        for state in self.limit_states:
+            if state.name == name:
+                return state
+        names = ", ".join(state.name for state in self.limit_states)
+        raise AssessmentError(f'method "{self.method}" has no limit state "{name}", but {names}')
+
+    @property
+    def verified(self) -> tuple[LimitState, ...]:
+        """The states that the verdict rests on."""
+        return tuple(s for s in self.limit_states if s.verified and s.satisfied is not None)
+
+    @property
+    def satisfied(self) -> bool | None:
+        """Whether every verified state is satisfied; None where none is verified."""
+        states = self.verified
+        return all(s.satisfied for s in states) if states else None
+
+    @property
+    def governing(self) -> LimitState | None:
+        """The verified state of least safety index; one that fails goes before those that hold."""
+        states = self.verified
+        if not states:
+            return None
+        return min(states, key=lambda s: (bool(s.satisfied), _or_infinite(s.safety_index)))
+
+    @property
+    def safety_index(self) -> float | None:
+        """zeta_E: that of the reference state where it is verified, else the least one."""
+        states = self.verified
+        for state in states:
+            if state.name == self.reference_state:
+                return state.safety_index
+        known = [s.safety_index for s in states if s.safety_index is not None]
+        return min(known) if known else None
+
+    @property
+    def sentence(self) -> str:
+        """The verdict with the governing state and the assumption that weighs most."""
+        state = self.governing
+        if state is None:
+            return f"{self.method}: no limit state was verified."
+        verdict = "satisfied" if self.satisfied else "not satisfied"
+        weight = f"; what weighs most: {self.weighs_most}" if self.weighs_most else ""
+        return f"{self.method}: {verdict}; {state.name} governs, {_compared(state)}{weight}."
+
+    def as_dict(self) -> dict[str, Any]:
+        """What assessment.json holds, SI units; None where the method has no such number."""
+        c, b = self.capacity, self.bilinear
+        governing = self.governing
+        return {
+            "method": self.method,
+            "reading": c.reading,
+            "activation_multiplier": _number(c.activation_multiplier),
+            "participating_mass_ratio": _number(c.participating_mass_ratio),
+            "participating_mass": _number(c.participating_mass),
+            "participation_factor": _number(c.participation_factor),
+            "mechanism_mass": _number(c.mechanism_mass),
+            "equivalent_mass": _number(c.equivalent_mass),
+            "confidence_factor": _number(self.confidence_factor),
+            "activation_acceleration": _number(self.activation_acceleration),
+            "collapse_displacement": _number(c.spectral_collapse_displacement),
+            "control_collapse_displacement": _number(c.collapse_displacement),
+            "collapse_extrapolated": c.collapse_extrapolated,
+            "yield_displacement": _number(b.yield_displacement if b else None),
+            "yield_acceleration": _number(b.yield_acceleration if b else None),
+            **{key: _plain(value) for key, value in self.quantities.items()},
+            "safety_index": _number(self.safety_index),
+            "satisfied": self.satisfied,
+            "governing_limit_state": governing.name if governing else None,
+            "sentence": self.sentence,
+            "limit_states": {state.name: state.as_dict() for state in self.limit_states},
+            "assumptions": list(self.assumptions),
+            "uncertain": list(self.uncertain),
+        }
+
+
+#: A method: capacity, spectra and settings in, the answer out; refuses with `AssessmentError`.
+Method = Callable[[Capacity, Spectra, Settings], Assessment]
+
+
+def spectra_of(
+    given: Spectra, states: tuple[str, ...], reference: str, settings: Settings
+) -> tuple[dict[str, Spectrum], tuple[str, ...], tuple[str, ...]]:
+    """The spectrum of each state, the states that are verified, and what was assumed.
+
+    One spectrum for all states is meant for the reference state alone: ground motions of other
+    states have other return periods.  The others are computed with it but not verified, unless
+    `Settings.limit_states` names them.
+    """
+    if isinstance(given, Mapping):
+        spectra = {name: given[name] for name in states if name in given}
+    else:
+        spectra = dict.fromkeys(states, given)
+    if not spectra:
+        raise AssessmentError(
+            f'method "{settings.method}" verifies {", ".join(states)}, and none of them has a '
+            "spectrum: say what the ground does in [site]"
+        )
+    shared = len(spectra) > 1 and len({id(s) for s in spectra.values()}) == 1
+    if settings.limit_states is not None:
+        wrong = [name for name in settings.limit_states if name not in spectra]
+        if wrong:
+            raise AssessmentError(
+                f'"{wrong[0]}" is to be verified, but method "{settings.method}" has no such limit '
+                f"state with a spectrum: {', '.join(spectra)}"
+            )
+        verified = settings.limit_states
+    elif shared:
+        verified = (reference,)
+    else:
+        verified = tuple(spectra)
+    notes: tuple[str, ...] = ()
+    if shared:
+        notes = (
+            f"One ground motion, {next(iter(spectra.values())).label}, serves for "
+            f"{', '.join(spectra)}; the verdict rests on {', '.join(verified)}.",
+        )
+    return spectra, verified, notes
+
+
+def _compared(state: LimitState) -> str:
+    """The governing numbers of a state in words."""
+    capacity, demand = state.ground_acceleration_capacity, state.ground_acceleration_demand
+    index = state.safety_index
+    text = f"safety index {index:.3f}" if index is not None else "no safety index"
+    if capacity is not None and demand is not None:
+        text += (
+            f" (ground acceleration {capacity / GRAVITY:.3f} g borne, {demand / GRAVITY:.3f} g "
+            "at the site)"
+        )
+    elif state.limit_displacement is not None and state.displacement_demand is not None:
+        text += (
+            f" (displacement {state.limit_displacement:.4g} m borne, "
+            f"{state.displacement_demand:.4g} m asked for)"
+        )
+    return text
+
+
+def _or_infinite(value: float | None) -> float:
+    return math.inf if value is None else value
+
+
+def _number(value: float | None) -> float | None:
+    """A float that a JSON file can hold."""
+    if value is None or not math.isfinite(value):
+        return None
+    return float(value)
+
+
+def _plain(value: Any) -> Any:
+    """A number, a word, or a container of such, for a JSON file."""
+    if isinstance(value, bool | str) or value is None:
+        return value
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return _number(float(value))

@@ -1,0 +1,1 @@
+"""Rocking as motion: equivalent blocks, pulses, and time integration under a record."""

@@ -1,0 +1,1 @@
+"""Response spectra of the codes, from tables, and at a height above the ground."""
