@@ -1,0 +1,92 @@
+"""The shape that the elastic spectra of EN 1998-1 and NTC 2018 have in common."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drystone.assessment.errors import AssessmentError, positive
+from drystone.assessment.spectra.base import damping_factor, periods
+
+Array = NDArray[np.float64]
+
+#: Of the displacement of the ground, d_g = 0.025 a_g S T_C T_D; 1/4 pi^2 rounded by both codes.
+GROUND_DISPLACEMENT = 0.025
+
+FOUR_PI_SQUARED = 4.0 * np.pi**2
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shape:
+    """Elastic spectrum by its corners.
+
+    EN 1998-1:2004 (3.2) to (3.5) and (A.1), (A.2); NTC 2018 [3.2.2] and [3.2.10] to [3.2.12].
+    """
+
+    ground_acceleration: float  # m/s2
+    soil_factor: float  # S
+    amplification: float  # 2.5, or F_0
+    rise: float  # s, T_B
+    corner: float  # s, T_C
+    displacement_corner: float  # s, T_D
+    long_period: float  # s, T_E
+    ground_period: float  # s, T_F
+
+    @property
+    def nodes(self) -> Array:
+        """Periods where the formula changes [s]."""
+        return np.array(
+            [self.rise, self.corner, self.displacement_corner, self.long_period, self.ground_period]
+        )
+
+    def sa(self, period: ArrayLike, damping: float) -> Array:
+        """S_e [m/s2]: (3.2) to (3.5); above T_E what S_De says, (2 pi/T)^2 S_De."""
+        t = periods(period)
+        short = self._short(t, damping_factor(damping))
+        safe = np.where(t > 0.0, t, 1.0)
+        beyond = self._long(t, damping_factor(damping)) * FOUR_PI_SQUARED / safe**2
+        return np.where(t > self.long_period, beyond, short)
+
+    def sd(self, period: ArrayLike, damping: float) -> Array:
+        """S_De [m]: S_e (T/2 pi)^2 up to T_E, (A.1) to T_F, (A.2) above.
+
+        The rounded 0.025 makes a step of -1.3 per cent at T_E.
+        """
+        t, eta = periods(period), damping_factor(damping)
+        short = self._short(t, eta) * t**2 / FOUR_PI_SQUARED
+        return np.where(t > self.long_period, self._long(t, eta), short)
+
+    def _short(self, t: Array, eta: float) -> Array:
+        level, plateau = self.ground_acceleration * self.soil_factor, eta * self.amplification
+        tb, tc, td = self.rise, self.corner, self.displacement_corner
+        safe = np.where(t > 0.0, t, 1.0)
+        return level * np.select(
+            [t < tb, t <= tc, t <= td],
+            [1.0 + t / tb * (plateau - 1.0), np.full_like(t, plateau), plateau * tc / safe],
+            plateau * tc * td / safe**2,
+        )
+
+    def _long(self, t: Array, eta: float) -> Array:
+        ground = GROUND_DISPLACEMENT * self.ground_acceleration * self.soil_factor
+        ground *= self.corner * self.displacement_corner
+        plateau = eta * self.amplification
+        share = (t - self.long_period) / (self.ground_period - self.long_period)
+        return ground * (plateau + (1.0 - plateau) * np.clip(share, 0.0, 1.0))
+
+
+def checked_ground(name: str, known: tuple[str, ...]) -> str:
+    """A ground or soil category in capitals; `AssessmentError` where there is no such one."""
+    ground = str(name).upper()
+    if ground not in known:
+        raise AssessmentError(
+            f'there is no ground "{name}": {", ".join(known)}; other grounds need a study of the '
+            "site, whose spectrum is given as a table"
+        )
+    return ground
+
+
+def checked_acceleration(value: float) -> float:
+    """A ground acceleration [m/s2] above zero."""
+    return positive(value, "the ground acceleration a_g", "give a_g of the site in m/s2")

@@ -1,0 +1,212 @@
+"""Elastic spectra from a table, as a study of the site gives them."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drystone.assembly import GRAVITY
+from drystone.assessment.errors import AssessmentError, positive
+from drystone.assessment.spectra.base import damping_factor, periods
+
+Array = NDArray[np.float64]
+
+#: Accelerations of a file in m/s2 by the unit that is said.
+UNITS = {"g": GRAVITY, "m/s2": 1.0}
+
+HEADER = ("T", "Se")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TableSpectrum:
+    """Elastic spectrum by points: straight between them, S_De constant beyond the last one.
+
+    Its first period is zero, where it is the acceleration of the surface.
+    """
+
+    table_period: Array  # (n,) s, from zero upwards
+    table_acceleration: Array  # (n,) m/s2, of the surface
+    table_damping: float  # ratio
+    soil_factor: float = 1.0  # a_g = S_e(0)/S
+    corner: float | None = None  # s, T_C; None: 2 pi max(PSV)/max(S_e)
+    site_specific: bool = True
+    return_period: float | None = None  # years
+    label: str = "spectrum from a table"
+
+    def __post_init__(self) -> None:
+        t = np.ascontiguousarray(self.table_period, dtype=np.float64)
+        a = np.ascontiguousarray(self.table_acceleration, dtype=np.float64)
+        if t.ndim != 1 or t.shape != a.shape or len(t) < 2:
+            raise AssessmentError(f"{self.label}: two points or more, a period and a value each")
+        wrong = ~(np.isfinite(t) & np.isfinite(a))
+        if wrong.any():
+            raise AssessmentError(
+                f"{self.label}: point {int(np.argmax(wrong)) + 1} is not finite; remove or mend it"
+            )
+        if t[0] != 0.0:
+            raise AssessmentError(
+                f"{self.label}: the first period is {t[0]:g} s; begin with T = 0, the acceleration "
+                "of the ground"
+            )
+        if (np.diff(t) <= 0.0).any():
+            i = int(np.argmax(np.diff(t) <= 0.0))
+            raise AssessmentError(
+                f"{self.label}: periods do not grow, {t[i + 1]:g} s comes after {t[i]:g} s; sort "
+                "them and keep each once"
+            )
+        if a[0] <= 0.0 or (a < 0.0).any():
+            i = int(np.argmin(a))
+            raise AssessmentError(
+                f"{self.label}: the value at {t[i]:g} s is {a[i]:g}; accelerations are not below "
+                "zero, and that of the ground is above it"
+            )
+        damping_factor(self.table_damping)
+        positive(self.soil_factor, "the soil factor S")
+        if self.corner is not None:
+            positive(self.corner, "the corner period T_C")
+        object.__setattr__(self, "table_period", t)
+        object.__setattr__(self, "table_acceleration", a)
+
+    @property
+    def ground_acceleration(self) -> float:
+        """a_g = S_e(0)/S [m/s2]."""
+        return float(self.table_acceleration[0]) / self.soil_factor
+
+    @cached_property
+    def corner_period(self) -> float:
+        """T_C [s]: as given, or 2 pi max(PSV)/max(S_e) over the points."""
+        if self.corner is not None:
+            return self.corner
+        largest = float(np.max(self.table_acceleration * self.table_period))
+        return largest / float(np.max(self.table_acceleration))
+
+    @property
+    def nodes(self) -> Array:
+        """Periods of the points [s]."""
+        return self.table_period
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was assumed."""
+        said: tuple[str, ...] = (
+            f"The table ends at {self.table_period[-1]:g} s; beyond, the spectral displacement "
+            "stays as it is there.",
+            f"Other dampings than {100.0 * self.table_damping:g} per cent: the table times the "
+            "ratio of eta.",
+        )
+        if self.corner is None:
+            said += (
+                f"T_C = {self.corner_period:.4g} s follows from the table, 2 pi max(PSV)/max(S_e).",
+            )
+        if self.soil_factor == 1.0:
+            said += ("The ground acceleration is that of the surface, S_e(0) of the table.",)
+        return said
+
+    @property
+    def uncertain(self) -> tuple[str, ...]:
+        """Nothing: it is the engineer's."""
+        return ()
+
+    def sa(self, period: ArrayLike, damping: float) -> Array:
+        """S_e [m/s2] in the shape of ``period`` [s]; damping is a ratio."""
+        t = periods(period)
+        last = float(self.table_period[-1])
+        value = np.interp(t, self.table_period, self.table_acceleration)
+        value = np.where(t > last, value * (last / np.maximum(t, last)) ** 2, value)
+        return value * (damping_factor(damping) / damping_factor(self.table_damping))
+
+    def sd(self, period: ArrayLike, damping: float) -> Array:
+        """S_De = S_e (T/2 pi)^2 [m] in the shape of ``period`` [s]."""
+        t = periods(period)
+        return self.sa(t, damping) * t**2 / (4.0 * np.pi**2)
+
+    def scaled(self, ground_acceleration: float) -> TableSpectrum:
+        """All ordinates in proportion to a_g [m/s2]: the soil factor and T_C stay."""
+        new = positive(ground_acceleration, "the ground acceleration a_g")
+        factor = new / self.ground_acceleration
+        return replace(
+            self,
+            table_acceleration=self.table_acceleration * factor,
+            corner=self.corner_period,
+        )
+
+
+def read_spectrum(
+    path: str | Path,
+    *,
+    unit: str,
+    damping: float,
+    soil_factor: float = 1.0,
+    corner_period: float | None = None,
+    site_specific: bool = True,
+    return_period: float | None = None,
+) -> TableSpectrum:
+    """The spectrum in a CSV file with the header ``T,Se``, periods in s from zero upwards.
+
+    Parameters
+    ----------
+    unit
+        Of the accelerations: "g" or "m/s2".
+    damping
+        Of the table, a ratio.
+    soil_factor
+        S that the table holds; a_g is S_e(0)/S.
+    site_specific
+        False for a code's formula in points: local mechanisms then look at one period alone.
+
+    Raises
+    ------
+    AssessmentError
+        Where the file is missing or is no spectrum: names the line and what would mend it.
+    """
+    name = f'spectrum "{Path(path).name}"'
+    if unit not in UNITS:
+        raise AssessmentError(f'{name}: the unit "{unit}" is not known; say "g" or "m/s2"')
+    period, value = read_columns(path, HEADER, name)
+    return TableSpectrum(
+        table_period=period,
+        table_acceleration=value * UNITS[unit],
+        table_damping=damping,
+        soil_factor=soil_factor,
+        corner=corner_period,
+        site_specific=site_specific,
+        return_period=return_period,
+        label=name,
+    )
+
+
+def read_columns(path: str | Path, header: tuple[str, str], name: str) -> tuple[Array, Array]:
+    """Two columns (n,), (n,) of numbers from a CSV file with a header; ``name`` is for errors."""
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise AssessmentError(f"{name} cannot be read: {error}") from error
+    rows = [
+        (number, [cell.strip() for cell in row])
+        for number, row in enumerate(csv.reader(text.splitlines()), start=1)
+        if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
+    ]
+    if not rows or tuple(rows[0][1]) != header:
+        found = ",".join(rows[0][1]) if rows else "nothing"
+        raise AssessmentError(
+            f'{name}: the first line is "{found}"; write the header "{",".join(header)}", commas '
+            "between columns and points in numbers"
+        )
+    values = []
+    for number, row in rows[1:]:
+        try:
+            first, second = (float(cell) for cell in row)
+        except ValueError:
+            raise AssessmentError(
+                f'{name}, line {number}: "{",".join(row)}" is not two numbers'
+            ) from None
+        values.append((first, second))
+    if len(values) < 2:
+        raise AssessmentError(f"{name} has {len(values)} points; two or more are needed")
+    columns = np.array(values, dtype=np.float64)
+    return np.ascontiguousarray(columns[:, 0]), np.ascontiguousarray(columns[:, 1])
