@@ -7,10 +7,25 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drystone.assessment.errors import AssessmentError, positive
+
 Array = NDArray[np.float64]
 
-#: Rules by name.
-RULES = ("ec8", "ntc2018", "eighty_percent")
+#: Rules by name: what is level, where the first branch lies, where it ends unless that is given.
+RULES: dict[str, str] = {
+    "ec8": "level at the highest ordinate, first branch by equal area up to the displacement "
+    "given: EN 1998-1:2004 (B.6)",
+    "ntc2018": "first branch through 0.6 of the highest ordinate, level by equal area, up to a "
+    "drop by 15 per cent: Circ. 7/2019 C7.3.4.2",
+    "eighty_percent": "as ntc2018, up to a drop by 20 per cent: existing masonry, Circ. 7/2019 "
+    "C8.7.1.3.1",
+}
+
+#: Share of the highest ordinate at which a rule's curve ends.
+RESIDUAL = {"ntc2018": 0.85, "eighty_percent": 0.8}
+
+#: Share of the highest ordinate that the first branch of NTC 2018 passes through; 0.7 in older use.
+SECANT_SHARE = 0.6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,3 +47,125 @@ class Bilinear:
         rising = d * (self.yield_acceleration / self.yield_displacement)
         level = np.minimum(rising, self.yield_acceleration)
         return np.where(d > self.ultimate_displacement, 0.0, level)
+
+
+def drop_point(displacement: ArrayLike, ordinate: ArrayLike, share: float) -> float:
+    """The displacement after the highest ordinate where a share of it is left, first met.
+
+    Raises
+    ------
+    AssessmentError
+        Where the curve ends above it.
+    """
+    d, f = _curve(displacement, ordinate)
+    top = int(np.argmax(f))
+    level = share * f[top]
+    below = np.flatnonzero(f[top:] <= level)
+    if not len(below):
+        raise AssessmentError(
+            f"the curve ends at {d[-1]:.4g} m with {f[-1] / f[top]:.0%} of its peak: it is not "
+            f"past {share:.0%}; trace it further, or give a displacement limit that is met before"
+        )
+    i = top + int(below[0])
+    if i == 0:
+        return float(d[0])
+    part = (f[i - 1] - level) / (f[i - 1] - f[i])
+    return float(d[i - 1] + part * (d[i] - d[i - 1]))
+
+
+def bilinear(
+    displacement: ArrayLike,
+    ordinate: ArrayLike,
+    rule: str,
+    *,
+    ultimate: float | None = None,
+    secant_share: float = SECANT_SHARE,
+) -> Bilinear:
+    """The bilinear of a curve (n,) [m], (n,) by one of `RULES`.
+
+    Parameters
+    ----------
+    ultimate
+        Where it ends [m]; the rule "ec8" needs it, d*_m.
+    secant_share
+        Of the highest ordinate, where the first branch of the other rules passes through.
+    """
+    d, f = _curve(displacement, ordinate)
+    if rule not in RULES:
+        raise AssessmentError(f'there is no rule "{rule}": choose one of {", ".join(RULES)}')
+    if ultimate is None:
+        if rule == "ec8":
+            raise AssessmentError('the rule "ec8" needs the displacement d*_m where it ends')
+        ultimate = drop_point(d, f, RESIDUAL[rule])
+    end = positive(ultimate, "the ultimate displacement")
+    if end > d[-1] * (1.0 + 1e-12):
+        raise AssessmentError(
+            f"the curve ends at {d[-1]:.4g} m, before the {end:.4g} m of its bilinear: trace it "
+            "further"
+        )
+    before = d < end
+    d, f = np.append(d[before], end), np.append(f[before], np.interp(end, d, f))
+    area = float(np.sum(0.5 * (f[1:] + f[:-1]) * np.diff(d)))
+    if rule == "ec8":
+        return _level_at_peak(float(f.max()), area, end)
+    stiffness = initial_stiffness(d, f, secant_share)
+    return _level_by_area(stiffness, area, end)
+
+
+def initial_stiffness(displacement: ArrayLike, ordinate: ArrayLike, share: float) -> float:
+    """Ordinate over displacement where a share of the highest ordinate is first reached [1/m]."""
+    d, f = _curve(displacement, ordinate)
+    if not 0.0 < share <= 1.0:
+        raise AssessmentError(f"the share of the secant lies between 0 and 1, not {share:g}")
+    level = share * f.max()
+    if f[0] >= level:
+        raise AssessmentError(
+            "the curve begins above its secant: bodies are rigid and have no elastic branch; use a "
+            "method for local mechanisms, or joints with stiffness"
+        )
+    i = int(np.argmax(f >= level))
+    part = (level - f[i - 1]) / (f[i] - f[i - 1])
+    return float(level / (d[i - 1] + part * (d[i] - d[i - 1])))
+
+
+def _level_at_peak(top: float, area: float, end: float) -> Bilinear:
+    """d*_y = 2 (d*_m - E*_m/F*_y), EN 1998-1:2004 (B.6)."""
+    start = 2.0 * (end - area / top)
+    if start <= 1e-12 * end:
+        raise AssessmentError(
+            "the curve is level from its beginning: it has no elastic branch, and no period T*"
+        )
+    if start >= end * (1.0 - 1e-12):
+        raise AssessmentError(
+            f"the bilinear of EN 1998-1 (B.6) would yield at {start:.4g} m, not before its end at "
+            f"{end:.4g} m: the curve has softened too far; end it at 80 per cent of the peak, or "
+            "use a method for rocking mechanisms"
+        )
+    return Bilinear(yield_displacement=start, yield_acceleration=top, ultimate_displacement=end)
+
+
+def _level_by_area(stiffness: float, area: float, end: float) -> Bilinear:
+    """F_y = k d_u - sqrt((k d_u)^2 - 2 k E), k the first branch and E the area."""
+    square = (stiffness * end) ** 2 - 2.0 * stiffness * area
+    if square < -1e-12 * (stiffness * end) ** 2:
+        raise AssessmentError(
+            "no bilinear has the area of the curve: it lies above its own first branch; end it "
+            "further on, or take another share of the peak for the secant"
+        )
+    level = stiffness * end - float(np.sqrt(max(square, 0.0)))
+    return Bilinear(
+        yield_displacement=level / stiffness, yield_acceleration=level, ultimate_displacement=end
+    )
+
+
+def _curve(displacement: ArrayLike, ordinate: ArrayLike) -> tuple[Array, Array]:
+    """A curve from the displacement zero, checked."""
+    d = np.asarray(displacement, dtype=np.float64)
+    f = np.asarray(ordinate, dtype=np.float64)
+    if d.ndim != 1 or d.shape != f.shape or len(d) < 2 or not np.isfinite([d, f]).all():
+        raise AssessmentError("a curve is two equal lists of two finite numbers or more")
+    if d[0] < 0.0 or (np.diff(d) <= 0.0).any() or f.max() <= 0.0:
+        raise AssessmentError("a curve has displacements that grow from zero and carries something")
+    if d[0] > 0.0:
+        return np.append(0.0, d), np.append(0.0, f)
+    return d, f

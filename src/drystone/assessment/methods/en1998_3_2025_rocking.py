@@ -1,0 +1,224 @@
+"""Rocking mechanisms by EN 1998-3:2025, 11.3.3.3, 11.4.2(5) and 11.5.2.2, as far as known.
+
+The standard's text was not at hand.  What is unknown, the damping of each limit state and gamma_Sd,
+is asked for.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from drystone.assessment.capacity import Capacity
+from drystone.assessment.errors import AssessmentError, not_negative, positive
+from drystone.assessment.methods import local
+from drystone.assessment.methods.base import (
+    Assessment,
+    LimitState,
+    Settings,
+    Spectra,
+    spectra_of,
+)
+from drystone.assessment.methods.ground import (
+    RETURN_PERIOD_UNCERTAIN,
+    bearable,
+    return_period_borne,
+)
+from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum, damping_factor
+from drystone.assessment.spectra.floor import FloorSpectrum
+
+NAME = "en1998-3-2025-rocking"
+STATES = ("DL", "SD", "NC")
+REFERENCE = "SD"
+
+#: d_LS over the collapse displacement d0*, 11.5.2.2.
+SHARES = {"SD": 0.4, "NC": 0.6}
+
+#: T_LS = 1.6 pi sqrt(d_LS/a*(d_LS)), (11.40), (11.41).
+PERIOD_FACTOR = 1.6
+
+#: gamma_Rd by knowledge level, and what it is multiplied by with infinitely strong blocks.
+RESISTANCE_FACTORS = {1: 1.55, 2: 1.40, 3: 1.30}
+STRONG_BLOCKS = 1.2
+
+UNCERTAIN = (
+    "EN 1998-3:2025 11.3.3.3, 11.4.2(5), 11.5.2.2: from an engineer's notes, not the standard.",
+    "EN 1998-3:2025: damping of the limit states and gamma_Sd are the user's; their values in the "
+    "standard are not known here.",
+)
+
+
+def limit_period(displacement: float, acceleration: float) -> float:
+    """T_LS = 1.6 pi sqrt(d_LS/a*(d_LS)) [s], EN 1998-3:2025 (11.40), (11.41)."""
+    return PERIOD_FACTOR * math.pi * math.sqrt(displacement / acceleration)
+
+
+def resistance_factor(knowledge_level: int, infinitely_strong_blocks: bool) -> float:
+    """gamma_Rd, 11.5.2.2: 1.55, 1.40, 1.30 for KL1 to KL3, times 1.2 with strong blocks."""
+    if knowledge_level not in RESISTANCE_FACTORS:
+        raise AssessmentError(f"there is no knowledge level {knowledge_level!r}: 1, 2 or 3")
+    factor = RESISTANCE_FACTORS[knowledge_level]
+    return factor * STRONG_BLOCKS if infinitely_strong_blocks else factor
+
+
+class _Factors(NamedTuple):
+    demand: float  # gamma_Sd
+    resistance: float  # gamma_Rd
+
+
+def displacement_demand(spectrum: Spectrum, period: float, damping: float) -> float:
+    """eta(xi) S_De(T_LS) [m], (11.42), (11.43); the spectrum of the floor, (11.44), (11.45).
+
+    Floor spectra know their damping: eta is not applied to them again.
+    """
+    if isinstance(spectrum, FloorSpectrum):
+        return float(spectrum.sd(period, damping))
+    return damping_factor(damping) * float(spectrum.sd(period, REFERENCE_DAMPING))
+
+
+def _factors(settings: Settings) -> _Factors:
+    unknown = "its value in the standard is not known here; give the one that you answer for"
+    demand = positive(settings.need("demand_factor", f"gamma_Sd, {unknown}"), "gamma_Sd")
+    level = settings.need("knowledge_level", "gamma_Rd is 1.55, 1.40 or 1.30 of KL1 to KL3")
+    strong = settings.need(
+        "infinitely_strong_blocks",
+        "gamma_Rd is 1.2 times as large where blocks are not crushed (true for rigid blocks)",
+    )
+    return _Factors(demand, resistance_factor(level, bool(strong)))
+
+
+def _activation(
+    capacity: Capacity, spectrum: Spectrum, settings: Settings, factors: _Factors, verified: bool
+) -> LimitState:
+    """DL: gamma_Sd S_e(T_0) <= a_y*/gamma_Rd, 11.5.2.2."""
+    t0 = not_negative(
+        settings.need("elastic_period", "DL compares S_e(T_0); 0 where rigid until it rocks"),
+        "elastic_period",
+    )
+
+    def demand(s: Spectrum) -> float:
+        return factors.demand * float(s.sa(t0, REFERENCE_DAMPING))
+
+    limit = capacity.activation_acceleration / factors.resistance
+    borne = bearable(spectrum, demand, limit)
+    return LimitState(
+        name="DL",
+        limit_acceleration=limit,
+        limit_period=t0,
+        damping=REFERENCE_DAMPING,
+        acceleration_demand=demand(spectrum),
+        ground_acceleration_capacity=borne,
+        ground_acceleration_demand=spectrum.ground_acceleration,
+        return_period_demand=spectrum.return_period,
+        return_period_capacity=return_period_borne(spectrum, borne),
+        satisfied=demand(spectrum) <= limit,
+        verified=verified,
+        governed_by="activation",
+        clause="EN 1998-3:2025 11.5.2.2",
+    )
+
+
+def _ultimate(
+    name: str,
+    capacity: Capacity,
+    spectrum: Spectrum,
+    settings: Settings,
+    factors: _Factors,
+    verified: bool,
+) -> LimitState:
+    """SD, NC: gamma_Sd eta S_De(T_LS) <= d_LS/gamma_Rd, (11.42) to (11.45)."""
+    own = SHARES[name] * local.collapse(capacity, settings)
+    d, why = local.limit(capacity, settings, name, own)
+    a = local.acceleration(capacity, d, bool(settings.straight_capacity))
+    period, damping = limit_period(d, a), settings.damping[name]
+
+    def demand(s: Spectrum) -> float:
+        return factors.demand * displacement_demand(s, period, damping)
+
+    borne = bearable(spectrum, demand, d / factors.resistance)
+    asked = demand(spectrum)
+    return LimitState(
+        name=name,
+        limit_displacement=d / factors.resistance,
+        limit_control_displacement=capacity.control_at(d / factors.resistance),
+        limit_acceleration=a,
+        limit_period=period,
+        damping=damping,
+        displacement_demand=asked,
+        control_displacement_demand=capacity.control_at(asked),
+        ground_acceleration_capacity=borne,
+        ground_acceleration_demand=spectrum.ground_acceleration,
+        return_period_demand=spectrum.return_period,
+        return_period_capacity=return_period_borne(spectrum, borne),
+        satisfied=asked <= d / factors.resistance,
+        verified=verified,
+        governed_by=why or f"{SHARES[name]:g} of the collapse displacement",
+        clause="EN 1998-3:2025 (11.40) to (11.45)",
+        details={
+            "unfactored_limit_displacement": d,
+            "unfactored_displacement_demand": asked / factors.demand,
+        },
+    )
+
+
+def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessment:
+    """Rocking mechanism by EN 1998-3:2025 11.5.2.2: limit states DL, SD and NC.
+
+    A state whose damping (SD, NC) or elastic period (DL) is not given is left out, unless the
+    verdict is to rest on it.
+
+    Raises
+    ------
+    AssessmentError
+        Without gamma_Sd, knowledge level, the strength of blocks, damping, or a collapse.
+    """
+    c = local.read(capacity, settings)
+    factors = _factors(settings)
+    given, verified, notes = spectra_of(spectra, STATES, REFERENCE, settings)
+    found, left_out = [], []
+    for name, spectrum in given.items():
+        held = name in verified
+        if name == "DL":
+            if settings.elastic_period is None and not held:
+                left_out.append("DL (no elastic period)")
+                continue
+            found.append(_activation(c, spectrum, settings, factors, held))
+        elif name in settings.damping:
+            found.append(_ultimate(name, c, spectrum, settings, factors, held))
+        elif held:
+            raise AssessmentError(
+                f'method "{NAME}" needs "damping" of {name}: the standard\'s value is not known '
+                "here; give the ratio that you answer for"
+            )
+        else:
+            left_out.append(f"{name} (no damping)")
+    used = tuple(given.values())
+    said = [local.collapse_assumption()]
+    if left_out:
+        said.append(f"Left out: {', '.join(left_out)}.")
+    if settings.confidence_factor is not None:
+        said.append("gamma_Rd takes the place of the confidence factor, which is not applied.")
+    own = list(UNCERTAIN)
+    if any(isinstance(s, FloorSpectrum) for s in used):
+        own.append(
+            "EN 1998-3:2025 (11.44), (11.45): the floor spectrum of Circ. 7/2019 C7.2.3 stands for "
+            "that of the standard."
+        )
+    if any(state.return_period_capacity is not None for state in found):
+        own.append(RETURN_PERIOD_UNCERTAIN)
+    return Assessment(
+        method=NAME,
+        capacity=c,
+        settings=settings,
+        limit_states=tuple(found),
+        reference_state=REFERENCE,
+        activation_acceleration=c.activation_acceleration,
+        confidence_factor=None,
+        spectra=given,
+        quantities={"resistance_factor": factors.resistance, "demand_factor": factors.demand},
+        assumptions=local.assumptions(c, used) + notes + tuple(said),
+        uncertain=local.uncertain(c, used, *own),
+        weighs_most=local.weight(
+            c, "damping and gamma_Sd, whose values in the standard are not known here"
+        ),
+    )
