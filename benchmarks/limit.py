@@ -64,7 +64,7 @@ def published(wall: int, radius: float | None, repeats: int) -> WallLimits:
         joint=a.joint,
         corner=Corner(radius=radius),
         thickness=a.thickness,
-        load_direction=model.load.direction,
+        load_direction=model.load_along,
     )
     results = collapse_loads(model)
     low, high = results[1].collapse_range

@@ -16,7 +16,7 @@ from drystone.contact.detection import Detector
 from drystone.geometry import solid
 from drystone.limit.associative import collapse
 from drystone.limit.equilibrium import Equilibrium
-from drystone.loading import LoadPattern
+from drystone.loading import MassPattern
 
 UNIT = np.array([0.4, 0.2, 0.175])  # m
 LAW = JointLaw(friction_coefficient=0.65, normal_stiffness=1e9, shear_stiffness=1e9)
@@ -71,7 +71,7 @@ def main() -> None:
         )
     if chosen.limit:
         assembly = house(chosen.limit)
-        load = LoadPattern(direction=np.array([1.0, 0.0, 0.0]))
+        load = MassPattern(direction=np.array([1.0, 0.0, 0.0]))
         equilibrium = Equilibrium.of(assembly, load)
         answer = collapse(equilibrium)
         seconds = harness.median_seconds(partial(collapse, equilibrium), 1)

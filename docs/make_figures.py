@@ -30,7 +30,7 @@ def example(name: str, engine: str | None) -> None:
         assembly=model.assembly,
         pose=curve.poses[row],
         contacts=curve.contacts[row],
-        load_direction=model.load.direction,
+        load_direction=model.load_along,
         control_point=model.control_point,
     )
     title = f"{model.title} at a control displacement of {point.control_displacement:.3f} m"

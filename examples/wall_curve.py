@@ -35,7 +35,7 @@ def main() -> None:
         assembly=model.assembly,
         pose=curve.poses[row],
         contacts=curve.contacts[row],
-        load_direction=model.load.direction,
+        load_direction=model.load_along,
         control_point=model.control_point,
     )
     title = f"{model.title} at {curve.points[row].control_displacement:.3f} m"

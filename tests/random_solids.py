@@ -18,7 +18,7 @@ from drystone.assembly import Block, Corner, JointLaw
 from drystone.builders import circular_arch
 from drystone.geometry import GeometryError, solid
 from drystone.limit import ASSOCIATIVE, collapse_load, stands
-from drystone.loading import LoadPattern
+from drystone.loading import MassPattern
 from drystone.model import Model
 from solids import box, model_of
 
@@ -50,7 +50,7 @@ def _stands(model: Model) -> bool:
         return False
     return all(
         collapse_load(
-            replace(model, load=LoadPattern(direction=np.array(side))), flow=ASSOCIATIVE
+            replace(model, load=MassPattern(direction=np.array(side))), flow=ASSOCIATIVE
         ).load_multiplier
         > MARGIN
         for side in directions(4)

@@ -14,7 +14,7 @@ from drystone.assembly import Assembly, Block, Corner, JointLaw
 from drystone.geometry import solid
 from drystone.geometry.motion import moved_points
 from drystone.geometry.solid import Part
-from drystone.loading import LoadPattern
+from drystone.loading import MassPattern
 from drystone.model import Analysis, Model
 from drystone.monitor import ControlPoint
 
@@ -59,7 +59,7 @@ def model_of(
     return Model(
         title="solids",
         assembly=assembly,
-        load=LoadPattern(direction=along),
+        load=MassPattern(direction=along),
         control_point=ControlPoint(block=row, point=np.asarray(point, float), direction=along),
         analysis=analysis or Analysis(engine="nscd"),
     )
@@ -146,7 +146,7 @@ def turned(model: Model, rotation: Rotation, shift: Sequence[float] = (0.0, 0.0,
     return replace(
         model,
         assembly=assembly,
-        load=LoadPattern(direction=rotation.apply(model.load.direction)),
+        load=MassPattern(direction=rotation.apply(model.load.direction)),
         control_point=replace(
             control,
             point=carried(control.point[None])[0],

@@ -176,6 +176,7 @@ class _Run:
             Problem(
                 assembly=model.assembly,
                 load=model.load,
+                dead_loads=model.dead_loads,
                 control_point=model.control_point,
                 ground=model.analysis.ground,
             )

@@ -133,6 +133,18 @@ class Frame:
         """The control point in own coordinates."""
         return replace(drawn, point=self.place(drawn.point))
 
+    def forces(self, drawn: Array) -> Array:
+        """Forces (..., dim) [N] in own units."""
+        return np.vectorize(plain, otypes=[float])(np.asarray(drawn, float) / self.force)
+
+    def pressure(self, drawn: float) -> float:
+        """A pressure [Pa] in own units."""
+        return plain(drawn / (self.unit_weight * self.length))
+
+    def weight(self, drawn: float) -> float:
+        """A unit weight [N/m3] in own units."""
+        return plain(drawn / self.unit_weight)
+
     def pose_of(self, own: Array) -> Array:
         """Poses (n, n_dof) in metres."""
         pose = own.copy()

@@ -8,11 +8,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drystone.assembly import Assembly, Corner
 from drystone.geometry.mended import Mended
-from drystone.loading import LoadPattern
+from drystone.loading import DeadLoad, LoadPattern
 from drystone.monitor import ControlPoint
+
+Array = NDArray[np.float64]
 
 #: What becomes of an analysis where a block has left the structure.
 REMOVE, STOP = "remove", "stop"
@@ -56,6 +59,7 @@ class Model:
     assembly: Assembly
     load: LoadPattern
     control_point: ControlPoint
+    dead_loads: tuple[DeadLoad, ...] = ()  # beside the blocks' weight
     analysis: Analysis = field(default_factory=Analysis)
     origin: Origin | None = None
     notes: tuple[str, ...] = ()
@@ -66,7 +70,15 @@ class Model:
     @property
     def contents(self) -> tuple[Any, ...]:
         """What makes one model differ from another."""
-        return self.title, self.assembly, self.load, self.control_point, self.analysis
+        return (
+            self.title, self.assembly, self.load, self.control_point, self.dead_loads,
+            self.analysis,
+        )  # fmt: skip
+
+    @cached_property
+    def load_along(self) -> Array:
+        """(dim,) unit vector that the load pattern as a whole leads along."""
+        return self.load.along(self.assembly)
 
     @property
     def source(self) -> str | None:
@@ -118,15 +130,24 @@ class Model:
 
         return remade(self, corner=Corner(radius=radius, chamfer=chamfer))
 
-    def with_load(self, *, direction: Sequence[float]) -> Model:
-        """The model pushed in another direction.
+    def with_load(
+        self,
+        pattern: LoadPattern | None = None,
+        *,
+        direction: Sequence[float] | None = None,
+        dead_loads: Sequence[DeadLoad] | None = None,
+    ) -> Model:
+        """The model under another load: a pattern, its direction, the dead loads beside weight.
 
         Control block, point and direction follow as far as they are those that are taken where
         nothing is said about them; what was chosen otherwise stays.
         """
         from drystone.builders.vary import control_beside_default, remade
 
-        return remade(self, load_direction=direction, **control_beside_default(self))
+        load: dict[str, Any] = {"load": pattern or self.load, "load_direction": direction}
+        if dead_loads is not None:
+            load["dead_loads"] = tuple(dead_loads)
+        return remade(self, **load, **control_beside_default(self))
 
     def with_control(
         self,
@@ -174,7 +195,7 @@ class Model:
         return replace(self, analysis=analysis)
 
     def __repr__(self) -> str:
-        along = ", ".join(f"{x:g}" for x in np.asarray(self.load.direction))
+        along = ", ".join(f"{x:g}" for x in self.load_along)
         return (
             f"<Model {self.title!r}: {self.assembly!r}, pushed along ({along}), "
             f"{self.analysis.engine}>"

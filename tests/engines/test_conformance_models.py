@@ -28,11 +28,11 @@ from drystone.analysis import pushover
 from drystone.assembly import Block, Corner
 from drystone.builders import extruded, make_model
 from drystone.curve import STATIC, CapacityCurve, CurvePoint
-from drystone.engines import engine_names, make_engine, measures
+from drystone.engines import engine_names, make_engine
 from drystone.engines.base import Engine, EngineError
 from drystone.engines.framed import framed
 from drystone.geometry import solid
-from drystone.loading import LoadPattern
+from drystone.loading import MassPattern, acting
 from drystone.model import Model
 from solids import turned
 
@@ -386,7 +386,7 @@ def pushed(model: Model, push: tuple[float, float]) -> Model:
     """A model of space whose load and control displacement go along ``push``."""
     along = np.array([*push, 0.0])
     control = replace(model.control_point, direction=along)
-    return replace(model, load=LoadPattern(direction=along), control_point=control)
+    return replace(model, load=MassPattern(direction=along), control_point=control)
 
 
 #: Those that take blocks of several parts, and contacts that come and go.
@@ -456,8 +456,8 @@ def test_random_walls_of_other_joints(engine, joints, seed):
 
 def test_loads_that_an_engine_mistakes_are_found(monkeypatch):
     """Its own residual is none, as it takes the same weights: a hundredth too much."""
-    real = measures.dead_load
-    monkeypatch.setattr(measures, "dead_load", lambda assembly: 1.01 * real(assembly))
+    real = acting.weight_forces
+    monkeypatch.setattr(acting, "weight_forces", lambda assembly: 1.01 * real(assembly))
     model = with_corner(small_wall(), Corner())
     solver, curve = traced(model, "distinct")
     check_residual(solver, curve)

@@ -19,7 +19,7 @@ import numpy as np
 from drystone.assembly import Assembly, Block, JointLaw
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.curve import DYNAMIC, STATIC, CapacityCurve, CurvePoint, RecorderError
-from drystone.loading import LoadPattern
+from drystone.loading import MassPattern
 from drystone.model import Analysis, Model, Origin
 from drystone.monitor import ControlPoint
 
@@ -61,7 +61,7 @@ def wall_model(
     model = Model(
         title="A made-up wall",
         assembly=Assembly.build(blocks, joint=joint),
-        load=LoadPattern(direction=np.array([1.0, 0.0])),
+        load=MassPattern(direction=np.array([1.0, 0.0])),
         control_point=ControlPoint(
             block=len(blocks) - 1,
             point=np.array([length, courses * COURSE]),

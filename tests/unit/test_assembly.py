@@ -7,7 +7,7 @@ import pytest
 
 from drystone.assembly import GRAVITY, Assembly, Block, Corner, JointLaw
 from drystone.geometry import GeometryError
-from drystone.loading import LoadPattern, dead_load
+from drystone.loading import Acting, MassPattern, dead_load
 
 LAW = JointLaw(friction_coefficient=0.65, normal_stiffness=1e8, shear_stiffness=1e11)
 SMOOTH = JointLaw(friction_coefficient=0.1, normal_stiffness=1e8, shear_stiffness=1e11)
@@ -119,11 +119,12 @@ def test_quarter_turn(assembly):
 
 def test_loads_leave_supports_alone(assembly):
     direction = np.array([0.6, 0.8])
-    forces = LoadPattern(direction=direction).forces(assembly)
+    acting = Acting.of(assembly, MassPattern(direction=direction))
+    forces = acting.pattern.wrenches(assembly)
     assert not forces[0].any()
     assert forces[1] == pytest.approx([0.6 * 1800.0, 0.8 * 1800.0, 0.0], rel=ROUNDING)
     assert dead_load(assembly)[:, 1] == pytest.approx([0.0, -1800.0, -1800.0], rel=ROUNDING)
-    assert LoadPattern(direction=direction).total(assembly) == pytest.approx(3600.0, rel=ROUNDING)
+    assert acting.total == pytest.approx(3600.0, rel=ROUNDING)
 
 
 def test_impossible_outline_names_the_block():

@@ -11,10 +11,10 @@ from drystone.builders import coursed_wall
 from drystone.geometry.motion import moments
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.joints import contact_points
-from drystone.loading import LoadPattern
+from drystone.loading import MassPattern
 
 LAW = JointLaw(friction_coefficient=0.6, normal_stiffness=None, shear_stiffness=None)
-RIGHT = LoadPattern(direction=np.array([1.0, 0.0]))
+RIGHT = MassPattern(direction=np.array([1.0, 0.0]))
 
 
 def pair(corner=None, *, shift=0.1, law=LAW, thickness=1.0):

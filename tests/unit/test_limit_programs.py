@@ -11,7 +11,7 @@ from drystone.builders import coursed_wall
 from drystone.limit import interior_point
 from drystone.limit.cones import Regions, least_normal, shear_strength
 from drystone.limit.equilibrium import Equilibrium
-from drystone.loading import LoadPattern
+from drystone.loading import MassPattern
 
 LAWS = [
     {"friction_coefficient": 0.6},
@@ -27,7 +27,7 @@ def wall(**law):
         unit=(0.4, 0.2), courses=("h11h", "111"), repeat=3, base=True, unit_weight=1e4
     )
     joint = JointLaw(normal_stiffness=None, shear_stiffness=None, **law)
-    load = LoadPattern(direction=np.array([1.0, 0.0]))
+    load = MassPattern(direction=np.array([1.0, 0.0]))
     return Equilibrium.of(Assembly.build(blocks, joint=joint), load)
 
 
@@ -83,7 +83,7 @@ def test_regions_stay_within_the_strength(law):
 
 def test_locked_is_found_by_both_methods(monkeypatch):
     equilibrium = wall(friction_coefficient=0.6)
-    downwards = LoadPattern(direction=np.array([0.0, -1.0]))
+    downwards = MassPattern(direction=np.array([0.0, -1.0]))
     equilibrium = Equilibrium.of(equilibrium.assembly, downwards)
     for large in (10**9, 1):
         monkeypatch.setattr(method, "INTERIOR_POINT_FROM", large)
@@ -96,7 +96,7 @@ def test_unstable_is_found_by_both_methods(monkeypatch):
         unit=(0.4, 0.2), courses=("1.1", "1..", "111"), base=True, unit_weight=1e4
     )  # the third course has nothing under two of its units
     joint = JointLaw(friction_coefficient=0.6, normal_stiffness=None, shear_stiffness=None)
-    load = LoadPattern(direction=np.array([1.0, 0.0]))
+    load = MassPattern(direction=np.array([1.0, 0.0]))
     equilibrium = Equilibrium.of(Assembly.build(blocks, joint=joint), load)
     for large in (10**9, 1):
         monkeypatch.setattr(method, "INTERIOR_POINT_FROM", large)

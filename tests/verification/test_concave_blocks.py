@@ -13,7 +13,7 @@ from drystone.assembly import Assembly, Block, JointLaw
 from drystone.curve import STATIC
 from drystone.engines import make_engine
 from drystone.engines.base import Demand, Problem
-from drystone.loading import LoadPattern
+from drystone.loading import MassPattern
 from drystone.model import Model
 from drystone.monitor import ControlPoint
 
@@ -52,7 +52,7 @@ def standing(
     model = Model(
         title=last,
         assembly=Assembly.build(blocks, joint=law),
-        load=LoadPattern(direction=np.array(push)),
+        load=MassPattern(direction=np.array(push)),
         control_point=ControlPoint(
             block=len(blocks) - 1,
             point=np.asarray(top[np.lexsort((top[:, 0], top[:, 1]))[-1]], float),

@@ -44,7 +44,9 @@ def model_to_dict(model: Model) -> dict[str, Any]:
         }
         for block in assembly.blocks
     ]
-    data["load"] = {"pattern": "mass", "direction": model.load.direction.tolist()}
+    data["load"] = {"pattern": model.load.name, **model.load.keys()}
+    if model.dead_loads:
+        data["dead_load"] = [load.keys() for load in model.dead_loads]
     data["control"] = {
         "block": assembly.blocks[model.control_point.block].id,
         "point": model.control_point.point.tolist(),

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from drystone.assembly import Assembly, Block
 from drystone.geometry import solid
 from drystone.geometry.solid import Part
-from drystone.loading import LoadPattern
 from drystone.model import Model
 from drystone.monitor import ControlPoint
 
@@ -38,6 +37,10 @@ def extruded(model: Model, *, points: int = 4) -> Model:
         raise ValueError("the model is one of space already: only plane ones can be extruded")
     depth = plane.thickness
     control = model.control_point
+
+    def into(vector: Array, *, point: bool = False) -> Array:
+        return _in_space(vector, 0.5 * depth if point else 0.0)
+
     return replace(
         model,
         assembly=Assembly.build(
@@ -48,7 +51,8 @@ def extruded(model: Model, *, points: int = 4) -> Model:
             points=points,
             up=_in_space(plane.up),
         ),
-        load=LoadPattern(direction=_in_space(model.load.direction)),
+        load=model.load.in_space(into),
+        dead_loads=tuple(load.in_space(into) for load in model.dead_loads),
         control_point=ControlPoint(
             block=control.block,
             point=_in_space(control.point, 0.5 * depth),

@@ -23,7 +23,7 @@ from drystone.builders.errors import ModelError
 from drystone.builders.fit import DRAWING_TOLERANCE, fitted, turned_round
 from drystone.geometry import GeometryError
 from drystone.geometry.mended import Mended
-from drystone.loading import LoadPattern
+from drystone.loading import DeadLoad, LoadPattern, MassPattern
 from drystone.model import Analysis, Model, Origin
 from drystone.monitor import ControlPoint
 from drystone.ranges import problem
@@ -39,7 +39,9 @@ def make_model(
     blocks: Sequence[Block],
     *,
     joint: JointLaw,
-    load_direction: Sequence[float],
+    load_direction: Sequence[float] | None = None,
+    load: LoadPattern | None = None,
+    dead_loads: Sequence[DeadLoad] = (),
     thickness: float | None = None,
     corner: Corner | None = None,
     points: int = POINTS,
@@ -67,7 +69,11 @@ def make_model(
     thickness
         Out of plane [m]; none in space.
     load_direction
-        Of the forces in proportion to weight; scaled to length one.
+        Of the load pattern; scaled to length one.  May be left out beside a ``load``.
+    load
+        The pattern that the multiplier scales; by default forces in proportion to mass.
+    dead_loads
+        Beside the blocks' weight.
     corner
         How corners are treated for contact; sharp by default.
     points
@@ -91,8 +97,8 @@ def make_model(
         With everything that was found wrong.
     """
     place = place or (lambda i: f'block "{blocks[i].id}"')
-    dimension = blocks[0].dimension if blocks else len(load_direction)
-    along = unit_vector(load_direction, "load.direction", dimension)
+    dimension = blocks[0].dimension if blocks else len(load_direction or (0.0, 0.0))
+    pattern = _pattern(load, load_direction, dimension)
     assembly, amended = _assembly(
         blocks,
         joint,
@@ -104,11 +110,15 @@ def make_model(
         place=place,
     )
     wanted = {"block": control_block, "point": control_point, "direction": control_direction}
-    control = _control(assembly, along, layout_problems(assembly, place), **wanted)
+    problems = layout_problems(assembly, place) + pattern.problems(assembly)
+    for one in dead_loads:
+        problems += one.problems(assembly)
+    control = _control(assembly, pattern, problems, **wanted)
     model = Model(
         title=title,
         assembly=assembly,
-        load=LoadPattern(direction=along),
+        load=pattern,
+        dead_loads=tuple(dead_loads),
         control_point=control,
         analysis=analysis or Analysis(),
         notes=(*notes, *amended),
@@ -117,6 +127,21 @@ def make_model(
     if source is None or sha256 is None:
         return model
     return replace(model, origin=Origin(path=source, sha256=sha256, contents=model.contents))
+
+
+def _pattern(
+    load: LoadPattern | None, direction: Sequence[float] | None, dimension: int
+) -> LoadPattern:
+    """The pattern, along the direction where one is given; raises `ModelError`."""
+    if direction is None and load is not None:
+        return load
+    along = unit_vector(() if direction is None else direction, "load.direction", dimension)
+    if load is None:
+        return MassPattern(direction=along)
+    try:
+        return load.towards(along)
+    except ValueError as error:
+        raise ModelError([f"load.direction: {error}"]) from None
 
 
 def _assembly(
@@ -185,11 +210,12 @@ def _depth_problems(blocks: Sequence[Block], thickness: float | None, points: in
 
 
 def _control(
-    assembly: Assembly, load_direction: Array, problems: list[str], **wanted: Any
+    assembly: Assembly, load: LoadPattern, problems: list[str], **wanted: Any
 ) -> ControlPoint:
     """The control point as wanted; raises `ModelError` with those of the layout before its own."""
-    if assembly.n_blocks == 0:
+    if assembly.n_blocks == 0 or load.problems(assembly):
         raise ModelError(problems)
+    load_direction = load.along(assembly)
     try:
         control = choose_control_point(assembly, load_direction, **wanted)
     except ModelError as error:

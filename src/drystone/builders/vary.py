@@ -28,7 +28,8 @@ def remade(model: Model, **changes: Any) -> Model:
         "corner": assembly.corner,
         "thickness": assembly.thickness if assembly.dimension == 2 else None,
         "points": assembly.points,
-        "load_direction": model.load.direction,
+        "load": model.load,
+        "dead_loads": model.dead_loads,
         "control_block": assembly.ids[control.block],
         "control_point": control.point,
         "control_direction": control.direction,
@@ -73,8 +74,8 @@ def control_beside_default(model: Model) -> dict[str, Any]:
     """Arguments of `make_model` for the control point; None for what is as it would be chosen."""
     assembly, control = model.assembly, model.control_point
     name = assembly.ids[control.block]
-    default = choose_control_point(assembly, model.load.direction)
-    on_block = choose_control_point(assembly, model.load.direction, block=name)
+    default = choose_control_point(assembly, model.load_along)
+    on_block = choose_control_point(assembly, model.load_along, block=name)
     follows = control.block == default.block and np.array_equal(control.point, on_block.point)
     return {
         "control_block": None if follows else name,

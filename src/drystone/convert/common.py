@@ -129,6 +129,22 @@ def need_convex(assembly: Assembly, program: str) -> None:
         )
 
 
+def mass_direction(model: Model, program: str) -> Array:
+    """(dim,) direction of forces in proportion to mass; raises `ModelError` for all other loads."""
+    if model.load.name != "mass":
+        raise ModelError(
+            [
+                f'load.pattern: {program} gets the pattern "mass" alone, and this is '
+                f'"{model.load.name}": take an engine of drystone'
+            ]
+        )
+    if model.dead_loads:
+        raise ModelError(
+            [f"dead_load: {program} gets the blocks' weight alone: take an engine of drystone"]
+        )
+    return model.load_along
+
+
 def left_sharp(assembly: Assembly, program: str) -> list[str]:
     """What to know of edges in space that are rounded or cut off."""
     corner = assembly.corner

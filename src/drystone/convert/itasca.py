@@ -24,6 +24,7 @@ from drystone.convert.common import (
     file_name,
     friction_angle,
     friction_coefficient,
+    mass_direction,
     number,
     strategy,
     wrapped,
@@ -65,14 +66,14 @@ def heading(model: Model, program: str, notes: Sequence[str]) -> list[str]:
     ]
 
 
-def parameters(model: Model, values: dict[str, tuple[float, str]]) -> list[str]:
+def parameters(model: Model, values: dict[str, tuple[float, str]], program: str) -> list[str]:
     """The FISH function that sets every number of the analysis, and its call."""
     s = strategy(model)
     centre = model.assembly.centroid[model.control_point.block]
     every: dict[str, tuple[float, str]] = {
         "grav": (GRAVITY, "m/s2"),
         **values,
-        **_vector("load_", model.load.direction, "direction of the load pattern"),
+        **_vector("load_", mass_direction(model, program), "direction of the load pattern"),
         **_vector("ctl_", model.control_point.point, "m, control point as designed"),
         **_vector("ctl_b", centre, "m, centroid of the block that it is on"),
         **_vector("read_", model.control_point.direction, "direction of the control displacement"),

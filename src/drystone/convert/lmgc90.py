@@ -23,6 +23,7 @@ from drystone.convert.common import (
     file_name,
     left_sharp,
     leg_of,
+    mass_direction,
     need_convex,
     need_stiffness,
     strategy,
@@ -69,7 +70,7 @@ def write(model: Model, name: str = "") -> Written:
             (i, j): float(assembly.laws[k - 1].normal_stiffness or 0.0)
             for k, i, j in pair_laws(assembly)
         },
-        "LOAD_DIRECTION": tuple(map(float, model.load.direction)),
+        "LOAD_DIRECTION": tuple(map(float, mass_direction(model, PROGRAM))),
         "CONTROL_BLOCK": assembly.blocks[model.control_point.block].id,
         "CONTROL_POINT": tuple(map(float, model.control_point.point)),
         "CONTROL_DIRECTION": tuple(map(float, model.control_point.direction)),

@@ -128,7 +128,7 @@ def write(model: Model, name: str = "") -> Written:
         "thick": (assembly.thickness, "m"),
         "leg": (leg_of(assembly), "m, of the corners that were cut off"),
     }
-    lines += itasca.parameters(model, {} if solid else own)
+    lines += itasca.parameters(model, {} if solid else own, PROGRAM)
     if assembly.joint_between:
         lines += JOINT_LAW
         lines += [

@@ -141,7 +141,9 @@ def write(model: Model, name: str = "") -> Written:
         if fixed:
             lines.append(f"fix {_box(x, y, box)}")
     lines += [f"set gravity=0.0,{number(-GRAVITY)}", ""]
-    lines += itasca.parameters(model, {"thick": (assembly.thickness, "m, that of the model")})
+    lines += itasca.parameters(
+        model, {"thick": (assembly.thickness, "m, that of the model")}, PROGRAM
+    )
     if assembly.joint_between:
         lines += JOINT_LAW
         lines += [f"@joint_law({', '.join(words)})" for words in _pairs(assembly)]

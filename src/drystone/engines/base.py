@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
 from drystone.contact.forces import ContactForces
-from drystone.loading import LoadPattern
+from drystone.loading import DeadLoad, LoadPattern
 from drystone.monitor import ControlPoint
 
 Array = NDArray[np.float64]
@@ -35,8 +35,14 @@ class Problem:
     assembly: Assembly
     load: LoadPattern
     control_point: ControlPoint
+    dead_loads: tuple[DeadLoad, ...] = ()  # beside the blocks' weight
     length: float = 1.0  # m, of the unit that lengths are in; for messages
     ground: float | None = None  # m, see `level`; None: the supports' lowest point
+
+    @property
+    def stages(self) -> tuple[int, ...]:
+        """In which the dead loads come, one after another has settled; the first is the weight."""
+        return tuple(sorted({0, *(load.stage for load in self.dead_loads)}))
 
     @property
     def level(self) -> float:
@@ -135,7 +141,8 @@ class Engine(Protocol):
     prescribes_displacement: bool  # can solve for the multiplier of an increment
 
     def start(self, problem: Problem) -> tuple[Any, StepReport]:
-        """Bring the assembly to rest under its own weight; raises `UnstableError`."""
+        """Bring the assembly to rest under its own weight, then stage after stage of its other dead
+        loads; raises `UnstableError`."""
         ...
 
     def step(self, state: Any, demand: Demand) -> tuple[Any, StepReport]:

@@ -58,8 +58,8 @@ CHUNKS = 10
 #: Parts in which the dead load comes: each shakes the structure by as little.
 RAMP = 100
 
-#: Most cycles of one call, which nothing interrupts.
-ROUND = 1000
+#: Most cycles of one call, which nothing interrupts; and where loads change with places.
+ROUND, SHORT_ROUND = 1000, 50
 
 #: Stages in which a driven increment ends, and the rate of each over that of the one before.
 STAGES, SLOWER = 4, 0.25
@@ -173,7 +173,7 @@ class Workspace:
         self.motion = Motion.of(state.pose, state.velocity, engine.problem.assembly.axes)
         self.meter = np.zeros(explicit.N_METER)
         self.meter[explicit.MULTIPLIER] = state.multiplier
-        self.acting = LoadArrays.of(engine.problem, state.gone)
+        self.acting = LoadArrays.of(engine.problem, state.gone, engine.stage)
         self.lost = state.gone
         self.search_work = 0.0
         self.lost_shear = 0.0
@@ -186,6 +186,11 @@ class Workspace:
     def multiplier(self) -> float:
         """Load multiplier of the last cycle."""
         return float(self.meter[explicit.MULTIPLIER])
+
+    @property
+    def now(self) -> LoadArrays:
+        """The loads near the present poses and multiplier."""
+        return self.acting.near(self.motion.pose, self.multiplier)
 
     def run(
         self,
@@ -200,10 +205,13 @@ class Workspace:
 
         Raises `RunAwayError`.
         """
-        last = self.n_cycles + n_cycles
+        last, steady = self.n_cycles + n_cycles, self.acting.acting.steady
         while self.n_cycles < last:
+            if not steady:
+                now = self.now
+                self.loads = self.loads._replace(dead=now.dead, pattern=now.pattern)
             why, used = self._cycle(
-                min(last - self.n_cycles, ROUND),
+                min(last - self.n_cycles, ROUND if steady else SHORT_ROUND),
                 bonds_hold=not self.real_masses,
                 guided=guided,
                 rate=rate,
@@ -219,11 +227,12 @@ class Workspace:
                 return True
         return False
 
-    def load_gradually(self) -> None:
-        """Bring up the dead load, each part of it in cycles enough for a wave to pass."""
+    def load_gradually(self, before: LoadArrays | None) -> None:
+        """Bring up the dead load from what it was ``before``, if anything, each part of it in
+        cycles enough for a wave to pass."""
         whole = self.acting
         for part in range(1, RAMP):
-            self.acting = replace(whole, dead=part / RAMP * whole.dead)
+            self.acting = whole.scaled(part / RAMP, before)
             self.loads = self.loads._replace(dead=self.acting.dead)
             self.run(max(self.engine.settings.drive_cycles // CHUNKS, 1))
         self.acting = whole
@@ -235,8 +244,9 @@ class Workspace:
         self.run(n_cycles, guided=True, rate=rate, combined=True)
         moved = self.engine.problem.assembly.difference(self.motion.pose, pose)
         done = float(self.meter[explicit.LOAD_WORK]) - done
-        pushed = float(np.sum(self.acting.pattern * moved))
-        return (done - float(np.sum(self.acting.dead * moved))) / pushed if pushed else 0.0
+        now = self.now
+        pushed = float(np.sum(now.pattern * moved))
+        return (done - float(np.sum(now.dead * moved))) / pushed if pushed else 0.0
 
     def relax(self, *, guided: bool) -> bool:
         """Cycles until all is balanced; whether they got there.  Raises `RunAwayError`.
@@ -316,7 +326,7 @@ class Workspace:
         if not left.any() or (lost | engine.problem.assembly.fixed).all():
             return  # where nothing would stay there is no rest to go on with
         self.lost = lost
-        self.acting = LoadArrays.of(engine.problem, self.lost)
+        self.acting = LoadArrays.of(engine.problem, self.lost, engine.stage)
         motion = self.motion
         for array in (motion.velocity, motion.force, motion.mean, motion.opposed):
             array[left] = 0.0
@@ -415,13 +425,16 @@ class DistinctEngine:
 
     def start(self, problem: Problem) -> tuple[DistinctState, StepReport]:
         """Settle under the dead load; raises `UnstableError`."""
-        state, report = self._settle(self.release(problem), gradually=True)
-        while len(due := weakest(state.margin)):
-            state, report = self._settle(self._broken(state, due))
+        state, before = self.release(problem), None
+        for self.stage in problem.stages:
+            state, report = self._settle(state, gradually=True, before=before)
+            before = LoadArrays.of(problem, state.gone, self.stage)
+            while len(due := weakest(state.margin)):
+                state, report = self._settle(self._broken(state, due))
         return state, report
 
     def _settle(
-        self, state: DistinctState, *, gradually: bool = False
+        self, state: DistinctState, *, gradually: bool = False, before: LoadArrays | None = None
     ) -> tuple[DistinctState, StepReport]:
         """Cycles under the dead load from rest to rest, all bonds holding.
 
@@ -431,7 +444,7 @@ class DistinctEngine:
         work = Workspace(self, state, real_masses=False, farthest=self.size)
         try:
             if gradually:
-                work.load_gradually()
+                work.load_gradually(before)
             if work.relax(guided=False):
                 return self._rest(state, work)
             motion = work.gone()
@@ -445,7 +458,7 @@ class DistinctEngine:
     ) -> DistinctState:
         """A state in given poses (n, n_pose) and velocities (n, n_dof), as they are."""
         assembly = problem.assembly
-        self.problem = problem
+        self.problem, self.stage = problem, problem.stages[-1]
         self.detector = Detector(assembly)
         self.dof = dof_of(assembly.mass)
         try:
@@ -630,9 +643,10 @@ class DistinctEngine:
         vibrations fade, and come to rest with their friction fully used.
         """
         control, assembly, s = self.problem.control_point, self.problem.assembly, self.settings
-        pattern, pose = work.acting.pattern, work.motion.pose
+        acting, pose = work.now, work.motion.pose
+        pattern = acting.pattern
         duration = s.drive_cycles * work.dt
-        sense = 1.0 if self.problem.load.direction @ control.direction >= 0.0 else -1.0
+        sense = 1.0 if acting.along @ control.direction >= 0.0 else -1.0
         begin = control.displacement(assembly, state.pose)
         last = state.increment
         came = begin - control.displacement(assembly, assembly.moved(state.pose, -last))
@@ -644,7 +658,7 @@ class DistinctEngine:
             work.motion.velocity[:] = share * last
             rate = share * pushed
         else:
-            rate = 0.5 * sense * work.acting.total * increment / duration
+            rate = 0.5 * sense * acting.total * increment / duration
             for stage in range(STAGES, 0, -1):  # from rest, begin as it will end
                 work.run(s.stage_cycles, guided=True, rate=rate * SLOWER**stage, combined=True)
                 work.motion.velocity[:] /= SLOWER
@@ -702,7 +716,7 @@ class DistinctEngine:
             work.cycle_once()  # contacts just found anew have no reactions yet
             n += 1
         work.unpack()
-        motion, loads = work.motion, work.acting
+        motion, loads = work.motion, work.now
         load = loads.dead + work.multiplier * loads.pattern
         contact, unbalanced = motion.mean / n - load, motion.mean / n
         forces = Forces(contact=contact, load=load, inertia=motion.opposed / n)
@@ -714,9 +728,10 @@ class DistinctEngine:
         work.unpack()
         still = np.zeros_like(state.velocity)
         contacts, contact_force = self._judged(work)
+        loads = work.now
         forces = Forces(
             contact=contact_force,
-            load=work.acting.dead + work.multiplier * work.acting.pattern,
+            load=loads.dead + work.multiplier * loads.pattern,
             inertia=still,
         )
         new, figures = self._arrive(state, work, contacts, forces, work.motion.force, still)
@@ -760,7 +775,7 @@ class DistinctEngine:
     ) -> tuple[DistinctState, StepReport]:
         """The state at the end of the cycles, and its figures."""
         assembly, meter, pose = self.problem.assembly, work.meter, work.motion.pose
-        acting = work.acting
+        acting = work.now
         acceleration = np.where(acting.fixed[:, None], 0.0, unbalanced / assembly.mass)
         increment = assembly.difference(pose, state.pose)
         new = DistinctState(

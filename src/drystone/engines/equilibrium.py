@@ -122,8 +122,8 @@ class EquilibriumEngine:
         return step
 
     def start(self, problem: Problem) -> tuple[EquilibriumState, StepReport]:
-        """Settle under the dead load; raises `UnstableError`."""
-        self.problem = problem
+        """Settle under the dead load, stage by stage; raises `UnstableError`."""
+        self.problem, self.stage = problem, problem.stages[0]
         assembly = problem.assembly
         self.detector = Detector(assembly)
         try:
@@ -152,7 +152,11 @@ class EquilibriumEngine:
             due=np.zeros(0, np.int64),
             gone=gone,
         )
-        return self._settle(state)
+        state, outcome = self._settle(state)
+        for self.stage in problem.stages[1:]:
+            self._write_equations(state.pairs, state.gone)
+            state, outcome = self._settle(state)
+        return state, outcome
 
     def _settle(self, state: EquilibriumState) -> tuple[EquilibriumState, StepReport]:
         """A short step under the dead load and long ones, or shorter where they fail, to rest."""
@@ -409,7 +413,7 @@ class EquilibriumEngine:
         )
 
     def _write_equations(self, pairs: Pairs, gone: BoolArray) -> None:
-        loads = self.loads = LoadArrays.of(self.problem, gone)
+        loads = self.loads = LoadArrays.of(self.problem, gone, self.stage)
         self.constants = Constants(
             detector=self.detector,
             laws=self.laws,
@@ -420,6 +424,7 @@ class EquilibriumEngine:
                 mass=loads.mass,
                 extent=np.maximum(self.detector.extent, 1e-12),
                 fixed=loads.fixed,
+                acting=None if loads.acting.steady else loads.acting,
             ),
         )
         self.equations: ConeStep | StaticStep
@@ -549,7 +554,8 @@ class EquilibriumEngine:
         self, new: EquilibriumState, judged: JudgedContacts, n_iterations: int, h: float
     ) -> StepReport:
         """Figures and certificate of the step that has led to a state from rest, in time h [s]."""
-        x, loads, contact_force = new.last_increment, self.loads, self.equations.contact_force
+        x, contact_force = new.last_increment, self.equations.contact_force
+        loads = self.loads.near(new.pose, new.multiplier)
         acceleration = x / h**2
         forces = Forces(
             contact=contact_force,

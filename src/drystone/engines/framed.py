@@ -74,6 +74,8 @@ class FramedEngine:
                 problem,
                 assembly=assembly,
                 control_point=frame.control_point(problem.control_point),
+                load=problem.load.in_frame(frame),
+                dead_loads=tuple(load.in_frame(frame) for load in problem.dead_loads),
                 length=frame.length,
                 ground=None
                 if ground is None

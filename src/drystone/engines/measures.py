@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from drystone.assembly import GRAVITY
 from drystone.contact.certificate import Certificate
 from drystone.engines.base import Problem, StepReport
-from drystone.geometry.motion import translations
 from drystone.kernels import measures as kernels
 from drystone.kernels.contacts import Slots
-from drystone.loading import dead_load
+from drystone.loading import Acting
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -41,39 +40,70 @@ class StepOutcome:
 
 @dataclass(frozen=True, kw_only=True)
 class LoadArrays:
-    """Loads and masses of a problem as arrays, (n, n_dof); zero on what is fixed."""
+    """Loads and masses of a problem as arrays, (n, n_dof); zero on what is fixed.
+
+    Those of the design and of multiplier zero, or of where they were asked for, see `near`.
+    """
 
     dead: Array  # N, N m
-    pattern: Array  # N, N m, at multiplier one
+    pattern: Array  # N, N m, by which the load grows with the multiplier
     mass: Array  # kg, kg m2
-    total: float  # N, sum of the pattern along its direction
+    total: float  # N, sum of the pattern along that
+    along: Array  # (dim,) that it leads along; zeros where its sum is none
     fixed: NDArray[np.bool_]  # (n,) supports, and blocks that have left
+    acting: Acting  # what they are arrays of
 
     @classmethod
-    def of(cls, problem: Problem, gone: NDArray[np.bool_] | None = None) -> LoadArrays:
-        """Those of a problem, without the blocks that are ``gone`` (n,)."""
-        assembly, load = problem.assembly, problem.load
-        lost = np.zeros(assembly.n_bodies, np.bool_) if gone is None else gone
-        fixed = assembly.fixed | lost
-        dead, pattern = dead_load(assembly), load.forces(assembly)
-        taken = float((translations(pattern)[lost] @ load.direction).sum())
-        dead[lost], pattern[lost] = 0.0, 0.0
+    def of(
+        cls,
+        problem: Problem,
+        gone: NDArray[np.bool_] | None = None,
+        stage: int | None = None,
+    ) -> LoadArrays:
+        """Those of a problem, without the blocks that are ``gone`` (n,); of the dead loads those up
+        to a ``stage``."""
+        assembly = problem.assembly
+        fixed = assembly.fixed if gone is None else assembly.fixed | gone
+        acting = Acting.of(assembly, problem.load, problem.dead_loads, stage=stage, gone=gone)
+        dead, pattern = acting.near(assembly.rest_pose(), 0.0)
         return cls(
             dead=dead,
             pattern=pattern,
             mass=np.where(fixed[:, None], 0.0, assembly.mass),
-            total=load.total(assembly) - taken,
+            total=acting.total,
+            along=acting.along,
             fixed=fixed,
+            acting=acting,
         )
+
+    def near(self, pose: Array, multiplier: float) -> LoadArrays:
+        """The same in a pose (n, n_pose), near a multiplier; see `Acting.near`."""
+        if self.acting.steady:
+            return self
+        dead, pattern = self.acting.near(pose, multiplier)
+        if self.acting.tilted is None or not self.along.any():
+            return replace(self, dead=dead, pattern=pattern)
+        total = float((pattern[:, : len(self.along)] @ self.along).sum())
+        return replace(self, dead=dead, pattern=pattern, total=total)
+
+    def scaled(self, share: float, before: LoadArrays | None) -> LoadArrays:
+        """With a share of the dead load, or on the way to it from what it was ``before``."""
+        if before is None:
+            return replace(self, dead=share * self.dead, acting=self.acting.scaled(share))
+        dead = (1.0 - share) * before.dead + share * self.dead
+        return replace(self, dead=dead, acting=self.acting.after(before.acting, share))
 
 
 def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepReport:
-    """The figures of a converged step; see `CurvePoint` for their meaning."""
+    """The figures of a converged step; see `CurvePoint` for their meaning.
+
+    ``loads`` are those near where it ended.
+    """
     assembly, multiplier, slots = problem.assembly, outcome.multiplier, outcome.slots
     carried, inertia, fastest, kinetic, work, push, strokes, resistance = kernels.sum_blocks(
         outcome.increment, outcome.acceleration, outcome.velocity, outcome.contact_force,
         outcome.certificate.held, loads.dead, loads.pattern, loads.mass, loads.fixed,
-        problem.load.direction, multiplier,
+        loads.along, multiplier,
     )  # fmt: skip
     counts = np.zeros(3, np.int64)
     penetration = kernels.count_contacts(slots, outcome.status, counts)
@@ -86,7 +116,8 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     return StepReport(
         converged=True,
         applied_multiplier=multiplier,
-        carried_multiplier=carried / loads.total,
+        # Of a pattern without a resultant supports tell nothing.
+        carried_multiplier=carried / loads.total if loads.along.any() else multiplier - excess,
         static_multiplier=multiplier - excess,
         control_displacement=problem.control_point.displacement(assembly, outcome.pose),
         residual=outcome.certificate.residual / assembly.heaviest_weight,

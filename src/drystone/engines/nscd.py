@@ -90,7 +90,7 @@ class NscdEngine:
             self.laws = law_table(assembly, shear=False)
         except ValueError as error:
             raise EngineError(f"{error}: the nscd engine cannot do without") from None
-        self.problem = problem
+        self.problem, self.stage = problem, problem.stages[0]
         self.detector = Detector(assembly)
         self.extent = np.maximum(self.detector.extent, 1e-12)
         pose = assembly.rest_pose()
@@ -108,7 +108,11 @@ class NscdEngine:
             status=np.zeros(len(slots.kind), np.int64),
             gone=gone,
         )
-        return self._settle(state)
+        state, outcome = self._settle(state)
+        for self.stage in problem.stages[1:]:
+            self._write_system(state.pairs, state.gone)
+            state, outcome = self._settle(state)
+        return state, outcome
 
     def _settle(self, state: NscdState) -> tuple[NscdState, StepReport]:
         h, limit = self.settings.settling_time_step, self.problem.assembly.smallest_extent
@@ -149,7 +153,8 @@ class NscdEngine:
         h, problem = demand.time_step, self._contact_problem(state)
         before = np.zeros_like(state.velocity) if demand.stop_blocks else state.velocity
         before = spun_on(before, state.increment, self.problem.assembly.mass, h)
-        load = self.loads.dead + demand.multiplier * self.loads.pattern
+        loads = self.loads.near(state.pose, demand.multiplier)
+        load = loads.dead + demand.multiplier * loads.pattern
         scale = self.problem.assembly.heaviest_weight
         tolerance = self.settings.tolerance * scale
         solved = nlgs.solve(
@@ -190,7 +195,8 @@ class NscdEngine:
     ) -> tuple[NscdState, StepReport]:
         """The state that a step has led to, from the velocities ``before``, and its figures."""
         assert demand.multiplier is not None
-        loads, h, chosen = self.loads, demand.time_step, problem.contacts.slot
+        loads = self.loads.near(state.pose, demand.multiplier)
+        h, chosen = demand.time_step, problem.contacts.slot
         increment = h * solved.velocity
         pose = self.problem.assembly.moved(state.pose, increment)
         velocity = spun_by_impulses(solved.velocity, before, self.problem.assembly.mass, h)
@@ -252,7 +258,7 @@ class NscdEngine:
     def _write_system(self, pairs: Pairs, gone: BoolArray) -> None:
         """Loads, masses and the linear system of the blocks that are there."""
         assembly = self.problem.assembly
-        loads = self.loads = LoadArrays.of(self.problem, gone)
+        loads = self.loads = LoadArrays.of(self.problem, gone, self.stage)
         self.inverse_mass = np.where(loads.fixed[:, None], 0.0, 1.0 / assembly.mass)
         place = places(assembly.centroid, pairs.pose)
         self.system = (pairs, BlockSystem(pairs.a, pairs.b, loads.mass, loads.fixed, place))

@@ -100,7 +100,7 @@ def _draw(
             mechanism = Mechanism(
                 assembly=run.model.assembly,
                 pose=curve.poses[row],
-                load_direction=run.model.load.direction,
+                load_direction=run.model.load_along,
                 control_point=run.model.control_point,
             )
             mechanisms.append((mechanism_title(run.engine, curve.points[row]), mechanism))

@@ -190,7 +190,7 @@ class ResultsDirectory:
                 settled=settled,
                 gone=gone,
                 contacts=results.contacts(row),
-                load_direction=model.load.direction,
+                load_direction=model.load_along,
                 control_point=model.control_point,
                 magnification=readable_magnification(model.assembly, pose, settled),
             )

@@ -86,7 +86,7 @@ def _write(results: Sequence[Collapse], model: Model, folder: Path) -> None:
         mechanism = Mechanism(  # without forces: they belong to the designed shape
             assembly=model.assembly,
             pose=_drawn(result.velocities, size),
-            load_direction=model.load.direction,
+            load_direction=model.load_along,
             control_point=model.control_point,
             linear=True,
         )

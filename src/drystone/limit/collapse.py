@@ -22,7 +22,7 @@ from drystone.limit.non_associative import (
     strength_violation,
 )
 from drystone.limit.program import OPTIMAL, UNBOUNDED, Answer
-from drystone.loading import LoadPattern
+from drystone.loading import MassPattern
 from drystone.model import Model
 
 Array = NDArray[np.float64]
@@ -123,7 +123,7 @@ def collapse_loads(
 ) -> tuple[Collapse, ...]:
     """The same for several flows at once, which share their work."""
     assembly = model.assembly
-    equilibrium = Equilibrium.of(assembly, model.load)
+    equilibrium = Equilibrium.of(assembly, model.load, model.dead_loads)
     dead = bounds.dead_load_factor(equilibrium)
     if dead.status != OPTIMAL:
         return tuple(_without(equilibrium, flow, "failed", NOT_SOLVED) for flow in flows)
@@ -162,7 +162,7 @@ LOCKED = (
 
 def stands(assembly: Assembly) -> bool:
     """Whether the blocks stand under their own weight (associative joints)."""
-    sideways = LoadPattern(direction=np.eye(assembly.dimension)[0])
+    sideways = MassPattern(direction=np.eye(assembly.dimension)[0])
     return bounds.stands(Equilibrium.of(assembly, sideways))
 
 
@@ -178,7 +178,7 @@ class AtRest:
 
 def at_rest(model: Model) -> AtRest:
     """A structure under its own weight: what the supports carry, or why it falls."""
-    equilibrium = Equilibrium.of(model.assembly, model.load)
+    equilibrium = Equilibrium.of(model.assembly, model.load, model.dead_loads)
     answer = bounds.dead_load_factor(equilibrium)
     if not bounds.is_whole(answer):
         reason = _unstable(equilibrium, ASSOCIATIVE, bounds.fall(equilibrium)).reason
@@ -202,8 +202,8 @@ def is_locked(model: Model) -> bool:
     has to carry the pattern, and either the normal forces do so without it or no path of the
     non-associative scheme comes to a collapse state.
     """
-    equilibrium = Equilibrium.of(model.assembly, model.load)
-    if bounds.slides_away(equilibrium, model.load.direction):
+    equilibrium = Equilibrium.of(model.assembly, model.load, model.dead_loads)
+    if bounds.slides_away(equilibrium, model.load_along):
         return False
     if not bounds.is_locked(equilibrium):
         return False

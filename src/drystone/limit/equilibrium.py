@@ -12,6 +12,7 @@ measured in the weight of the heaviest block and moments in that weight times it
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +22,7 @@ from scipy.sparse import csc_array
 from drystone.assembly import Assembly
 from drystone.geometry.motion import moments
 from drystone.limit.joints import ContactPoints, contact_points
-from drystone.loading import LoadPattern, dead_load
+from drystone.loading import Acting, DeadForces, DeadLoad, LoadPattern
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -42,8 +43,10 @@ class Equilibrium:
     length: float  # m, the unit of length
 
     @classmethod
-    def of(cls, assembly: Assembly, load: LoadPattern) -> Equilibrium:
-        """Set up the balance in the designed shape."""
+    def of(
+        cls, assembly: Assembly, load: LoadPattern, dead_loads: Sequence[DeadLoad] = ()
+    ) -> Equilibrium:
+        """Set up the balance in the designed shape; all ``dead_loads`` act from the start."""
         points = contact_points(assembly)
         force = assembly.heaviest_weight
         movable = np.flatnonzero(~assembly.fixed)
@@ -51,12 +54,19 @@ class Equilibrium:
         length = float((size ** (1.0 / assembly.dimension)).mean())
         scale = np.full(assembly.n_dof, 1.0 / force)
         scale[assembly.dimension :] /= length
+        acting = Acting.of(assembly, load, dead_loads)
+        dead = acting.dead if acting.tilted is None else acting.dead + acting.tilted
+
+        def scaled(forces: DeadForces) -> Array:
+            """About axes of the world, (n_rows,)."""
+            return (np.column_stack((forces.force, forces.moments()))[movable] * scale).ravel()
+
         return cls(
             assembly=assembly,
             points=points,
             matrix=_matrix(assembly, points, length),
-            dead=(dead_load(assembly)[movable] * scale).ravel(),
-            live=(load.forces(assembly)[movable] * scale).ravel(),
+            dead=scaled(dead),
+            live=scaled(acting.pattern),
             cohesion=points.cohesion / force,
             tension=points.tension / force,
             force=force,

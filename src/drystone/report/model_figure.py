@@ -45,11 +45,11 @@ def draw_model(model: Model, path: Path | str, *, title: str = "") -> None:
         Mechanism(
             assembly=assembly,
             pose=assembly.rest_pose(),
-            load_direction=model.load.direction,
+            load_direction=model.load_along,
             control_point=model.control_point,
         ),
     )
-    shown = plot_joints(right, assembly, model.load.direction)
+    shown = plot_joints(right, assembly, model.load_along)
     right.set_xlim(left.get_xlim())
     right.set_ylim(left.get_ylim())
     joints, missed = assembly.interfaces, Missed.of(assembly)

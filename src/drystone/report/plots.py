@@ -99,7 +99,7 @@ def plot_mechanism(
             pose=pose,
             settled=settled,
             contacts=contacts,
-            load_direction=model.load.direction,
+            load_direction=model.load_along,
             control_point=model.control_point,
             magnification=magnification,
         ),

@@ -119,7 +119,7 @@ class ConeStep:
         self.lu = SharedLU(structure, self.team)
         self.structure, self.factors = self.lu.structure, self.lu.factors
         self.frame = Border(
-            load=loads.pattern,
+            load=loads.pattern.copy() if loads.acting else loads.pattern,
             pace=np.zeros((n, n_dof)),
             axis=np.zeros((n, n_dof)),
             columns=np.zeros((3, n, n_dof)),
@@ -247,11 +247,18 @@ class ConeStep:
             self.begin_of, self.of_body, self.wrench, self.axes, self.contact_force
         )
         c = self.loads
+        dead = self.dead
+        if c.acting:
+            near, self.frame.load[:] = c.acting.near(self._pose_now(), self.multiplier)
+            dead = dead - c.dead + near
         self.residual = step.unbalance(
-            self.contact_force, self.dead, c.pattern, self.multiplier, c.mass, self.x,
+            self.contact_force, dead, self.frame.load, self.multiplier, c.mass, self.x,
             self.inertia_factor, c.extent, c.fixed, self.force,
         )  # fmt: skip
         return self.residual
+
+    def _pose_now(self) -> Array:
+        return self.constants.detector.assembly.moved(self.pose, self.x)
 
     def factorise(self, reaction: Array, least_damping: float) -> bool:
         """Factorise the stiffness for the present `response` and reactions; False if singular."""
@@ -260,6 +267,9 @@ class ConeStep:
             self.begin_of, self.of_body, self.of_pairs, self.axes, self.tangent.diagonal
         )
         c, frame = self.loads, self.frame
+        if c.acting:
+            turning = c.acting.stiffness(self._pose_now(), self.multiplier)
+            self.tangent.diagonal[:, 3:, 3:] += turning
         body, frame.border[0] = -1, -1.0
         if self.pace is not None:
             body = self.pace.body

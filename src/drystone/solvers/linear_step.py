@@ -30,6 +30,7 @@ from drystone.kernels.contacts import (
     Slots,
 )
 from drystone.kernels.forces import Tangent
+from drystone.loading import Acting
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -93,6 +94,11 @@ class Loads:
     mass: Array  # kg, kg m2; zero on fixed bodies
     extent: Array  # (n,) m, by which moments are divided
     fixed: BoolArray  # (n,)
+    acting: Acting | None = None  # what they are near a place and a multiplier; None: the same
+
+    def near(self, pose: Array, multiplier: float) -> tuple[Array, Array]:
+        """Dead load and pattern in a pose (n, n_pose), near a multiplier; see `Acting.near`."""
+        return self.acting.near(pose, multiplier) if self.acting else (self.dead, self.pattern)
 
     def of(self, bodies: IntArray, fixed: BoolArray) -> Loads:
         """Those of some bodies, (m,), of which more are ``fixed`` (m,)."""
@@ -125,6 +131,14 @@ class LinearStep:
         dim = place.shape[1]
         n_pairs, n_slots = pairs.n_pairs, pairs.n_slots
         self.loads, self.pairs, self.place, self.slots = loads, pairs, place, slots
+        self.dead, self.pattern = loads.dead, loads.pattern  # near where it was evaluated last
+        self.turning: Array | None = None  # (n,) N m, by which moments of loads fall there
+        if loads.acting:
+            self.dead, self.pattern, self.turning = (
+                loads.dead.copy(),
+                loads.pattern.copy(),
+                np.zeros(n),
+            )
         self.inertia_factor = 0.0  # 1/h^2 [1/s2], times the mass
         self.force = np.zeros((n, n_dof))  # unbalanced
         self.contact_force = np.zeros((n, n_dof))
@@ -138,7 +152,7 @@ class LinearStep:
         self.structure = lu_symbolic.analyse(pairs.a, pairs.b, loads.fixed, place, n_dof)
         self.factors = lu_numeric.allocate(self.structure)
         self.frame = path.Frame(
-            load=loads.pattern,
+            load=self.pattern,
             pace=np.zeros((n, n_dof)),
             axis=np.zeros((n, n_dof)),
             columns=np.zeros((3, n, n_dof)),
@@ -188,12 +202,26 @@ class LinearStep:
             self.contacts, self.count, self.pairs, self.response, self.geometric, away,
             self.contact_force, self.tangent,
         )  # fmt: skip
-        self.residual = self._unbalance(x, multiplier)
+        dead = self.dead
+        if self.turning is not None:
+            self.tangent.diagonal[:, 2, 2] += self.turning
+            dead = dead.copy()
+            dead[:, 2] -= self.turning * away[:, 2]
+        self.residual = self._unbalance(x, multiplier, dead)
 
-    def _unbalance(self, x: Array, multiplier: float) -> float:
+    def load_near(self, pose: Array, multiplier: float) -> None:
+        """Make the loads those near a pose (n, n_pose) and a multiplier, where they change."""
+        acting = self.loads.acting
+        if acting is None or self.turning is None:
+            return
+        self.dead[:], self.pattern[:] = acting.near(pose, multiplier)
+        stiffness = acting.stiffness(pose, multiplier)
+        self.turning[:] = stiffness[:, 0, 0] if stiffness.ndim else 0.0
+
+    def _unbalance(self, x: Array, multiplier: float, dead: Array) -> float:
         c = self.loads
         return step.unbalance(
-            self.contact_force, c.dead, c.pattern, multiplier, c.mass, x, self.inertia_factor,
+            self.contact_force, dead, self.pattern, multiplier, c.mass, x, self.inertia_factor,
             c.extent, c.fixed, self.force,
         )  # fmt: skip
 
@@ -256,6 +284,9 @@ class LinearStep:
             Slots._make(field[slots] for field in self.slots),
         )
         step.inertia_factor, step.count = self.inertia_factor, len(rows)
+        step.dead[:], step.pattern[:] = self.dead[among], self.pattern[among]
+        if self.turning is not None:
+            step.turning = self.turning[among]
         mine = step.contacts.of(slice(step.count))
         for own, whole in zip(mine, contacts, strict=True):
             own[:] = whole[rows]

@@ -110,7 +110,8 @@ class StaticStep(LinearStep):
             self.slots, self.pairs, c.laws, c.thickness, self.start, self.history_before, x,
             self.contacts, self.contact_force, self.branch, self.reaction, self.history,
         )  # fmt: skip
-        self.residual = self._unbalance(x, multiplier)
+        self.load_near(pose, multiplier)
+        self.residual = self._unbalance(x, multiplier, self.dead)
 
     def advance(
         self,

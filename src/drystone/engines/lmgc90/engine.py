@@ -144,7 +144,8 @@ class Lmgc90Engine:
         self.offset = self.theirs.centroid - assembly.centroid
         self.same = self.theirs is assembly
         mass = np.where(assembly.fixed[:, None], 0.0, self.theirs.mass)
-        self.loads = replace(LoadArrays.of(problem), mass=mass)
+        stages = [LoadArrays.of(problem, stage=stage) for stage in problem.stages]
+        self.loads, *later = [replace(loads, mass=mass) for loads in stages]
         self.extent = np.maximum(self.detector.extent, 1e-12)
         self.friction = assembly.joint.friction_coefficient
         self._longest_time_step = self._longest(assembly)
@@ -159,7 +160,10 @@ class Lmgc90Engine:
         self.program = ready.program
         state = Lmgc90State(number=0, pose=rest, velocity=assembly.no_motion(), outcome=None)
         try:
-            return self._settle(state)
+            state, report = self._settle(state)
+            for self.loads in later:
+                state, report = self._settle(state)
+            return state, report
         except BaseException:
             self.close()
             raise
@@ -197,7 +201,7 @@ class Lmgc90Engine:
         assembly = self.problem.assembly
         longest = h = min(self.settings.settling_time_step, self._longest_time_step)
         limit = assembly.smallest_extent
-        weight = float(assembly.weight[~assembly.fixed].sum())
+        weight = -float((motion.translations(self.loads.dead) @ assembly.up).sum())
         outcome = StepReport(converged=False)
         carried = 0.0
         for k in range(300):
@@ -236,7 +240,7 @@ class Lmgc90Engine:
             raise EngineError("LMGC90 holds its last state only: it cannot go back further")
         h = min(demand.time_step, self._longest_time_step)
         accept = state.number != self._accepted
-        loads = self._loads(state)
+        loads = self._loads(state, demand.multiplier)
         outcome = self._process.ask(
             Step(
                 accept=accept,
@@ -420,14 +424,15 @@ class Lmgc90Engine:
         motion.translations(pose)[:] -= motion.turned(self.offset, theirs) - self.offset
         return pose
 
-    def _loads(self, state: Lmgc90State) -> LoadArrays:
+    def _loads(self, state: Lmgc90State, multiplier: float) -> LoadArrays:
         """Loads about the centroids and axes of the blocks as LMGC90 has them."""
+        loads = self.loads.near(state.pose, multiplier)
         if self.same:
-            return self.loads
+            return loads
         dead, pattern = (
-            self._about_theirs(force, state.pose) for force in (self.loads.dead, self.loads.pattern)
+            self._about_theirs(force, state.pose) for force in (loads.dead, loads.pattern)
         )
-        return replace(self.loads, dead=dead, pattern=pattern)
+        return replace(loads, dead=dead, pattern=pattern)
 
     def _about_theirs(self, force: Array, pose: Array) -> Array:
         shifted = force.copy()
