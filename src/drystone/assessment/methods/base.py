@@ -62,6 +62,7 @@ class Settings:
     records: tuple[Any, ...] = ()  # `drystone.assessment.rocking.record.Record`
     pulses: tuple[Any, ...] = ()  # `drystone.assessment.rocking.pulse.Pulse`
     restitution: float | None = None  # velocity after an impact over velocity before it
+    sides: str | None = None  # "two" where it rocks both ways alike, "one" against a wall behind it
 
     def need(self, key: str, why: str) -> Any:
         """The value of a key; `AssessmentError` says why it is needed where there is none."""

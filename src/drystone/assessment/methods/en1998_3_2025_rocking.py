@@ -126,7 +126,10 @@ def _ultimate(
     factors: _Factors,
     verified: bool,
 ) -> LimitState:
-    """SD, NC: gamma_Sd eta S_De(T_LS) <= d_LS/gamma_Rd, (11.42) to (11.45)."""
+    """SD, NC: gamma_Sd eta S_De(T_LS) <= d_LS/gamma_Rd, (11.42) to (11.45).
+
+    The demand of the result holds gamma_Sd, the limit d_LS is as it is; d_LS/gamma_Rd is beside it.
+    """
     own = SHARES[name] * local.collapse(capacity, settings)
     d, why = local.limit(capacity, settings, name, own)
     a = local.acceleration(capacity, d, bool(settings.straight_capacity))
@@ -139,8 +142,8 @@ def _ultimate(
     asked = demand(spectrum)
     return LimitState(
         name=name,
-        limit_displacement=d / factors.resistance,
-        limit_control_displacement=capacity.control_at(d / factors.resistance),
+        limit_displacement=d,
+        limit_control_displacement=capacity.control_at(d),
         limit_acceleration=a,
         limit_period=period,
         damping=damping,
@@ -154,10 +157,7 @@ def _ultimate(
         verified=verified,
         governed_by=why or f"{SHARES[name]:g} of the collapse displacement",
         clause="EN 1998-3:2025 (11.40) to (11.45)",
-        details={
-            "unfactored_limit_displacement": d,
-            "unfactored_displacement_demand": asked / factors.demand,
-        },
+        details={"factored_limit_displacement": d / factors.resistance},
     )
 
 

@@ -26,6 +26,8 @@ def bearable(spectrum: Spectrum, demand: Callable[[Spectrum], float], limit: flo
     ----------
     demand
         Of a spectrum, in the unit of ``limit``; zero without ground motion.
+    n_points
+        Of the search for the first crossing.
     """
     if limit <= 0.0:
         return 0.0
@@ -40,7 +42,7 @@ def bearable(spectrum: Spectrum, demand: Callable[[Spectrum], float], limit: flo
         high *= 2.0
     else:
         return None
-    grid = np.linspace(0.0, high, N_POINTS + 1)
+    grid = np.linspace(0.0, high, n_points + 1)
     values = np.array([-limit, *(excess(float(x)) for x in grid[1:])])
     return _first_crossing(excess, grid, values)
 
@@ -77,7 +79,7 @@ def summit(value: Callable[[float], float], low: float, high: float) -> float:
     ratio = 0.5 * (math.sqrt(5.0) - 1.0)
     a, b = high - ratio * (high - low), low + ratio * (high - low)
     at_a, at_b = value(a), value(b)
-    while high - low > 1e-10 * abs(high):
+    while high - low > 1e-8 * abs(high):
         if at_a >= at_b:
             high, b, at_b = b, a, at_a
             a = high - ratio * (high - low)

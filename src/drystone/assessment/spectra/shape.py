@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,7 @@ Array = NDArray[np.float64]
 #: Of the displacement of the ground, d_g = 0.025 a_g S T_C T_D; 1/4 pi^2 rounded by both codes.
 GROUND_DISPLACEMENT = 0.025
 
-FOUR_PI_SQUARED = 4.0 * np.pi**2
+FOUR_PI_SQUARED = 4.0 * math.pi**2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,11 +44,8 @@ class Shape:
 
     def sa(self, period: ArrayLike, damping: float) -> Array:
         """S_e [m/s2]: (3.2) to (3.5); above T_E what S_De says, (2 pi/T)^2 S_De."""
-        t = periods(period)
-        short = self._short(t, damping_factor(damping))
-        safe = np.where(t > 0.0, t, 1.0)
-        beyond = self._long(t, damping_factor(damping)) * FOUR_PI_SQUARED / safe**2
-        return np.where(t > self.long_period, beyond, short)
+        t, eta = periods(period), damping_factor(damping)
+        return np.array([self._sa(x, eta) for x in t.ravel().tolist()]).reshape(t.shape)
 
     def sd(self, period: ArrayLike, damping: float) -> Array:
         """S_De [m]: S_e (T/2 pi)^2 up to T_E, (A.1) to T_F, (A.2) above.
@@ -55,25 +53,35 @@ class Shape:
         The rounded 0.025 makes a step of -1.3 per cent at T_E.
         """
         t, eta = periods(period), damping_factor(damping)
-        short = self._short(t, eta) * t**2 / FOUR_PI_SQUARED
-        return np.where(t > self.long_period, self._long(t, eta), short)
+        return np.array([self._sd(x, eta) for x in t.ravel().tolist()]).reshape(t.shape)
 
-    def _short(self, t: Array, eta: float) -> Array:
+    def _sa(self, t: float, eta: float) -> float:
+        if t > self.long_period:
+            return self._long(t, eta) * FOUR_PI_SQUARED / t**2
+        return self._short(t, eta)
+
+    def _sd(self, t: float, eta: float) -> float:
+        if t > self.long_period:
+            return self._long(t, eta)
+        return self._short(t, eta) * t**2 / FOUR_PI_SQUARED
+
+    def _short(self, t: float, eta: float) -> float:
         level, plateau = self.ground_acceleration * self.soil_factor, eta * self.amplification
-        tb, tc, td = self.rise, self.corner, self.displacement_corner
-        safe = np.where(t > 0.0, t, 1.0)
-        return level * np.select(
-            [t < tb, t <= tc, t <= td],
-            [1.0 + t / tb * (plateau - 1.0), np.full_like(t, plateau), plateau * tc / safe],
-            plateau * tc * td / safe**2,
-        )
+        tc, td = self.corner, self.displacement_corner
+        if t < self.rise:
+            return level * (1.0 + t / self.rise * (plateau - 1.0))
+        if t <= tc:
+            return level * plateau
+        if t <= td:
+            return level * plateau * tc / t
+        return level * plateau * tc * td / t**2
 
-    def _long(self, t: Array, eta: float) -> Array:
+    def _long(self, t: float, eta: float) -> float:
         ground = GROUND_DISPLACEMENT * self.ground_acceleration * self.soil_factor
         ground *= self.corner * self.displacement_corner
         plateau = eta * self.amplification
         share = (t - self.long_period) / (self.ground_period - self.long_period)
-        return ground * (plateau + (1.0 - plateau) * np.clip(share, 0.0, 1.0))
+        return ground * (plateau + (1.0 - plateau) * min(share, 1.0))
 
 
 def checked_ground(name: str, known: tuple[str, ...]) -> str:

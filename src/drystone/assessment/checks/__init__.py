@@ -1,0 +1,1 @@
+"""Checks beside the verdicts: equivalent linearisation by FEMA 440 and ATC-40."""

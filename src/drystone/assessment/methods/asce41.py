@@ -1,0 +1,274 @@
+"""The coefficient method of ASCE 41-17 7.4.3.3, as a check: it was not made for rocking."""
+
+from __future__ import annotations
+
+import math
+
+from drystone.assembly import GRAVITY
+from drystone.assessment.bilinear import Bilinear, bilinear, drop_point
+from drystone.assessment.capacity import Capacity
+from drystone.assessment.errors import AssessmentError, positive
+from drystone.assessment.methods import local
+from drystone.assessment.methods.base import (
+    Assessment,
+    LimitState,
+    Settings,
+    Spectra,
+    spectra_of,
+)
+from drystone.assessment.methods.ground import bearable
+from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
+
+NAME = "asce41"
+STATES = ("IO", "LS", "CP")
+REFERENCE = "CP"
+
+#: a of C_1 by site class, (7-29).
+SITE_FACTORS = {"A": 130.0, "B": 130.0, "C": 90.0, "D": 60.0, "E": 60.0, "F": 60.0}
+
+#: Shortest period in C_1; above the others C_1 and C_2 are 1 [s].
+SHORTEST, LONGEST_C1, LONGEST_C2 = 0.2, 1.0, 0.7
+
+#: Share of the yield strength through which the effective stiffness passes, 7.4.3.2.4.
+SECANT_SHARE = 0.6
+
+#: lambda of (7-33), near a fault or not.
+NEAR_FAULT = {True: 0.8, False: 0.2}
+
+UNCERTAIN = (
+    "ASCE 41-17 (7-28) to (7-33): from memory and second hand; the sources tell the site classes "
+    "of C_1 differently.",
+)
+
+
+def strength_ratio(acceleration: float, yield_ratio: float, mass_factor: float) -> float:
+    """mu_strength = S_a C_m/(V_y/W), (7-31); S_a in g, or in the unit of V_y/W."""
+    return acceleration * mass_factor / yield_ratio
+
+
+def ductility_coefficient(ratio: float, period: float, site_class: str) -> float:
+    """C_1 = 1 + (mu - 1)/(a T_e^2), (7-29): T_e >= 0.2 s in it, 1 above 1.0 s."""
+    if site_class not in SITE_FACTORS:
+        raise AssessmentError(f'there is no site class "{site_class}": {", ".join(SITE_FACTORS)}')
+    if period > LONGEST_C1 or ratio <= 1.0:
+        return 1.0
+    return 1.0 + (ratio - 1.0) / (SITE_FACTORS[site_class] * max(period, SHORTEST) ** 2)
+
+
+def degradation_coefficient(ratio: float, period: float) -> float:
+    """C_2 = 1 + ((mu - 1)/T_e)^2/800, (7-30): 1 above 0.7 s."""
+    if period > LONGEST_C2 or ratio <= 1.0:
+        return 1.0
+    return 1.0 + ((ratio - 1.0) / period) ** 2 / 800.0
+
+
+def target_displacement(
+    *,
+    acceleration: float,
+    period: float,
+    yield_ratio: float,
+    shape_factor: float,
+    mass_factor: float,
+    site_class: str,
+) -> float:
+    """delta_t = C_0 C_1 C_2 S_a g T_e^2/4 pi^2 [m], (7-28).
+
+    Parameters
+    ----------
+    acceleration, yield_ratio
+        S_a and V_y/W, both in g.
+    period
+        T_e [s].
+    shape_factor, mass_factor
+        C_0 and C_m.
+    """
+    ratio = strength_ratio(acceleration, yield_ratio, mass_factor)
+    moved = ductility_coefficient(ratio, period, site_class) * degradation_coefficient(
+        ratio, period
+    )
+    elastic = acceleration * GRAVITY * period**2 / (4.0 * math.pi**2)
+    return shape_factor * moved * elastic
+
+
+def largest_strength_ratio(
+    displacement: float, yield_displacement: float, slope: float, period: float
+) -> float:
+    """mu_max = Delta_d/Delta_y + |alpha_e|^-h/4 with h = 1 + 0.15 ln T_e, (7-32).
+
+    Parameters
+    ----------
+    displacement
+        Delta_d [m], the lesser of target displacement and displacement at the highest base shear.
+    slope
+        alpha_e, slope after the peak over the elastic one, below zero; no limit where it is zero.
+    """
+    if slope == 0.0:
+        return math.inf
+    power = 1.0 + 0.15 * math.log(period)
+    return displacement / yield_displacement + abs(slope) ** -power / 4.0
+
+
+def effective_slope(p_delta: float, total: float, near_fault: bool) -> float:
+    """alpha_e = alpha_P + lambda (alpha_2 - alpha_P), (7-33); both below zero."""
+    return p_delta + NEAR_FAULT[near_fault] * (total - p_delta)
+
+
+def idealised(capacity: Capacity) -> Bilinear:
+    """Yield point by equal areas up to the peak, first branch through 0.6 V_y, 7.4.3.2.4.
+
+    A curve that is level before its peak has its peak as V_y.
+    """
+    d, a = capacity.spectral_displacement, capacity.spectral_acceleration
+    top = capacity.peak_index
+    end = float(d[top])
+    share = SECANT_SHARE
+    if top == 0 or end <= 0.0:
+        raise AssessmentError(
+            f'method "{NAME}" needs a curve with an elastic branch; this one begins at its peak: '
+            "use a method for rocking mechanisms"
+        )
+    for _ in range(50):
+        found = bilinear(d, a, "ntc2018", ultimate=end, secant_share=share)
+        new = SECANT_SHARE * min(found.yield_acceleration / float(a[top]), 1.0)
+        if abs(new - share) < 1e-12:
+            break
+        share = new
+    return found
+
+
+def _descent(capacity: Capacity, curve: Bilinear) -> float:
+    """alpha_2: slope from the peak to 0.6 V_y on the way down, over the elastic one; 7.4.3.2.4."""
+    d, a = capacity.spectral_displacement, capacity.spectral_acceleration
+    top = capacity.peak_index
+    share = SECANT_SHARE * curve.yield_acceleration / float(a[top])
+    end = drop_point(d, a, share)
+    fall = (share - 1.0) * float(a[top]) / (end - float(d[top]))
+    return fall * curve.yield_displacement / curve.yield_acceleration
+
+
+def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessment:
+    """Target displacement by ASCE 41-17 7.4.3.3 against the user's acceptance displacements.
+
+    Limit states IO, LS and CP are those of `Settings.displacement_limits`, at the control point;
+    ASCE 41 has none for walls of blocks.
+
+    Raises
+    ------
+    AssessmentError
+        Where mu_strength exceeds mu_max (7-32): the strength falls too fast for the method.
+    """
+    why = "as C_1 depends on it, (7-29)"
+    site = settings.need("site_class", f'"A" to "F", {why}')
+    mass = positive(
+        settings.need("effective_mass_factor", "C_m of Table 7-4; 1 is on the safe side"), "C_m"
+    )
+    near = settings.need("near_fault", "alpha_e depends on it, (7-33): true or false")
+    c = local.read(capacity, settings)
+    given, verified, notes = spectra_of(spectra, STATES, REFERENCE, settings)
+    curve = idealised(c)
+    period, slope = curve.period, _descent(c, curve)
+    peak = float(c.spectral_displacement[c.peak_index])
+    fall = effective_slope(slope, slope, bool(near))
+    yield_ratio = curve.yield_acceleration / GRAVITY
+
+    def demand(s: Spectrum) -> float:
+        return target_displacement(
+            acceleration=float(s.sa(period, REFERENCE_DAMPING)) / GRAVITY,
+            period=period,
+            yield_ratio=yield_ratio,
+            shape_factor=1.0,
+            mass_factor=mass,
+            site_class=site,
+        )
+
+    found = []
+    for name, spectrum in given.items():
+        ratio = strength_ratio(
+            float(spectrum.sa(period, REFERENCE_DAMPING)) / GRAVITY, yield_ratio, mass
+        )
+        asked = demand(spectrum)
+        most = largest_strength_ratio(min(asked, peak), curve.yield_displacement, fall, period)
+        if ratio > most and name in verified:
+            raise AssessmentError(
+                f'method "{NAME}" does not apply: mu_strength = {ratio:.3g} exceeds mu_max = '
+                f"{most:.3g} of ASCE 41-17 (7-32), the strength falls too fast after the peak; "
+                'take non-linear dynamics, method "rocking"'
+            )
+        limit = settings.displacement_limits.get(name)
+        own = None if limit is None else c.spectral_at(limit)
+        found.append(
+            LimitState(
+                name=name,
+                limit_displacement=own,
+                limit_control_displacement=limit,
+                limit_period=period,
+                damping=REFERENCE_DAMPING,
+                displacement_demand=asked,
+                control_displacement_demand=c.control_at(asked),
+                ground_acceleration_capacity=None
+                if own is None
+                else bearable(spectrum, demand, own),
+                ground_acceleration_demand=spectrum.ground_acceleration,
+                return_period_demand=spectrum.return_period,
+                satisfied=None if own is None else asked <= own,
+                verified=name in verified,
+                governed_by="displacement limit given" if limit is not None else "",
+                clause="ASCE 41-17 7.4.3.3, (7-28) to (7-33)",
+                details={"strength_ratio": ratio, "largest_strength_ratio": most},
+            )
+        )
+    return _answer(c, settings, curve, tuple(found), given, notes)
+
+
+def _answer(
+    capacity: Capacity,
+    settings: Settings,
+    curve: Bilinear,
+    found: tuple[LimitState, ...],
+    given: dict[str, Spectrum],
+    notes: tuple[str, ...],
+) -> Assessment:
+    """The result with what was assumed."""
+    said = [
+        "C_0 = Gamma of the mechanism at the control point; the descent is taken as P-Delta alone, "
+        "as of rigid blocks.",
+    ]
+    without = [state.name for state in found if state.satisfied is None]
+    if without:
+        said.append(
+            f"No verdict for {', '.join(without)}: ASCE 41-17 has no acceptance displacements for "
+            "walls of blocks, and none were given."
+        )
+    used = tuple(given.values())
+    return Assessment(
+        method=NAME,
+        capacity=capacity,
+        settings=settings,
+        limit_states=found,
+        reference_state=REFERENCE,
+        activation_acceleration=capacity.activation_acceleration,
+        confidence_factor=None,
+        spectra=given,
+        bilinear=curve,
+        quantities={
+            "elastic_period": curve.period,
+            "strength_ratio": found[0].details["strength_ratio"],
+        },
+        assumptions=local.assumptions(capacity, used) + notes + tuple(said),
+        uncertain=local.uncertain(capacity, used, *UNCERTAIN),
+        weighs_most="the acceptance displacements, which are the user's",
+    )
+
+
+__all__ = [
+    "NAME",
+    "STATES",
+    "assess",
+    "degradation_coefficient",
+    "ductility_coefficient",
+    "effective_slope",
+    "idealised",
+    "largest_strength_ratio",
+    "strength_ratio",
+    "target_displacement",
+]

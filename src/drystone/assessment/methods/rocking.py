@@ -1,0 +1,205 @@
+"""Rocking as motion: equivalent block, pulses, and records, Circ. 7/2019 C8.7.1.2.1.9."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from drystone.assembly import GRAVITY
+from drystone.assessment.capacity import Capacity
+from drystone.assessment.errors import AssessmentError
+from drystone.assessment.methods import local
+from drystone.assessment.methods.base import Assessment, LimitState, Settings, Spectra
+from drystone.assessment.rocking.block import RockingBlock, equivalent_block
+from drystone.assessment.rocking.motion import MechanismRocker, respond
+from drystone.assessment.rocking.pulse import Pulse, least_amplitude
+from drystone.assessment.rocking.record import Record
+
+NAME = "rocking"
+STATES = ("SLV", "SLC")
+REFERENCE = "SLV"
+
+#: Limits of the mean of the largest displacements over d0*, C8.7.1.2.1.8 and C8.7.1.2.1.9.
+SHARES = {"SLV": 0.4, "SLC": 0.6}
+
+UNCERTAIN = (
+    "The equivalent block of a mechanism (p, lambda_0): derived and checked for one block; for "
+    "mechanisms of several blocks from memory of DeJong and Dimitrakopoulos 2014.",
+)
+
+
+def pulse_facts(pulse: Pulse, block: RockingBlock, level: float) -> dict[str, Any]:
+    """Whether a pulse overturns, and from which amplitude on [m/s2]; without impact.
+
+    Parameters
+    ----------
+    level
+        g lambda_0 [m/s2], with the confidence factor.
+    """
+    least = level * least_amplitude(pulse.kind, pulse.duration, block.frequency)
+    return {
+        "kind": pulse.kind,
+        "amplitude": pulse.amplitude,
+        "duration": pulse.duration,
+        "overturning_amplitude": least,
+        "overturns": pulse.amplitude >= least and pulse.amplitude > level,
+    }
+
+
+def record_facts(
+    record: Record, rocker: MechanismRocker, block: RockingBlock, settings: Settings
+) -> dict[str, Any]:
+    """Largest displacement [m] under a record, in the worse sense where it rocks to one side."""
+    sides, restitution = settings.sides or "", settings.restitution or 0.0
+    senses = (1.0, -1.0) if sides == "one" else (1.0,)
+    found = [
+        respond(rocker, record.scaled(s), restitution=restitution, sides=sides) for s in senses
+    ]
+    return {
+        "name": record.name,
+        "peak_acceleration": record.peak_acceleration,
+        "peak_velocity": record.peak_velocity,
+        "acceleration_ratio": record.peak_acceleration / block.uplift_acceleration,
+        "velocity_ratio": block.frequency * record.peak_velocity / block.uplift_acceleration,
+        "largest_displacement": max(response.largest for response in found),
+        "n_impacts": max(response.n_impacts for response in found),
+        "overturned": any(response.overturned for response in found),
+    }
+
+
+def _states(
+    capacity: Capacity, facts: list[dict[str, Any]], settings: Settings
+) -> tuple[LimitState, ...]:
+    """Mean of the largest displacements against 0.4 and 0.6 d0*; none of them passes d0*."""
+    end = local.collapse(capacity, settings)
+    verified = settings.limit_states or (REFERENCE,)
+    unknown = [name for name in verified if name not in (*STATES, "overturning")]
+    if unknown:
+        raise AssessmentError(
+            f'method "{NAME}" has no limit state "{unknown[0]}": {", ".join(STATES)}'
+        )
+    fallen = any(fact["overturned"] for fact in facts)
+    mean = sum(fact["largest_displacement"] for fact in facts) / len(facts)
+    peak = sum(fact["peak_acceleration"] for fact in facts) / len(facts)
+    states = []
+    for name in STATES:
+        d, why = local.limit(capacity, settings, name, SHARES[name] * end)
+        states.append(
+            LimitState(
+                name=name,
+                limit_displacement=d,
+                limit_control_displacement=capacity.control_at(d),
+                displacement_demand=None if fallen else mean,
+                control_displacement_demand=None if fallen else capacity.control_at(mean),
+                satisfied=not fallen and mean <= d,
+                verified=name in verified,
+                governed_by=why or f"{SHARES[name]:g} of the collapse displacement",
+                clause="Circ. 7/2019 C8.7.1.2.1.9",
+                details={"mean_peak_acceleration": peak, "overturned": fallen},
+            )
+        )
+    return tuple(states)
+
+
+def _overturning(pulses: list[dict[str, Any]], verified: bool) -> LimitState:
+    """The pulse that is nearest to overturning, or overturns most."""
+    worst = min(pulses, key=lambda fact: fact["overturning_amplitude"] / fact["amplitude"])
+    return LimitState(
+        name="overturning",
+        ground_acceleration_capacity=worst["overturning_amplitude"],
+        ground_acceleration_demand=worst["amplitude"],
+        satisfied=not any(fact["overturns"] for fact in pulses),
+        verified=verified,
+        governed_by=f"{worst['kind']} pulse of {worst['duration']:g} s",
+        clause="Housner 1963; condition of overturning without impact",
+    )
+
+
+def assess(capacity: Capacity, spectra: Spectra | None, settings: Settings) -> Assessment:
+    """Rocking of the mechanism under pulses and records, in the reading of the energy.
+
+    Spectra are not used.  Limit states SLV and SLC are of records, "overturning" is of pulses.
+
+    Raises
+    ------
+    AssessmentError
+        Without records and pulses, without restitution and sides where there are records, or where
+        the curve has no collapse.
+    """
+    if not settings.records and not settings.pulses:
+        raise AssessmentError(
+            f'method "{NAME}" needs "records" or "pulses": motions of the ground, since spectra do '
+            "not tell how a body rocks"
+        )
+    c = capacity.read_as("energy")
+    factor = 1.0 if settings.confidence_factor is None else local.confidence_factor(settings)
+    block = equivalent_block(c)
+    if factor != 1.0:
+        block = RockingBlock(
+            frequency=block.frequency / math.sqrt(factor),
+            slenderness=math.atan(c.activation_multiplier / factor),
+        )
+    level = GRAVITY * c.activation_multiplier / factor
+    pulses = [pulse_facts(pulse, block, level) for pulse in settings.pulses]
+    states: tuple[LimitState, ...] = ()
+    records: list[dict[str, Any]] = []
+    if settings.records:
+        settings.need("restitution", "velocity after an impact over that before it, 0 to 1")
+        settings.need("sides", '"two" where it rocks both ways alike, "one" where it cannot')
+        rocker = MechanismRocker(c, factor)
+        records = [record_facts(r, rocker, block, settings) for r in settings.records]
+        states += _states(c, records, settings)
+    if pulses:
+        states += (
+            _overturning(pulses, not records or "overturning" in (settings.limit_states or ())),
+        )
+    return Assessment(
+        method=NAME,
+        capacity=c,
+        settings=settings,
+        limit_states=states,
+        reference_state=REFERENCE,
+        activation_acceleration=level,
+        confidence_factor=settings.confidence_factor,
+        quantities={
+            "frequency_parameter": block.frequency,
+            "slenderness": block.slenderness,
+            "uplift_acceleration": level,
+            "free_period_half": block.free_period(0.5),
+            "restitution": settings.restitution,
+            "pulses": pulses,
+            "records": records,
+        },
+        assumptions=local.assumptions(c, ()) + _said(settings, c),
+        uncertain=local.uncertain(c, (), *UNCERTAIN),
+        weighs_most=_weight(settings),
+    )
+
+
+def _said(settings: Settings, capacity: Capacity) -> tuple[str, ...]:
+    said = []
+    if settings.reading != "energy":
+        said.append("Motion is in the reading energy whatever the reading of the settings.")
+    if settings.confidence_factor is None:
+        said.append("No confidence factor was given, and none is applied.")
+    if settings.records:
+        said.append(
+            f"{len(settings.records)} records, restitution {settings.restitution:g}; the codes ask "
+            "for three records (largest value) or seven (mean)."
+        )
+        if capacity.load_multiplier[0] < 0.5 * capacity.activation_multiplier:
+            said.append(
+                "The curve rises over the stiffness of its joints: the mechanism moves from the "
+                "beginning, without a threshold, and loses energy where it passes zero."
+            )
+        if settings.sides == "two":
+            said.append("It rocks to the other side by the same curve.")
+    if settings.pulses:
+        said.append("Pulses overturn without an impact, as of a slender block.")
+    return tuple(said)
+
+
+def _weight(settings: Settings) -> str:
+    if settings.records:
+        return f"the restitution {settings.restitution:g}, and the choice of records"
+    return "the shape of the pulse"

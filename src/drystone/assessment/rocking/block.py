@@ -1,0 +1,89 @@
+"""The rocking block: Housner's, and the one that stands for a mechanism."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.assembly import GRAVITY
+from drystone.assessment.bilinear import drop_point
+from drystone.assessment.capacity import Capacity
+from drystone.assessment.errors import AssessmentError, positive
+
+#: The slope of a mechanism at its peak is taken from its curve down to this share of the peak.
+SLOPE_DOWN_TO = 0.7
+
+N_SLOPE = 41
+
+
+@dataclass(frozen=True, kw_only=True)
+class RockingBlock:
+    """A rigid block on a rigid base, or what stands for a mechanism."""
+
+    frequency: float  # 1/s, p
+    slenderness: float  # rad, alpha
+
+    def __post_init__(self) -> None:
+        positive(self.frequency, "the frequency parameter p")
+        if not 0.0 < self.slenderness < 0.5 * math.pi:
+            raise AssessmentError(
+                f"the slenderness alpha is an angle between 0 and 90 degrees, not "
+                f"{self.slenderness:g} rad"
+            )
+
+    @classmethod
+    def of_size(cls, width: float, height: float) -> RockingBlock:
+        """A block of full width and height [m]: p = sqrt(3 g/4 R), alpha = atan(b/h); Housner."""
+        b, h = 0.5 * positive(width, "the width"), 0.5 * positive(height, "the height")
+        return cls(
+            frequency=math.sqrt(0.75 * GRAVITY / math.hypot(b, h)), slenderness=math.atan(b / h)
+        )
+
+    @property
+    def uplift_acceleration(self) -> float:
+        """g tan alpha [m/s2], the ground acceleration that starts it."""
+        return GRAVITY * math.tan(self.slenderness)
+
+    @property
+    def restitution(self) -> float:
+        """1 - 1.5 sin^2 alpha, velocity after an impact over that before it; Housner 1963."""
+        return 1.0 - 1.5 * math.sin(self.slenderness) ** 2
+
+    def free_period(self, amplitude_ratio: float) -> float:
+        """T = (4/p) acosh(1/(1 - theta_0/alpha)) [s] of free rocking, slender; Housner 1963."""
+        if not 0.0 < amplitude_ratio < 1.0:
+            raise AssessmentError(
+                f"free rocking has an amplitude between 0 and alpha, not {amplitude_ratio:g} alpha"
+            )
+        return 4.0 / self.frequency * math.acosh(1.0 / (1.0 - amplitude_ratio))
+
+
+def equivalent_block(capacity: Capacity) -> RockingBlock:
+    """The block of p_eq^2 = g |d lambda/d d*| at the peak and tan alpha_eq = lambda_0.
+
+    In the reading of the energy, whose equation of motion is d* + lambda(d*) g = -u_g; for one
+    block it is Housner's p within half a per cent where it is slender.  DeJong and Dimitrakopoulos
+    2014 for mechanisms.
+    """
+    slope = peak_slope(capacity.read_as("energy"))
+    return RockingBlock(
+        frequency=math.sqrt(slope), slenderness=math.atan(capacity.activation_multiplier)
+    )
+
+
+def peak_slope(capacity: Capacity) -> float:
+    """-da*/dd* [1/s2] just past the peak: of a parabola through the curve down to 0.7 of it."""
+    d, a = capacity.spectral_displacement, capacity.spectral_acceleration
+    end = capacity.spectral_collapse_displacement
+    if end is not None and end > d[-1]:
+        d, a = np.append(d, end), np.append(a, 0.0)
+    start = float(d[int(np.argmax(a))])
+    stop = drop_point(d, a, SLOPE_DOWN_TO)
+    x = np.linspace(start, stop, N_SLOPE)
+    _, line, _ = np.polyfit((x - start) / (stop - start), np.interp(x, d, a), 2)
+    slope = -float(line) / (stop - start)
+    if slope <= 0.0:  # a rounded peak: the chord
+        slope = (float(a.max()) * (1.0 - SLOPE_DOWN_TO)) / (stop - start)
+    return slope
