@@ -54,6 +54,7 @@ RANGES = {
     "thickness": Range(least=1e-6, most=1e6, unit="m"),
     "drawing_tolerance": Range(least=0.0, most=0.05),
     "tolerance": Range(least=0.0, most=0.2),
+    "overlap": Range(least=0.0, most=1e3, unit="m"),
     "angle": Range(least=-360.0, most=360.0, unit="degrees"),
     "unit_weight": Range(least=1e-3, most=1e9, unit="N/m3"),
     "density": Range(least=1e-4, most=1e8, unit="kg/m3"),

@@ -110,6 +110,8 @@ class TestModelFile:
             ('up = "z"', 'up = "z"\ntolerance = 2', "import[1].tolerance: must be at most 0.2"),
             ('up = "z"', 'up = "z"\nrotation = [1, 2]', "one angle in degrees, or in space three"),
             ('up = "z"', 'up = "z"\norigin = [1, 2]', "import[1].origin: must have 3 entries"),
+            ('up = "z"', 'up = "z"\nbent_faces = "x"', 'import[1].bent_faces: must not be "x"'),
+            ('up = "z"', 'up = "z"\noverlap = -1', "import[1].overlap: must be at least 0"),
             ('up = "z"', 'up = "z"\nunits = 1', 'unknown key "units": did you mean "unit"'),
         ],
     )
@@ -125,6 +127,18 @@ class TestModelFile:
         text = text.replace("[0.0, 1.0, 0.0]", "[1.0, 0.0]")
         with pytest.raises(ModelError, match="holds blocks of 3 dimensions, the model has 2"):
             read(folder, text + IMPORT.replace('up = "z"\n', ""))
+
+    def test_overlaps_are_refused_and_the_option_that_is_named_mends_them(self, folder):
+        blocks = brick_wall()
+        name, vertices, faces = blocks[2]
+        blocks[2] = (name, vertices - [0.0, 0.0, 0.02], faces)
+        (folder / "wall.obj").write_text(obj_text(blocks))
+        with pytest.raises(ModelError, match=r"overlap by 20 mm: .* overlap = 0\.021 in") as error:
+            read(folder, HEAD + IMPORT)
+        assert len(error.value.problems) == 2  # it stands on two
+        model = read(folder, HEAD + IMPORT + "overlap = 0.021\n")
+        assert len(pairs(model)) == 9
+        assert "had vertices moved to close joints" in "\n".join(model.notes)
 
     def test_plane_drawings(self, tmp_path):
         ezdxf = pytest.importorskip("ezdxf")
@@ -241,6 +255,8 @@ class TestConvert:
             (("none.obj", "out.toml", "--unit", "m", "--up", "z"), "there is no such file"),
             (("wall.obj", "out.toml", "--from", "xyz"), 'nothing to read from "xyz"'),
             (("model.toml", "out.obj", "--unit", "m"), "--unit: is for drawings"),
+            (("wall.obj", "out.toml", "--bent-faces", "x"), "--bent-faces: must be fans or bends"),
+            (("wall.obj", "out.toml", "--overlap", "-1"), "--overlap: "),
             (("wall.obj", "out.toml", "--like", "none.toml"), "none.toml: there is no such file"),
         ],
     )

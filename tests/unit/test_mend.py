@@ -7,6 +7,7 @@ import pytest
 
 from drawn import BOX, bent_dome, box, brick_wall, joints_by_brute_force
 from drystone.geometry import GeometryError, solid
+from drystone.geometry.bends import fan_of
 from drystone.geometry.figure import Figure
 from drystone.geometry.flatness import flat_pieces, triangles
 from drystone.geometry.interfaces import Interfaces
@@ -98,7 +99,7 @@ class TestOneSolid:
 
     def test_faces_that_are_bent_are_cut_along_the_bend(self):
         (name, vertices, faces), *_ = bent_dome(rings=1)
-        (made,), records = mended_solids(drawn([(name, vertices, faces)]), 0.02)
+        (made,), records = mended_solids(drawn([(name, vertices, faces)]), 0.02, "bends")
         assert sorted(map(len, made.faces)) == [4] * 10
         (record,) = records
         assert record.what == "had faces that were not flat and were cut along their bends"
@@ -106,6 +107,53 @@ class TestOneSolid:
         # Fans cut the hexagons outside and inside elsewhere.
         exact = solid.volume_of(made.vertices, made.faces)
         assert record.volume == pytest.approx(exact - solid.volume_of(vertices, faces), rel=1e-9)
+
+    def test_fans_from_the_first_corners_have_the_volume_that_programs_tell(self):
+        (name, vertices, faces), *_ = bent_dome(rings=1)
+        # From the middle of the lower edge outside and inside, and from a lower corner inside.
+        for outer, inner in (((7, 8, 11, 10, 9, 6), (1, 0, 3, 4, 5, 2)),
+                             ((7, 8, 11, 10, 9, 6), (0, 3, 4, 5, 2, 1))):  # fmt: skip
+            fanned = (outer, inner, *faces[2:])
+            (made,), records = mended_solids(drawn([(name, vertices, fanned)]), 0.02)
+            told = solid.volume_of(vertices, fanned)  # of fans
+            assert Figure.of(made.vertices, made.faces).volume == pytest.approx(told, rel=1e-9)
+            record = next(r for r in records if "into fans" in r.what)
+            assert record.count == 2
+            (bends,), _ = mended_solids(drawn([(name, vertices, fanned)]), 0.02, "bends")
+            more = told - solid.volume_of(bends.vertices, bends.faces)
+            assert record.volume == pytest.approx(more, rel=1e-9, abs=1e-12)
+
+    def test_fans_that_would_cross_other_faces_are_not_taken(self):
+        # From an upper corner outside the fan has the chord over the upper beds' middle for an
+        # edge, which lies above these: the solid would reach out of its own bed.
+        (name, vertices, faces), *_ = bent_dome(rings=1)
+        crossed = ((9, 6, 7, 8, 11, 10), *faces[1:])
+        with pytest.raises(GeometryError, match="faces cross"):
+            Figure.of(vertices, tuple(t for f in crossed for t in fan_of(f)))
+        (made,), records = mended_solids(drawn([(name, vertices, crossed)]), 0.02)
+        assert [r.what for r in records] == [
+            "had faces that were not flat and were cut along their bends"
+        ]
+        assert sorted(map(len, made.faces)) == [4] * 10
+
+    def test_bent_faces_that_others_lie_on_are_cut_alike(self):
+        # Two layers of a shell on each other, the hexagon between them begun at either corner.
+        (name, low, faces), *_ = bent_dome(rings=1)
+        high = low * (5.0 / 4.7)
+        outer = faces[0]
+        for k in range(6):
+            other = (outer[k:] + outer[:k], *faces[1:])
+            made, _ = mended_solids(drawn([("low", low, other), ("high", high, faces)]), 0.02)
+            figures, solids = packed(made)
+            assert areas(Interfaces.of(solids))[0, 1] == pytest.approx(
+                sum(
+                    0.5 * np.linalg.norm(np.cross(*(low[list(t[1:])] - low[t[0]])))
+                    for half in ((6, 7, 10, 9), (7, 8, 11, 10))
+                    for t in fan_of(half)
+                ),
+                rel=1e-9,
+            )
+            assert solids.overlap_depths(*solids.near_pairs()).max() < 1e-9
 
     def test_rounded_faces_are_made_flat_by_no_more_than_the_rounding_asks(self):
         rng = np.random.default_rng(1)
@@ -216,6 +264,24 @@ class TestTogether:
         made, records = mended_solids(drawn([("a", *low), ("b", *high)]), 0.02)
         assert made[1].vertices.tobytes() == high[0].tobytes()
         assert records == []
+
+    def test_faces_that_stand_in_each_other_get_one_plane_where_that_is_asked_for(self):
+        low = box((0, 0, 0), (1, 1, 1))
+        # Leans into the lower one by a twentieth of its length, and reaches over its edge.
+        angle = np.arctan(0.05)
+        turn = np.array(
+            [[np.cos(angle), 0, -np.sin(angle)], [0, 1, 0], [np.sin(angle), 0, np.cos(angle)]]
+        )
+        vertices, faces = box((0.2, 0, 0), (1.6, 1, 1))
+        high = vertices @ turn.T + [0.0, 0.0, 0.95 - 0.2 * 0.05]
+        both = drawn([("low", *low), ("high", high, faces)])
+        deep = packed(mended_solids(both, 0.02)[0])[1]
+        assert deep.overlap_depths(*deep.near_pairs()).max() > 0.04
+        made, records = mended_solids(both, 0.02, overlap=0.06)
+        solids = packed(made)[1]
+        assert solids.overlap_depths(*solids.near_pairs()).max() < 1e-9
+        assert areas(Interfaces.of(solids))[0, 1] == pytest.approx(0.8, rel=0.02)
+        assert 0.02 < max(r.how_much for r in records) < 0.12
 
     def test_overlaps_of_a_hair_are_cut_off(self):
         low = box((0, 0, 0), (1, 1, 1))

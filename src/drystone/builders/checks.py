@@ -145,16 +145,23 @@ def layout_problems(assembly: Assembly, place: Place) -> list[str]:
         pair = int(a[k]), int(b[k])
         deepest[pair] = max(float(depth[k]), deepest.get(pair, 0.0))
     for (i, j), by in deepest.items():
-        problems.append(
-            f"{place(i)} and {place(j)} overlap by {millimetres(by)}: "
-            "move them apart, or make one smaller"
-        )
+        first, second = place(i), place(j)
+        mend = "move them apart, or make one smaller"
+        if assembly.dimension == 3 and first.startswith("import[") and second.startswith("import["):
+            mend += f", or let overlap = {_upwards(by):g} in [[import]] close the joint"
+        problems.append(f"{first} and {second} overlap by {millimetres(by)}: {mend}")
     touches = np.zeros(assembly.n_bodies, dtype=bool)
     near = depth >= -TOUCHING * size
     touches[a[near]] = touches[b[near]] = True
     if assembly.n_bodies > 1:
         problems.extend(_lonely(packed, np.flatnonzero(~touches & ~assembly.fixed), place))
     return problems
+
+
+def _upwards(value: float) -> float:
+    """A value with two digits that is somewhat larger."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return round(unit * math.ceil(1.05 * value / unit), 12)
 
 
 def _lonely(packed: Outlines | Polyhedra, lonely: Iterable[int], place: Place) -> list[str]:

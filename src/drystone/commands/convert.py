@@ -73,6 +73,17 @@ def convert(
             show_default=False,
         ),
     ] = None,
+    bent_faces: Annotated[
+        str | None,
+        typer.Option(
+            help="How faces of it that are not flat are cut: fans or bends. [default: fans]",
+            show_default=False,
+        ),
+    ] = None,
+    overlap: Annotated[
+        float | None,
+        typer.Option(help="Overlaps up to which [m] are cut off. [default: 0]", show_default=False),
+    ] = None,
     like: Annotated[
         Path | None,
         typer.Option(
@@ -97,6 +108,8 @@ def convert(
             "support_below": support_below,
             "material": material,
             "tolerance": tolerance,
+            "bent_faces": bent_faces,
+            "overlap": overlap,
         }
         if kind.startswith("drawing "):
             found = _from_drawing(source, kind.split(" ")[1], file, to, given, like)
@@ -164,20 +177,27 @@ def _from_drawing(
     """Write the model file of a drawing, and what was mended beside it."""
     from drystone.builders.errors import ModelError
     from drystone.convert.from_drawing import from_drawing, mended_csv
-    from drystone.drawings import TOLERANCE, UNITS, ImportSettings
+    from drystone.drawings import UNITS, ImportSettings
+    from drystone.geometry.mended import BENDS, FANS
     from drystone.ranges import problem
 
     if (to or MODEL) != MODEL or (to is None and file.suffix.lower() != ".toml"):
         raise ModelError([f"{source}: is a drawing: make a model of it first, in a file .toml"])
-    tolerance = TOLERANCE if given["tolerance"] is None else given["tolerance"]
-    wrong = [problem("tolerance", tolerance)]
+    own = {key: value for key, value in given.items() if value is not None}
+    wrong = [
+        f"--{key}: {text}"
+        for key in ("tolerance", "overlap")
+        if (text := problem(key, own.get(key, 0.0)))
+    ]
+    if own.get("bent_faces") not in (None, FANS, BENDS):
+        wrong.append(f"--bent-faces: must be {FANS} or {BENDS}")
     if given["unit"] not in (None, *UNITS):
         wrong.append(f"--unit: must be one of {', '.join(UNITS)}")
     if given["up"] not in (None, "z", "y"):
         wrong.append("--up: must be z or y")
-    if any(wrong):
-        raise ModelError([text for text in wrong if text])
-    settings = ImportSettings(file=source, format=kind, **{**given, "tolerance": tolerance})
+    if wrong:
+        raise ModelError(wrong)
+    settings = ImportSettings(file=source, format=kind, **own)
     made = from_drawing(settings, like)
     file.write_text(made.text, encoding="utf-8", newline="\n")
     found: dict[str, Any] = {

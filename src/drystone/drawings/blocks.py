@@ -144,7 +144,7 @@ def sentences(records: Sequence[Mended]) -> list[str]:
         more = sum(record.volume for record in own)
         if more:
             word = "more" if more > 0.0 else "less"
-            by += f" (together {abs(more):.4g} m3 {word} than with fans from their first corners)"
+            by += f" (together {abs(more):.4g} m3 {word} than {own[0].than})"
         found.append(f"{many} {what}{by}: {listed(names)}")
     return found
 
@@ -226,7 +226,7 @@ def _solids(shapes: Sequence[Shape], settings: ImportSettings) -> tuple[list[Blo
         drawn.append(
             DrawnSolid(name=shape.name, vertices=vertices, faces=faces, support=shape.support)
         )
-    solids, more = mended_solids(drawn, settings.tolerance)
+    solids, more = mended_solids(drawn, settings.tolerance, settings.bent_faces, settings.overlap)
     blocks = [
         Block(
             id=solid.name,
@@ -239,7 +239,7 @@ def _solids(shapes: Sequence[Shape], settings: ImportSettings) -> tuple[list[Blo
         )
         for solid in solids
     ]
-    blocks, cut = _trimmed(blocks, settings.tolerance)
+    blocks, cut = _trimmed(blocks, settings)
     return blocks, [*records, *more, *cut]
 
 
@@ -260,15 +260,18 @@ def _plate(vertices: Array, face: tuple[int, ...], middle: Array) -> tuple[Array
     return np.vstack((outline, outline + thickness * normal)), faces, thickness
 
 
-def _trimmed(blocks: list[Block], tolerance: float) -> tuple[list[Block], list[Mended]]:
-    """Blocks without overlaps that the tolerance allows for."""
+def _trimmed(blocks: list[Block], settings: ImportSettings) -> tuple[list[Block], list[Mended]]:
+    """Blocks without overlaps that the settings allow for."""
     figures: list[Figure] = []
     for block in blocks:
         try:
             figures.append(block.figure())
         except GeometryError as error:
             raise GeometryError(f'"{block.id}": {error}') from None
-    allowed = [tolerance * shortest_edge(Mesh(block.vertices, block.faces)) for block in blocks]
+    allowed = [
+        max(settings.overlap, settings.tolerance * shortest_edge(Mesh(b.vertices, b.faces)))
+        for b in blocks
+    ]
     parts, cut = trimmed(
         [figure.parts for figure in figures], allowed, [block.support for block in blocks]
     )

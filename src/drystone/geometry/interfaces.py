@@ -43,8 +43,11 @@ class Interfaces:
     extent_b: Array  # (n, 2) m, where face b begins and ends along face a; (0, 2) in space
 
     @classmethod
-    def of(cls, shapes: Outlines | Polyhedra, distance: float | None = None) -> Interfaces:
-        """Find those of faces as near as touching blocks are, or within ``distance`` [m]."""
+    def of(cls, shapes: Outlines | Polyhedra, distance: float | Array | None = None) -> Interfaces:
+        """Find those of faces as near as touching blocks are, or within ``distance`` [m].
+
+        Of each block, (n,), the less of two blocks' counts.
+        """
         if isinstance(shapes, Polyhedra):
             return _of_polyhedra(shapes, distance)
         return _of_outlines(shapes, distance)
@@ -81,11 +84,11 @@ class Interfaces:
         return ends[left].reshape(-1, 2), np.append(0, np.cumsum(2 * left))
 
 
-def _of_outlines(outlines: Outlines, distance: float | None) -> Interfaces:
-    a, b = outlines.near_pairs(distance)
+def _of_outlines(outlines: Outlines, distance: float | Array | None) -> Interfaces:
+    a, b = outlines.near_pairs(None if distance is None else float(np.max(distance)))
     tolerance = TOUCHING * outlines.pair_size(a, b)
     if distance is not None:
-        tolerance = np.full(len(a), distance)
+        tolerance = _least(distance, outlines.body[a], outlines.body[b])
     found: list[tuple[NDArray[Any], ...]] = [(np.zeros(0),) * 7]
     for rows, p, q in outlines.alike(a, b):
         shared = _shared_parts(p, q, tolerance[rows])
@@ -115,14 +118,22 @@ def _of_outlines(outlines: Outlines, distance: float | None) -> Interfaces:
     )
 
 
-def _of_polyhedra(solids: Polyhedra, distance: float | None) -> Interfaces:
+def _least(distance: float | Array, a: IntArray, b: IntArray) -> Array:
+    """What blocks a and b both allow [m]."""
+    if np.ndim(distance) == 0:
+        return np.full(len(a), distance)
+    each = np.asarray(distance)
+    return np.minimum(each[a], each[b])
+
+
+def _of_polyhedra(solids: Polyhedra, distance: float | Array | None) -> Interfaces:
     # Imported here because it brings compiled code along, which a schema check does not need.
     from drystone.kernels import faces as kernels
 
-    p, q = solids.near_pairs(distance)
+    p, q = solids.near_pairs(None if distance is None else float(np.max(distance)))
     tolerance = TOUCHING * solids.pair_size(p, q)
     if distance is not None:
-        tolerance = np.full(len(p), distance)
+        tolerance = _least(distance, solids.body[p], solids.body[q])
     arrays = (solids.vertices, solids.rows, solids.face_offset)
     more = (solids.part_faces, solids.normals, solids.inwards, solids.discs)
     room = (

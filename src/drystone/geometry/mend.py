@@ -18,8 +18,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from drystone.geometry import GeometryError, solid
-from drystone.geometry.flatness import flat_pieces, off_plane, plane_labels, united
-from drystone.geometry.mended import Mended
+from drystone.geometry.bends import Cut, along_bends, as_fans
+from drystone.geometry.flatness import off_plane, plane_labels, united
+from drystone.geometry.mended import FANS, Mended
 from drystone.geometry.meshes import (
     Mesh,
     is_flat,
@@ -47,6 +48,10 @@ WELDED = 0.05
 ONE_FACE = 0.5
 #: Distance over a solid's size that is rounding, and needs no record.
 ROUNDING = 1e-9
+#: By how much farther than two faces stand in each other vertices beside what they share may move.
+TILTED = 2.0
+#: How bent faces were cut, as the end of sentences.
+FANNED, BENT = "into fans from their first corners", "along their bends"
 #: How often joints that cannot be closed are given up, before all of them are.
 ATTEMPTS = 6
 
@@ -72,7 +77,7 @@ class MendedSolid:
 
 
 def mended_solids(
-    drawn: Sequence[DrawnSolid], tolerance: float
+    drawn: Sequence[DrawnSolid], tolerance: float, bent: str = FANS, overlap: float = 0.0
 ) -> tuple[list[MendedSolid], list[Mended]]:
     """Solids from what was drawn, a closed surface each, and what was done to them.
 
@@ -82,6 +87,12 @@ def mended_solids(
         Those of several surfaces become several solids: name/1, name/2, ...
     tolerance
         Largest distance by which vertices are moved, over the shortest edge of their solid.
+    bent
+        How faces are cut that are farther off a plane: `mended.FANS`, in solids that these do not
+        make cross themselves, and on whose bent faces no other one lies; or `mended.BENDS`.
+    overlap
+        Distance [m] up to which faces that stand in each other are put in one plane, too; their
+        vertices move by up to `TILTED` times as much.
 
     Raises
     ------
@@ -90,15 +101,18 @@ def mended_solids(
         the edges.
     """
     records: list[Mended] = []
-    pieces: list[_Piece] = []
+    surfaces: list[_Surface] = []
     for source, one in enumerate(drawn):
         try:
-            pieces += _pieces(one, source, tolerance, records)
+            surfaces += _surfaces(one, source, tolerance, records)
         except GeometryError as error:
             raise GeometryError(f'"{one.name}": {error}') from None
-    if not pieces:
+    if not surfaces:
         return [], records
-    moved = _fitted(pieces, [drawn[p.source].support for p in pieces], tolerance, records)
+    surfaces = _cut(surfaces, tolerance, bent, records)
+    pieces = [_piece(surface, tolerance, records) for surface in surfaces]
+    support = [drawn[piece.source].support for piece in pieces]
+    moved = _fitted(pieces, support, overlap, records)
     solids = []
     for piece, vertices in zip(pieces, moved, strict=True):
         way = float(np.linalg.norm(vertices - piece.mesh.vertices, axis=1).max())
@@ -121,17 +135,25 @@ def mended_solids(
 
 
 @dataclass(frozen=True, eq=False)
-class _Piece:
-    """A closed surface of what was drawn."""
+class _Surface:
+    """A closed surface of what was drawn, its faces outward."""
 
     name: str
     source: int
     mesh: Mesh
+
+
+@dataclass(frozen=True, eq=False)
+class _Piece(_Surface):
+    """A closed surface of nearly flat faces."""
+
     label: list[int]  # which plane each face lies in
     near: float  # m, by how much vertices may be moved
 
 
-def _pieces(one: DrawnSolid, source: int, tolerance: float, records: list[Mended]) -> list[_Piece]:
+def _surfaces(
+    one: DrawnSolid, source: int, tolerance: float, records: list[Mended]
+) -> list[_Surface]:
     """The closed surfaces of what was drawn as one."""
     if not np.isfinite(one.vertices).all():
         raise GeometryError("every coordinate must be a finite number")
@@ -142,15 +164,15 @@ def _pieces(one: DrawnSolid, source: int, tolerance: float, records: list[Mended
         raise GeometryError("all its faces are points or lines: draw a closed surface")
     whole, doubles = once(whole)
     found = []
-    surfaces = shells(whole)
-    for k, shell in enumerate(surfaces, 1):
-        name = one.name if len(surfaces) == 1 else f"{one.name}/{k}"
+    meshes = shells(whole)
+    for k, shell in enumerate(meshes, 1):
+        name = one.name if len(meshes) == 1 else f"{one.name}/{k}"
         try:
-            found.append(_piece(shell, name, source, tolerance, records))
+            found.append(_Surface(name, source, _closed(shell, name, tolerance, records)))
         except GeometryError as error:
-            if len(surfaces) == 1:
+            if len(meshes) == 1:
                 raise
-            raise GeometryError(f"surface {k} of {len(surfaces)}: {error}") from None
+            raise GeometryError(f"surface {k} of {len(meshes)}: {error}") from None
     if doubles:
         records.append(Mended(block=one.name, what="had faces that stood twice", count=doubles))
     return found
@@ -160,7 +182,9 @@ def _size(vertices: Array) -> float:
     return solid.size_of(vertices) if len(vertices) else 0.0
 
 
-def _piece(mesh: Mesh, name: str, source: int, tolerance: float, records: list[Mended]) -> _Piece:
+def _closed(mesh: Mesh, name: str, tolerance: float, records: list[Mended]) -> Mesh:
+    """A shell without gaps, its faces outward."""
+
     def note(what: str, count: int) -> None:
         if count:
             records.append(Mended(block=name, what=what, count=count))
@@ -176,18 +200,62 @@ def _piece(mesh: Mesh, name: str, source: int, tolerance: float, records: list[M
     note("had edges that other vertices lay on", count)
     mesh, count = oriented(mesh)
     note("had faces that ran clockwise and were turned round", count)
-    near = tolerance * shortest_edge(mesh)
-    pieces = [
-        [face] if off <= near else flat_pieces(mesh.vertices, face, near)
-        for face, off in zip(mesh.faces, unevenness(mesh).tolist(), strict=True)
-    ]
-    fans = volume_of(mesh.vertices, mesh.faces)
-    mesh = Mesh(mesh.vertices, tuple(piece for own in pieces for piece in own))
-    if cut := sum(len(own) > 1 for own in pieces):
-        more = volume_of(mesh.vertices, mesh.faces) - fans
-        what = "had faces that were not flat and were cut along their bends"
-        records.append(Mended(block=name, what=what, count=cut, volume=more))
-    within = max(ONE_FACE * near, ROUNDING * size)
+    return mesh
+
+
+def _cut(
+    surfaces: Sequence[_Surface], tolerance: float, bent: str, records: list[Mended]
+) -> list[_Surface]:
+    """Surfaces of faces that are nearly flat."""
+    near = [_near(surface.mesh, tolerance) for surface in surfaces]
+    cuts = [along_bends(one.mesh, own) for one, own in zip(surfaces, near, strict=True)]
+    shared = _lain_on(cuts, np.array(near)) if bent == FANS else set()
+    found = []
+    for k, (surface, cut) in enumerate(zip(surfaces, cuts, strict=True)):
+        fans = as_fans(cut) if bent == FANS and cut.bent and k not in shared else None
+        mesh = (fans or cut).mesh
+        if cut.bent:
+            how, other, than = (FANNED, cut.mesh, BENT) if fans else (BENT, surface.mesh, FANNED)
+            more = volume_of(mesh.vertices, mesh.faces) - volume_of(other.vertices, other.faces)
+            records.append(
+                Mended(
+                    block=surface.name,
+                    what=f"had faces that were not flat and were cut {how}",
+                    count=len(cut.bent),
+                    volume=more,
+                    than=than,
+                )
+            )
+        found.append(_Surface(surface.name, surface.source, mesh))
+    return found
+
+
+def _near(mesh: Mesh, tolerance: float) -> float:
+    """By how much vertices may be moved [m]."""
+    return max(tolerance * shortest_edge(mesh), ROUNDING * _size(mesh.vertices))
+
+
+def _lain_on(cuts: Sequence[Cut], near: Array) -> set[int]:
+    """Surfaces on whose bent faces another one lies."""
+    if not any(cut.bent for cut in cuts):
+        return set()
+    owners, bent = [cut.owner for cut in cuts], [set(cut.bent) for cut in cuts]
+    found = set()
+    for a, p, b, q in meeting_faces([cut.mesh for cut in cuts], near):
+        found |= {i for i, face in ((a, p), (b, q)) if owners[i][face] in bent[i]}
+    return found
+
+
+def _piece(surface: _Surface, tolerance: float, records: list[Mended]) -> _Piece:
+    """A surface with faces that lie in one plane made one, and the planes."""
+    name, mesh = surface.name, surface.mesh
+
+    def note(what: str, count: int) -> None:
+        if count:
+            records.append(Mended(block=name, what=what, count=count))
+
+    size = _size(mesh.vertices)
+    within = max(ONE_FACE * tolerance * shortest_edge(mesh), ROUNDING * size)
     mesh, label, n_faces, n_vertices = united(mesh, plane_labels(mesh, within), within)
     note("had faces in one plane that were made one", n_faces)
     note("had vertices amid edges or faces, which were left out", n_vertices)
@@ -202,8 +270,7 @@ def _piece(mesh: Mesh, name: str, source: int, tolerance: float, records: list[M
                 how_much=uneven,
             )
         )
-    near = tolerance * shortest_edge(mesh)
-    return _Piece(name, source, mesh, label, near)
+    return _Piece(name, surface.source, mesh, label, tolerance * shortest_edge(mesh))
 
 
 # --- all together -----------------------------------------------------------------------------
@@ -212,7 +279,7 @@ def _piece(mesh: Mesh, name: str, source: int, tolerance: float, records: list[M
 class _Planes:
     """Vertices and planes of all pieces by number, and what may belong together."""
 
-    def __init__(self, pieces: Sequence[_Piece], tolerance: float) -> None:
+    def __init__(self, pieces: Sequence[_Piece], near: Array, overlap: float) -> None:
         meshes = [piece.mesh for piece in pieces]
         count = [max(piece.label) + 1 for piece in pieces]
         self.first_vertex = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
@@ -224,13 +291,13 @@ class _Planes:
             for i in face
         ]
         self.own = np.array(own, np.int64)
-        near = np.array([piece.near for piece in pieces])
 
         def plane_of(k: int, face: int) -> int:
             return int(self.first_plane[k] + pieces[k].label[face])
 
-        meeting = meeting_faces(meshes, near) if tolerance > 0.0 else []
-        lying = vertices_in_faces(meshes, near, meeting) if tolerance > 0.0 else []
+        reach = np.maximum(near, overlap)
+        meeting = meeting_faces(meshes, reach) if reach.any() else []
+        lying = vertices_in_faces(meshes, near, meeting) if near.any() else []
         #: Pieces and planes of faces that lie on each other, (n, 4).
         self.joints = np.array(
             [(a, b, plane_of(a, p), plane_of(b, q)) for a, p, b, q in meeting], np.int64
@@ -253,16 +320,17 @@ class _Planes:
 
 
 def _fitted(
-    pieces: Sequence[_Piece], support: Sequence[bool], tolerance: float, records: list[Mended]
+    pieces: Sequence[_Piece], support: Sequence[bool], overlap: float, records: list[Mended]
 ) -> list[Array]:
     """Vertices of each piece in the planes that they belong to."""
-    planes = _Planes(pieces, tolerance)
+    near = np.array([piece.near for piece in pieces])
+    planes = _Planes(pieces, near, overlap)
     vertices = np.vstack([piece.mesh.vertices for piece in pieces])
     origin = vertices.mean(axis=0)  # a near origin keeps digits
     place = vertices - origin
     owner = np.repeat(np.arange(len(pieces)), np.diff(planes.first_vertex))
     size = np.array([_size(piece.mesh.vertices) for piece in pieces])
-    most = np.maximum(np.array([piece.near for piece in pieces]), ROUNDING * size)[owner]
+    most = np.maximum(np.maximum(near, TILTED * overlap), ROUNDING * size)[owner]
     fixed = np.array(support, dtype=bool)[owner]
     unjoined, unsnapped = (np.zeros(len(pieces), dtype=bool) for _ in range(2))
     for attempt in range(ATTEMPTS):

@@ -29,7 +29,7 @@ def meeting_faces(meshes: Sequence[Mesh], near: Array) -> list[tuple[int, int, i
     """
     packed, owner = _packed(meshes)
     # Planes of faces that are not flat lie askew; what is found is measured below.
-    joints = Interfaces.of(packed, 2.0 * float(near.max()))
+    joints = Interfaces.of(packed, 2.0 * near)
     start, end = joints.offset[:-1], joints.offset[1:]
     found = set()
     for k in range(len(joints.size)):

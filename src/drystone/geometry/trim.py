@@ -16,8 +16,8 @@ Array = NDArray[np.float64]
 
 #: Overlap over the size of the smaller part that counts as none: half of what checks let pass.
 NONE = 5e-7
-#: By how much more than the overlap is cut, over it and over the size.
-MORE, ROUNDING = 1e-3, 1e-9
+#: By how much more than the overlap is cut, over the size: faces left lie on each other.
+ROUNDING = 1e-9
 
 
 def trimmed(
@@ -52,7 +52,7 @@ def trimmed(
             continue  # cut off by now
         if fixed[b] and not fixed[a]:
             a, b, i, j, normal = b, a, j, i, -normal
-        kept = _beyond(parts[b][j], normal, parts[a][i], -apart)
+        kept = _beyond(parts[b][j], normal, parts[a][i])
         if kept is not None:
             parts[b][j] = kept
             cut[b] = max(cut.get(b, 0.0), -apart)
@@ -63,13 +63,10 @@ def _one(part: Part) -> Polyhedra:
     return Polyhedra.pack([[(part.vertices, part.faces)]])
 
 
-def _beyond(part: Part, normal: Array, other: Part, depth: float) -> Part | None:
+def _beyond(part: Part, normal: Array, other: Part) -> Part | None:
     """What of a part lies beyond another one along a unit normal; None where nothing is left."""
     size = size_of(part.vertices)
-    tip = (
-        other.vertices[np.argmax(other.vertices @ normal)]
-        + (MORE * depth + ROUNDING * size) * normal
-    )
+    tip = other.vertices[np.argmax(other.vertices @ normal)] + ROUNDING * size * normal
     points, cell = cell_of(part.vertices, part.faces)
     height = heights(points, cell, (*(-normal).tolist(), *tip.tolist()))
     kept = below(points, cell, height, ROUNDING * size, -1, {})

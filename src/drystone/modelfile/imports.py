@@ -81,6 +81,8 @@ def _settings(table: ImportSection, file: Path) -> ImportSettings:
         support=tuple(table.support),
         support_below=table.support_below,
         tolerance=table.tolerance,
+        bent_faces=table.bent_faces,
+        overlap=table.overlap,
         name=table.name,
         group=table.group,
         origin=tuple(table.origin or ()),

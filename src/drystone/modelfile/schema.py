@@ -149,6 +149,8 @@ class ImportSection(Section):
     support: list[str] = []
     support_below: Annotated[float, ranged("coordinate")] | None = None  # m
     tolerance: Annotated[float, ranged("tolerance")] = TOLERANCE
+    bent_faces: Annotated[Literal["fans", "bends"], Spatial] = "fans"
+    overlap: Annotated[float, ranged("overlap"), Spatial] = 0.0  # m
     name: Name | None = None
     group: Name | None = None
     origin: Place | None = None  # m
