@@ -138,13 +138,13 @@ class TestOneSolid:
 
     def test_bent_faces_that_others_lie_on_are_cut_alike(self):
         # Two layers of a shell on each other, the hexagon between them begun at either corner.
-        (name, low, faces), *_ = bent_dome(rings=1)
+        (_, low, faces), *_ = bent_dome(rings=1)
         high = low * (5.0 / 4.7)
         outer = faces[0]
         for k in range(6):
             other = (outer[k:] + outer[:k], *faces[1:])
             made, _ = mended_solids(drawn([("low", low, other), ("high", high, faces)]), 0.02)
-            figures, solids = packed(made)
+            _, solids = packed(made)
             assert areas(Interfaces.of(solids))[0, 1] == pytest.approx(
                 sum(
                     0.5 * np.linalg.norm(np.cross(*(low[list(t[1:])] - low[t[0]])))

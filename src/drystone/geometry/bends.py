@@ -1,4 +1,4 @@
-"""Faces that are bent, cut into flat pieces: as fans from their first corners, or along their bends.
+"""Faces that are bent, cut into flat pieces: fans from their first corners, or along their bends.
 
 A face of more than three corners that do not lie in a plane says nothing of what is between them.
 Programs that draw and measure such faces take the fan of triangles from the first corner, and so is
