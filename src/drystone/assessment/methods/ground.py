@@ -16,7 +16,12 @@ N_POINTS = 192
 MOST_DOUBLINGS = 40
 
 
-def bearable(spectrum: Spectrum, demand: Callable[[Spectrum], float], limit: float) -> float | None:
+def bearable(
+    spectrum: Spectrum,
+    demand: Callable[[Spectrum], float],
+    limit: float,
+    n_points: int = N_POINTS,
+) -> float | None:
     """The least a_g [m/s2] under which a demand reaches a limit; None where none does.
 
     S_S falls while a_g grows, so that a demand need not grow with a_g everywhere: the first
