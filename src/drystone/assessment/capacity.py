@@ -22,7 +22,8 @@ Array = NDArray[np.float64]
 READINGS: dict[str, str] = {
     "base_shear": "a* = lambda g/e*, d* = d_C/Gamma, mass e* M: Circolare 7/2019 C7.3.4.2 and "
     "(C8.7.1.3) to (C8.7.1.5)",
-    "energy": "a* = lambda g, d* = d_C/Gamma, mass e* M: the work of the load along the curve",
+    "energy": "a* = lambda g, d* = d_C/Gamma_k, mass Gamma_k sum m phi: the work of the load along "
+    "the curve, Gamma_k of the whole kinetic energy",
     "literal_ec8": "a* = lambda g, d* = d_C, mass M: EN 1998-1:2004 (B.2), where a load in "
     "proportion to mass has the shape 1",
 }
@@ -36,14 +37,24 @@ class Participation(NamedTuple):
     mass: float  # kg, M* = e* M
     mechanism_mass: float  # kg, M
     equivalent_mass: float  # kg, sum of m phi, the m* of EN 1998-1
+    kinetic_factor: float | None = None  # Gamma_k
 
 
-def participation(mass: ArrayLike, shape: ArrayLike) -> Participation:
+def participation(
+    mass: ArrayLike, shape: ArrayLike, kinetic_mass: float | None = None
+) -> Participation:
     """Participation of masses (n,) [kg] that move by a shape (n,), 1 at the control point.
 
     Gamma = sum m phi/sum m phi^2 and e* = (sum m phi)^2/(sum m sum m phi^2): EN 1998-1:2004 (B.2)
     and (B.3), NTC 2018 Circ. 7/2019 (C7.3.5), (C8.7.1.4) and (C8.7.1.5).  The masses are those of
     rigid bodies of the mechanism: what is at rest, or one body cut in pieces, changes e*.
+
+    Parameters
+    ----------
+    kinetic_mass
+        M_k = sum (m |v|^2 + w J w) [kg] of all motion of the bodies, along the load, across it and
+        turning, at a unit velocity of the control point; Gamma_k = sum m phi/M_k is left out
+        without it.
     """
     m, phi = np.asarray(mass, dtype=np.float64), np.asarray(shape, dtype=np.float64)
     if m.shape != phi.shape or m.ndim != 1 or not len(m):
@@ -57,7 +68,8 @@ def participation(mass: ArrayLike, shape: ArrayLike) -> Participation:
             f"{first:g} kg; choose a control point that moves with the load"
         )
     ratio = first**2 / (total * second)
-    return Participation(first / second, ratio, ratio * total, total, first)
+    kinetic = None if kinetic_mass is None else first / positive(kinetic_mass, "kinetic_mass")
+    return Participation(first / second, ratio, ratio * total, total, first, kinetic)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -80,6 +92,7 @@ class Capacity:
     collapse_displacement: float | None  # m, d_C0 of the control point where lambda is zero
     collapse_extrapolated: bool = False  # whether that lies beyond the last point
     notes: tuple[str, ...] = ()  # assumptions and warnings, a sentence each
+    kinetic_factor: float | None = None  # Gamma_k, of the reading "energy"; Gamma where None
 
     def __post_init__(self) -> None:
         if self.reading not in READINGS:
@@ -108,8 +121,9 @@ class Capacity:
             "activation_multiplier",
         ):
             positive(getattr(self, name), name)
-        if self.collapse_displacement is not None:
-            positive(self.collapse_displacement, "collapse_displacement")
+        for name in ("collapse_displacement", "kinetic_factor"):
+            if getattr(self, name) is not None:
+                positive(getattr(self, name), name)
         object.__setattr__(self, "control_displacement", d)
         object.__setattr__(self, "load_multiplier", x)
 
@@ -150,6 +164,7 @@ class Capacity:
             collapse_displacement=collapse_displacement,
             collapse_extrapolated=collapse_extrapolated,
             notes=tuple(notes),
+            kinetic_factor=part.kinetic_factor,
         )
 
     @classmethod
@@ -173,8 +188,12 @@ class Capacity:
 
     @property
     def transformation_factor(self) -> float:
-        """What control displacements are divided by: Gamma, or 1 in the literal reading."""
-        return 1.0 if self.reading == "literal_ec8" else self.participation_factor
+        """What control displacements are divided by: Gamma, Gamma_k or 1, see `READINGS`."""
+        if self.reading == "literal_ec8":
+            return 1.0
+        if self.reading == "energy" and self.kinetic_factor is not None:
+            return self.kinetic_factor
+        return self.participation_factor
 
     @property
     def acceleration_factor(self) -> float:
@@ -185,9 +204,19 @@ class Capacity:
 
     @property
     def oscillator_mass(self) -> float:
-        """Mass of the oscillator [kg]: M* = e* M, or M in the literal reading."""
-        literal = self.reading == "literal_ec8"
-        return self.mechanism_mass if literal else self.participating_mass
+        """Mass of the oscillator [kg]: M* = e* M, Gamma_k sum m phi, or M, see `READINGS`."""
+        if self.reading == "literal_ec8":
+            return self.mechanism_mass
+        if self.reading == "energy" and self.kinetic_factor is not None:
+            return self.kinetic_factor * self.equivalent_mass
+        return self.participating_mass
+
+    @property
+    def kinetic_mass_ratio(self) -> float | None:
+        """c = Gamma_k sum m phi/M: the whole kinetic energy's counterpart of e*."""
+        if self.kinetic_factor is None:
+            return None
+        return self.kinetic_factor * self.equivalent_mass / self.mechanism_mass
 
     @property
     def spectral_displacement(self) -> Array:

@@ -209,6 +209,7 @@ class Assessment:
             "participating_mass_ratio": _number(c.participating_mass_ratio),
             "participating_mass": _number(c.participating_mass),
             "participation_factor": _number(c.participation_factor),
+            "kinetic_mass_ratio": _number(c.kinetic_mass_ratio),
             "mechanism_mass": _number(c.mechanism_mass),
             "equivalent_mass": _number(c.equivalent_mass),
             "confidence_factor": _number(self.confidence_factor),

@@ -71,6 +71,11 @@ def assumptions(capacity: Capacity, spectra: Sequence[Spectrum]) -> tuple[str, .
         *capacity.notes,
         f"Reading {capacity.reading}: {READINGS[capacity.reading]}.",
     ]
+    if capacity.reading == "energy" and capacity.kinetic_factor is None:
+        said.append(
+            "The kinetic energy is that of the bodies' centroids along the load alone: what they "
+            "turn and rise is left out, so that one body alone counts as a third too stiff."
+        )
     if capacity.collapse_extrapolated:
         said.append(
             "The collapse displacement lies beyond the last point of the curve: it is "

@@ -63,9 +63,9 @@ class RockingBlock:
 def equivalent_block(capacity: Capacity) -> RockingBlock:
     """The block of p_eq^2 = g |d lambda/d d*| at the peak and tan alpha_eq = lambda_0.
 
-    In the reading of the energy, whose equation of motion is d* + lambda(d*) g = -u_g; for one
-    block it is Housner's p within half a per cent where it is slender.  DeJong and Dimitrakopoulos
-    2014 for mechanisms.
+    In the reading of the energy, whose equation of motion is d*'' + lambda(d*) g = -u_g''; with
+    Gamma_k of the whole kinetic energy it is p sqrt(cos alpha) for one block, within half a per
+    cent of Housner's p for a slender one.  DeJong and Dimitrakopoulos 2014 for mechanisms.
     """
     slope = peak_slope(capacity.read_as("energy"))
     return RockingBlock(
