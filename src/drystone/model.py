@@ -14,6 +14,7 @@ from drystone.assembly import Assembly, Corner
 from drystone.geometry.mended import Mended
 from drystone.loading import DeadLoad, LoadPattern
 from drystone.monitor import ControlPoint
+from drystone.site import AssessmentInput, Site
 
 Array = NDArray[np.float64]
 
@@ -66,14 +67,24 @@ class Model:
     """Sentences on what was amended or looks amiss in the file or the outlines."""
     mended: tuple[Mended, ...] = ()
     """What was done to which block of files that were imported."""
+    site: Site | None = None
+    """What the ground does, for an assessment; the curve does not depend on it."""
+    assessment: AssessmentInput | None = None
+    """How the curve is assessed; likewise."""
 
     @property
     def contents(self) -> tuple[Any, ...]:
         """What makes one model differ from another."""
         return (
-            self.title, self.assembly, self.load, self.control_point, self.dead_loads,
+            self.assembly,
+            self.load,
+            self.control_point,
+            self.dead_loads,
+            self.title,
             self.analysis,
-        )  # fmt: skip
+            self.site,
+            self.assessment,
+        )
 
     @cached_property
     def load_along(self) -> Array:
@@ -95,10 +106,9 @@ class Model:
         return digest(self)
 
     def _as_read(self, origin: Origin) -> bool:
-        title, *parts, analysis = self.contents
-        title_read, *parts_read, analysis_read = origin.contents
-        same = all(a is b for a, b in zip(parts, parts_read, strict=True))
-        return same and title == title_read and analysis == analysis_read
+        now, read = self.contents, origin.contents
+        same = all(a is b for a, b in zip(now[:4], read[:4], strict=True))
+        return same and now[4:] == read[4:]
 
     def with_joint(
         self, *, between: tuple[str, str] | None = None, **values: float | None

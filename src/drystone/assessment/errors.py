@@ -9,6 +9,10 @@ class AssessmentError(Exception):
     """No verdict can be given; the message says what is missing and what would mend it."""
 
 
+class UnfinishedError(AssessmentError):
+    """The curve does not go far enough for the verdict; the message says how far it would have to."""
+
+
 def positive(value: float | None, what: str, mend: str = "give a number above zero") -> float:
     """The value as a float; `AssessmentError` unless it is finite and above zero."""
     if value is None:

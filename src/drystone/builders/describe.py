@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 from drystone.assembly import Assembly, Block, JointLaw
@@ -66,12 +66,20 @@ def model_to_dict(model: Model) -> dict[str, Any]:
         ),
         **{key: float(value) for key, value in analysis.options.items()},
     }
+    if model.site is not None:
+        data["site"] = model.site.as_dict()
+    if model.assessment is not None:
+        data["assessment"] = model.assessment.as_dict()
     return data
 
 
 def digest(model: Model) -> str:
-    """SHA-256 of the model's description in canonical JSON, as 64 hexadecimal digits."""
-    text = json.dumps(model_to_dict(model), sort_keys=True, separators=(",", ":"))
+    """SHA-256 of the model's description in canonical JSON, as 64 hexadecimal digits.
+
+    What a curve does not depend on is not part of it: site and assessment.
+    """
+    data = model_to_dict(replace(model, site=None, assessment=None))
+    text = json.dumps(data, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()
 
 

@@ -26,6 +26,7 @@ from drystone.geometry.mended import Mended
 from drystone.loading import DeadLoad, LoadPattern, MassPattern
 from drystone.model import Analysis, Model, Origin
 from drystone.monitor import ControlPoint
+from drystone.site import AssessmentInput, Site
 from drystone.ranges import problem
 
 Array = NDArray[np.float64]
@@ -57,6 +58,8 @@ def make_model(
     drawing_tolerance: float = DRAWING_TOLERANCE,
     notes: Sequence[str] = (),
     mended: Sequence[Mended] = (),
+    site: Site | None = None,
+    assessment: AssessmentInput | None = None,
 ) -> Model:
     """Put a model together and check that it can be analysed.
 
@@ -90,6 +93,8 @@ def make_model(
         Sentences on the file that was read, to go with those on its outlines.
     mended
         What was done to blocks that were imported.
+    site, assessment
+        What the ground does, and how the curve is assessed; no curve depends on them.
 
     Raises
     ------
@@ -123,6 +128,8 @@ def make_model(
         analysis=analysis or Analysis(),
         notes=(*notes, *amended),
         mended=tuple(mended),
+        site=site,
+        assessment=assessment,
     )
     if source is None or sha256 is None:
         return model

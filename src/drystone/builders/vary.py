@@ -40,6 +40,7 @@ def remade(model: Model, **changes: Any) -> Model:
         "drawing_tolerance": 0.0,  # the outlines fit already
     }
     made = make_model(**{**parts, **changes})
+    made = replace(made, site=model.site, assessment=model.assessment)
     if np.array_equal(made.assembly.up, assembly.up):
         return made
     # Gravity of a model that was turned as a whole is no key of files.

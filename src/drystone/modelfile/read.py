@@ -21,6 +21,7 @@ from drystone.builders.wall import coursed_wall, unequal_courses
 from drystone.builders.words import quoted, suggestion
 from drystone.geometry import GeometryError
 from drystone.model import Analysis, Model
+from drystone.modelfile.assessing import assessment_of, site_of
 from drystone.modelfile.builds import BuildSection
 from drystone.modelfile.groups import grouped
 from drystone.modelfile.imports import imports_of
@@ -110,6 +111,7 @@ def _model(
     sha256: str,
 ) -> Model:
     section = _checked(data)
+    folder = str(Path(source).parent) if source else ""
     problems: list[str] = []
     blocks, places = _blocks(section, data, problems)
     imports = imports_of(section, _unit_weights(section), source, problems)
@@ -153,6 +155,8 @@ def _model(
         drawing_tolerance=section.drawing_tolerance,
         notes=[*_notes(section), *imports.notes],
         mended=imports.mended,
+        site=site_of(section.site, folder),
+        assessment=assessment_of(section.assessment, folder),
     )
 
 

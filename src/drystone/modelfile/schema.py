@@ -20,6 +20,7 @@ from pydantic_core import PydanticCustomError
 from drystone.builders.fit import DRAWING_TOLERANCE
 from drystone.drawings.settings import TOLERANCE
 from drystone.model import Analysis
+from drystone.modelfile.assessing import AssessmentSection, SiteSection
 from drystone.modelfile.builds import BuildTable
 from drystone.modelfile.keys import (
     Course,
@@ -248,3 +249,5 @@ class ModelSection(Section):
     load: LoadSection = Field(description="a table [load] with pattern and direction")
     control: ControlSection = ControlSection()
     analysis: AnalysisSection = AnalysisSection()
+    site: SiteSection | None = None
+    assessment: AssessmentSection | None = None

@@ -1,0 +1,123 @@
+"""What a structure bears at rest, by control displacement: the static lower envelope of a curve."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.assessment.errors import AssessmentError
+from drystone.curve import DYNAMIC, FINISHED, STATIC, CapacityCurve
+
+Array = NDArray[np.float64]
+
+#: A branch that has come down to this share of the peak is drawn on to a multiplier of zero.
+LOW = 0.1
+#: Share of the last displacement over which the slope of that branch is taken.
+TAIL = 0.02
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Envelope:
+    """A curve that grows in displacement, and where it ends."""
+
+    control_displacement: Array  # (n,) m, growing
+    load_multiplier: Array  # (n,)
+    collapse_displacement: float | None  # m, where the multiplier is zero; None: not reached
+    collapse_extrapolated: bool  # whether that lies beyond the last point at rest
+    notes: tuple[str, ...]  # what was left out or added, a sentence each
+
+
+def static_envelope(curve: CapacityCurve) -> Envelope:
+    """The least that is borne at rest at each displacement.
+
+    Points on the way of a jump are dropped; the points at rest before and after it are joined by a
+    straight line.  Where the control point turns back, the lower of its branches counts.
+
+    Raises
+    ------
+    AssessmentError
+        Fewer than two points at rest, or none that bears any load.
+    """
+    static = [p for p in curve.points if p.status == STATIC]
+    d = np.array([p.control_displacement for p in static])
+    x = np.array([p.load_multiplier for p in static])
+    if len(static) < 2 or not x.max() > 0.0:
+        raise AssessmentError(
+            f"the curve has {len(static)} points at rest that bear the load: trace it further, "
+            "by now there is nothing to assess"
+        )
+    notes = []
+    dropped = len(curve.points) - len(static)
+    if dropped:
+        notes.append(
+            f"{dropped} points of the curve on the way of jumps were dropped: straight lines join "
+            "the states at rest."
+        )
+    grown, least, back = _lower(d, x)
+    if back:
+        notes.append("The control point turns back: the lower of the branches counts.")
+    end, extrapolated, note = _collapse(curve, d, x)
+    return Envelope(
+        control_displacement=grown,
+        load_multiplier=least,
+        collapse_displacement=end,
+        collapse_extrapolated=extrapolated,
+        notes=(*notes, *note),
+    )
+
+
+def _lower(d: Array, x: Array) -> tuple[Array, Array, bool]:
+    """The lower envelope of a path, and whether that turns back beyond what is rounding."""
+    step = np.diff(d)
+    back = bool((step < -1e-6 * np.abs(d).max()).any())
+    if (step > 0.0).all() and d[0] >= 0.0:
+        return d, x, back
+    grown = np.unique(np.maximum(d, 0.0))
+    least = np.full(len(grown), np.inf)
+    turns = np.flatnonzero(np.diff(np.sign(step)) != 0) + 1
+    for run in np.split(np.arange(len(d)), turns):
+        run = np.append(run, run[-1] + 1) if run[-1] + 1 < len(d) else run
+        places, values = d[run], x[run]
+        if places[0] > places[-1]:
+            places, values = places[::-1], values[::-1]
+        alone, first = np.unique(places, return_index=True)
+        lowest = np.minimum.reduceat(values, first)
+        least = np.minimum(least, np.interp(grown, alone, lowest, left=np.inf, right=np.inf))
+    known = np.isfinite(least)
+    return grown[known], least[known], back
+
+
+def _collapse(
+    curve: CapacityCurve, d: Array, x: Array
+) -> tuple[float | None, bool, tuple[str, ...]]:
+    """Control displacement where nothing is borne any more [m], and how it was found."""
+    top = int(np.argmax(x))
+    down = np.flatnonzero(x[top:] <= 0.0)
+    if len(down):
+        i = top + int(down[0])
+        share = x[i - 1] / (x[i - 1] - x[i])
+        return float(d[i - 1] + share * (d[i] - d[i - 1])), False, ()
+    falls = curve.status == FINISHED and curve.points[-1].status == DYNAMIC
+    if falls:
+        note = (
+            f"The structure falls from its last state at rest, at a control displacement of "
+            f"{d[-1]:.4g} m under a multiplier of {x[-1]:.3g}: the collapse is taken there."
+        )
+        return float(d[-1]), False, (note,)
+    if top == len(x) - 1 or x[-1] > LOW * x[top]:
+        return None, False, ()
+    before = top + int(np.argmax(d[top:] >= (1.0 - TAIL) * d[-1]))
+    before = min(before, len(d) - 2)
+    slope = (x[-1] - x[before]) / (d[-1] - d[before]) if d[-1] > d[before] else 0.0
+    if slope >= 0.0:
+        before, slope = top, (x[-1] - x[top]) / (d[-1] - d[top]) if d[-1] > d[top] else 0.0
+    if slope >= 0.0:
+        return None, False, ()
+    end = float(d[-1] - x[-1] / slope)
+    note = (
+        f"The collapse displacement, {end:.4g} m, is an extrapolation: the last static branch, "
+        f"traced to a multiplier of {x[-1]:.3g} at {d[-1]:.4g} m, goes straight on to zero."
+    )
+    return end, True, (note,)

@@ -1,0 +1,97 @@
+"""Velocities of blocks on a branch of a curve, per unit of the control point's velocity.
+
+The chord between two states of a body is a rigid velocity field to the last bit: with the angle
+between them, theta about the axis n, every point x goes by 2 tan(theta / 2) n x (x_m - o), x_m
+halfway between where it was and where it is.  A velocity field of a body, its twist, may therefore
+be read off states that lie far apart, and be asked for at other points than it was found at.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.assembly import Assembly
+from drystone.geometry import motion
+from drystone.monitor import ControlPoint
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: Control velocity, over the largest of a block, below which a field moves past its control point.
+STILL = 1e-9
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class VelocityField:
+    """A rigid velocity field for each block."""
+
+    place: Array  # (n, dim) m, of the centroids
+    velocity: Array  # (n, dim) of the centroids, over the control point's velocity
+    spin: Array  # (n, 1) 1/m, or in space (n, 3) about axes of the world
+
+    def at(self, points: Array, owner: IntArray) -> Array:
+        """Velocities (k, dim) of points (k, dim) [m] of blocks ``owner`` (k,)."""
+        return self.velocity[owner] + across(self.spin[owner], points - self.place[owner])
+
+    def carried_to(self, place: Array) -> VelocityField:
+        """The same motions in space, read at other centroids (n, dim) [m]."""
+        everyone = np.arange(len(place))
+        return VelocityField(place=place, velocity=self.at(place, everyone), spin=self.spin)
+
+    def along(self, direction: Array) -> Array:
+        """Components along a direction (dim,): the shape, (n,)."""
+        return np.asarray(self.velocity @ direction)
+
+    def over(self, control: ControlPoint, point: Array) -> VelocityField | None:
+        """The field over the velocity of the control point, which is at ``point`` (dim,) [m]; None
+        where that stands still in it."""
+        (velocity,) = self.at(point[None], np.array([control.block]))
+        pace = float(velocity @ control.direction)
+        if not abs(pace) > STILL * float(np.abs(self.velocity).max(initial=0.0)):
+            return None
+        return VelocityField(
+            place=self.place, velocity=self.velocity / pace, spin=self.spin / pace
+        )
+
+
+def chord(assembly: Assembly, before: Array, after: Array) -> VelocityField:
+    """The field that leads from the poses ``before`` (n, n_pose) to ``after``, not scaled [m]."""
+    velocity = motion.translations(after) - motion.translations(before)
+    place = assembly.centroid + 0.5 * (motion.translations(after) + motion.translations(before))
+    return VelocityField(
+        place=np.ascontiguousarray(place), velocity=velocity, spin=_spin(assembly, before, after)
+    )
+
+
+def less(field: VelocityField, other: VelocityField, share: float) -> VelocityField:
+    """A field without ``share`` of another one of the same blocks."""
+    return VelocityField(
+        place=field.place,
+        velocity=field.velocity - share * other.velocity,
+        spin=field.spin - share * other.spin,
+    )
+
+
+def across(spin: Array, arm: Array) -> Array:
+    """Velocities (k, dim) by spins (k, 1 or 3) at arms (k, dim)."""
+    if arm.shape[1] == 3:
+        return np.cross(spin, arm)
+    return spin * np.column_stack((-arm[:, 1], arm[:, 0]))
+
+
+def _spin(assembly: Assembly, before: Array, after: Array) -> Array:
+    """2 tan(theta / 2) along the axis of the rotations between two states, (n, 1 or 3)."""
+    if assembly.dimension == 2:
+        return np.asarray(2.0 * np.tan(0.5 * (after[:, 2] - before[:, 2]))[:, None])
+    relative = _product(after[:, 3:], before[:, 3:] * np.array([1.0, -1.0, -1.0, -1.0]))
+    return np.asarray(2.0 * relative[:, 1:] / relative[:, :1])
+
+
+def _product(p: Array, q: Array) -> Array:
+    """Quaternions (n, 4): first ``q``, then ``p``."""
+    w = p[:, :1] * q[:, :1] - np.sum(p[:, 1:] * q[:, 1:], axis=1, keepdims=True)
+    v = p[:, :1] * q[:, 1:] + q[:, :1] * p[:, 1:] + np.cross(p[:, 1:], q[:, 1:])
+    return np.concatenate((w, v), axis=1)

@@ -1,0 +1,364 @@
+"""Shapes of a mechanism along its curve, and how much mass takes part in each.
+
+Three shapes are in use: the initial mechanism, which codes keep all along the curve and count on
+the undeformed structure; the secant, u(d_C)/d_C; the tangent, du/dd_C.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.assembly import Assembly
+from drystone.assessment.capacity import Participation, participation
+from drystone.assessment.errors import AssessmentError
+from drystone.assessment.mechanism.bodies import AT_REST, SAME, find_macro_blocks
+from drystone.assessment.mechanism.field import VelocityField, chord, less
+from drystone.curve import FINISHED, PASSED, STATIC, CapacityCurve
+from drystone.geometry import motion
+from drystone.model import Model
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: Points over which a tangent is taken: single increments may be of a size with their errors.
+POINTS = 6
+#: Points after the peak that the initial mechanism is read from at least, where there are as many.
+FEWEST = 3
+#: Share of the peak up to which displacements are those of joints that are closed.
+ELASTIC = 0.2
+#: Points of a course along the curve, about.
+MOST = 60
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MechanismShape:
+    """The mechanism at a place of the curve: who moves, with whom, and how fast."""
+
+    field: VelocityField  # over the velocity of the control point
+    labels: IntArray  # (n,) macro-block of each block, -1 at rest
+    delta: Array  # (n,) shape: velocity along the load
+    mass: Array  # (n,) kg
+    bodies: Participation  # of macro-blocks
+    blocks: Participation  # of moving blocks, one by one
+    kinetic_ratio: float  # c, of the whole structure, rotations included
+    torsion: float  # velocity of the fastest point by rotation out of the plane of the load
+    clause: str  # how it was read off, the end of a sentence
+
+    @property
+    def n_bodies(self) -> int:
+        """Macro-blocks."""
+        return int(self.labels.max(initial=AT_REST)) + 1
+
+    @property
+    def n_moving(self) -> int:
+        """Blocks that are part of a macro-block."""
+        return int((self.labels >= 0).sum())
+
+    @property
+    def twists(self) -> bool:
+        """Whether blocks turn out of the plane of the load more than counts as none."""
+        return self.torsion > SAME
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Course:
+    """Participation along the curve; NaN where the tangent of a point is none.
+
+    Every array is (n,), one entry for each row of the curve that was looked at.
+    """
+
+    row: IntArray
+    control_displacement: Array  # m
+    load_multiplier: Array
+    participation_factor: Array  # Gamma, tangent, macro-blocks
+    participating_mass_ratio: Array  # e*, tangent, macro-blocks
+    participating_mass: Array  # kg, M*, tangent, macro-blocks
+    mechanism_mass: Array  # kg, M
+    n_bodies: IntArray
+    participating_mass_ratio_of_blocks: Array  # e*, tangent, moving blocks one by one
+    secant_mass_ratio: Array  # e*, secant, all blocks
+    secant_factor: Array  # Gamma, secant
+    kinetic_ratio: Array  # c
+
+
+def initial_shape(curve: CapacityCurve, model: Model) -> MechanismShape:
+    """The mechanism just past the peak, on the undeformed structure.
+
+    It is read off between the peak and the point where a hundredth of it is lost; what joints gain
+    and lose by their stiffness as the load changes is taken out, at the rate of the first points.
+
+    Raises
+    ------
+    AssessmentError
+        The curve has no poses, has not reached its peak, or the control point stands still in the
+        mechanism.
+    """
+    poses = _poses(curve)
+    top, end, how = _past_the_peak(curve)
+    assembly, control = model.assembly, model.control_point
+    field = chord(assembly, poses[top], poses[end])
+    rate = _elastic_row(curve, top)
+    x = curve.load_multiplier
+    if rate is not None:
+        share = (x[end] - x[top]) / (x[rate] - x[0])
+        field = less(field, chord(assembly, poses[0], poses[rate]), share)
+    field = field.carried_to(assembly.centroid).over(control, control.point)
+    if field is None:
+        raise AssessmentError(
+            "the control point stands still in the mechanism: choose one that moves with it, "
+            "[control] in the model file"
+        )
+    return _shape(curve, model, field, row=top, how=how)
+
+
+def tangent_shape(curve: CapacityCurve, model: Model, row: int) -> MechanismShape:
+    """The mechanism at a point of the curve, from the way that led there; raises as above."""
+    poses = _poses(curve)
+    assembly, control = model.assembly, model.control_point
+    first, last = _around(curve, row)
+    field = chord(assembly, poses[first], poses[last])
+    moves = [
+        assembly.displacement_at(control.block, control.point, poses[k]) for k in (first, last)
+    ]
+    over = field.over(control, control.point + 0.5 * (moves[0] + moves[1]))
+    if over is None:
+        raise AssessmentError(
+            f"the control point stands still at {curve.points[row].control_displacement:.4g} m"
+        )
+    how = f"the tangent at {curve.points[row].control_displacement:.4g} m"
+    return _shape(curve, model, over, row=row, how=how, turned=poses[row])
+
+
+def secant_participation(curve: CapacityCurve, model: Model, row: int) -> Participation:
+    """Participation of all blocks by their displacements since the load began."""
+    poses = _poses(curve)
+    present = _present(curve, model, row)
+    moved = motion.translations(poses[row]) - motion.translations(poses[0])
+    d = curve.points[row].control_displacement - curve.points[0].control_displacement
+    if not d > 0.0:
+        raise AssessmentError("there is no secant where nothing has moved yet")
+    return participation(
+        model.assembly.mass[present, 0], (moved @ model.load.direction)[present] / d
+    )
+
+
+def course_of(
+    curve: CapacityCurve, model: Model, rows: Sequence[int] | None = None
+) -> Course:
+    """Participation along the curve, by default at about sixty points at rest of its whole length."""
+    rows = _spread(curve) if rows is None else list(rows)
+    table = [_entry(curve, model, row) for row in rows]
+    columns = np.array(table, dtype=np.float64).reshape(len(rows), 9).T
+    return Course(
+        row=np.array(rows, dtype=np.int64),
+        control_displacement=curve.control_displacement[rows],
+        load_multiplier=curve.load_multiplier[rows],
+        participation_factor=columns[0],
+        participating_mass_ratio=columns[1],
+        participating_mass=columns[2],
+        mechanism_mass=columns[3],
+        n_bodies=columns[4].astype(np.int64),
+        participating_mass_ratio_of_blocks=columns[5],
+        kinetic_ratio=columns[6],
+        secant_mass_ratio=columns[7],
+        secant_factor=columns[8],
+    )
+
+
+def _entry(curve: CapacityCurve, model: Model, row: int) -> list[float]:
+    """A row of `course_of`."""
+    none = [np.nan] * 4 + [0.0] + [np.nan] * 2
+    try:
+        shape = tangent_shape(curve, model, row)
+        bodies = shape.bodies
+        tangent = [
+            bodies.factor,
+            bodies.mass_ratio,
+            bodies.mass,
+            bodies.mechanism_mass,
+            float(shape.n_bodies),
+            shape.blocks.mass_ratio,
+            shape.kinetic_ratio,
+        ]
+    except AssessmentError:
+        tangent = none
+    try:
+        secant = secant_participation(curve, model, row)
+        return [*tangent, secant.mass_ratio, secant.factor]
+    except AssessmentError:
+        return [*tangent, np.nan, np.nan]
+
+
+def _shape(
+    curve: CapacityCurve,
+    model: Model,
+    field: VelocityField,
+    *,
+    row: int,
+    how: str,
+    turned: Array | None = None,
+) -> MechanismShape:
+    """What there is to know of a field; ``turned`` are poses that the blocks' axes have, if any."""
+    assembly, direction = model.assembly, model.load.direction
+    present = _present(curve, model, row)
+    labels = find_macro_blocks(assembly, field, direction, gone=~present)
+    if not (labels >= 0).any():
+        raise AssessmentError("no block moves along the load in the mechanism")
+    mass, delta = assembly.mass[:, 0], field.along(direction)
+    moving = labels >= 0
+    whole = np.bincount(labels[moving], weights=mass[moving])
+    mean = np.bincount(labels[moving], weights=(mass * delta)[moving]) / whole
+    return MechanismShape(
+        field=field,
+        labels=labels,
+        delta=delta,
+        mass=mass,
+        bodies=participation(whole, mean),
+        blocks=participation(mass[moving], delta[moving]),
+        kinetic_ratio=_kinetic_ratio(assembly, field, direction, present, turned),
+        torsion=_torsion(assembly, field, direction, moving),
+        clause=how,
+    )
+
+
+def _kinetic_ratio(
+    assembly: Assembly,
+    field: VelocityField,
+    direction: Array,
+    present: NDArray[np.bool_],
+    pose: Array | None,
+) -> float:
+    """c = (sum m v_s)^2/(sum m sum (m |v|^2 + w J w)) of all blocks that may move."""
+    spin = field.spin
+    if assembly.dimension == 3:
+        axes = assembly.axes
+        if pose is not None:
+            axes = np.stack([motion.turned(axes[:, :, k], pose) for k in range(3)], axis=2)
+        spin = np.einsum("nij,ni->nj", axes, spin)  # about the principal axes
+    mass = assembly.mass[present]
+    rates = np.concatenate((field.velocity, spin), axis=1)[present]
+    energy = float((mass * rates**2).sum())
+    momentum = float(mass[:, 0] @ field.along(direction)[present])
+    return momentum**2 / (float(mass[:, 0].sum()) * energy)
+
+
+def _torsion(
+    assembly: Assembly, field: VelocityField, direction: Array, moving: NDArray[np.bool_]
+) -> float:
+    """Velocity of the fastest point by rotations about other axes than that across the load."""
+    if assembly.dimension == 2:
+        return 0.0
+    axis = np.cross(assembly.up, direction)
+    length = float(np.linalg.norm(axis))
+    axis = axis / length if length > 0.0 else axis
+    out = field.spin - np.outer(field.spin @ axis, axis)
+    shapes = assembly.packed
+    owner = np.repeat(shapes.body, np.diff(shapes.offset))
+    speed = np.linalg.norm(np.cross(out[owner], shapes.vertices - field.place[owner]), axis=1)
+    return float(speed[moving[owner]].max(initial=0.0))
+
+
+def _present(curve: CapacityCurve, model: Model, row: int) -> NDArray[np.bool_]:
+    """Blocks that may move and are still part of the structure, (n,)."""
+    gone = curve.gone(model.assembly.ids, curve.points[row].step)
+    return ~(model.assembly.fixed | gone)
+
+
+def _past_the_peak(curve: CapacityCurve) -> tuple[int, int, str]:
+    """Two rows between which the mechanism is read, and how to say so."""
+    top = curve.points.index(curve.peak)
+    x = curve.load_multiplier
+    run = next(_branches(curve, top), None)
+    if run:
+        fallen = [k for k in run[FEWEST:] if x[k] <= PASSED * x[run[0]]]
+        end = fallen[0] if fallen else run[-1]
+        return run[0], end, "the tangent just past the peak, without the elastic part"
+    if not curve.peak_passed and curve.status != FINISHED:
+        raise AssessmentError(
+            f"the curve has not passed its peak yet ({curve.status}: {curve.reason}): trace it to "
+            "its end"
+        )
+    if top + 1 < len(curve.points):
+        return top, top + 1, "the jump from the highest state at rest"
+    before = [k for k in _run(curve, top) if k < top]
+    if not before:
+        raise AssessmentError("the curve has one point at rest: there is no mechanism to be seen")
+    return before[-FEWEST:][0], top, "the tangent before the last point"
+
+
+def _branches(curve: CapacityCurve, top: int) -> Iterator[list[int]]:
+    """Rows of the unbroken branches past the peak that are long enough to read a mechanism from;
+    where none is, those of two points."""
+    for fewest in (FEWEST, 1):
+        row = top
+        while row < len(curve.points):
+            run = [k for k in _run(curve, row) if k >= row]
+            if len(run) > fewest and curve.points[row].status == STATIC:
+                yield run
+            row = run[-1] + 1
+
+
+def _around(curve: CapacityCurve, row: int) -> tuple[int, int]:
+    """The rows whose chord is the tangent at a row: behind it, or ahead where nothing is behind.
+
+    A state at rest amid jumps has no branch of its own: there it is the way over the jumps.
+    """
+    run = _run(curve, row)
+    behind = [k for k in run if k <= row][-POINTS - 1 :]
+    if len(behind) > 1:
+        return behind[0], row
+    ahead = [k for k in run if k >= row][: POINTS + 1]
+    if len(ahead) > 1:
+        return row, ahead[-1]
+    rest = [k for k in range(row + 1) if curve.points[k].status == STATIC or k == row]
+    return rest[-POINTS - 1 :][0], row
+
+
+def _run(curve: CapacityCurve, row: int) -> list[int]:
+    """Rows of the states at rest around a row that no jump divides."""
+    points = curve.points
+
+    def linked(k: int) -> bool:
+        return points[k].status == STATIC and points[k - 1].status == STATIC and not points[k].jumped
+
+    first = last = row
+    while first > 0 and linked(first):
+        first -= 1
+    while last + 1 < len(points) and linked(last + 1):
+        last += 1
+    return list(range(first, last + 1))
+
+
+def _elastic_row(curve: CapacityCurve, top: int) -> int | None:
+    """A row from which displacements by closed joints can be read; None where there is none."""
+    x = curve.load_multiplier
+    low = [
+        k
+        for k in range(1, top)
+        if x[0] < x[k] <= ELASTIC * x[top] and curve.points[k].status == STATIC
+    ]
+    return low[-1] if low else None
+
+
+def _spread(curve: CapacityCurve) -> list[int]:
+    """Rows of states at rest, evenly along the control displacement, ends and peak included."""
+    rows = [k for k, p in enumerate(curve.points) if p.status == STATIC and k > 0]
+    if len(rows) <= MOST:
+        return rows
+    d = curve.control_displacement[rows]
+    wanted = np.linspace(d.min(), d.max(), MOST)
+    chosen = {rows[int(np.argmin(np.abs(d - place)))] for place in wanted}
+    return sorted(chosen | {curve.points.index(curve.peak), rows[-1]})
+
+
+def _poses(curve: CapacityCurve) -> Array:
+    if curve.poses is None or len(curve.poses) < 2:
+        raise AssessmentError(
+            "the curve has no poses, by which blocks that move as one are told: trace it with "
+            "keep_poses=True, or read its folder of results"
+        )
+    return curve.poses

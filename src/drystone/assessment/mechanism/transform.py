@@ -1,0 +1,166 @@
+"""From a curve and its model to the oscillator that methods of assessment take."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from drystone.assessment.capacity import READINGS, Capacity
+from drystone.assessment.errors import AssessmentError
+from drystone.assessment.mechanism.envelope import Envelope, static_envelope
+from drystone.assessment.mechanism.shapes import (
+    Course,
+    MechanismShape,
+    course_of,
+    initial_shape,
+)
+from drystone.curve import FINISHED, CapacityCurve
+from drystone.model import Model
+
+#: What counts as a rigid body: macro-blocks, as codes mean it, or every block for itself.
+GROUPINGS = ("macro_blocks", "blocks")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reduction:
+    """A curve as one degree of freedom, in every reading."""
+
+    shape: MechanismShape
+    envelope: Envelope
+    grouping: str
+    capacities: Mapping[str, Capacity]  # by reading
+    course: Course | None
+
+    def as_dict(self) -> dict[str, Any]:
+        """For a file: the mechanism, and what the readings and groupings differ in."""
+        shape = self.shape
+        return {
+            "grouping": self.grouping,
+            "n_bodies": shape.n_bodies,
+            "n_moving_blocks": shape.n_moving,
+            "kinetic_ratio": shape.kinetic_ratio,
+            "torsion": shape.torsion,
+            "macro_blocks": _of(shape, "macro_blocks"),
+            "blocks": _of(shape, "blocks"),
+            "readings": {name: _reading(c) for name, c in self.capacities.items()},
+            "body_of_block": shape.labels.tolist(),
+            "course": {} if self.course is None else _columns(self.course),
+        }
+
+
+def capacity_of(
+    curve: CapacityCurve,
+    model: Model,
+    *,
+    reading: str = "base_shear",
+    grouping: str = "macro_blocks",
+) -> Capacity:
+    """The capacity of a traced curve, see `reduced`."""
+    return reduced(curve, model, grouping=grouping, course=False).capacities[_known(reading)]
+
+
+def reduced(
+    curve: CapacityCurve,
+    model: Model,
+    *,
+    grouping: str = "macro_blocks",
+    course: bool = True,
+) -> Reduction:
+    """A traced curve as one degree of freedom, by its initial mechanism.
+
+    Parameters
+    ----------
+    curve
+        With poses.
+    model
+        What was traced.
+    grouping
+        One of `GROUPINGS`.
+    course
+        Whether to follow the participation along the curve.
+
+    Raises
+    ------
+    AssessmentError
+        The curve is too short to show a mechanism, or has no poses.
+    """
+    if grouping not in GROUPINGS:
+        raise AssessmentError(f'there is no grouping "{grouping}": take {" or ".join(GROUPINGS)}')
+    shape, envelope = initial_shape(curve, model), static_envelope(curve)
+    part = shape.bodies if grouping == "macro_blocks" else shape.blocks
+    notes = (*_notes(curve, model, shape, grouping), *envelope.notes)
+    capacity = Capacity.of(
+        envelope.control_displacement,
+        envelope.load_multiplier,
+        part,
+        reading="base_shear",
+        activation_multiplier=curve.peak.load_multiplier,
+        collapse_displacement=envelope.collapse_displacement,
+        collapse_extrapolated=envelope.collapse_extrapolated,
+        notes=notes,
+    )
+    return Reduction(
+        shape=shape,
+        envelope=envelope,
+        grouping=grouping,
+        capacities={name: capacity.read_as(name) for name in READINGS},
+        course=course_of(curve, model) if course else None,
+    )
+
+
+def _notes(
+    curve: CapacityCurve, model: Model, shape: MechanismShape, grouping: str
+) -> tuple[str, ...]:
+    """What was assumed, and what to mind."""
+    plural = "" if shape.n_bodies == 1 else "s"
+    bodies = (
+        f"{shape.n_bodies} rigid macro-block{plural} of {shape.n_moving} blocks"
+        if grouping == "macro_blocks"
+        else f"the {shape.n_moving} moving blocks one by one, which overstates e* and a*"
+    )
+    notes = [f"The mechanism is {shape.clause}; masses are those of {bodies}."]
+    if shape.twists:
+        notes.append(
+            f"The mechanism twists: points move by {shape.torsion:.2g} of the control point's "
+            "velocity by rotations out of the plane of the load. The codes' methods are calibrated "
+            "for plane motion of all bodies (Circ. 7/2019 C8.7.1.2.1.6)."
+        )
+    if curve.blocks_left:
+        names = ", ".join(f'"{b.block}"' for b in curve.blocks_left[:5])
+        notes.append(
+            f"Blocks left the structure on the way ({names}): beyond that the curve is that of the "
+            "rest."
+        )
+    if curve.status != FINISHED:
+        notes.append(f"The curve is not complete ({curve.status}): {curve.reason}.")
+    return tuple(notes)
+
+
+def _known(reading: str) -> str:
+    if reading not in READINGS:
+        raise AssessmentError(f'there is no reading "{reading}": take one of {", ".join(READINGS)}')
+    return reading
+
+
+def _of(shape: MechanismShape, grouping: str) -> dict[str, float]:
+    part = shape.bodies if grouping == "macro_blocks" else shape.blocks
+    return {
+        "participation_factor": part.factor,
+        "participating_mass_ratio": part.mass_ratio,
+        "participating_mass": part.mass,
+        "mechanism_mass": part.mechanism_mass,
+        "equivalent_mass": part.equivalent_mass,
+    }
+
+
+def _reading(capacity: Capacity) -> dict[str, float | None]:
+    return {
+        "activation_acceleration": capacity.activation_acceleration,
+        "collapse_displacement": capacity.spectral_collapse_displacement,
+        "oscillator_mass": capacity.oscillator_mass,
+    }
+
+
+def _columns(course: Course) -> dict[str, list[float]]:
+    return {name: getattr(course, name).tolist() for name in course.__dataclass_fields__}

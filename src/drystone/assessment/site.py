@@ -1,0 +1,139 @@
+"""From [site] to spectra: one for all limit states, or one for each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from drystone.assembly import GRAVITY
+from drystone.assessment.errors import AssessmentError
+from drystone.assessment.methods.base import Spectra
+from drystone.assessment.spectra.base import Spectrum
+from drystone.assessment.spectra.ec8 import Ec8Spectrum
+from drystone.assessment.spectra.floor import FloorSpectrum, first_mode
+from drystone.assessment.spectra.ntc2018 import NtcSpectrum, reference_life, return_period
+from drystone.assessment.spectra.table import read_spectrum
+from drystone.site import Site
+
+#: States that a motion given without a name is meant for, where others have one of their own: the
+#: return period of 475 years of new buildings.
+REFERENCE = ("SLV", "SD")
+
+#: What each code needs, and how to give it.
+NEEDED = {
+    "ntc2018": {
+        "ag": "the ground acceleration on rock in g, as in ag = 0.17",
+        "F0": "the amplification, as in F0 = 2.45",
+        "TC_star": "the corner period in s, as in TC_star = 0.29",
+        "soil": '"A" to "E"',
+        "topography": '"T1" to "T4"',
+    },
+    "ec8": {
+        "ag": "the reference ground acceleration a_gR in g, as in ag = 0.17",
+        "type": "1, or 2 where surface-wave magnitudes do not exceed 5.5",
+        "ground": '"A" to "E"',
+        "importance": 'a class "I" to "IV", or gamma_I',
+    },
+    "csv": {
+        "file": 'the path of a table with the header T,Se, as in file = "spectrum.csv"',
+        "unit": '"g" or "m/s2"',
+        "damping": "of the table in percent, as in damping = 5.0",
+    },
+}
+
+
+def spectra_of_site(site: Site) -> Spectra:
+    """One spectrum that serves for every limit state, or one for each that is given.
+
+    Raises
+    ------
+    AssessmentError
+        A key is missing, or a spectrum cannot be used.
+    """
+    if site.code not in NEEDED:
+        raise AssessmentError(
+            f'site.code: there is no code "{site.code}": take one of {", ".join(NEEDED)}'
+        )
+    if not site.states:
+        return _at_height(site, _spectrum(site, "", site.values))
+    spectra: dict[str, Spectrum] = {}
+    if _complete(site):
+        own = _at_height(site, _spectrum(site, "", site.values))
+        spectra = {name: own for name in REFERENCE if name not in site.states}
+    for name, values in site.states.items():
+        spectra[name] = _at_height(site, _spectrum(site, name, {**site.values, **values}))
+    return spectra
+
+
+def _complete(site: Site) -> bool:
+    """Whether [site] itself gives a motion, beside those of limit states."""
+    return all(key in site.values for key in NEEDED[site.code])
+
+
+def _spectrum(site: Site, state: str, values: Mapping[str, Any]) -> Spectrum:
+    """A spectrum of the keys of a code; ``state`` names the table that they are from."""
+    place = f"site.{state}" if state else "site"
+    for key, mend in NEEDED[site.code].items():
+        if key not in values:
+            raise AssessmentError(f"{place}: {key} is missing: give {mend}")
+    make = {"ntc2018": _ntc, "ec8": _ec8, "csv": _table}[site.code]
+    try:
+        return make(site, state, values)
+    except AssessmentError as error:
+        raise AssessmentError(f"{place}: {error}") from None
+
+
+def _ntc(site: Site, state: str, values: Mapping[str, Any]) -> Spectrum:
+    years = values.get("return_period")
+    if years is None and "nominal_life" in values and "use" in values:
+        years = return_period(
+            reference_life(values["nominal_life"], values["use"]), state or REFERENCE[0]
+        )
+    return NtcSpectrum(
+        ground_acceleration=values["ag"] * GRAVITY,
+        amplification=values["F0"],
+        reference_corner=values["TC_star"],
+        soil=values["soil"],
+        topography=values["topography"],
+        return_period=years,
+    )
+
+
+def _ec8(site: Site, state: str, values: Mapping[str, Any]) -> Spectrum:
+    own = site.states.get(state, {})
+    years = values.get("return_period")
+    if "ag" in own:  # the motion of that return period itself: nothing is carried over
+        years = None
+    spectrum = Ec8Spectrum.of_reference(
+        values["ag"] * GRAVITY,
+        importance=values["importance"],
+        spectrum_type=values["type"],
+        ground=values["ground"],
+        return_period=years,
+    )
+    return spectrum
+
+
+def _table(site: Site, state: str, values: Mapping[str, Any]) -> Spectrum:
+    return read_spectrum(
+        Path(site.folder) / values["file"],
+        unit=values["unit"],
+        damping=values["damping"] / 100.0,
+        soil_factor=values.get("soil_factor", 1.0),
+        corner_period=values.get("corner_period"),
+        site_specific=values.get("site_specific", True),
+        return_period=values.get("return_period"),
+    )
+
+
+def _at_height(site: Site, spectrum: Spectrum) -> Spectrum:
+    """The spectrum at the height of [site.floor], or on the ground where there is none."""
+    floor = dict(site.floor)
+    if not floor:
+        return spectrum
+    for key in ("height", "building_height", "damping"):
+        if key not in floor:
+            raise AssessmentError(f"site.floor: {key} is missing: add it, or take the table out")
+    mode, assumed = first_mode(**{**floor, "damping": floor["damping"] / 100.0})
+    return FloorSpectrum(ground=spectrum, modes=(mode,), assumed=assumed)
