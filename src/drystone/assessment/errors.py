@@ -10,7 +10,7 @@ class AssessmentError(Exception):
 
 
 class UnfinishedError(AssessmentError):
-    """The curve does not go far enough for the verdict; the message says how far it would have to."""
+    """The curve does not go far enough for a verdict; the message says what is missing of it."""
 
 
 def positive(value: float | None, what: str, mend: str = "give a number above zero") -> float:

@@ -26,8 +26,8 @@ from drystone.geometry.mended import Mended
 from drystone.loading import DeadLoad, LoadPattern, MassPattern
 from drystone.model import Analysis, Model, Origin
 from drystone.monitor import ControlPoint
-from drystone.site import AssessmentInput, Site
 from drystone.ranges import problem
+from drystone.site import AssessmentInput, Site
 
 Array = NDArray[np.float64]
 

@@ -52,9 +52,7 @@ class VelocityField:
         pace = float(velocity @ control.direction)
         if not abs(pace) > STILL * float(np.abs(self.velocity).max(initial=0.0)):
             return None
-        return VelocityField(
-            place=self.place, velocity=self.velocity / pace, spin=self.spin / pace
-        )
+        return VelocityField(place=self.place, velocity=self.velocity / pace, spin=self.spin / pace)
 
 
 def chord(assembly: Assembly, before: Array, after: Array) -> VelocityField:

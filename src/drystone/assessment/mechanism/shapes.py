@@ -106,13 +106,13 @@ def initial_shape(curve: CapacityCurve, model: Model) -> MechanismShape:
     if rate is not None:
         share = (x[end] - x[top]) / (x[rate] - x[0])
         field = less(field, chord(assembly, poses[0], poses[rate]), share)
-    field = field.carried_to(assembly.centroid).over(control, control.point)
-    if field is None:
+    over = field.carried_to(assembly.centroid).over(control, control.point)
+    if over is None:
         raise AssessmentError(
             "the control point stands still in the mechanism: choose one that moves with it, "
             "[control] in the model file"
         )
-    return _shape(curve, model, field, row=top, how=how)
+    return _shape(curve, model, over, row=top, how=how)
 
 
 def tangent_shape(curve: CapacityCurve, model: Model, row: int) -> MechanismShape:
@@ -146,10 +146,8 @@ def secant_participation(curve: CapacityCurve, model: Model, row: int) -> Partic
     )
 
 
-def course_of(
-    curve: CapacityCurve, model: Model, rows: Sequence[int] | None = None
-) -> Course:
-    """Participation along the curve, by default at about sixty points at rest of its whole length."""
+def course_of(curve: CapacityCurve, model: Model, rows: Sequence[int] | None = None) -> Course:
+    """Participation along the curve, by default at about sixty points at rest of its length."""
     rows = _spread(curve) if rows is None else list(rows)
     table = [_entry(curve, model, row) for row in rows]
     columns = np.array(table, dtype=np.float64).reshape(len(rows), 9).T
@@ -323,7 +321,9 @@ def _run(curve: CapacityCurve, row: int) -> list[int]:
     points = curve.points
 
     def linked(k: int) -> bool:
-        return points[k].status == STATIC and points[k - 1].status == STATIC and not points[k].jumped
+        return (
+            points[k].status == STATIC and points[k - 1].status == STATIC and not points[k].jumped
+        )
 
     first = last = row
     while first > 0 and linked(first):
