@@ -12,13 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly
+from drystone.assembly import GRAVITY, Assembly
 from drystone.assessment.capacity import Participation, participation
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.mechanism.bodies import AT_REST, SAME, find_macro_blocks
 from drystone.assessment.mechanism.field import VelocityField, chord, less
 from drystone.curve import FINISHED, PASSED, STATIC, CapacityCurve
 from drystone.geometry import motion
+from drystone.loading.base import masses_of
 from drystone.model import Model
 
 Array = NDArray[np.float64]
@@ -141,9 +142,7 @@ def secant_participation(curve: CapacityCurve, model: Model, row: int) -> Partic
     d = curve.points[row].control_displacement - curve.points[0].control_displacement
     if not d > 0.0:
         raise AssessmentError("there is no secant where nothing has moved yet")
-    return participation(
-        model.assembly.mass[present, 0], (moved @ model.load.direction)[present] / d
-    )
+    return participation(_masses(model)[present], (moved @ model.load_along)[present] / d)
 
 
 def course_of(curve: CapacityCurve, model: Model, rows: Sequence[int] | None = None) -> Course:
@@ -201,12 +200,12 @@ def _shape(
     turned: Array | None = None,
 ) -> MechanismShape:
     """What there is to know of a field; ``turned`` are poses that the blocks' axes have, if any."""
-    assembly, direction = model.assembly, model.load.direction
+    assembly, direction = model.assembly, model.load_along
     present = _present(curve, model, row)
     labels = find_macro_blocks(assembly, field, direction, gone=~present)
     if not (labels >= 0).any():
         raise AssessmentError("no block moves along the load in the mechanism")
-    mass, delta = assembly.mass[:, 0], field.along(direction)
+    mass, delta = _masses(model), field.along(direction)
     moving = labels >= 0
     whole = np.bincount(labels[moving], weights=mass[moving])
     mean = np.bincount(labels[moving], weights=(mass * delta)[moving]) / whole
@@ -217,31 +216,36 @@ def _shape(
         mass=mass,
         bodies=participation(whole, mean),
         blocks=participation(mass[moving], delta[moving]),
-        kinetic_ratio=_kinetic_ratio(assembly, field, direction, present, turned),
+        kinetic_ratio=_kinetic_ratio(model, field, present, turned),
         torsion=_torsion(assembly, field, direction, moving),
         clause=how,
     )
 
 
+def _masses(model: Model) -> Array:
+    """Of the blocks with what they carry, (n,) [kg]; zero of supports."""
+    carried = masses_of(model.assembly, tuple(model.dead_loads))
+    return carried.weights(model.assembly) / GRAVITY
+
+
 def _kinetic_ratio(
-    assembly: Assembly,
-    field: VelocityField,
-    direction: Array,
-    present: NDArray[np.bool_],
-    pose: Array | None,
+    model: Model, field: VelocityField, present: NDArray[np.bool_], pose: Array | None
 ) -> float:
-    """c = (sum m v_s)^2/(sum m sum (m |v|^2 + w J w)) of all blocks that may move."""
-    spin = field.spin
+    """c = (sum m v_s)^2/(sum m sum (m |v|^2 + w J w)) of all blocks that may move.
+
+    What blocks carry moves as their centroids do.
+    """
+    assembly, spin = model.assembly, field.spin
     if assembly.dimension == 3:
         axes = assembly.axes
         if pose is not None:
             axes = np.stack([motion.turned(axes[:, :, k], pose) for k in range(3)], axis=2)
         spin = np.einsum("nij,ni->nj", axes, spin)  # about the principal axes
-    mass = assembly.mass[present]
-    rates = np.concatenate((field.velocity, spin), axis=1)[present]
-    energy = float((mass * rates**2).sum())
-    momentum = float(mass[:, 0] @ field.along(direction)[present])
-    return momentum**2 / (float(mass[:, 0].sum()) * energy)
+    mass = _masses(model)[present]
+    turning = (motion.rotations(assembly.mass) * spin**2)[present]
+    energy = float((mass[:, None] * field.velocity[present] ** 2).sum() + turning.sum())
+    momentum = float(mass @ field.along(model.load_along)[present])
+    return momentum**2 / (float(mass.sum()) * energy)
 
 
 def _torsion(

@@ -16,6 +16,7 @@ from drystone.assessment.mechanism.shapes import (
     initial_shape,
 )
 from drystone.curve import FINISHED, CapacityCurve
+from drystone.loading.base import masses_of
 from drystone.model import Model
 
 #: What counts as a rigid body: macro-blocks, as codes mean it, or every block for itself.
@@ -89,13 +90,14 @@ def reduced(
         raise AssessmentError(f'there is no grouping "{grouping}": take {" or ".join(GROUPINGS)}')
     shape, envelope = initial_shape(curve, model), static_envelope(curve)
     part = shape.bodies if grouping == "macro_blocks" else shape.blocks
-    notes = (*_notes(curve, model, shape, grouping), *envelope.notes)
+    share, said = pattern_share(model, shape)
+    notes = (*_notes(curve, model, shape, grouping), *said, *envelope.notes)
     capacity = Capacity.of(
         envelope.control_displacement,
-        envelope.load_multiplier,
+        share * envelope.load_multiplier,
         part,
         reading="base_shear",
-        activation_multiplier=curve.peak.load_multiplier,
+        activation_multiplier=share * curve.peak.load_multiplier,
         collapse_displacement=envelope.collapse_displacement,
         collapse_extrapolated=envelope.collapse_extrapolated,
         notes=notes,
@@ -107,6 +109,33 @@ def reduced(
         capacities={name: capacity.read_as(name) for name in READINGS},
         course=course_of(curve, model) if course else None,
     )
+
+
+def pattern_share(model: Model, shape: MechanismShape) -> tuple[float, tuple[str, ...]]:
+    """The multiplier of forces in proportion to mass that do the work of the load pattern at one.
+
+    Methods know ground accelerations, and so forces in proportion to mass: 1 of that pattern.  Of
+    another, its work in the initial mechanism counts; a sentence says so.
+    """
+    pattern, assembly = model.load, model.assembly
+    if pattern.name == "mass":
+        return 1.0, ()
+    masses = masses_of(assembly, tuple(model.dead_loads))
+    forces = pattern.forces(assembly, masses).force
+    present = shape.mass > 0.0
+    work = float((forces * shape.field.velocity)[present].sum())
+    own = float(masses.weights(assembly)[present] @ shape.delta[present])
+    if not work > 0.0:
+        raise AssessmentError(
+            f'the load pattern "{pattern.name}" does no work in the mechanism: nothing says which '
+            'ground acceleration it stands for; take pattern = "mass"'
+        )
+    share = work / own
+    note = (
+        f'The load pattern is "{pattern.name}": {share:.4g} times its multiplier is that of forces '
+        "in proportion to mass that do the same work in the mechanism."
+    )
+    return share, (note,)
 
 
 def _notes(
