@@ -10,7 +10,7 @@ import numpy as np
 from drystone.assessment.spectra.base import Spectrum
 
 #: Points of the search for the first crossing.
-N_POINTS = 192
+N_POINTS = 96
 
 #: Doublings before a limit counts as never met.
 MOST_DOUBLINGS = 40

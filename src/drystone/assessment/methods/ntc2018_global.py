@@ -123,9 +123,13 @@ def _procedure_a(curve: Bilinear) -> _Procedure:
     )
 
 
-def _procedure_b(capacity: Capacity, stiffness: float, dissipation: float) -> _Procedure:
-    """Intersection of the curve with the spectrum reduced for xi_eq, (C7.3.10)."""
-    end = float(capacity.spectral_displacement[-1])
+def _procedure_b(
+    capacity: Capacity, stiffness: float, dissipation: float, end: float
+) -> _Procedure:
+    """Intersection of the curve up to d* = end [m] with the spectrum reduced for xi_eq, (C7.3.10).
+
+    There is no demand where they do not meet.
+    """
 
     def at(d: float) -> Equivalent:
         return equivalent(capacity, stiffness, d, dissipation)
@@ -138,8 +142,6 @@ def _procedure_b(capacity: Capacity, stiffness: float, dissipation: float) -> _P
         grid = np.linspace(0.0, end, 8 * N_POINTS + 1)[1:]
         last = 0.0
         for d in grid.tolist():
-            if capacity.acceleration_at(d) <= 0.0:
-                return None
             if excess(spectrum, d) <= 0.0:
                 return _falling_zero(lambda x: excess(spectrum, x), last, d)
             last = d
@@ -280,7 +282,8 @@ def _procedure(
         raise AssessmentError(f'dissipation "{kind}" is not known: {", ".join(DISSIPATION)}')
     d, a = capacity.spectral_displacement, capacity.spectral_acceleration
     stiffness = initial_stiffness(d, a, share)
-    return _procedure_b(capacity, stiffness, DISSIPATION[kind]), (
+    ultimate = curve.ultimate_displacement
+    return _procedure_b(capacity, stiffness, DISSIPATION[kind], ultimate), (
         f"Procedure B of Circ. 7/2019 C7.3.4.2 with {kind} dissipation, k = {DISSIPATION[kind]:g}."
     )
 
