@@ -142,10 +142,8 @@ class RecordSection(Section):
 class PulseSection(Section):
     """[[assessment.pulse]]: a pulse to overturn under."""
 
-    shape: Literal["sine", "half_sine", "cosine", "rectangular"] = Field(
-        description='as in shape = "sine"'
-    )
-    acceleration: Ground = Field(description="amplitude in g, as in acceleration = 0.3")
+    kind: Literal["half_sine", "rectangular"] = Field(description='as in kind = "half_sine"')
+    amplitude: Ground = Field(description="in g, as in amplitude = 0.3")
     duration: Positive = Field(description="in seconds, as in duration = 0.5")
 
 
@@ -173,6 +171,7 @@ class AssessmentSection(Section):
     effective_mass_factor: Positive | None = None
     near_fault: bool | None = None
     restitution: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
+    sides: Literal["one", "two"] | None = None
     record: list[RecordSection] = []
     pulse: list[PulseSection] = []
 

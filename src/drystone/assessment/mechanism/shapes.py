@@ -209,13 +209,14 @@ def _shape(
     moving = labels >= 0
     whole = np.bincount(labels[moving], weights=mass[moving])
     mean = np.bincount(labels[moving], weights=(mass * delta)[moving]) / whole
+    kinetic = _kinetic_mass(model, field, moving, turned)
     return MechanismShape(
         field=field,
         labels=labels,
         delta=delta,
         mass=mass,
-        bodies=participation(whole, mean),
-        blocks=participation(mass[moving], delta[moving]),
+        bodies=participation(whole, mean, kinetic),
+        blocks=participation(mass[moving], delta[moving], kinetic),
         kinetic_ratio=_kinetic_ratio(model, field, present, turned),
         torsion=_torsion(assembly, field, direction, moving),
         clause=how,
@@ -231,21 +232,25 @@ def _masses(model: Model) -> Array:
 def _kinetic_ratio(
     model: Model, field: VelocityField, present: NDArray[np.bool_], pose: Array | None
 ) -> float:
-    """c = (sum m v_s)^2/(sum m sum (m |v|^2 + w J w)) of all blocks that may move.
+    """c = (sum m v_s)^2/(sum m sum (m |v|^2 + w J w)) of all blocks that may move."""
+    mass = _masses(model)[present]
+    momentum = float(mass @ field.along(model.load_along)[present])
+    return momentum**2 / (float(mass.sum()) * _kinetic_mass(model, field, present, pose))
 
-    What blocks carry moves as their centroids do.
-    """
+
+def _kinetic_mass(
+    model: Model, field: VelocityField, which: NDArray[np.bool_], pose: Array | None
+) -> float:
+    """sum (m |v|^2 + w J w) [kg] of blocks (n,); what blocks carry moves as their centroids do."""
     assembly, spin = model.assembly, field.spin
     if assembly.dimension == 3:
         axes = assembly.axes
         if pose is not None:
             axes = np.stack([motion.turned(axes[:, :, k], pose) for k in range(3)], axis=2)
         spin = np.einsum("nij,ni->nj", axes, spin)  # about the principal axes
-    mass = _masses(model)[present]
-    turning = (motion.rotations(assembly.mass) * spin**2)[present]
-    energy = float((mass[:, None] * field.velocity[present] ** 2).sum() + turning.sum())
-    momentum = float(mass @ field.along(model.load_along)[present])
-    return momentum**2 / (float(mass.sum()) * energy)
+    straight = _masses(model)[:, None] * field.velocity**2
+    turning = motion.rotations(assembly.mass) * spin**2
+    return float(straight[which].sum() + turning[which].sum())
 
 
 def _torsion(

@@ -1,0 +1,88 @@
+"""From [assessment] and [site], with what is said over them, to what a method takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from drystone.assembly import GRAVITY
+from drystone.assessment.errors import AssessmentError
+from drystone.assessment.methods import METHODS
+from drystone.assessment.methods.base import Settings, Spectra
+from drystone.assessment.rocking.pulse import Pulse
+from drystone.assessment.rocking.record import Record, read_record
+from drystone.assessment.site import spectra_of_site
+from drystone.site import AssessmentInput, Site
+
+#: Keys of [assessment] that are not for methods.
+OWN = ("grouping", "opposite", "record", "pulse")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What is asked of a curve."""
+
+    settings: Settings
+    spectra: Spectra
+    grouping: str = "macro_blocks"
+
+
+def request_of(site: Site | None, assessment: AssessmentInput | None) -> Request:
+    """What a model's [site] and [assessment] ask for.
+
+    Raises
+    ------
+    AssessmentError
+        Something is missing, unknown or cannot be read; the message names the key.
+    """
+    values = {} if assessment is None else dict(assessment.values)
+    folder = Path("" if assessment is None else assessment.folder)
+    settings = settings_of(values, folder)
+    if site is None and not (settings.records or settings.pulses):
+        raise AssessmentError(
+            "site is missing: say what the ground does in a table [site] of the model file, by "
+            "--model FILE with such a table, or by --code, --ag and so on"
+        )
+    return Request(
+        settings=settings,
+        spectra={} if site is None else spectra_of_site(site),
+        grouping=values.get("grouping", "macro_blocks"),
+    )
+
+
+def settings_of(values: Mapping[str, Any], folder: Path) -> Settings:
+    """Settings of the keys of [assessment], in units of files; paths go from ``folder``."""
+    known = {field.name for field in fields(Settings)} - {"records", "pulses"}
+    unknown = [key for key in values if key not in known and key not in OWN]
+    if unknown:
+        raise AssessmentError(f'assessment: there is no key "{unknown[0]}"')
+    if "method" not in values:
+        raise AssessmentError(
+            "assessment.method is missing: choose one of "
+            f"{', '.join(METHODS)}, in [assessment] or by --method"
+        )
+    given = {key: value for key, value in values.items() if key in known}
+    if "limit_states" in given:
+        given["limit_states"] = tuple(given["limit_states"])
+    if "damping" in given:
+        given["damping"] = {state: xi / 100.0 for state, xi in given["damping"].items()}
+    return Settings(
+        **given,
+        records=tuple(_record(table, folder) for table in values.get("record", ())),
+        pulses=tuple(_pulse(table) for table in values.get("pulse", ())),
+    )
+
+
+def _record(table: Mapping[str, Any], folder: Path) -> Record:
+    record = read_record(folder / table["file"], unit=table["unit"])
+    return record.scaled(table["scale"]) if "scale" in table else record
+
+
+def _pulse(table: Mapping[str, Any]) -> Pulse:
+    return Pulse(
+        kind=table["kind"],
+        amplitude=table["amplitude"] * GRAVITY,
+        duration=table["duration"],
+    )

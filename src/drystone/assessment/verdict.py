@@ -1,0 +1,135 @@
+"""The verdict on a curve: the method's answer, with the mechanism and other readings beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from drystone.assessment.capacity import Capacity
+from drystone.assessment.errors import AssessmentError, UnfinishedError
+from drystone.assessment.mechanism import Reduction, reduced
+from drystone.assessment.methods import Assessment, LimitState, assess
+from drystone.assessment.request import Request, request_of
+from drystone.curve import CapacityCurve
+from drystone.model import Model
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Verdict:
+    """What an assessment of a curve found."""
+
+    assessment: Assessment  # in the reading that was asked for
+    reduction: Reduction
+    others: Mapping[str, Assessment | str]  # in the other readings, or why there is none
+
+    @property
+    def satisfied(self) -> bool | None:
+        """Whether every limit state that is verified holds."""
+        return self.assessment.satisfied
+
+    @property
+    def safety_index(self) -> float | None:
+        """zeta_E, ground acceleration borne over that of the site."""
+        return self.assessment.safety_index
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in one sentence."""
+        return self.assessment.sentence
+
+    @property
+    def limit_states(self) -> tuple[LimitState, ...]:
+        """Limit states of the method."""
+        return self.assessment.limit_states
+
+    @property
+    def capacity(self) -> Capacity:
+        """The curve as an oscillator, in the reading that was asked for."""
+        return self.assessment.capacity
+
+    @property
+    def method(self) -> str:
+        """Name of the method."""
+        return self.assessment.method
+
+    def state(self, name: str) -> LimitState:
+        """A limit state by its name."""
+        return self.assessment.state(name)
+
+    def as_dict(self) -> dict[str, Any]:
+        """What ``assessment.json`` holds, SI units."""
+        found = self.assessment.as_dict()
+        readings = {found["reading"]: _brief(self.assessment)}
+        for name, other in self.others.items():
+            readings[name] = {"reason": other} if isinstance(other, str) else _brief(other)
+        capacity = self.capacity
+        return found | {
+            "readings": readings,
+            "spectral_displacement": capacity.spectral_displacement.tolist(),
+            "spectral_acceleration": capacity.spectral_acceleration.tolist(),
+            "mechanism": self.reduction.as_dict(),
+        }
+
+    def __repr__(self) -> str:
+        return f"<Verdict {self.sentence}>"
+
+
+def verdict_on(curve: CapacityCurve, model: Model, request: Request | None = None) -> Verdict:
+    """Assess a traced curve.
+
+    Parameters
+    ----------
+    curve
+        With poses.
+    model
+        What was traced; its ``site`` and ``assessment`` say what is asked, unless a request does.
+
+    Raises
+    ------
+    UnfinishedError
+        The curve does not go far enough.
+    AssessmentError
+        Something else is missing, or the method does not apply.
+    """
+    asked = request_of(model.site, model.assessment) if request is None else request
+    found = reduced(curve, model, grouping=asked.grouping)
+    settings = asked.settings
+    if settings.reading not in found.capacities:
+        raise AssessmentError(
+            f'there is no reading "{settings.reading}": take one of {", ".join(found.capacities)}'
+        )
+    own = found.capacities[settings.reading]
+    try:
+        answer = assess(own, asked.spectra, settings)
+    except AssessmentError as error:
+        if own.collapse_displacement is not None:
+            raise
+        raise UnfinishedError(f"{error}. The curve is {curve.status}: {curve.reason}") from None
+    others: dict[str, Assessment | str] = {}
+    for name, capacity in found.capacities.items():
+        if name != settings.reading:
+            try:
+                others[name] = assess(capacity, asked.spectra, replace(settings, reading=name))
+            except AssessmentError as error:
+                others[name] = str(error)
+    return Verdict(assessment=answer, reduction=found, others=others)
+
+
+def _brief(answer: Assessment) -> dict[str, Any]:
+    """A reading beside others."""
+    whole = answer.as_dict()
+    keys = ("activation_acceleration", "collapse_displacement", "safety_index", "satisfied")
+    states = {
+        name: {
+            key: state[key]
+            for key in (
+                "limit_displacement",
+                "displacement_demand",
+                "ground_acceleration_capacity",
+                "satisfied",
+            )
+        }
+        for name, state in whole["limit_states"].items()
+    }
+    return {**{key: whole[key] for key in keys}, "limit_states": states}
