@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from drystone.commands.assess import assess
 from drystone.commands.benchmark import benchmark
 from drystone.commands.check import check
 from drystone.commands.convert import convert
@@ -49,6 +50,7 @@ app.command()(run)
 app.command()(limit)
 app.command()(check)
 app.command()(show)
+app.command()(assess)
 app.command()(convert)
 app.command()(benchmark)
 

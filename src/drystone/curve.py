@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from pandas import DataFrame
 
+    from drystone.assessment.verdict import Verdict
+    from drystone.model import Model
+    from drystone.site import Site
+
 Array = NDArray[np.float64]
 
 #: How a point was reached: at rest, or on the way of a block that falls or a wall that jumps.
@@ -175,6 +179,29 @@ class CapacityCurve:
         from drystone.report.plots import plot_curve
 
         return plot_curve(self, ax, label=label, limits=limits)
+
+    def assess(self, model: Model, *, site: Site | None = None, **options: Any) -> Verdict:
+        """Limit states and verdict, as ``drystone assess`` gives them.
+
+        Parameters
+        ----------
+        model
+            What was traced; its ``site`` and ``assessment`` say what is asked.
+        site
+            In place of the model's own.
+        options
+            Keys of [assessment] by name and in the units of files, over those of the model; or
+            ``settings`` and ``spectra``, see `drystone.assessment.verdict.assessed`.
+
+        Raises
+        ------
+        AssessmentError
+            Something is missing, or the method does not apply; `UnfinishedError` where the curve
+            does not go far enough.
+        """
+        from drystone.assessment.verdict import assessed
+
+        return assessed(self, model, site=site, **options)
 
     @property
     def control_displacement(self) -> Array:

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, UnfinishedError
 from drystone.assessment.mechanism import Reduction, reduced
 from drystone.assessment.methods import Assessment, LimitState, assess
-from drystone.assessment.request import Request, request_of
+from drystone.assessment.methods.base import Settings, Spectra
+from drystone.assessment.request import Request, request_of, settings_of
+from drystone.assessment.site import spectra_of_site
 from drystone.curve import CapacityCurve
 from drystone.model import Model
+from drystone.site import AssessmentInput, Site
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -73,6 +77,49 @@ class Verdict:
 
     def __repr__(self) -> str:
         return f"<Verdict {self.sentence}>"
+
+
+def assessed(
+    curve: CapacityCurve,
+    model: Model,
+    *,
+    site: Site | None = None,
+    settings: Settings | None = None,
+    spectra: Spectra | None = None,
+    **options: Any,
+) -> Verdict:
+    """Assess a traced curve by what its model says, and what is said here over it.
+
+    Parameters
+    ----------
+    site
+        In place of the model's.
+    settings
+        In place of the model's [assessment]; damping is a ratio.
+    spectra
+        In place of those of the site: one, or one for each limit state.
+    options
+        Keys of [assessment] by name, in the units of files, over those of the model.
+
+    Raises
+    ------
+    AssessmentError
+        See `verdict_on`.
+    """
+    asked = model.assessment or AssessmentInput()
+    asked = replace(asked, values={**asked.values, **options})
+    if settings is not None and options:
+        raise AssessmentError("give settings, or keys of [assessment] by name, not both")
+    if spectra is None and settings is None:
+        return verdict_on(curve, model, request_of(site or model.site, asked))
+    grouping = asked.values.get("grouping", "macro_blocks")
+    if settings is None:
+        settings = settings_of(asked.values, Path(asked.folder))
+    if spectra is None:
+        given = site or model.site
+        spectra = {} if given is None else spectra_of_site(given)
+    request = Request(settings=settings, spectra=spectra, grouping=grouping)
+    return verdict_on(curve, model, request)
 
 
 def verdict_on(curve: CapacityCurve, model: Model, request: Request | None = None) -> Verdict:

@@ -16,13 +16,12 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from drystone.assembly import Block
 from drystone.builders.words import listed, millimetres
 from drystone.geometry import polygon, solid
 from drystone.geometry.interfaces import Interfaces
+from drystone.geometry.links import components
 from drystone.geometry.outlines import Outlines
 from drystone.geometry.solid import Part
 
@@ -134,7 +133,7 @@ def _closed(outlines: Outlines, fixed: NDArray[np.bool_], distance: float) -> tu
     level = np.sum(normal * start, axis=1)
 
     n = len(vertices)
-    _, line = connected_components(coo_array((np.ones(len(e)), (e, f)), shape=(n, n)), False)
+    line = components(n, e, f)
     rounding = ROUNDING * (float(np.ptp(vertices, axis=0).max()) + float(np.abs(origin).max()))
     ends = start[e, None] + shared.extent[:, :, None] * tangent[e, None]  # of the common part
     misfit = np.abs(np.einsum("kij,kj->ki", ends, normal[f]) - level[f, None]).max(axis=1)

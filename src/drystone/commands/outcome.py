@@ -68,13 +68,14 @@ def terminated_like_interrupted() -> Iterator[None]:
 
 def sentences(error: Exception) -> list[str] | None:
     """What to tell the user of an error; None where it is a fault of the program."""
+    from drystone.assessment.errors import AssessmentError
     from drystone.builders.errors import ModelError
     from drystone.engines.base import EngineError
     from drystone.export.folder import OutputError
 
     if isinstance(error, ModelError):
         return error.problems
-    if isinstance(error, EngineError | OutputError):
+    if isinstance(error, AssessmentError | EngineError | OutputError):
         return [str(error)]
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,10 +24,12 @@ from drystone.export.hdf5 import ResultsReader, ResultsWriter
 from drystone.export.interrupts import uninterrupted
 from drystone.export.paraview import choose_frames, remove_series, write_series
 from drystone.export.summary import plain, summarise, write_summary
-from drystone.limit.beside import Beside
 from drystone.model import Model
 from drystone.report import Mechanism, canvas, draw_curve, draw_mechanism
 from drystone.report.mechanism import readable_magnification
+
+if TYPE_CHECKING:
+    from drystone.limit.beside import Beside
 
 Array = NDArray[np.float64]
 
@@ -73,6 +75,8 @@ class ResultsDirectory:
         beside: Beside | None = None,
     ) -> None:
         self.path = Path(path)
+        from drystone.limit.beside import Beside  # takes long, which reading results need not
+
         self._beside = beside or Beside()
         self.summary: dict[str, Any] | None = None  # of the analysis, once it ended
         self._mechanism_displacement = mechanism_displacement

@@ -16,7 +16,6 @@ from drystone.export.directory import RESULTS, SUMMARY, ResultsDirectory
 from drystone.export.folder import OutputError
 from drystone.export.hdf5 import RUNNING, Array, ResultsReader
 from drystone.export.summary import summarise
-from drystone.limit import limits_beside
 from drystone.model import Model
 from drystone.modelfile import ENGINES
 from drystone.modelfile.read import model_from_text
@@ -56,6 +55,8 @@ def save_results(
         )
     if isinstance(curve.contacts, StoredContacts) and curve.contacts.within(Path(path)):
         raise ValueError(f"the curve is read from {path} as it is written: name another folder")
+    from drystone.limit import limits_beside  # takes long, which reading results need not
+
     with ResultsDirectory(
         path, mechanism_displacement=mechanism_displacement, beside=limits_beside(model)
     ) as results:

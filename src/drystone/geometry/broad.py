@@ -11,6 +11,10 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
+#: Up to as many boxes each is compared with each: that is done before compiled code is loaded.
+FEW = 64
+
+
 def candidate_pairs(lower: Array, upper: Array) -> tuple[IntArray, IntArray]:
     """Pairs of boxes that intersect, touching ones included.
 
@@ -28,6 +32,10 @@ def candidate_pairs(lower: Array, upper: Array) -> tuple[IntArray, IntArray]:
     upper = np.ascontiguousarray(upper, dtype=np.float64)
     if len(lower) < 2:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
+    if len(lower) <= FEW:
+        meet = np.all(lower[:, None] <= upper[None], axis=2)
+        a, b = np.nonzero(np.triu(meet & meet.T, k=1))
+        return a, b
     origin, size, counts = kernels.grid_of(lower, upper)
     cells = np.zeros((len(lower), 6), np.int64)
     entries = np.zeros(kernels.cells_of(lower, upper, origin, size, counts, cells), np.int64)

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, PlainValidator, ValidationError, model_validator
 
+from drystone.builders.errors import ModelError
 from drystone.modelfile.keys import Section, sentence
 from drystone.site import LIMIT_STATES, AssessmentInput, Site
 
@@ -199,3 +200,25 @@ def assessment_of(section: AssessmentSection | None, folder: str) -> AssessmentI
 def _given(section: Section) -> dict[str, Any]:
     data = section.model_dump(exclude_none=True)
     return {key: value for key, value in data.items() if value not in ([], {})}
+
+
+class _Both(Section):
+    site: SiteSection | None = None
+    assessment: AssessmentSection | None = None
+
+
+def tables_of(data: dict[str, Any]) -> tuple[Site | None, AssessmentInput | None]:
+    """The records of tables ``site`` and ``assessment`` that came from elsewhere than a file.
+
+    Raises
+    ------
+    ModelError
+        With a sentence on everything that was found wrong.
+    """
+    from drystone.modelfile.sentences import sentences  # it knows all sections, these among them
+
+    try:
+        both = _Both.model_validate(data)
+    except ValidationError as error:
+        raise ModelError(sentences(error, data)) from None
+    return site_of(both.site, ""), assessment_of(both.assessment, "")

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from drystone.assembly import Assembly
 from drystone.assessment.mechanism.field import VelocityField, across
 from drystone.geometry import motion
+from drystone.geometry.links import components
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -65,7 +66,8 @@ def find_macro_blocks(
         apart = bodies.difference(pairs)
         order = np.argsort(apart, kind="stable")
         pairs = pairs[order[apart[order] < tolerance]]
-        labels[moving] = _components(assembly.n_bodies, pairs)[moving]
+        group = components(assembly.n_bodies, *pairs.T)
+        labels[moving] = np.unique(group, return_index=True)[1][group][moving]  # first blocks
         for label in np.unique(labels[moving]):
             members = np.flatnonzero(labels == label)
             if bodies.deviation(members) >= tolerance:  # bent, link by link
@@ -143,22 +145,6 @@ def _touching(assembly: Assembly) -> IntArray:
     joints = assembly.interfaces
     pairs = np.column_stack((joints.block_a, joints.block_b)).astype(np.int64)
     return np.unique(pairs.reshape(-1, 2), axis=0)
-
-
-def _components(n: int, pairs: IntArray) -> IntArray:
-    """The first of all that are linked to each, (n,)."""
-    root = np.arange(n)
-
-    def first_of(i: int) -> int:
-        while root[i] != i:
-            root[i] = root[root[i]]
-            i = root[i]
-        return i
-
-    for i, j in pairs.tolist():
-        i, j = sorted((first_of(i), first_of(j)))
-        root[j] = i
-    return np.array([first_of(i) for i in range(n)], dtype=np.int64)
 
 
 def _split(bodies: _Bodies, members: IntArray, pairs: IntArray, tolerance: float) -> IntArray:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assessment.errors import AssessmentError
+from drystone.assessment.errors import UnfinishedError
 from drystone.curve import DYNAMIC, FINISHED, STATIC, CapacityCurve
 
 Array = NDArray[np.float64]
@@ -37,14 +37,14 @@ def static_envelope(curve: CapacityCurve) -> Envelope:
 
     Raises
     ------
-    AssessmentError
+    UnfinishedError
         Fewer than two points at rest, or none that bears any load.
     """
     static = [p for p in curve.points if p.status == STATIC]
     d = np.array([p.control_displacement for p in static])
     x = np.array([p.load_multiplier for p in static])
     if len(static) < 2 or not x.max() > 0.0:
-        raise AssessmentError(
+        raise UnfinishedError(
             f"the curve has {len(static)} points at rest that bear the load: trace it further, "
             "by now there is nothing to assess"
         )

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from drystone.assembly import GRAVITY, Assembly
 from drystone.assessment.capacity import Participation, participation
-from drystone.assessment.errors import AssessmentError
+from drystone.assessment.errors import AssessmentError, UnfinishedError
 from drystone.assessment.mechanism.bodies import AT_REST, SAME, find_macro_blocks
 from drystone.assessment.mechanism.field import VelocityField, chord, less
 from drystone.curve import FINISHED, PASSED, STATIC, CapacityCurve
@@ -285,7 +285,7 @@ def _past_the_peak(curve: CapacityCurve) -> tuple[int, int, str]:
         end = fallen[0] if fallen else run[-1]
         return run[0], end, "the tangent just past the peak, without the elastic part"
     if not curve.peak_passed and curve.status != FINISHED:
-        raise AssessmentError(
+        raise UnfinishedError(
             f"the curve has not passed its peak yet ({curve.status}: {curve.reason}): trace it to "
             "its end"
         )
@@ -293,7 +293,7 @@ def _past_the_peak(curve: CapacityCurve) -> tuple[int, int, str]:
         return top, top + 1, "the jump from the highest state at rest"
     before = [k for k in _run(curve, top) if k < top]
     if not before:
-        raise AssessmentError("the curve has one point at rest: there is no mechanism to be seen")
+        raise UnfinishedError("the curve has one point at rest: there is no mechanism to be seen")
     return before[-FEWEST:][0], top, "the tangent before the last point"
 
 
@@ -366,7 +366,7 @@ def _spread(curve: CapacityCurve) -> list[int]:
 
 def _poses(curve: CapacityCurve) -> Array:
     if curve.poses is None or len(curve.poses) < 2:
-        raise AssessmentError(
+        raise UnfinishedError(
             "the curve has no poses, by which blocks that move as one are told: trace it with "
             "keep_poses=True, or read its folder of results"
         )

@@ -1,0 +1,215 @@
+"""The senses of a load that an assessment looks at: traced, or read from folders of results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from drystone.assessment.verdict import Verdict
+    from drystone.curve import CapacityCurve
+    from drystone.model import Model
+
+#: Names of the senses in files, and the folder of the second one in that of the first.
+FORWARD, OPPOSITE = "along the load", "against the load"
+FOLDER = "opposite"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sense:
+    """A curve in one sense of the load, and the verdict on it."""
+
+    name: str
+    model: Model
+    folder: Path
+    curve: CapacityCurve | None
+    verdict: Verdict | None
+    problem: str | None = None  # why there is no verdict
+    warnings: tuple[str, ...] = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """What a file holds of it."""
+        if self.verdict is not None:
+            return {"status": "assessed", **self.verdict.as_dict()}
+        data: dict[str, Any] = {"status": "no verdict", "reason": self.problem}
+        if self.curve is not None:
+            data |= _partial(self.curve, self.model)
+        return data
+
+
+def traced(
+    source: Path,
+    amended: Callable[[Model], Model],
+    *,
+    out: Path | None,
+    engine: str | None,
+    one_sense: bool,
+    quiet: bool,
+) -> list[Sense]:
+    """The senses of a model file, which are traced, or of a folder of results.
+
+    What is asked for is looked at before anything is traced.  Errors of the input are raised; a
+    curve that does not go far enough for a verdict is told in its `Sense`.
+    """
+    if source.is_dir():
+        return _of_folder(source, amended, out)
+    from drystone.assessment.request import request_of
+    from drystone.engines import engine_names
+    from drystone.modelfile import read_model
+
+    model = amended(read_model(source, engines=engine_names()))
+    request_of(model.site, model.assessment)  # better known before the work
+    folder = out or Path(f"{source.stem}-results")
+    first = _traced_one(FORWARD, model, source, folder, engine=engine, quiet=quiet)
+    asked = True if model.assessment is None else model.assessment.values.get("opposite", True)
+    if one_sense or not asked:
+        return [first]
+    return [first, _traced_opposite(model, source, folder / FOLDER, engine=engine, quiet=quiet)]
+
+
+def worst(senses: Sequence[Sense]) -> Sense:
+    """The sense that governs: one that fails before those that hold, then by the safety index.
+
+    One without a verdict never does.
+    """
+    known = [sense for sense in senses if sense.verdict is not None]
+
+    def rank(sense: Sense) -> tuple[bool, float]:
+        assert sense.verdict is not None
+        index = sense.verdict.safety_index
+        return sense.verdict.satisfied is not False, float("inf") if index is None else index
+
+    return min(known, key=rank) if known else senses[0]
+
+
+def _of_folder(source: Path, amended: Callable[[Model], Model], out: Path | None) -> list[Sense]:
+    from drystone.export.results import load_results
+
+    def read(folder: Path, name: str) -> Sense:
+        results = load_results(folder)
+        if results.model is None:
+            from drystone.export.folder import OutputError
+
+            raise OutputError(
+                f"{folder}: the model in it cannot be read by this version: trace it again, or "
+                "assess the model file"
+            )
+        model = amended(results.model)
+        return _judged(name, model, results.curve, out or source)
+
+    senses = [read(source, FORWARD)]
+    if (source / FOLDER).is_dir():
+        senses.append(read(source / FOLDER, OPPOSITE))
+    return senses
+
+
+def _traced_one(
+    name: str, model: Model, source: Path, folder: Path, *, engine: str | None, quiet: bool
+) -> Sense:
+    """A model traced into a folder, and judged."""
+    from drystone.analysis import pushover
+    from drystone.commands.compiler import compiling
+    from drystone.commands.progress import progress_for
+    from drystone.export.directory import ResultsDirectory, files_of
+    from drystone.export.folder import check_apart, check_writable
+    from drystone.limit import limits_beside
+
+    check_writable(folder)
+    check_apart(source, files_of(folder))
+    stop = model.analysis.stop_multiplier
+    with (
+        compiling(engine or model.analysis.engine, quiet=quiet),
+        ResultsDirectory(folder, beside=limits_beside(model)) as results,
+        progress_for(f"{source.stem}, {name}", stop, quiet=quiet) as progress,
+    ):
+        curve = pushover(model, engine=engine, recorder=results, progress=progress, keep_poses=True)
+    if curve.status == "interrupted":
+        raise KeyboardInterrupt
+    return _judged(name, model, curve, folder)
+
+
+def _traced_opposite(
+    model: Model, source: Path, folder: Path, *, engine: str | None, quiet: bool
+) -> Sense:
+    """The model under the load turned round; where it cannot be traced, why."""
+    from drystone.builders.errors import ModelError
+    from drystone.engines.base import EngineError
+
+    turned = model
+    try:
+        turned = replace(
+            model.with_load(direction=(-model.load_along).tolist()),
+            title=f"{model.title}, {OPPOSITE}" if model.title else OPPOSITE,
+        )
+        return _traced_one(OPPOSITE, turned, source, folder, engine=engine, quiet=quiet)
+    except (EngineError, ModelError) as error:
+        problem = f"{OPPOSITE} there is no curve: {error}"
+    return Sense(
+        name=OPPOSITE,
+        model=turned,
+        folder=folder,
+        curve=None,
+        verdict=None,
+        problem=problem,
+        warnings=(problem,),
+    )
+
+
+def _judged(name: str, model: Model, curve: CapacityCurve, folder: Path) -> Sense:
+    """The verdict on a curve, or why there is none: its own fault, for that of the input is
+    raised."""
+    from drystone.assessment.errors import UnfinishedError
+    from drystone.assessment.request import request_of
+    from drystone.assessment.verdict import verdict_on
+
+    request = request_of(model.site, model.assessment)
+    try:
+        verdict = verdict_on(curve, model, request)
+    except UnfinishedError as error:
+        problem = f"{name} there is no verdict: {error}"
+        return Sense(
+            name=name,
+            model=model,
+            folder=folder,
+            curve=curve,
+            verdict=None,
+            problem=problem,
+            warnings=() if name == FORWARD else (problem,),
+        )
+    warnings = () if curve.status == "finished" else (f"{curve.status}: {curve.reason}",)
+    return Sense(
+        name=name, model=model, folder=folder, curve=curve, verdict=verdict, warnings=warnings
+    )
+
+
+def _partial(curve: CapacityCurve, model: Model) -> dict[str, Any]:
+    """What a curve without a verdict shows all the same."""
+    from drystone.assessment.errors import AssessmentError
+    from drystone.assessment.mechanism import reduced
+
+    values = {} if model.assessment is None else model.assessment.values
+    keys = {
+        "method": values.get("method"),
+        "reading": values.get("reading", "base_shear"),
+        "safety_index": None,
+        "satisfied": None,
+        "limit_states": {},
+    }
+    try:
+        found = reduced(curve, model, grouping=values.get("grouping", "macro_blocks"))
+    except AssessmentError:
+        return keys
+    capacity = found.capacities[keys["reading"]]
+    return keys | {
+        "activation_multiplier": capacity.activation_multiplier,
+        "participating_mass_ratio": capacity.participating_mass_ratio,
+        "participating_mass": capacity.participating_mass,
+        "participation_factor": capacity.participation_factor,
+        "activation_acceleration": capacity.activation_acceleration,
+        "collapse_displacement": capacity.spectral_collapse_displacement,
+        "spectral_displacement": capacity.spectral_displacement.tolist(),
+        "spectral_acceleration": capacity.spectral_acceleration.tolist(),
+        "mechanism": found.as_dict(),
+    }
