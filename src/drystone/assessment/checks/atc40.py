@@ -89,25 +89,9 @@ def performance_point(
     a = np.append(0.0, np.asarray(acceleration, dtype=np.float64))
     if len(d) < 3 or not np.isfinite([d, a]).all() or (np.diff(d) <= 0.0).any():
         raise AssessmentError("a capacity of ATC-40 has displacements that grow from above zero")
-    stiffness = a[1] / d[1]
 
     def at(x: float) -> PerformancePoint:
-        end = float(np.interp(x, d, a))
-        before = d < x
-        px, py = np.append(d[before], x), np.append(a[before], end)
-        area = float(np.sum(0.5 * (py[1:] + py[:-1]) * np.diff(px)))
-        first = x
-        if stiffness * x > end * (1.0 + 1e-12):
-            first = (2.0 * area - end * x) / (stiffness * x - end)
-        level = min(stiffness * first, stiffness * x)
-        damping = max(effective_damping(level, first, end, x, kappa), 0.05)
-        return PerformancePoint(
-            displacement=x,
-            acceleration=end,
-            damping=damping,
-            yield_displacement=first,
-            yield_acceleration=level,
-        )
+        return _point(d, a, x, kappa)
 
     def excess(x: float) -> float:
         point = at(x)
@@ -126,4 +110,24 @@ def performance_point(
     raise AssessmentError(
         f"the capacity lies below the demand up to its end at {d[-1]:.4g} m: ATC-40 finds no "
         "performance point; trace the curve further"
+    )
+
+
+def _point(d: Array, a: Array, x: float, kappa: float) -> PerformancePoint:
+    """The bilinear of equal area through the capacity's point at x [m], and its damping."""
+    stiffness = float(a[1] / d[1])
+    end = float(np.interp(x, d, a))
+    before = d < x
+    px, py = np.append(d[before], x), np.append(a[before], end)
+    area = float(np.sum(0.5 * (py[1:] + py[:-1]) * np.diff(px)))
+    first = x
+    if stiffness * x > end * (1.0 + 1e-12):
+        first = (2.0 * area - end * x) / (stiffness * x - end)
+    level = stiffness * first
+    return PerformancePoint(
+        displacement=x,
+        acceleration=end,
+        damping=max(effective_damping(level, first, end, x, kappa), 0.05),
+        yield_displacement=first,
+        yield_acceleration=level,
     )

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import replace
 
 from drystone.assembly import GRAVITY
 from drystone.assessment.bilinear import Bilinear, bilinear, drop_point
@@ -146,6 +148,33 @@ def _descent(capacity: Capacity, curve: Bilinear) -> float:
     return fall * curve.yield_displacement / curve.yield_acceleration
 
 
+def _state(
+    name: str,
+    capacity: Capacity,
+    spectrum: Spectrum,
+    demand: Callable[[Spectrum], float],
+    settings: Settings,
+) -> LimitState:
+    """The target displacement against the user's acceptance displacement."""
+    limit = settings.displacement_limits.get(name)
+    own = None if limit is None else capacity.spectral_at(limit)
+    asked = demand(spectrum)
+    return LimitState(
+        name=name,
+        limit_displacement=own,
+        limit_control_displacement=limit,
+        damping=REFERENCE_DAMPING,
+        displacement_demand=asked,
+        control_displacement_demand=capacity.control_at(asked),
+        ground_acceleration_capacity=None if own is None else bearable(spectrum, demand, own),
+        ground_acceleration_demand=spectrum.ground_acceleration,
+        return_period_demand=spectrum.return_period,
+        satisfied=None if own is None else asked <= own,
+        governed_by="" if limit is None else "displacement limit given",
+        clause="ASCE 41-17 7.4.3.3, (7-28) to (7-33)",
+    )
+
+
 def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessment:
     """Target displacement by ASCE 41-17 7.4.3.3 against the user's acceptance displacements.
 
@@ -183,10 +212,10 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
 
     found = []
     for name, spectrum in given.items():
+        asked = demand(spectrum)
         ratio = strength_ratio(
             float(spectrum.sa(period, REFERENCE_DAMPING)) / GRAVITY, yield_ratio, mass
         )
-        asked = demand(spectrum)
         most = largest_strength_ratio(min(asked, peak), curve.yield_displacement, fall, period)
         if ratio > most and name in verified:
             raise AssessmentError(
@@ -194,28 +223,10 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
                 f"{most:.3g} of ASCE 41-17 (7-32), the strength falls too fast after the peak; "
                 'take non-linear dynamics, method "rocking"'
             )
-        limit = settings.displacement_limits.get(name)
-        own = None if limit is None else c.spectral_at(limit)
+        details = {"strength_ratio": ratio, "largest_strength_ratio": most}
+        state = _state(name, c, spectrum, demand, settings)
         found.append(
-            LimitState(
-                name=name,
-                limit_displacement=own,
-                limit_control_displacement=limit,
-                limit_period=period,
-                damping=REFERENCE_DAMPING,
-                displacement_demand=asked,
-                control_displacement_demand=c.control_at(asked),
-                ground_acceleration_capacity=None
-                if own is None
-                else bearable(spectrum, demand, own),
-                ground_acceleration_demand=spectrum.ground_acceleration,
-                return_period_demand=spectrum.return_period,
-                satisfied=None if own is None else asked <= own,
-                verified=name in verified,
-                governed_by="displacement limit given" if limit is not None else "",
-                clause="ASCE 41-17 7.4.3.3, (7-28) to (7-33)",
-                details={"strength_ratio": ratio, "largest_strength_ratio": most},
-            )
+            replace(state, limit_period=period, verified=name in verified, details=details)
         )
     return _answer(c, settings, curve, tuple(found), given, notes)
 

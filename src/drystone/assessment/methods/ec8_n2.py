@@ -147,18 +147,6 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         _state(name, limits[name], c, curve, spectrum, name in verified)
         for name, spectrum in given.items()
     ]
-    said = [f"NC: {why}; the bilinear ends there (EN 1998-1:2004 B.3)."]
-    said += [
-        f"The curve ends at {d[-1]:.4g} m, short of 1.5 times the target displacement of "
-        f"{state.name} (EN 1998-1:2004 4.3.3.4.2.3(1))."
-        for state in found
-        if state.displacement_demand is not None and d[-1] < REACH * state.displacement_demand
-    ]
-    if settings.confidence_factor is not None:
-        said.append(
-            "The confidence factor divides strengths of materials in the model, not the curve: it "
-            "is not applied here."
-        )
     used = tuple(given.values())
     reference = next((s for s in found if s.name == REFERENCE), found[0])
     own = [UNCERTAIN]
@@ -179,7 +167,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
             "strength_ratio": reference.details["strength_ratio"],
             "ductility_demand": reference.details["ductility_demand"],
         },
-        assumptions=local.assumptions(c, used) + notes + tuple(said),
+        assumptions=local.assumptions(c, used) + notes + _said(c, found, why, settings),
         uncertain=local.uncertain(c, used, *own),
         weighs_most=local.weight(
             c,
@@ -187,3 +175,23 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
             "other periods T*)",
         ),
     )
+
+
+def _said(
+    capacity: Capacity, found: list[LimitState], why: str, settings: Settings
+) -> tuple[str, ...]:
+    """What was assumed by the method."""
+    last = float(capacity.spectral_displacement[-1])
+    said = [f"NC: {why}; the bilinear ends there (EN 1998-1:2004 B.3)."]
+    said += [
+        f"The curve ends at {last:.4g} m, short of 1.5 times the target displacement of "
+        f"{state.name} (EN 1998-1:2004 4.3.3.4.2.3(1))."
+        for state in found
+        if state.displacement_demand is not None and last < REACH * state.displacement_demand
+    ]
+    if settings.confidence_factor is not None:
+        said.append(
+            "The confidence factor divides strengths of materials in the model, not the curve: it "
+            "is not applied here."
+        )
+    return tuple(said)

@@ -193,19 +193,6 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         else:
             left_out.append(f"{name} (no damping)")
     used = tuple(given.values())
-    said = [local.collapse_assumption()]
-    if left_out:
-        said.append(f"Left out: {', '.join(left_out)}.")
-    if settings.confidence_factor is not None:
-        said.append("gamma_Rd takes the place of the confidence factor, which is not applied.")
-    own = list(UNCERTAIN)
-    if any(isinstance(s, FloorSpectrum) for s in used):
-        own.append(
-            "EN 1998-3:2025 (11.44), (11.45): the floor spectrum of Circ. 7/2019 C7.2.3 stands for "
-            "that of the standard."
-        )
-    if any(state.return_period_capacity is not None for state in found):
-        own.append(RETURN_PERIOD_UNCERTAIN)
     return Assessment(
         method=NAME,
         capacity=c,
@@ -216,9 +203,31 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         confidence_factor=None,
         spectra=given,
         quantities={"resistance_factor": factors.resistance, "demand_factor": factors.demand},
-        assumptions=local.assumptions(c, used) + notes + tuple(said),
-        uncertain=local.uncertain(c, used, *own),
+        assumptions=local.assumptions(c, used) + notes + _said(left_out, settings),
+        uncertain=local.uncertain(c, used, *_uncertain(found, used)),
         weighs_most=local.weight(
             c, "damping and gamma_Sd, whose values in the standard are not known here"
         ),
     )
+
+
+def _said(left_out: list[str], settings: Settings) -> tuple[str, ...]:
+    """What was assumed by the method."""
+    said = [local.collapse_assumption()]
+    if left_out:
+        said.append(f"Left out: {', '.join(left_out)}.")
+    if settings.confidence_factor is not None:
+        said.append("gamma_Rd takes the place of the confidence factor, which is not applied.")
+    return tuple(said)
+
+
+def _uncertain(found: list[LimitState], used: tuple[Spectrum, ...]) -> tuple[str, ...]:
+    said = list(UNCERTAIN)
+    if any(isinstance(s, FloorSpectrum) for s in used):
+        said.append(
+            "EN 1998-3:2025 (11.44), (11.45): the floor spectrum of Circ. 7/2019 C7.2.3 stands for "
+            "that of the standard."
+        )
+    if any(state.return_period_capacity is not None for state in found):
+        said.append(RETURN_PERIOD_UNCERTAIN)
+    return tuple(said)

@@ -251,6 +251,9 @@ def _flight(
     def falls(t: float, y: Array) -> float:
         return sign * y[0] - rocker.limit
 
+    def turns(t: float, y: Array) -> float:
+        return y[1]
+
     for event, direction in ((hits, -1.0), (falls, 1.0)):
         event.terminal, event.direction = True, direction  # type: ignore[attr-defined]
     t, x, v = state
@@ -263,11 +266,14 @@ def _flight(
         atol=[ABSOLUTE * rocker.limit, ABSOLUTE * rocker.pace],
         max_step=longest,
         first_step=min(1e-3 * min(longest, end - t), 0.5 * (end - t)),
-        events=(hits, falls),
+        events=(hits, falls, turns),
     )
     if found.status < 0:
         raise AssessmentError(f"rocking could not be integrated: {found.message}")
-    history.add(found.t, found.y[0], found.y[1])
+    turned = found.t_events[2]  # the largest displacements lie between steps
+    order = np.argsort(np.append(found.t, turned), kind="stable")
+    both = np.hstack((found.y, np.reshape(found.y_events[2], (-1, 2)).T))[:, order]
+    history.add(np.append(found.t, turned)[order], both[0], both[1])
     last = float(found.t[-1]), float(found.y[0, -1]), float(found.y[1, -1])
     if found.status == 1:
         return (*last, "impact" if len(found.t_events[0]) else "overturned")
