@@ -12,6 +12,7 @@ import typer
 from drystone.commands.assess import assess
 from drystone.commands.benchmark import benchmark
 from drystone.commands.check import check
+from drystone.commands.compare import compare
 from drystone.commands.convert import convert
 from drystone.commands.limit import limit
 from drystone.commands.run import run
@@ -51,6 +52,7 @@ app.command()(limit)
 app.command()(check)
 app.command()(show)
 app.command()(assess)
+app.command()(compare)
 app.command()(convert)
 app.command()(benchmark)
 

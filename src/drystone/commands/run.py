@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -48,6 +49,23 @@ Threads = Annotated[
 ]
 
 
+class FigureFormat(StrEnum):
+    """Formats of pictures beside PNG."""
+
+    svg = "svg"
+    pdf = "pdf"
+
+
+Figures = Annotated[
+    list[FigureFormat] | None,
+    typer.Option(
+        "--figures",
+        help="Pictures in this format as well as in PNG; may be repeated.",
+        show_default=False,
+    ),
+]
+
+
 # Long: what is asked for is checked, traced and told, in this order.
 def run(
     model_file: ModelFile,
@@ -56,6 +74,7 @@ def run(
     strategy: StrategyName = None,
     mechanism_at: MechanismAt = None,
     threads: Threads = None,
+    figures: Figures = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -82,7 +101,10 @@ def run(
         with compiling(engine or model.analysis.engine, quiet=quiet or as_json):
             beside = limits_beside(model)
             with ResultsDirectory(
-                folder, mechanism_displacement=mechanism_at, beside=beside
+                folder,
+                mechanism_displacement=mechanism_at,
+                beside=beside,
+                formats=[format.value for format in figures or ()],
             ) as results:
                 from drystone.analysis import pushover
 

@@ -15,6 +15,15 @@ if TYPE_CHECKING:
 #: Names of the senses in files, and the folder of the second one in that of the first.
 FORWARD, OPPOSITE = "along the load", "against the load"
 FOLDER = "opposite"
+#: Figures of a capacity that stand in files also where there is no verdict; the last one by d*.
+FIGURES = (
+    "activation_multiplier",
+    "participating_mass_ratio",
+    "participating_mass",
+    "participation_factor",
+    "activation_acceleration",
+    "collapse_displacement",
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,9 +199,10 @@ def _partial(curve: CapacityCurve, model: Model) -> dict[str, Any]:
     from drystone.assessment.mechanism import reduced
 
     values = {} if model.assessment is None else model.assessment.values
-    keys = {
+    keys: dict[str, Any] = {
         "method": values.get("method"),
         "reading": values.get("reading", "base_shear"),
+        **dict.fromkeys(FIGURES),
         "safety_index": None,
         "satisfied": None,
         "limit_states": {},
@@ -203,11 +213,7 @@ def _partial(curve: CapacityCurve, model: Model) -> dict[str, Any]:
         return keys
     capacity = found.capacities[keys["reading"]]
     return keys | {
-        "activation_multiplier": capacity.activation_multiplier,
-        "participating_mass_ratio": capacity.participating_mass_ratio,
-        "participating_mass": capacity.participating_mass,
-        "participation_factor": capacity.participation_factor,
-        "activation_acceleration": capacity.activation_acceleration,
+        **{name: getattr(capacity, name) for name in FIGURES[:-1]},
         "collapse_displacement": capacity.spectral_collapse_displacement,
         "spectral_displacement": capacity.spectral_displacement.tolist(),
         "spectral_acceleration": capacity.spectral_acceleration.tolist(),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -40,6 +41,8 @@ MECHANISM_OPTION = "mechanism_displacement"
 
 SUMMARY, CURVE, RESULTS = "summary.json", "curve.csv", "results.h5"
 CURVE_FIGURE, MECHANISM_FIGURE, PARAVIEW = "curve.png", "mechanism.png", "paraview"
+#: Of pictures.
+FORMATS = ("png", "svg", "pdf")
 FILES = (SUMMARY, CURVE, CURVE_FIGURE, MECHANISM_FIGURE, RESULTS)
 
 
@@ -60,6 +63,8 @@ class ResultsDirectory:
         under ``mechanism_displacement``, else 0.2 m.
     beside
         Multipliers of limit analysis, for ``summary.json`` and ``curve.png``.
+    formats
+        Of pictures beside PNG: "svg", "pdf".
 
     Raises
     ------
@@ -73,11 +78,13 @@ class ResultsDirectory:
         *,
         mechanism_displacement: float | None = None,
         beside: Beside | None = None,
+        formats: Sequence[str] = (),
     ) -> None:
         self.path = Path(path)
         from drystone.limit.beside import Beside  # takes long, which reading results need not
 
         self._beside = beside or Beside()
+        self._formats = tuple(dict.fromkeys(("png", *formats)))
         self.summary: dict[str, Any] | None = None  # of the analysis, once it ended
         self._mechanism_displacement = mechanism_displacement
         self._model: Model | None = None
@@ -133,6 +140,9 @@ class ResultsDirectory:
         (self.path / PARAVIEW).mkdir(exist_ok=True)
         for name in FILES:
             (self.path / name).unlink(missing_ok=True)
+        for name in (CURVE_FIGURE, MECHANISM_FIGURE):
+            for format in FORMATS:
+                (self.path / name).with_suffix(f".{format}").unlink(missing_ok=True)
         remove_series(self.path / PARAVIEW)
         return ResultsWriter(self.path / RESULTS, self._model, *self._names)
 
@@ -162,8 +172,11 @@ class ResultsDirectory:
 
     def _draw(self, model: Model, curve: CapacityCurve) -> None:
         """Pictures and series, of the points that ``results.h5`` has."""
-        with whole_file(self.path / CURVE_FIGURE) as draft:
-            draw_curve(curve, draft, title=model.title, limits=self._beside.limits)
+        for format in self._formats:
+            with whole_file((self.path / CURVE_FIGURE).with_suffix(f".{format}")) as draft:
+                draw_curve(
+                    curve, draft, title=model.title, limits=self._beside.limits, format=format
+                )
         with ResultsReader(self.path / RESULTS) as results:
             curve = replace(curve, points=curve.points[: results.n_points])
             self._draw_mechanism(model, curve, results)
@@ -187,18 +200,20 @@ class ResultsDirectory:
         point, pose, settled = curve.points[row], results.pose(row), results.pose(0)
         gone = curve.gone(model.assembly.ids, point.step)
         pose = np.where(gone[:, None], settled, pose)  # they are shown as designed
-        with whole_file(self.path / MECHANISM_FIGURE) as draft:
-            mechanism = Mechanism(
-                assembly=model.assembly,
-                pose=pose,
-                settled=settled,
-                gone=gone,
-                contacts=results.contacts(row),
-                load_direction=model.load_along,
-                control_point=model.control_point,
-                magnification=readable_magnification(model.assembly, pose, settled),
-            )
-            draw_mechanism(mechanism, draft, title=mechanism_title(model.title, point))
+        mechanism = Mechanism(
+            assembly=model.assembly,
+            pose=pose,
+            settled=settled,
+            gone=gone,
+            contacts=results.contacts(row),
+            load_direction=model.load_along,
+            control_point=model.control_point,
+            magnification=readable_magnification(model.assembly, pose, settled),
+        )
+        title = mechanism_title(model.title, point)
+        for format in self._formats:
+            with whole_file((self.path / MECHANISM_FIGURE).with_suffix(f".{format}")) as draft:
+                draw_mechanism(mechanism, draft, title=title, format=format)
 
 
 def files_of(folder: Path) -> list[Path]:

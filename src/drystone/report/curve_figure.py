@@ -49,6 +49,7 @@ def draw_curve(
     reference: Sequence[Reference] = (),
     limits: Mapping[str, float] | None = None,
     title: str = "",
+    format: str = "png",
 ) -> None:
     """Write ``curve.png``.
 
@@ -57,13 +58,15 @@ def draw_curve(
     curves
         One curve, or several with their labels.
     path
-        PNG file to write.
+        File to write.
     reference
         Recorded curves to compare with.
     limits
         Multipliers of limit analysis by label, drawn as horizontal lines.
     title
         Above the picture.
+    format
+        Of the file: "png", "svg" or "pdf".
     """
     labelled = [("", curves)] if isinstance(curves, CapacityCurve) else list(curves)
     labelled = [(label, curve) for label, curve in labelled if curve.points]
@@ -93,7 +96,7 @@ def draw_curve(
         figure.legend(
             handles, labels, loc="outside lower center", ncols=3, fontsize=9, frameon=False
         )
-    canvas.save(figure, path)
+    canvas.save(figure, path, format)
 
 
 def plot_curves(

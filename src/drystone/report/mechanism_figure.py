@@ -40,18 +40,25 @@ MOST_CONTACTS = 3000
 
 
 def draw_mechanism(
-    mechanism: Mechanism, path: Path | str, *, title: str = "", scale: str = ""
+    mechanism: Mechanism,
+    path: Path | str,
+    *,
+    title: str = "",
+    scale: str = "",
+    format: str = "png",
 ) -> None:
     """Write a picture: joints that opened in red, those that slid in blue.
 
     Parameters
     ----------
     path
-        PNG file to write.
+        File to write.
     title
         Above the picture; the magnification is added where it is not 1.
     scale
         What to say of the displacements' scale, where it is neither true nor a magnification.
+    format
+        Of the file: "png", "svg" or "pdf".
     """
     figure = canvas.new_figure(8.0, 8.0)
     axes = figure.subplots()
@@ -70,7 +77,7 @@ def draw_mechanism(
     beside, around = 0.7, 1.6  # inches for the y axis, and for title, x axis and legend
     height = (8.0 - beside) * (top - bottom) / (right - left) + around
     figure.set_size_inches(8.0, float(np.clip(height, 4.0, 12.0)))
-    canvas.save(figure, path)
+    canvas.save(figure, path, format)
 
 
 def plot_mechanism(axes: Axes, mechanism: Mechanism) -> None:
