@@ -223,6 +223,23 @@ def test_what_breaks_first_limits():
     assert "displacement limit" in held.sentence
 
 
+def test_a_tie_that_breaks_ends_the_slv():
+    part = participation([1000.0], [1.0])
+
+    def tied(after, width=0.001):
+        return Capacity.of(
+            [0.0, 0.02, 0.02 + width, 0.3], [0.3, 0.28, after, 0.0], part, reading="base_shear"
+        )
+
+    broken = assess(tied(0.12), site(), local()).state("SLV")
+    assert broken.limit_displacement == pytest.approx(0.02)
+    assert broken.limit_acceleration == pytest.approx(0.28 * GRAVITY / 1.35)
+    assert "sudden loss" in broken.details["limit_set_by"]
+    # less than half of 0.3, and as much in ten times the way
+    for other in (tied(0.14), tied(0.12, width=0.01)):
+        assert assess(other, site(), local()).state("SLV").limit_displacement == pytest.approx(0.12)
+
+
 def test_activation_holds_a_mechanism_that_displacements_would_not():
     # stocky and small: it starts late and falls at once
     found = assess(rocking_wall(0.5, 0.02, 1.0), site(), local())

@@ -10,6 +10,8 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
+import numpy as np
+
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, not_negative
 from drystone.assessment.methods import local
@@ -51,6 +53,9 @@ RULES = {
     "SLC": Rule(0.6, 1.56, 0.10, "Circ. 7/2019 C8.7.1.2.1.8, (C8.7.1.11)"),
 }
 
+#: Share of the largest acceleration whose loss ends the SLV, and of d0 within which it is sudden.
+LOST, SUDDEN = 0.5, 0.01
+
 #: q of the simplified check of the SLV, C8.7.1.2.1.7.
 BEHAVIOUR_FACTOR = 2.0
 
@@ -84,6 +89,24 @@ def activation_demand(spectrum: Spectrum, elastic_period: float | None) -> float
     a_g S at the ground and a_Z, (C7.2.8), at a height; S_e(T_0, 5 %) of a free element.
     """
     return float(spectrum.sa(elastic_period or 0.0, REFERENCE_DAMPING))
+
+
+def sudden_loss(capacity: Capacity) -> float | None:
+    """d* [m] at which more than half of the largest acceleration is lost at once, or None.
+
+    As where a tie or a connection breaks: it ends the SLV, C8.7.1.2.1.8.  At once is within a
+    hundredth of the collapse displacement.
+    """
+    d, a = capacity.spectral_displacement, capacity.spectral_acceleration
+    end = capacity.spectral_collapse_displacement
+    if end is None:
+        return None
+    last = min(int(np.searchsorted(d, end)), len(d) - 1)
+    for i in range(int(capacity.peak_index), last):
+        within = slice(i, int(np.searchsorted(d, d[i] + SUDDEN * end, side="right")))
+        if a[i] - a[within].min() > LOST * a.max():
+            return float(d[i])
+    return None
 
 
 def activation_state(
@@ -124,6 +147,9 @@ def _ultimate_state(
     rule, factor = RULES[name], local.confidence_factor(settings)
     own = rule.share * local.collapse(capacity, settings)
     d, why = local.limit(capacity, settings, name, own)
+    lost = sudden_loss(capacity) if name == "SLV" and not settings.straight_capacity else None
+    if lost is not None and lost < d:
+        d, why = lost, "sudden loss of more than half the strength"
     a = local.acceleration(capacity, d, bool(settings.straight_capacity)) / factor
     period = limit_period(d, a, name)
     t0 = settings.elastic_period
@@ -131,7 +157,8 @@ def _ultimate_state(
     by_displacement = bearable(
         spectrum, lambda s: displacement_demand(s, period, rule.damping, t0), d
     )
-    borne, governed = by_displacement, why or f"{rule.share:g} of the collapse displacement"
+    why = why or f"{rule.share:g} of the collapse displacement"
+    borne, governed = by_displacement, why
     if borne is not None and activation is not None and activation > borne:
         borne, governed = activation, "activation"
     return LimitState(
@@ -152,6 +179,7 @@ def _ultimate_state(
         governed_by=governed,
         clause=rule.clause,
         details={
+            "limit_set_by": why,
             "ground_acceleration_of_displacement": by_displacement,
             "secant_period": 2.0 * math.pi * math.sqrt(d / a),
             "secant_stiffness": capacity.oscillator_mass * a / d,
