@@ -133,7 +133,8 @@ class DisplacementControl:
         s = self.settings
         share = min((state.time_step / s.time_step) ** 2, 50.0)
         creep = s.creep_share * s.displacement_step * share
-        return Demand(increment=creep, time_step=state.time_step)
+        thorough = not (s.smooth and state.time_step > 0.3 * s.time_step)
+        return Demand(increment=creep, time_step=state.time_step, thorough=thorough)
 
     def _would_halve(self, state: _State) -> bool:
         """Whether a step that fails may soon be tried again with half of it."""

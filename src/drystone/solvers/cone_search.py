@@ -41,7 +41,7 @@ class ConeSettings:
     high: float = 1.0
     #: More of the former, over the square of what is unbalanced where it begins, and at most: with
     #: less, contacts that are far from what they will be cut the way to nothing.
-    unbalanced: float = 0.1
+    unbalanced: float = 0.03
     most_unbalanced: float = 3.0
     #: More of the latter, over the work of a block's weight along the increment.
     reach: float = 0.05
@@ -49,6 +49,15 @@ class ConeSettings:
     max_iterations: int = 120
     max_slow_iterations: int = 200
     patience: int = 40
+    #: Of the former where a shorter step may be tried instead.
+    few_iterations: int = 60
+    #: Length of iterations that is no way on, how many of them in a row there may be, and how often
+    #: contacts are then centred anew for what is unbalanced where the step has come to; the least
+    #: barrier there.
+    short: float = 0.2
+    stalled: int = 4
+    recentred: int = 8
+    recentred_barrier: float = 1e-3
     #: Of the way to where the interior ends.
     share: float = 0.99
     #: Part of the predictor from which on its second order counts.
@@ -76,6 +85,7 @@ class ConeSettings:
     #: Damping [1/s2], times the mass, where there are unstable directions; factors of more and
     #: less.
     damping: float = 10.0
+    most_damping: float = 1e9
     more: float = 4.0
     less: float = 0.25
 
@@ -163,23 +173,14 @@ class ConeSearch:
         """Go down from a barrier; whether that ends in an equilibrium."""
         step, settings = self.step, self.settings
         n = step.n
-        joint, inner, trial = step.joint[:n], step.inner[:n], step.trial[:n]
+        joint, inner = step.joint[:n], step.inner[:n]
         free = joint[:, cones.HELD] == 0.0
         if not free.any():
             return self.newton(settings.warm_iterations)
-        stiffness = float(joint[free, cones.KN].mean())
-        unit = self.block_weight**2 / stiffness  # J
-        barrier = attempt.barrier * unit
-        if attempt.by_residual:
-            step.respond()
-            unbalanced = step.balance(step.reaction) / self.block_weight
-            most = min(settings.unbalanced * unbalanced**2, settings.most_unbalanced)
-            barrier = max(barrier, most * unit)
-        if attempt.by_increment:
-            barrier += settings.reach * self.block_weight * abs(step.missing)
+        unit = self.block_weight**2 / float(joint[free, cones.KN].mean())  # J
         step.damping[:] = 0.0
-        cones.centre_contacts(joint, barrier, True, trial, inner)
-        again, least, since = 0, math.inf, 0
+        self._centre(attempt, attempt.barrier, unit)
+        again, least, since, stalled, recentred = 0, math.inf, 0, 0, 0
         for k in range(1, attempt.iterations + 1):
             energy = cones.scale(joint, inner, step.scaling[:n])
             residual = step.balance(step.inner)
@@ -199,9 +200,32 @@ class ConeSearch:
             again = k + settings.again if due and told else again
             if near and energy <= settings.least * unit:
                 return False
-            if not self._descend(attempt, energy):
+            if attempt.by_residual and not near and stalled >= settings.stalled:
+                if recentred == settings.recentred:
+                    return False
+                self._centre(attempt, settings.recentred_barrier, unit)
+                energy = cones.scale(joint, inner, step.scaling[:n])
+                step.balance(step.inner)
+                step.damping[:] = 0.0
+                stalled, recentred, least, since = 0, recentred + 1, math.inf, k
+            length = self._descend(attempt, energy)
+            if not length >= 0.0:
                 return False
+            stalled = stalled + 1 if length < settings.short else 0
         return False
+
+    def _centre(self, attempt: Attempt, barrier: float, unit: float) -> None:
+        """Begin from where the step is, with a barrier over the energy ``unit`` [J]."""
+        step, settings, n = self.step, self.settings, self.step.n
+        barrier *= unit
+        if attempt.by_residual:
+            step.respond()
+            unbalanced = step.balance(step.reaction) / self.block_weight
+            most = min(settings.unbalanced * unbalanced**2, settings.most_unbalanced)
+            barrier = max(barrier, most * unit)
+        if attempt.by_increment:
+            barrier += settings.reach * self.block_weight * abs(step.missing)
+        cones.centre_contacts(step.joint[:n], barrier, True, step.trial[:n], step.inner[:n])
 
     def _solved(self) -> bool:
         """Whether the joint law itself leaves nothing unbalanced here; else all is as before."""
@@ -213,27 +237,29 @@ class ConeSearch:
     def _probe(self) -> bool:
         """Whether Newton's method finds the solution from here; else all is as before."""
         step = self.step
-        place = step.place
+        place, damping = step.place, step.damping.copy()
         s = self.settings
         if self.newton(s.probe_iterations, patience=s.probe_patience, gain=s.probe_gain):
             return True
         step.come_back(place)
+        step.damping[:] = damping
         step.balance(step.inner)
         return False
 
-    def _descend(self, attempt: Attempt, energy: float) -> bool:
-        """Predictor and corrector with one factorisation; whether there is a way on."""
+    def _descend(self, attempt: Attempt, energy: float) -> float:
+        """Predictor and corrector with one factorisation; how far along they went, at most 1, or
+        not a number where there is no way on."""
         step, settings, n = self.step, self.settings, self.step.n
         joint, inner, change = step.joint[:n], step.inner[:n], step.change[:n]
         cones.responses(step.scaling[:n], step.response[:n])
         self.iterations += 1
         if not step.factorise(step.inner, attempt.least_damping):
-            return False
+            return math.nan
         missing = step.missing
         by_multiplier = self._direction(0.0, missing, second=False)
         if step.pace is not None and not step.stable:
             step.damping[:] = np.maximum(settings.more * step.damping, settings.damping)
-            return bool(step.damping[0] < 1e9)
+            return 1.0 if step.damping[0] < settings.most_damping else math.nan
         far = self._length()
         reachable = cones.energy_at(joint, far, inner, change)
         share = min(max((reachable / energy) ** 3, 1e-3), 0.8) if energy > 0.0 else 0.0
@@ -241,7 +267,7 @@ class ConeSearch:
         by_multiplier = self._direction(share * energy, missing, second=second)
         far = self._turning(min(1.0, settings.share * self._length()))
         if not math.isfinite(by_multiplier) or not far > 0.0:
-            return False
+            return math.nan
         if far > 0.9:
             step.damping *= settings.less
             step.damping[step.damping < 3.0] = 0.0
@@ -250,7 +276,7 @@ class ConeSearch:
         step.move(step.frame.columns[0], far)
         left = (1.0 - far) * energy + far * share * energy
         cones.centre_contacts(joint, left, False, step.trial[:n], inner)
-        return True
+        return far
 
     def _direction(self, barrier: float, missing: float, *, second: bool) -> float:
         """Fill the first column and the changes; returns that of the multiplier."""

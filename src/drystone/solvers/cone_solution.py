@@ -154,13 +154,18 @@ class _Solver:
             step.set_out(guess, multiplier)
             if self.search.newton(s.warm_iterations, patience=s.warm_patience, gain=s.warm_gain):
                 return True
-        first = Attempt(barrier=s.low, by_residual=True, iterations=s.max_iterations)
-        for attempt in (first, replace(first, least_damping=self.settings.stability.least_damping)):
-            step.set_out(guess, multiplier)
-            if self.search.interior(attempt):
-                return True
+        most = s.max_iterations if thorough else s.few_iterations
+        first = Attempt(barrier=s.low, by_residual=True, iterations=most)
+        step.set_out(guess, multiplier)
+        if self.search.interior(first):
+            return True
         if not thorough:
             return False
+        step.set_out(guess, multiplier)
+        if self.search.interior(
+            replace(first, least_damping=self.settings.stability.least_damping)
+        ):
+            return True
         step.set_out(np.zeros_like(guess), multiplier)
         return self.search.interior(
             Attempt(
