@@ -327,9 +327,21 @@ class ResultsReader:
         """Poses of the blocks at point ``k``, (n, n_pose)."""
         return np.asarray(self._file["poses"][k])
 
+    def blocks(self) -> dict[str, NDArray[Any]]:
+        """What the file tells of the blocks, by the names of the module's description."""
+        return {name: values[:] for name, values in self._file["blocks"].items()}
+
     def contacts(self, k: int) -> ContactForces:
         """Contact points at point ``k``."""
-        rows = slice(self._offset[k], self._offset[k + 1])
+        return self.contacts_between(k, k + 1)
+
+    def n_contacts(self) -> NDArray[np.int64]:
+        """Contact points at every point, (n_points,)."""
+        return np.diff(self._offset)
+
+    def contacts_between(self, first: int, last: int) -> ContactForces:
+        """Contact points at the points from ``first`` to before ``last``, one after the other."""
+        rows = slice(self._offset[first], self._offset[last])
         group = self._file["contacts"]
         values = {name: group[name][rows] for name in CONTACT_FIELDS if name in group}
         return ContactForces(
