@@ -37,6 +37,7 @@ MODULES = (
     "keyboard.js",
     "gestures.js",
     "panel.js",
+    "raster.js",
     "flat.js",
     "scene.js",
     "main.js",

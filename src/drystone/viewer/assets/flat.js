@@ -1,86 +1,106 @@
-// The structure without WebGL: painted face after face from the back to the front, simpler, and right
-// as long as no face winds around another.
+// The structure without WebGL, by the processor alone: simpler shading, nothing is seen through.
 
 import { css } from "./colours.js";
+import { Raster, packed } from "./raster.js";
 import { POSE, turn } from "./rotation.js";
+
+const EDGE = packed([0.12, 0.12, 0.12]);
 
 export class FlatScene {
   constructor(canvas, record) {
     this.record = record;
     this.canvas = canvas;
     this.pen = canvas.getContext("2d");
-    this.faces = faces(record);
+    this.seen = new Float32Array(4 * record.owner.length);
   }
 
   resize(width, height, ratio) {
     this.canvas.width = Math.round(width * ratio);
     this.canvas.height = Math.round(height * ratio);
     this.ratio = ratio;
+    this.raster = null;
   }
 
-  draw({ poses, colours, ribbons, camera, section, opacity }) {
+  draw({ poses, colours, ribbons, camera, section }) {
     const { pen, record } = this;
-    pen.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
-    pen.fillStyle = "#ffffff";
-    pen.fillRect(0, 0, camera.width, camera.height);
-    const seen = new Float32Array(record.owner.length * 3);
-    const [p, q] = [[0, 0, 0], [0, 0, 0]];
-    for (let v = 0; v < record.owner.length; v++) {
-      record.vertexAt(poses, v, p);
-      seen.set(camera.project(p, q), 3 * v);
+    pen.setTransform(1, 0, 0, 1, 0, 0);
+    if (record.dimension === 3) {
+      this._look(poses, camera, section, this.ratio);
+      this._solids(poses, colours, camera);
+      pen.putImageData(this.raster.image, 0, 0);
+      pen.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
+    } else {
+      pen.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
+      pen.fillStyle = "#ffffff";
+      pen.fillRect(0, 0, camera.width, camera.height);
+      this._look(poses, camera, section, 1);
+      this._outlines(poses, colours);
     }
-    pen.globalAlpha = opacity;
-    for (const face of this._order(seen, poses, section)) this._face(face, seen, poses, colours, camera);
-    pen.globalAlpha = 1;
     for (let r = 0; r < ribbons.count; r++) this._ribbon(ribbons, r, camera);
   }
 
-  /** Faces that are turned to the viewer and not cut away, those behind first. */
-  _order(seen, poses, section) {
-    const { record } = this;
-    const shown = [];
-    const there = [...Array(record.n).keys()].map((i) => {
-      const centre = [0, 1, 2].map((k) => poses[i * POSE + k]);
-      return !poses[i * POSE + 3] && section.shows(centre);
-    });
-    for (const face of this.faces) {
-      if (!there[face.block]) continue;
-      const [a, b, c] = face.rows.slice(0, 3).map((row) => 3 * row);
-      const area =
-        (seen[b] - seen[a]) * (seen[c + 1] - seen[a + 1]) -
-        (seen[c] - seen[a]) * (seen[b + 1] - seen[a + 1]);
-      // Pixels go down: what faces us turns clockwise.
-      if (record.dimension === 3 && area >= 0) continue;
-      let near = 0;
-      for (const row of face.rows) near += seen[3 * row + 2];
-      shown.push({ ...face, near: near / face.rows.length });
+  /** Where all vertices are in the picture. */
+  _look(poses, camera, section, ratio) {
+    const { record, seen } = this;
+    const plane = section.plane;
+    const { right, up, towards } = camera.axes;
+    const scale = ratio / camera.metresPerPixel;
+    const [p, t] = [[0, 0, 0], camera.target];
+    for (let v = 0; v < record.owner.length; v++) {
+      record.vertexAt(poses, v, p);
+      const [x, y, z] = [p[0] - t[0], p[1] - t[1], p[2] - t[2]];
+      seen[4 * v] = 0.5 * ratio * camera.width + scale * (x * right[0] + y * right[1] + z * right[2]);
+      seen[4 * v + 1] = 0.5 * ratio * camera.height - scale * (x * up[0] + y * up[1] + z * up[2]);
+      seen[4 * v + 2] = x * towards[0] + y * towards[1] + z * towards[2];
+      seen[4 * v + 3] = plane ? plane[0] * p[0] + plane[1] * p[1] + plane[2] * p[2] - plane[3] : 0;
     }
-    return shown.sort((one, other) => one.near - other.near);
   }
 
-  _face({ rows, drawn, block, first }, seen, poses, colours, camera) {
-    const { pen, record } = this;
-    const bright = record.dimension === 2 ? 1 : this._brightness(first, block, poses, camera);
-    const mean = [0, 1, 2].map((k) => {
-      const sum = rows.reduce((total, row) => total + colours[4 * row + k], 0);
-      return Math.min(1, (bright * sum) / rows.length / 255);
-    });
-    pen.fillStyle = pen.strokeStyle = css(mean);
-    pen.lineWidth = 0.6; // closes the seam beside the next face
-    pen.beginPath();
-    for (const row of rows) pen.lineTo(seen[3 * row], seen[3 * row + 1]);
-    pen.closePath();
-    pen.fill();
-    pen.stroke();
+  _solids(poses, colours, camera) {
+    const { record, seen } = this;
+    if (!this.raster) this.raster = new Raster(this.canvas.width, this.canvas.height);
+    this.raster.clear();
+    const { triangles, edges, owner } = record;
+    for (let t = 0; t < triangles.length; t += 3) {
+      const i = owner[triangles[t]];
+      if (poses[i * POSE + 3]) continue;
+      const bright = this._brightness(t, i, poses, camera);
+      const mean = [0, 0, 0];
+      for (let corner = 0; corner < 3; corner++) {
+        const at = 4 * triangles[t + corner];
+        for (let k = 0; k < 3; k++) mean[k] += (bright * colours[at + k]) / 765;
+      }
+      this.raster.triangle(seen, triangles[t], triangles[t + 1], triangles[t + 2], packed(mean));
+    }
+    const slack = 1e-3 * record.size;
+    for (let e = 0; e < edges.length; e += 2) {
+      if (poses[owner[edges[e]] * POSE + 3]) continue;
+      this.raster.line(seen, edges[e], edges[e + 1], EDGE, slack);
+    }
+  }
+
+  _outlines(poses, colours) {
+    const { pen, record, seen } = this;
+    const { triangles, edges, owner } = record;
+    pen.lineWidth = 0.7;
+    for (let t = 0; t < triangles.length; t += 3) {
+      const v = 4 * triangles[t];
+      if (poses[owner[triangles[t]] * POSE + 3]) continue;
+      pen.fillStyle = pen.strokeStyle = css([0, 1, 2].map((k) => colours[v + k] / 255));
+      pen.beginPath();
+      for (let k = 0; k < 3; k++) pen.lineTo(seen[4 * triangles[t + k]], seen[4 * triangles[t + k] + 1]);
+      pen.closePath();
+      pen.fill();
+      pen.stroke(); // closes the seam beside the next triangle
+    }
     pen.strokeStyle = "#1f1f1f";
     pen.lineWidth = 0.8;
     pen.beginPath();
-    rows.forEach((row, k) => {
-      if (!drawn[k]) return;
-      const next = rows[(k + 1) % rows.length];
-      pen.moveTo(seen[3 * row], seen[3 * row + 1]);
-      pen.lineTo(seen[3 * next], seen[3 * next + 1]);
-    });
+    for (let e = 0; e < edges.length; e += 2) {
+      if (poses[owner[edges[e]] * POSE + 3]) continue;
+      pen.moveTo(seen[4 * edges[e]], seen[4 * edges[e] + 1]);
+      pen.lineTo(seen[4 * edges[e + 1]], seen[4 * edges[e + 1] + 1]);
+    }
     pen.stroke();
   }
 
@@ -122,39 +142,10 @@ export class FlatScene {
   }
 }
 
-/** Faces of all blocks: triangles in one plane that fan out from one corner, one after the other. */
-export function faces(record) {
-  const { triangles, owner } = record;
-  const edges = new Set();
-  const key = (a, b) => Math.min(a, b) * owner.length + Math.max(a, b);
-  for (let e = 0; e < record.edges.length; e += 2) {
-    edges.add(key(record.edges[e], record.edges[e + 1]));
-  }
-  const found = [];
-  for (let t = 0; t < triangles.length; t += 3) {
-    const [a, b, c] = triangles.subarray(t, t + 3);
-    const last = found[found.length - 1];
-    const fans = last && last.rows[0] === a && last.rows[last.rows.length - 1] === b;
-    if (fans && inOnePlane(record, last.first, t)) last.rows.push(c);
-    else found.push({ block: owner[a], first: t, rows: [a, b, c] });
-  }
-  for (const face of found) {
-    const { rows } = face;
-    face.drawn = rows.map((row, k) => edges.has(key(row, rows[(k + 1) % rows.length])));
-  }
-  return found;
-}
-
 /** Normal of a triangle of a block as designed, as long as twice its area. */
 function normalOf({ vertices, triangles }, t) {
   const [a, b, c] = [0, 1, 2].map((k) => 3 * triangles[t + k]);
   const e = [0, 1, 2].map((k) => vertices[b + k] - vertices[a + k]);
   const f = [0, 1, 2].map((k) => vertices[c + k] - vertices[a + k]);
   return [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
-}
-
-function inOnePlane(record, t, u) {
-  const [m, n] = [normalOf(record, t), normalOf(record, u)];
-  const along = m[0] * n[0] + m[1] * n[1] + m[2] * n[2];
-  return along > (1 - 1e-6) * Math.hypot(...m) * Math.hypot(...n);
 }

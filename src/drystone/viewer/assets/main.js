@@ -76,7 +76,7 @@ export class Viewer {
   _without(why) {
     $("web").hidden = true;
     $("note").hidden = false;
-    $("note").textContent = `${why}: the structure is painted in a simpler way, where some faces may be drawn in the wrong order.`;
+    $("note").textContent = `${why}: the structure is drawn in a simpler way, and nothing is seen through.`;
     this.scene = this.flat;
     this.webgl = false;
     this.ready = true;
