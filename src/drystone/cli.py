@@ -17,6 +17,7 @@ from drystone.commands.convert import convert
 from drystone.commands.limit import limit
 from drystone.commands.run import run
 from drystone.commands.show import show
+from drystone.commands.view import view
 
 app = typer.Typer(
     name="drystone",
@@ -53,6 +54,7 @@ app.command()(check)
 app.command()(show)
 app.command()(assess)
 app.command()(compare)
+app.command()(view)
 app.command()(convert)
 app.command()(benchmark)
 

@@ -7,6 +7,7 @@ differences.
 from __future__ import annotations
 
 from collections import Counter
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ from builders import (
 from drystone.assembly import Assembly, Block, Corner, JointLaw
 from drystone.builders import published_wall
 from drystone.contact.detection import predecessor_pairs
-from drystone.geometry import GeometryError
+from drystone.geometry import GeometryError, broad
 from drystone.geometry.broad import candidate_pairs
 from drystone.kernels import forces, narrow, rows
 from drystone.kernels import law as joint_law
@@ -94,8 +95,10 @@ class TestBroadPhase:
             for j in range(i + 1, len(boxes))
             if np.all(lower[i] <= upper[j]) and np.all(lower[j] <= upper[i])
         ]
-        a, b = candidate_pairs(lower, upper)
-        assert list(zip(a.tolist(), b.tolist(), strict=True)) == expected
+        for few in (broad.FEW, 0):  # all with all, and by a grid
+            with mock.patch.object(broad, "FEW", few):
+                a, b = candidate_pairs(lower, upper)
+            assert list(zip(a.tolist(), b.tolist(), strict=True)) == expected
 
     def test_one_huge_box_among_small_ones(self):
         # A base under a long row: no pair is lost, none comes twice.

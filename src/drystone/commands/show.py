@@ -1,4 +1,4 @@
-"""``drystone show``: a picture of a model before it is run."""
+"""``drystone show``: a picture of a model before it is run, or a page to turn it."""
 
 from __future__ import annotations
 
@@ -10,6 +10,9 @@ import typer
 from drystone.commands.options import AsJson, ModelFile, Quiet
 from drystone.commands.outcome import DONE, emit, outcome
 
+#: Ending of the page that shows a model in a browser.
+PAGE = ".html"
+
 
 def show(
     model_file: ModelFile,
@@ -17,7 +20,8 @@ def show(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Picture to write, .png, .svg or .pdf. [default: MODEL's name with .png, here]",
+            help="Picture to write, .png, .svg or .pdf, or .html to turn it in a browser. "
+            "[default: MODEL's name with .png, here]",
             show_default=False,
         ),
     ] = None,
@@ -35,11 +39,16 @@ def show(
         from drystone.report.model_figure import ENDINGS, draw_model
 
         path = Path(f"{model_file.stem}.png") if out is None else out
-        if path.suffix.lower() not in ENDINGS:
-            raise ModelError([f"--out: {path}: must end in {', '.join(ENDINGS)}"])
+        if path.suffix.lower() not in (*ENDINGS, PAGE):
+            raise ModelError([f"--out: {path}: must end in {', '.join((*ENDINGS, PAGE))}"])
         check_apart(model_file, [path])
         model = read_model(model_file, need_stiffness=False, engines=engine_names())
-        draw_model(model, path, title=model.title)
+        if path.suffix.lower() == PAGE:
+            from drystone.viewer import contents_of_model, write_page
+
+            write_page(contents_of_model(model), path)
+        else:
+            draw_model(model, path, title=model.title)
         if as_json:
             emit({"status": "done", "file": str(path)})
         elif not quiet:

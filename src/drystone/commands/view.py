@@ -30,15 +30,17 @@ def view(
     or that were killed, are shown as far as they reach.
     """
     with outcome(as_json=as_json):
-        from drystone.document.gather import gather
-        from drystone.export.folder import check_apart, locked
+        from drystone.export.directory import RESULTS
+        from drystone.export.folder import check_apart
+        from drystone.viewer.folder import Folder
         from drystone.viewer.page import write_page
 
         path = folder / "view.html" if out is None else out
-        found = gather(folder)
-        check_apart(found.results.path / "results.h5", [path])
-        with locked(path.parent):
-            write_page(found.contents(), path)
+        found = Folder.read(folder)
+        check_apart(folder / RESULTS, [path])
+        if found.results.model is not None:
+            check_apart(found.results.model.source, [path])
+        write_page(found.contents(), path)
         if as_json:
             emit({"status": "done", "file": str(path), "bytes": path.stat().st_size})
         elif not quiet:

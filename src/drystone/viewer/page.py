@@ -81,11 +81,16 @@ def facts(header: dict[str, object]) -> str:
     assert isinstance(blocks, dict)
     supports = sum(bool(fixed) for fixed in blocks["support"])
     count = len(blocks["name"]) - supports
-    words = [f"{count} blocks, {supports} support{'s' * (supports != 1)}"]
+    words = [f"{counted(count, 'block')}, {counted(supports, 'support')}"]
     if header["curve"]:
         words.append(f"engine {header['engine']}")
     words.append(str(header["status"]))
     return " · ".join(words)
+
+
+def counted(number: int, name: str) -> str:
+    """So many of them: 1 block, 2 blocks."""
+    return f"{number} {name}" if number == 1 else f"{number} {name}s"
 
 
 def about(header: dict[str, object]) -> str:

@@ -282,7 +282,8 @@ export class Viewer {
   _lists() {
     const { record } = this;
     const states = Object.keys(record.header.macro_blocks);
-    const ways = PAINTINGS.filter((way) => way !== "macro-blocks" || states.length);
+    const known = { "macro-blocks": states.length > 0, plain: true };
+    const ways = PAINTINGS.filter((way) => known[way] ?? record.nPoints > 1);
     for (const way of ways) $("colour").append(new Option(way, way));
     this.by = record.nPoints > 1 ? "displacement" : "plain";
     $("colour").value = this.by;
