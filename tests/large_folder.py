@@ -36,10 +36,10 @@ def large_wall(units: int, courses: int) -> Model:
             box(f"{row + 1}.{column + 1}", (a, 0.0, low), (b, DEPTH, high))
             for column, (a, b) in enumerate(zip(ends[:-1], ends[1:], strict=True))
         ]
-    return model_of(blocks, joint(0.6), direction=(0.0, -1.0, 0.0))
+    return model_of(blocks, joint(0.6), push=(0.0, -1.0, 0.0))
 
 
-def write_large_folder(path: Path, *, units=25, courses=39, n_points=300, seed=1) -> Model:
+def write_large_folder(path: Path, *, units=25, courses=40, n_points=300, seed=1) -> Model:
     """Write ``results.h5`` into the folder, which is made; the model of it."""
     model = large_wall(units, courses)
     assembly = model.assembly

@@ -28,7 +28,9 @@ class Bodies:
 
     vertices: Array  # (n_vertices, dim) m, as designed
     owner: IntArray  # (n_vertices,) row of the block
-    triangles: IntArray  # (n_triangles, 3) rows of vertices; in space counter-clockwise, from outside
+    triangles: (
+        IntArray  # (n_triangles, 3) rows of vertices; in space counter-clockwise, from outside
+    )
     edges: IntArray  # (n_edges, 2) rows of vertices, those that are drawn
 
     @classmethod
@@ -131,7 +133,9 @@ def _creases(parts: list[tuple[int, Any]], vertices: Array) -> list[tuple[int, i
             normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
             normal = normal / max(float(np.linalg.norm(normal)), 1e-300)
             for i, j in _sides(face):
-                ends = [tuple(np.rint(vertices[base + k] / (SAME * size)).astype(int)) for k in (i, j)]
+                ends = [
+                    tuple(np.rint(vertices[base + k] / (SAME * size)).astype(int)) for k in (i, j)
+                ]
                 key = tuple(sorted(ends))
                 normals[key].append(normal)
                 rows[key] = (base + i, base + j)

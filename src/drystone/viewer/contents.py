@@ -47,7 +47,7 @@ FORMAT = 1
 #: Numbers of a pack up to which they are floats; more are rounded to 16 bits.
 MOST_FLOATS = 1_500_000
 #: Numbers of a pack at most: of longer curves or larger structures points are left out.
-MOST_NUMBERS = 6_000_000
+MOST_NUMBERS = 6_500_000
 #: Points below which none are left out.
 FEWEST_POINTS = 60
 #: Single contact points at most, over all points of the curve; with more there are resultants only.
@@ -383,9 +383,11 @@ def _put_states(
     assigner = Assigner(joints, blocks.centroid)
     parts: list[Assigned] = []
     for batch in _batches(counts[rows]):
-        contacts = _joined([reader.contacts_between(k, k + 1) for k in rows[batch]]) if (
-            np.any(np.diff(rows[batch]) != 1)
-        ) else reader.contacts_between(int(rows[batch][0]), int(rows[batch][-1]) + 1)
+        contacts = (
+            _joined([reader.contacts_between(k, k + 1) for k in rows[batch]])
+            if (np.any(np.diff(rows[batch]) != 1))
+            else reader.contacts_between(int(rows[batch][0]), int(rows[batch][-1]) + 1)
+        )
         parts.append(assigner.assign(contacts, counts[rows[batch]], poses[batch]))
     carried = Resultants.of(parts, len(rows), len(joints), blocks.dimension)
     motion = _since(poses, poses[0])

@@ -221,9 +221,7 @@ class Resultants:
         return cls(force=force, arm=arm, state=state)
 
 
-def _sums(
-    part: Assigned, n_joints: int, dimension: int
-) -> tuple[Array, Array, NDArray[np.uint8]]:
+def _sums(part: Assigned, n_joints: int, dimension: int) -> tuple[Array, Array, NDArray[np.uint8]]:
     """Force, centre of pressure and state of every joint at every point of one part."""
     size, shape = part.n_points * n_joints, (part.n_points, n_joints)
     cell = part.point * n_joints + part.joint

@@ -102,8 +102,8 @@ def about(header: dict[str, object]) -> str:
 
 
 def as_script(text: str) -> str:
-    """A text that stands in a script element: nothing in it ends the element."""
-    return text.replace("</", "<\\/").replace("<!--", "<\\u0021--")
+    """JSON that stands in a script element: nothing in it ends the element."""
+    return text.replace("<", "\\u003c")
 
 
 @cache
