@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import contextlib
 import itertools
 import json
 import os
@@ -73,10 +74,8 @@ class Browser:
         return self
 
     def __exit__(self, *error):
-        try:
+        with contextlib.suppress(OSError):
             self._ask("Browser.close", session=None)
-        except OSError:
-            pass
         try:
             self._process.wait(10)
         except subprocess.TimeoutExpired:

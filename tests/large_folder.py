@@ -8,6 +8,7 @@ they are.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -34,7 +35,7 @@ def large_wall(units: int, courses: int) -> Model:
         low, high = row * COURSE, (row + 1) * COURSE
         blocks += [
             box(f"{row + 1}.{column + 1}", (a, 0.0, low), (b, DEPTH, high))
-            for column, (a, b) in enumerate(zip(ends[:-1], ends[1:], strict=True))
+            for column, (a, b) in enumerate(pairwise(ends))
         ]
     return model_of(blocks, joint(0.6), push=(0.0, -1.0, 0.0))
 

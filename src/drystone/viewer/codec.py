@@ -51,7 +51,7 @@ class Pack:
         self._length += len(chunk)
 
     def put_varying(self, name: str, values: Array, *, rounded: bool, bits: int = 16) -> None:
-        """Add values (n_points, n, c), as floats or rounded over the largest of point and component.
+        """Add values (n_points, n, c): floats, or rounded over the largest of point and component.
 
         ``bits`` are those that are kept of a rounded value.
         """

@@ -7,7 +7,7 @@ The header is JSON: names, weights, the curve, marks on it.  The streams are arr
     vertices, owner     of all blocks, m from their centroids; triangles, edges: rows of these
     motion              (p, c, n) since settled: m, and rad of a rotation vector about world axes
     joint_a, joint_b, joint_centre, joint_frame, joint_half, joint_friction
-    joint_corners, joint_polygon, joint_owner       polygons of joints: corners m from block a's centroid
+    joint_corners, joint_polygon, joint_owner       polygons of joints, m from block a's centroid
     force, arm, state   (p, c, k) of joints, see `joints.Resultants`
     contact_...         of single contact points, where these are few enough
 
@@ -300,7 +300,7 @@ def _all_vertices(found: Mapping[str, Any]) -> Array:
 def _of_model(model: Model, origin: Array) -> dict[str, Any]:
     control = model.control_point
     return {
-        "load_direction": model.load.direction,
+        "load_direction": model.load_along,
         "control": {
             "block": control.block,
             "point": control.point - origin,
@@ -310,7 +310,7 @@ def _of_model(model: Model, origin: Array) -> dict[str, Any]:
 
 
 def _kept(curve: CapacityCurve, marks: Iterable[Mark], n_numbers: int) -> list[int]:
-    """Rows of the points that are shown: all, or evenly some, with the marked ones and both ends."""
+    """Rows of the points that are shown: all, or evenly some, with marked ones and both ends."""
     n = len(curve.points)
     most = max(MOST_NUMBERS // max(n_numbers, 1), FEWEST_POINTS)
     if n <= most:

@@ -227,7 +227,7 @@ def _sums(part: Assigned, n_joints: int, dimension: int) -> tuple[Array, Array, 
     cell = part.point * n_joints + part.joint
 
     def total(weights: Array) -> Array:
-        return np.bincount(cell, weights, minlength=size)
+        return np.asarray(np.bincount(cell, weights, minlength=size), np.float64)
 
     force = np.stack([total(part.force[:, i]) for i in range(dimension)], axis=-1)
     pressed = np.maximum(part.force[:, 0], 0.0)
@@ -249,4 +249,5 @@ def _sums(part: Assigned, n_joints: int, dimension: int) -> tuple[Array, Array, 
             np.where((n_open > 0) | few, JOINT_PARTLY_OPEN, JOINT_STICKING),
         ),
     )
-    return force.reshape(*shape, -1), arm.reshape(*shape, -1), state.reshape(shape).astype(np.uint8)
+    states = state.astype(np.uint8).reshape(shape)
+    return force.reshape(*shape, -1), arm.reshape(*shape, -1), states

@@ -119,7 +119,7 @@ function drawControl(ribbons, record, poses) {
     const [p, q] = [-arm, arm].map((s) => control.now.map((value, c) => value + s * axis[c]));
     ribbons.push(p, q, INK, 2.5, { front: true });
   }
-  drawLoad(ribbons, record);
+  if (record.header.load_direction) drawLoad(ribbons, record);
 }
 
 /** The arrow of the load pattern, beside the structure where the load comes from. */

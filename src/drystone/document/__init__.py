@@ -1,0 +1,1 @@
+"""The report to hand over: one page, of figures, words and a template."""
