@@ -169,7 +169,7 @@ def test_colours_forces_and_sections_change_the_picture(browser, solid, wall):
     for name in ("forces", "thrust", "joints"):
         browser.run(f"document.querySelector('[data-show={name}]').click()")
         seen.append(picture(browser))
-        assert change(seen[-2], seen[-1]) > 0.0005, name
+        assert change(seen[-2], seen[-1]) > 0.0001, name  # an arrow may be all
     opened(browser, solid)
     whole = picture(browser)
     browser.run("axis.value = '0'; axis.dispatchEvent(new Event('change')); 1")
