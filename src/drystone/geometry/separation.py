@@ -28,7 +28,8 @@ def overlap_depths(solids: Polyhedra, a: IntArray, b: IntArray) -> Array:
     corner to corner, and of those farther apart than touching ones, the gap is that along an axis.
     """
     names, which = np.unique(np.concatenate((a, b)), return_inverse=True)
-    shapes = [_Shape(solids, int(part)) for part in names]
+    all_of_them = _Edges(solids)
+    shapes = [_Shape(solids, int(part), all_of_them) for part in names]
     margin = TOUCHING * solids.pair_size(a, b)
     depth = np.empty(len(a))
     known: dict[tuple[bytes, bytes], Array] = {}  # blocks of a wall have their axes in common
@@ -47,7 +48,7 @@ def separating_axis(a: Polyhedra, b: Polyhedra) -> tuple[Array, float]:
     """Of two parts, packed by themselves, the unit vector (3,) from the first to the second along
     which they are farthest apart, or overlap least, and by how much [m]; below zero they overlap.
     """
-    p, q = _Shape(a, 0), _Shape(b, 0)
+    p, q = _Shape(a, 0, _Edges(a)), _Shape(b, 0, _Edges(b))
     axes = np.vstack((p.normals, -q.normals, _axes(p, q)))
     axes = np.vstack((axes, -axes[len(p.normals) + len(q.normals) :]))
     gap = (q.vertices @ axes.T).min(axis=0) - (p.vertices @ axes.T).max(axis=0)
@@ -56,26 +57,38 @@ def separating_axis(a: Polyhedra, b: Polyhedra) -> tuple[Array, float]:
     return axes[best], float(gap[best])
 
 
+class _Edges:
+    """Offsets of all faces and directions of all edges of many parts, at once."""
+
+    def __init__(self, solids: Polyhedra) -> None:
+        corner = solids.vertices[solids.rows[solids.face_offset[:-1]]]
+        self.offsets = np.sum(solids.normals * corner, axis=1)
+        along = solids.vertices[solids.following] - solids.vertices[solids.rows]
+        along = along / np.linalg.norm(along, axis=1)[:, None]
+        # One of the two directions of each edge.
+        lead = np.argmax(np.abs(along) > PARALLEL, axis=1)
+        along *= np.sign(along[np.arange(len(along)), lead])[:, None]
+        self.along, self.rounded = along, np.round(along, 9)
+        self.normals = np.round(solids.normals, 9)
+
+
 class _Shape:
     """A part: its vertices, its faces' planes, and the directions of its edges, once each."""
 
-    def __init__(self, solids: Polyhedra, part: int) -> None:
+    def __init__(self, solids: Polyhedra, part: int, all_of_them: _Edges) -> None:
         first, last = solids.part_faces[part], solids.part_faces[part + 1]
         edges = slice(solids.face_offset[first], solids.face_offset[last])
         self.vertices = solids.vertices[solids.offset[part] : solids.offset[part + 1]]
         self.normals = solids.normals[first:last]
-        corner = solids.vertices[solids.rows[solids.face_offset[first:last]]]
-        self.offsets = np.sum(self.normals * corner, axis=1)
-        along = solids.vertices[solids.following[edges]] - solids.vertices[solids.rows[edges]]
-        along = along / np.linalg.norm(along, axis=1)[:, None]
-        # One of the two directions of each edge, and one of all edges that are parallel.
-        lead = np.argmax(np.abs(along) > PARALLEL, axis=1)
-        along *= np.sign(along[np.arange(len(along)), lead])[:, None]
+        self.offsets = all_of_them.offsets[first:last]
+        # One of all edges that are parallel.
+        rounded = all_of_them.rounded[edges]
         seen: dict[tuple[float, ...], int] = {}
-        for k, row in enumerate(np.round(along, 9).tolist()):
+        for k, row in enumerate(rounded.tolist()):
             seen.setdefault(tuple(row), k)
-        self.directions = along[list(seen.values())]
-        self.turn = np.round(np.vstack((self.normals, self.directions)), 9).tobytes()
+        once = list(seen.values())
+        self.directions = all_of_them.along[edges][once]
+        self.turn = all_of_them.normals[first:last].tobytes() + rounded[once].tobytes()
 
 
 def _between_faces(p: _Shape, q: _Shape) -> float:

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +25,8 @@ Faces = tuple[tuple[int, ...], ...]
 #: Distance, over the size of a solid, up to which a vertex lies in the plane of a face.  Drawings
 #: are rounded; a face that is flat to a micrometre per metre is flat for masonry.
 FLAT = 1e-6
+#: Vertices of solids whose planes are kept for who asks again.
+SMALL = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,7 +202,8 @@ def _closed(faces: Sequence[Sequence[int]]) -> bool:
 # --- checks ----------------------------------------------------------------------------------
 
 
-class _Loops(NamedTuple):
+@dataclass(frozen=True, eq=False)  # known by itself: each is made once
+class _Loops:
     """Faces packed: a row for each corner of each face."""
 
     start: IntArray  # (n_faces,) first row of each face
@@ -412,6 +414,20 @@ def _dot(a: Array, b: Array) -> Array:
 
 def _planes_and_deviation(vertices: Array, loops: _Loops) -> tuple[Array, Array, Array, Array]:
     """Areas, unit normals and offsets of the faces, and how far each corner is off its plane."""
+    if len(vertices) <= SMALL and vertices.dtype == np.float64:
+        return _known_planes(vertices.tobytes(), loops)
+    return _planes_anew(vertices, loops)
+
+
+@lru_cache(maxsize=4096)  # checks, parts and measures of a block ask for the same
+def _known_planes(contents: bytes, loops: _Loops) -> tuple[Array, Array, Array, Array]:
+    found = _planes_anew(np.frombuffer(contents).reshape(-1, 3), loops)
+    for one in found:
+        one.flags.writeable = False
+    return found
+
+
+def _planes_anew(vertices: Array, loops: _Loops) -> tuple[Array, Array, Array, Array]:
     p, q = vertices[loops.corner], vertices[loops.following]
     middle = np.add.reduceat(p, loops.start) / loops.lengths[:, None]
     near = middle[loops.owner]  # a near origin keeps the sums from cancelling
