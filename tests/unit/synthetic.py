@@ -6,6 +6,7 @@ about the toe of their lowest bed joint.  The numbers are not those of any analy
 
 from __future__ import annotations
 
+import hashlib
 import os
 import subprocess
 import sys
@@ -71,7 +72,9 @@ def wall_model(
     )
     if source is None:
         return model
-    return replace(model, origin=Origin(path=source, sha256="0" * 64, contents=model.contents))
+    file = Path(source)
+    sha256 = hashlib.sha256(file.read_bytes() if file.is_file() else b"").hexdigest()
+    return replace(model, origin=Origin(path=source, sha256=sha256, contents=model.contents))
 
 
 def pose_at(model: Model, control_displacement: float) -> np.ndarray:

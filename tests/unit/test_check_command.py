@@ -9,6 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from typer.testing import CliRunner
 
+from drystone import ranges
 from drystone.cli import app
 from drystone.inspection import _connected
 
@@ -138,3 +139,15 @@ def test_what_hangs_together_is_found_as_scipy_finds_it():
         _, group = connected_components(links, directed=False)
         lowest = np.array([np.flatnonzero(group == own).min() for own in group])
         np.testing.assert_array_equal(_connected(n, a, b), lowest)
+
+
+def test_a_reaction_that_is_missing_says_why(tmp_path, monkeypatch):
+    path = written(tmp_path)
+    told = json.loads(drystone("check", path, "--json").stdout)
+    assert told["reaction"] == pytest.approx(18e3 * 0.4 * 0.9, rel=1e-9)
+    assert told["reaction_note"] is None
+    monkeypatch.setitem(ranges.MOST_BLOCKS, 2, 0)
+    told = json.loads(drystone("check", path, "--json").stdout)
+    assert told["reaction"] is None
+    assert told["reaction_note"] == "not looked for in more than 0 blocks, nor whether they stand"
+    assert f"reaction       {told['reaction_note']}" in drystone("check", path).stdout

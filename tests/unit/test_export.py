@@ -118,7 +118,7 @@ def test_results_describe_themselves(tmp_path):
     ResultsWriter(tmp_path / "r.h5", model, "nscd", "displacement").close()
     with h5py.File(tmp_path / "r.h5") as file:
         assert file.attrs["model"] == source.read_text()
-        assert file.attrs["status"] == "running" and file.attrs["model_sha256"] == "0" * 64
+        assert file.attrs["status"] == "running" and file.attrs["model_sha256"] == model.sha256
         assert file["blocks/id"].asstr()[:].tolist() == list(model.assembly.ids)
         assert file["blocks/vertices"].attrs["unit"] == "m"
         assert file["curve/penetration"].attrs["unit"] == "m"

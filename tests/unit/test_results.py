@@ -11,10 +11,13 @@ import synthetic
 
 import drystone as ds
 from builders import stack
+from drystone.builders.describe import model_to_dict
 from drystone.contact.forces import ContactForces
+from drystone.convert import convert
 from drystone.curve import COLUMNS, BlockLeft
 from drystone.export.hdf5 import ResultsWriter
 from drystone.limit import limits_beside
+from drystone.modelfile.write import to_toml
 
 #: What two runs of the same model differ in.
 TIMES = {"wall_time", "compile_time"}
@@ -117,6 +120,49 @@ def test_model_of_a_file_is_loaded_with_the_files_digest(tmp_path):
     loaded = ds.load_results(tmp_path / "out")
     assert loaded.model.source == str(path)
     assert loaded.model.sha256 == ds.read_model(path).sha256
+
+
+def test_groups_are_loaded(tmp_path, model, curve):
+    blocks = [
+        replace(block, groups=("all",) + ("odd/1",) * (i % 2))
+        for i, block in enumerate(model.assembly.blocks)
+    ]
+    grouped = replace(model, assembly=replace(model.assembly, blocks=tuple(blocks)))
+    ds.save_results(curve, grouped, tmp_path / "out")
+    loaded = ds.load_results(tmp_path / "out")
+    n = len(blocks)
+    assert {name: rows.tolist() for name, rows in loaded.groups.items()} == {
+        "all": list(range(n)),
+        "odd/1": list(range(1, n, 2)),
+    }
+    assert [block.groups for block in loaded.model.assembly.blocks] == [b.groups for b in blocks]
+
+
+def test_models_that_import_are_loaded_as_they_were_read(tmp_path):
+    pytest.importorskip("ezdxf")
+    plain = stack((0.4, 0.9))
+    convert(plain, tmp_path / "stack.dxf", "dxf")
+    data = {key: v for key, v in model_to_dict(plain).items() if key not in ("block", "control")}
+    name = next(iter(data["material"]))
+    data["import"] = [{"file": "stack.dxf", "material": name}]
+    path = tmp_path / "stack.toml"
+    path.write_text(to_toml(data))
+    model = ds.read_model(path)
+    ds.save_results(ds.pushover(model, max_steps=2), model, tmp_path / "out")
+    # Another drawing of the same name is another model, and not the one that was analysed.
+    convert(stack((0.4, 0.8)), tmp_path / "stack.dxf", "dxf")
+    assert ds.read_model(path).sha256 != model.sha256
+    loaded = ds.load_results(tmp_path / "out")
+    assert loaded.model.sha256 == model.sha256 == loaded.summary["model_sha256"]
+    assert [b.vertices.tolist() for b in loaded.model.assembly.blocks] == [
+        b.vertices.tolist() for b in model.assembly.blocks
+    ]
+    # Also when they are saved once more.
+    ds.save_results(loaded.curve, loaded.model, tmp_path / "again")
+    again = ds.load_results(tmp_path / "again").model
+    assert [b.vertices.tolist() for b in again.assembly.blocks] == [
+        b.vertices.tolist() for b in model.assembly.blocks
+    ]
 
 
 def test_loaded_results_can_be_saved_again(tmp_path, model, curve):

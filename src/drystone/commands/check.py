@@ -34,41 +34,51 @@ def check(model_file: ModelFile, as_json: AsJson = False, quiet: Quiet = False) 
         except ModelError as error:
             fail(WRONG, error.problems, as_json=as_json, extra=dict.fromkeys(COUNTS))
         found = inspect(model)
-        against, reaction = statics(model)
+        against, reaction, why_not = statics(model)
         problems = [*found.problems, *against]
         if as_json:
             mended = [asdict(record) for record in model.mended]
-            more = {"reaction": reaction, "status": "valid", "problems": problems}
+            more = {"reaction": reaction, "reaction_note": why_not, "status": "valid"}
+            more["problems"] = problems
             emit({**asdict(found), **more, "mended": mended})
         else:
-            typer.echo(report(found, problems, reaction))
+            typer.echo(report(found, problems, reaction, why_not))
     raise typer.Exit(DONE)
 
 
-def statics(model: Model) -> tuple[list[str], float | None]:
+def statics(model: Model) -> tuple[list[str], float | None, str | None]:
     """What limit analysis says against a model: it falls, or no load brings it down; and the
-    reaction of the supports at rest [N], where it was looked for and the structure stands."""
+    reaction of the supports at rest [N], or why there is none."""
     from drystone.ranges import MOST_BLOCKS
 
-    if model.assembly.n_blocks > MOST_BLOCKS[model.assembly.dimension]:
-        return [], None
+    most = MOST_BLOCKS[model.assembly.dimension]
+    if model.assembly.n_blocks > most:
+        return [], None, f"not looked for in more than {most} blocks, nor whether they stand"
     from drystone.limit import at_rest, is_locked  # takes long to import
 
     rest = at_rest(model)
     if rest.falls:
-        return [f"the structure {rest.falls}"], None
+        return [f"the structure {rest.falls}"], None, "none: it falls"
     if is_locked(model):
         locked = "load: no multiple of it brings the structure down: turn its direction"
-        return [locked], rest.reaction
-    return [], rest.reaction
+        return [locked], rest.reaction, None
+    return [], rest.reaction, None
 
 
-def report(found: Inspection, problems: Sequence[str], reaction: float | None = None) -> str:
+def report(
+    found: Inspection,
+    problems: Sequence[str],
+    reaction: float | None = None,
+    why_not: str | None = None,
+) -> str:
     """The model in a few lines."""
     from drystone.builders.words import printable
 
     sides = [high - low for low, high in zip(found.lower, found.upper, strict=True)]
     point = ", ".join(f"{x:g}" for x in found.control_point)
+    borne = [("reaction", why_not)] if why_not else []
+    if reaction is not None:
+        borne = [("reaction", f"{reaction / 1e3:.4g} kN of the supports")]
     rows = (
         ("blocks", str(found.n_blocks)),
         ("supports", str(found.n_supports)),
@@ -79,7 +89,7 @@ def report(found: Inspection, problems: Sequence[str], reaction: float | None = 
         ),
         ("volume", f"{found.volume:.4g} m3"),
         ("weight", f"{found.weight / 1e3:.4g} kN"),
-        *(() if reaction is None else (("reaction", f"{reaction / 1e3:.4g} kN of the supports"),)),
+        *borne,
         ("size", " x ".join(f"{side:.4g} m" for side in sides)),
         ("control point", f'({point}) m on block "{found.control_block}"'),
     )

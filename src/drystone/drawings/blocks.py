@@ -39,6 +39,7 @@ class Imported:
     mended: tuple[Mended, ...]
     notes: tuple[str, ...]  # sentences on all of it
     control: tuple[float, ...] | None  # m, the control point where the file has one
+    sha256: str = ""  # of the file's contents, and of those beside it that were read
 
 
 #: Name and unit weight [N/m3] of the material for a layer.
@@ -127,6 +128,7 @@ def _blocks(settings: ImportSettings, drawing: Drawing, material_of: MaterialOf)
         mended=tuple(records),
         notes=tuple(f"import {file}: {note}" for note in (*notes, *sentences(records))),
         control=control,
+        sha256=drawing.sha256,
     )
 
 

@@ -15,6 +15,8 @@ import numpy as np
 from drystone.builders.errors import ModelError
 from drystone.drawings.drawing import MOST, Drawing, Shape, number, tidy_name, whole
 
+#: File in which held bodies are named, beside that of the bodies.
+DRIVEN = "DRV_DOF.DAT"
 _VALUE = re.compile(r"([A-Za-z_]+\d?)\s*=\s*([-+.\dEeDdNnIiAaFf]+)")
 
 
@@ -152,7 +154,7 @@ def _placed(
 def _held(beside: Path | None) -> dict[str, set[int]]:
     """Bodies with driven degrees of freedom, by their kinds, from DRV_DOF.DAT."""
     held: dict[str, set[int]] = {}
-    path = beside.with_name("DRV_DOF.DAT") if beside else None
+    path = beside.with_name(DRIVEN) if beside else None
     if path is None or not path.is_file():
         return held
     body: tuple[str, int] | None = None

@@ -22,6 +22,8 @@ UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 SUPPORT_LAYERS = ("support", "supports")
 CONTROL_LAYERS = ("control", "control point")
 
+#: Coordinates beyond which nothing is drawn.
+FARTHEST = 1e12
 #: Vertices or faces that no drawing of blocks has.
 MOST = 5_000_000
 
@@ -48,6 +50,7 @@ class Drawing:
     control: tuple[float, ...] | None = None  # the control point, in units of the drawing
     notes: tuple[str, ...] = ()  # sentences on what was left out
     extra: dict[str, str] = field(default_factory=dict)
+    sha256: str = ""  # of what was read
 
     @property
     def dimension(self) -> int:
@@ -117,13 +120,22 @@ def check_faces(n: int, faces: Sequence[Sequence[int]], place: str = "") -> None
                 )
 
 
+def check_places(shapes: Sequence[Shape]) -> None:
+    """Raise `ModelError` where a coordinate is no place in a drawing, whatever its reader let pass."""
+    for shape in shapes:
+        if not np.all(np.abs(shape.vertices) <= FARTHEST):
+            raise ModelError(
+                [f"{quoted(shape.name)}: has a coordinate that is no place in a drawing: mend it"]
+            )
+
+
 def number(text: str, place: str) -> float:
     """A finite number of a text file; raises `ModelError`."""
     try:
         value = float(text.replace("D", "E").replace("d", "e"))
     except ValueError:
         raise ModelError([f"{place}: {quoted(text)} is no number: mend the file"]) from None
-    if not np.isfinite(value) or abs(value) > 1e12:
+    if not np.isfinite(value) or abs(value) > FARTHEST:
         raise ModelError([f"{place}: {quoted(text)} is no place in a drawing: mend the file"])
     return value
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from drystone.builders.contents import read_bytes
 from drystone.builders.errors import ModelError
 from drystone.builders.words import quoted, suggestion
 from drystone.drawings import bodies, compas, dxf, ifc, obj, ply, stl
-from drystone.drawings.drawing import Drawing
+from drystone.drawings.drawing import Drawing, check_places
 
 #: Reads a file: its contents, its path, and the dimension of the model, if it is known.
 Read = Callable[[bytes, Path, int | None], Drawing]
@@ -23,6 +24,7 @@ class Format:
     name: str
     endings: tuple[str, ...]
     read: Read
+    beside: tuple[str, ...] = ()  # names of files that are read with it where they are there
 
 
 FORMATS = {
@@ -34,7 +36,10 @@ FORMATS = {
         Format(name="compas", endings=(".json",), read=lambda data, *_: compas.read(data)),
         Format(name="dxf", endings=(".dxf",), read=lambda data, _, n: dxf.read(data, n)),
         Format(
-            name="bodies", endings=(".dat",), read=lambda data, path, _: bodies.read(data, path)
+            name="bodies",
+            endings=(".dat",),
+            read=lambda data, path, _: bodies.read(data, path),
+            beside=(bodies.DRIVEN,),
         ),
         Format(name="ifc", endings=(".ifc",), read=lambda data, *_: ifc.read(data)),
     )
@@ -65,7 +70,7 @@ def read_drawing(path: Path, name: str | None = None, dimension: int | None = No
     if not contents.strip():
         raise ModelError(["is empty: export it anew"])
     try:
-        return kind.read(contents, path, dimension).renamed()
+        drawing = kind.read(contents, path, dimension).renamed()
     except (ArithmeticError, LookupError, TypeError, ValueError, AttributeError) as error:
         # Readers know what files should hold; what a torn one holds nobody foresees.
         what = " ".join(str(error).split())[:120]
@@ -74,3 +79,16 @@ def read_drawing(path: Path, name: str | None = None, dimension: int | None = No
         ) from None
     except (MemoryError, RecursionError):
         raise ModelError(["is too large, or nested too deeply, to be read"]) from None
+    check_places(drawing.shapes)
+    return replace(drawing, sha256=_digest(contents, path, kind.beside))
+
+
+def _digest(contents: bytes, path: Path, beside: tuple[str, ...]) -> str:
+    """Of all that was read, as 64 hexadecimal digits; of one file that of its bytes."""
+    others = [path.with_name(name) for name in beside if path.with_name(name).is_file()]
+    found = hashlib.sha256(contents).hexdigest()
+    for other in others:
+        found = hashlib.sha256(
+            (found + _digest(other.read_bytes(), other, ())).encode()
+        ).hexdigest()
+    return found

@@ -10,6 +10,7 @@
     /blocks/id, centroid, weight, support
     /blocks/vertices, offset, body      shape s, of block body[s], has vertices from offset[s] on
     /blocks/rows, face_offset, part_faces, axes     of space only, see below
+    /groups/name, offset, block         group k has the blocks block[offset[k]:offset[k + 1]]
     /blocks_left/<field>    every field of `BlockLeft`, once the analysis has ended
 
 Shapes are outlines in the plane, one to a block, so that ``body`` is left out, but for those given
@@ -26,6 +27,7 @@ leaves the points of up to a second ago.  The file is not locked: it can be read
 
 from __future__ import annotations
 
+import hashlib
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
@@ -183,9 +185,8 @@ class ResultsWriter:
         self._points, self._poses, self._contacts, self._waiting = [], [], [], 0
 
     def _describe(self, model: Model, engine: str, strategy: str) -> None:
-        if model.source is not None and Path(model.source).is_file():
-            text = Path(model.source).read_text(encoding="utf-8", errors="replace")
-        else:
+        text = _text_of_file(model)
+        if text is None:
             text = to_toml(model_to_dict(model))
         self._file.attrs.update(
             {
@@ -218,6 +219,14 @@ class ResultsWriter:
             blocks[name] = values
             if name in UNITS:
                 blocks[name].attrs["unit"] = UNITS[name]
+
+        groups = self._file.create_group("groups")
+        groups["name"] = np.array(
+            [text_of(name) for name in assembly.groups], dtype=h5py.string_dtype()
+        )
+        members = list(assembly.groups.values())
+        groups["offset"] = np.cumsum([0, *map(len, members)])
+        groups["block"] = np.concatenate([np.zeros(0, np.int64), *members])
 
         curve = self._file.create_group("curve")
         for name, kind in COLUMN_TYPES.items():
@@ -275,6 +284,19 @@ def _shapes(assembly: Assembly) -> Iterator[tuple[str, NDArray[Any]]]:
         yield "body", shapes.body
 
 
+def _text_of_file(model: Model) -> str | None:
+    """The model file, where that is all there is to the model: it imports nothing, and is as read."""
+    if model.source is None:
+        return None
+    try:
+        contents = Path(model.source).read_bytes()
+    except OSError:
+        return None
+    if hashlib.sha256(contents).hexdigest() != model.sha256:
+        return None
+    return contents.decode("utf-8", errors="replace")
+
+
 class ResultsReader:
     """Reads a ``results.h5`` point by point, so that memory holds one state at a time."""
 
@@ -318,6 +340,15 @@ class ResultsReader:
             BlockLeft(block=name.decode(), step=step, control_displacement=place)
             for name, step, place in zip(names, steps, places, strict=True)
         )
+
+    def groups(self) -> dict[str, NDArray[np.int64]]:
+        """Rows of the blocks of each group, ascending; none of older files."""
+        if "groups" not in self._file:
+            return {}
+        names, offset, block = (self._file["groups"][key][:] for key in ("name", "offset", "block"))
+        return {
+            name.decode(): block[offset[k] : offset[k + 1]] for k, name in enumerate(names.tolist())
+        }
 
     def poses(self) -> Array:
         """Poses of the blocks at all points, (n_points, n, n_pose)."""

@@ -9,6 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, overload
 
+import numpy as np
+from numpy.typing import NDArray
+
 from drystone.builders.errors import ModelError
 from drystone.contact.forces import ContactForces
 from drystone.curve import CapacityCurve
@@ -78,6 +81,8 @@ class Results:
     """What was analysed; None where this version cannot read its description."""
     summary: dict[str, Any]
     """Of ``summary.json``, or of what there is so far."""
+    groups: dict[str, NDArray[np.int64]]
+    """Rows of the blocks of each group, as ``model.assembly.groups``."""
 
     @property
     def poses(self) -> Array:
@@ -134,12 +139,19 @@ def load_results(path: Path | str) -> Results:
         with ResultsReader(file) as stored:
             model = _model_of(stored)
             curve = _curve_of(stored, StoredContacts(file, stored.n_points))
+            groups = stored.groups()
     except (OSError, KeyError) as error:
         why = "there is none" if not file.is_file() else f"it is torn or no such file ({error})"
         raise OutputError(
             f"{file} cannot be read, {why}: name a folder that a run or save_results has written"
         ) from None
-    return Results(path=folder, curve=curve, model=model, summary=_summary_of(folder, curve, model))
+    return Results(
+        path=folder,
+        curve=curve,
+        model=model,
+        summary=_summary_of(folder, curve, model),
+        groups=groups,
+    )
 
 
 def _model_of(stored: ResultsReader) -> Model | None:

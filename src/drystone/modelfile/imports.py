@@ -27,6 +27,7 @@ class Imports:
     places: list[str] = field(default_factory=list)  # of each block, for messages
     mended: list[Mended] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    digests: list[str] = field(default_factory=list)  # of what was read, file by file
     control: tuple[str, list[float]] | None = None  # block and point [m], where a file has one
 
 
@@ -66,6 +67,7 @@ def imports_of(
         found.places += [f"{place} block {quoted(block.id)}" for block in made.blocks]
         found.mended += made.mended
         found.notes += made.notes
+        found.digests.append(made.sha256)
         if made.control is not None:
             found.control = nearest(made.blocks, made.control), list(made.control)
     return found

@@ -128,6 +128,8 @@ def _model(
         )
     if problems:
         raise ModelError(problems)
+    if imports.digests:
+        sha256 = hashlib.sha256("".join((sha256, *imports.digests)).encode()).hexdigest()
     return make_model(
         blocks,
         joint=joint,
