@@ -147,7 +147,8 @@ def layout_problems(assembly: Assembly, place: Place) -> list[str]:
     for (i, j), by in deepest.items():
         first, second = place(i), place(j)
         mend = "move them apart, or make one smaller"
-        if assembly.dimension == 3 and first.startswith("import[") and second.startswith("import["):
+        of_one_file = first.startswith("import[") and first.split(" ")[0] == second.split(" ")[0]
+        if assembly.dimension == 3 and of_one_file:
             mend += f", or let overlap = {_upwards(by):g} in [[import]] close the joint"
         problems.append(f"{first} and {second} overlap by {millimetres(by)}: {mend}")
     touches = np.zeros(assembly.n_bodies, dtype=bool)
