@@ -38,9 +38,9 @@ def check(model_file: ModelFile, as_json: AsJson = False, quiet: Quiet = False) 
         problems = [*found.problems, *against]
         if as_json:
             mended = [asdict(record) for record in model.mended]
-            more = {"reaction": reaction, "reaction_note": why_not, "status": "valid"}
-            more["problems"] = problems
-            emit({**asdict(found), **more, "mended": mended})
+            carried = {"reaction": reaction, "reaction_note": why_not}
+            more = {"status": "valid", "problems": problems, "mended": mended}
+            emit({**asdict(found), **carried, **more})
         else:
             typer.echo(report(found, problems, reaction, why_not))
     raise typer.Exit(DONE)

@@ -121,7 +121,7 @@ def check_faces(n: int, faces: Sequence[Sequence[int]], place: str = "") -> None
 
 
 def check_places(shapes: Sequence[Shape]) -> None:
-    """Raise `ModelError` where a coordinate is no place in a drawing, whatever its reader let pass."""
+    """Raise `ModelError` where a coordinate is no place in a drawing, but was read."""
     for shape in shapes:
         if not np.all(np.abs(shape.vertices) <= FARTHEST):
             raise ModelError(

@@ -285,7 +285,7 @@ def _shapes(assembly: Assembly) -> Iterator[tuple[str, NDArray[Any]]]:
 
 
 def _text_of_file(model: Model) -> str | None:
-    """The model file, where that is all there is to the model: it imports nothing, and is as read."""
+    """The model file, where that is all there is to the model: without imports, and as read."""
     if model.source is None:
         return None
     try:
