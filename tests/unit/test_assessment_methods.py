@@ -504,6 +504,8 @@ def test_asce41_by_hand():
     assert asce41.ductility_coefficient(3.0, 0.1, "B") == pytest.approx(1 + 2 / 5.2)
     assert asce41.ductility_coefficient(3.0, 1.1, "B") == 1.0
     assert asce41.degradation_coefficient(3.0, 0.71) == 1.0
+    factors = [asce41.storeys_shape_factor(n) for n in (1, 2, 4, 10, 20)]
+    assert factors == pytest.approx([1.0, 1.2, 1.35, 1.5, 1.5])
 
 
 def test_fema440_by_hand():

@@ -281,6 +281,7 @@ def test_method_counts_a_fall_as_failure():
     chosen = Settings(method="rocking", records=(shaken(1, 40.0),), restitution=0.9, sides="two")
     found = assess(straight(0.1, 0.02), {}, chosen)
     assert found.satisfied is False and found.state("SLV").displacement_demand is None
+    assert "beyond the collapse" in found.sentence
     assert found.quantities["records"][0]["overturned"] is True
 
 

@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from drystone.assembly import GRAVITY
 from drystone.assessment.bilinear import Bilinear, bilinear, drop_point
 from drystone.assessment.capacity import Capacity
@@ -28,6 +30,9 @@ REFERENCE = "CP"
 #: a of C_1 by site class, (7-29).
 SITE_FACTORS = {"A": 130.0, "B": 130.0, "C": 90.0, "D": 60.0, "E": 60.0, "F": 60.0}
 
+#: C_0 by storeys, Table 7-5, any load pattern.
+SHAPE_FACTORS = {1: 1.0, 2: 1.2, 3: 1.3, 5: 1.4, 10: 1.5}
+
 #: Shortest period in C_1; above the others C_1 and C_2 are 1 [s].
 SHORTEST, LONGEST_C1, LONGEST_C2 = 0.2, 1.0, 0.7
 
@@ -41,6 +46,12 @@ UNCERTAIN = (
     "ASCE 41-17 (7-28) to (7-33): from memory and second hand; the sources tell the site classes "
     "of C_1 differently.",
 )
+
+
+def storeys_shape_factor(storeys: float) -> float:
+    """C_0 of Table 7-5 by storeys, straight between them, in place of Gamma."""
+    n = positive(storeys, "the number of storeys")
+    return float(np.interp(n, list(SHAPE_FACTORS), list(SHAPE_FACTORS.values())))
 
 
 def strength_ratio(acceleration: float, yield_ratio: float, mass_factor: float) -> float:
@@ -280,6 +291,7 @@ __all__ = [
     "effective_slope",
     "idealised",
     "largest_strength_ratio",
+    "storeys_shape_factor",
     "strength_ratio",
     "target_displacement",
 ]

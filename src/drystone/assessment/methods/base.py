@@ -278,7 +278,9 @@ def _compared(state: LimitState) -> str:
     """The governing numbers of a state in words."""
     capacity, demand = state.ground_acceleration_capacity, state.ground_acceleration_demand
     index = state.safety_index
-    text = f"safety index {index:.3f}" if index is not None else "no safety index"
+    text = "no safety index" if index is None else f"safety index {index:.3f}"
+    if index is None and state.limit_displacement is not None:
+        return f"{text}: the demand lies beyond the collapse"
     if capacity is not None and demand is not None:
         text += (
             f" (ground acceleration {capacity / GRAVITY:.3f} g borne, {demand / GRAVITY:.3f} g "
