@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import struct
 from pathlib import Path
 
@@ -279,7 +280,7 @@ class TestCompas:
 BODIES = """\
 ! File BODIES
 
-$bodies
+$bdyty
  RBDY2      1
 $blmty
  PLAIN      1  behav  TDURx  avrd= 0.1000000D+01  gyrd= 0.0000000D+00
@@ -301,7 +302,7 @@ def bodies_3d(blocks) -> str:
         middle = vertices.mean(axis=0)
         cut = [(f[0], f[i], f[i + 1]) for f in faces for i in range(1, len(f) - 1)]
         number = lambda x: f"{x: .14E}".replace("E", "D")  # noqa: E731
-        lines += ["$bodies", f" RBDY3      {k}", "$blmty"]
+        lines += ["$bdyty", f" RBDY3      {k}", "$blmty"]
         lines += [" PLAIN      1  behav  STONE  avrd= 0.0D+00", "$nodty"]
         lines += [
             " NO6xx      1   " + "".join(f"coo{i}={number(x)}  " for i, x in enumerate(middle, 1))
@@ -328,6 +329,44 @@ class TestBodies:
         assert (block.id, block.material, block.groups) == ("rbdy21", "TDURx", ("TDURx", "BLEUx"))
         assert block.support
         assert block.vertices.tolist() == [[0.5, 1.5], [1.5, 1.5], [1.5, 2.5], [0.5, 2.5]]
+
+    def test_polyhedra_along_their_axes_of_inertia(self, tmp_path):
+        """As the preprocessor writes them: vertices along axes that DOF.INI has, in columns."""
+        blocks, rng = brick_wall(), np.random.default_rng(4)
+        along, state = [], ["! DOF", "$steps      0                time= 0.0000000D+00"]
+        for k, (name, vertices, faces) in enumerate(blocks, 1):
+            axes = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+            axes[:, 2] *= np.linalg.det(axes)
+            middle, moved = vertices.mean(axis=0), 0.25 * k
+            along.append((name, (vertices - middle) @ axes + middle - [0.0, 0.0, moved], faces))
+            state += ["$bdyty", f" RBDY3  {k:7d}", "$nodty", f" NO6xx      1    X(3)={moved: .7e}"]
+            state += [f"  V({n})= 0.0" for n in (1, 2, 3)]
+            state += [
+                "    ".join(f"{key}({n})={x: .12e}" for n, x in enumerate(column, 1))
+                for key, column in zip("abg", axes.T, strict=True)
+            ]
+            state += ["$$$$$$"]
+        text = bodies_3d(along).replace("avrd= 0.0D+00", "avrd= 0.1 \n   I1  = 0.3D-02  I2  = 1.0")
+        path = kept(tmp_path, "BODIES.DAT", re.sub(r"(?m)^(   coo1.*)coo3=", r"\1coor=", text))
+        kept(tmp_path, "DOF.INI", "\n".join(state))
+        made = imported(ImportSettings(file=path, tolerance=0.0), lambda layer: (layer, 2e4))
+        for block, (_, vertices, _) in zip(made.blocks, blocks, strict=True):
+            assert len(block.vertices) == 8
+            away = np.linalg.norm(block.vertices[:, None] - vertices, axis=2)
+            assert away.min(axis=1).max() < 1e-10  # of the digits
+        assert not any("DOF.INI" in note for note in made.notes)
+        (tmp_path / "DOF.INI").unlink()
+        with_none = imported(ImportSettings(file=path), lambda layer: (layer, 2e4))
+        assert any("there is no DOF.INI beside it" in note for note in with_none.notes)
+        assert with_none.sha256 != made.sha256
+
+    def test_axes_that_are_no_frame_are_refused(self, tmp_path):
+        path = kept(tmp_path, "BODIES.DAT", bodies_3d(brick_wall()[:1]))
+        lines = ("a(1)= 1.0 a(2)= 0.0 a(3)= 0.0", "b(1)= 0.0 b(2)= 1.0 b(3)= 0.0",
+                 "g(1)= 0.0 g(2)= 0.0 g(3)=-1.0")  # fmt: skip
+        kept(tmp_path, "DOF.INI", "\n".join((" RBDY3  1", *lines)))
+        with pytest.raises(ModelError, match=r"its axes in DOF\.INI are no right-handed frame"):
+            imported(ImportSettings(file=path), lambda layer: (layer, 2e4))
 
     def test_polyhedra(self, tmp_path):
         path = kept(tmp_path, "BODIES.DAT", bodies_3d(brick_wall()))

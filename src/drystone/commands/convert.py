@@ -143,7 +143,9 @@ def kind_of(source: Path, name: str | None) -> str:
     if ending == ".json":
         return MODEL if _holds(source, b'"dimension"') else "drawing compas"
     if ending == ".dat":
-        return "drawing bodies" if _holds(source, b"$bodies") else "udec"
+        return (
+            "drawing bodies" if _holds(source, b"$bdyty") or _holds(source, b"$bodies") else "udec"
+        )
     for one in FORMATS.values():
         if ending in one.endings:
             return f"drawing {one.name}"

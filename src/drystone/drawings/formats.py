@@ -39,7 +39,7 @@ FORMATS = {
             name="bodies",
             endings=(".dat",),
             read=lambda data, path, _: bodies.read(data, path),
-            beside=(bodies.DRIVEN,),
+            beside=(bodies.DRIVEN, bodies.STATE),
         ),
         Format(name="ifc", endings=(".ifc",), read=lambda data, *_: ifc.read(data)),
     )
