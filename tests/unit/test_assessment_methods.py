@@ -471,9 +471,8 @@ def test_what_does_not_apply_to_walls_is_refused():
     for name in ("ec8-n2", "ntc2018-global"):
         with pytest.raises(AssessmentError, match="not past 80%"):
             assess(short, site(), Settings(method=name))
-    limits = {"NC": 0.015, "SLC": 0.015}
-    for name in ("ec8-n2", "ntc2018-global"):
-        found = assess(short, site(), Settings(method=name, displacement_limits=limits))
+    for name, state in (("ec8-n2", "NC"), ("ntc2018-global", "SLC")):
+        found = assess(short, site(), Settings(method=name, displacement_limits={state: 0.015}))
         assert found.limit_states[-1].limit_control_displacement == pytest.approx(0.015)
     with pytest.raises(AssessmentError, match="rigid"):
         assess(rocking_wall(), site(), Settings(method="ntc2018-global"))
@@ -575,6 +574,12 @@ def test_one_ground_motion_for_all_states_is_that_of_the_reference_state():
 
 
 def test_what_is_missing_or_unknown_is_named():
+    with pytest.raises(AssessmentError, match='"displacement_limits" names "NC"'):
+        assess(rocking_wall(), site(), local(displacement_limits={"NC": 0.1}))
+    high = FloorSpectrum(ground=site(), modes=(MODE,))
+    for name in ("ec8-n2", "ntc2018-global", "asce41"):
+        with pytest.raises(AssessmentError, match="stand on the ground"):
+            assess(pier(), high, Settings(method=name, **FULL[name]))
     with pytest.raises(AssessmentError, match='no method "eurocode"'):
         assess(rocking_wall(), site(), Settings(method="eurocode"))
     for name in ("ntc2018-local", "ntc2009-local"):

@@ -63,4 +63,11 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         raise AssessmentError(
             f'there is no method "{settings.method}": choose one of {", ".join(METHODS)}'
         )
+    for key in ("displacement_limits", "damping"):
+        for name in getattr(settings, key):
+            if name not in STATES[settings.method]:
+                raise AssessmentError(
+                    f'"{key}" names "{name}", but method "{settings.method}" has the limit states '
+                    f"{', '.join(STATES[settings.method])}"
+                )
     return METHODS[settings.method](capacity, spectra, settings)

@@ -21,6 +21,7 @@ from drystone.assessment.methods.base import (
     spectra_of,
 )
 from drystone.assessment.methods.ground import bearable
+from drystone.assessment.methods.inelastic import check_on_the_ground
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
 
 NAME = "asce41"
@@ -205,6 +206,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
     near = settings.need("near_fault", "alpha_e depends on it, (7-33): true or false")
     c = local.read(capacity, settings)
     given, verified, notes = spectra_of(spectra, STATES, REFERENCE, settings)
+    check_on_the_ground(given.values(), NAME)
     curve = idealised(c)
     period, slope = curve.period, _descent(c, curve)
     peak = float(c.spectral_displacement[c.peak_index])

@@ -18,7 +18,12 @@ from drystone.assessment.methods.ground import (
     bearable,
     return_period_borne,
 )
-from drystone.assessment.methods.inelastic import EC8_MOST, Target, target
+from drystone.assessment.methods.inelastic import (
+    EC8_MOST,
+    Target,
+    check_on_the_ground,
+    target,
+)
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
 
 NAME = "ec8-n2"
@@ -139,6 +144,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
     """
     c = local.read(capacity, settings)
     given, verified, notes = spectra_of(spectra, STATES, REFERENCE, settings)
+    check_on_the_ground(given.values(), NAME)
     ultimate, why = near_collapse(c, settings)
     d, a = c.spectral_displacement, c.spectral_acceleration
     curve = bilinear(d, a, "ec8", ultimate=ultimate)

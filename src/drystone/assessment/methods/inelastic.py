@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from drystone.assessment.bilinear import Bilinear
+from drystone.assessment.errors import AssessmentError
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
+from drystone.assessment.spectra.floor import FloorSpectrum
 
 #: d*_t need not exceed this many times d*_et, EN 1998-1:2004 B.5(b); NTC 2018 has no such rule.
 EC8_MOST = 3.0
@@ -47,3 +50,12 @@ def target(spectrum: Spectrum, curve: Bilinear, most: float | None = None) -> Ta
     ratio = float(spectrum.sa(period, REFERENCE_DAMPING)) / curve.yield_acceleration
     moved = inelastic_displacement(elastic, ratio, period, spectrum.corner_period, most)
     return Target(moved, elastic, ratio, moved / curve.yield_displacement)
+
+
+def check_on_the_ground(spectra: Iterable[Spectrum], method: str) -> None:
+    """`AssessmentError` where a spectrum is at a height: the formulas know T_C of the ground."""
+    if any(isinstance(spectrum, FloorSpectrum) for spectrum in spectra):
+        raise AssessmentError(
+            f'method "{method}" is for walls that stand on the ground: take the height out, or use '
+            "a method for local mechanisms"
+        )

@@ -32,7 +32,7 @@ from drystone.assessment.methods.ground import (
     return_period_borne,
     summit,
 )
-from drystone.assessment.methods.inelastic import target
+from drystone.assessment.methods.inelastic import check_on_the_ground, target
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
 
 NAME = "ntc2018-global"
@@ -301,6 +301,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
     """
     c = local.read(capacity, settings)
     given, verified, notes = spectra_of(spectra, STATES, REFERENCE, settings)
+    check_on_the_ground(given.values(), NAME)
     ultimate, why = collapse_limit(c, settings)
     share = settings.secant_share or SECANT_SHARE
     curve = bilinear(
