@@ -63,6 +63,10 @@ def settings_of(values: Mapping[str, Any], folder: Path) -> Settings:
             "assessment.method is missing: choose one of "
             f"{', '.join(METHODS)}, in [assessment] or by --method"
         )
+    if values["method"] not in METHODS:
+        raise AssessmentError(
+            f'there is no method "{values["method"]}": choose one of {", ".join(METHODS)}'
+        )
     given = {key: value for key, value in values.items() if key in known}
     if "limit_states" in given:
         given["limit_states"] = tuple(given["limit_states"])

@@ -64,7 +64,7 @@ class Verdict:
     def as_dict(self) -> dict[str, Any]:
         """What ``assessment.json`` holds, SI units."""
         found = self.assessment.as_dict()
-        readings = {found["reading"]: _brief(self.assessment)}
+        readings = {self.assessment.settings.reading: _brief(self.assessment)}
         for name, other in self.others.items():
             readings[name] = {"reason": other} if isinstance(other, str) else _brief(other)
         capacity = self.capacity

@@ -17,7 +17,7 @@ COLUMNS = (
     ("state", 12),
     ("limit d* [m]", 13),
     ("a* [m/s2]", 10),
-    ("T [s]", 8),
+    ("T [s]", 11),
     ("demand [m]", 11),
     ("ag borne [g]", 13),
     ("ag site [g]", 12),
@@ -86,7 +86,8 @@ def _facts(verdict: Verdict) -> list[tuple[str, str]]:
         ("method", f"{verdict.method}, reading {capacity.reading}"),
         (
             "mechanism",
-            f"{shape.n_bodies} rigid bodies of {shape.n_moving} blocks, "
+            f"{shape.n_bodies} rigid {'body' if shape.n_bodies == 1 else 'bodies'} of "
+            f"{shape.n_moving} blocks, "
             f"{capacity.mechanism_mass:.4g} kg",
         ),
         (

@@ -1,0 +1,324 @@
+"""``drystone assess`` and ``compare``: files, tables, exit statuses, what wrong input is told."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from rigid_walls import HEIGHT, WIDTH, evenly, wall_in_courses
+from typer.testing import CliRunner
+
+import drystone as ds
+from drystone.assessment.errors import AssessmentError
+from drystone.assessment.methods.base import Settings
+from drystone.assessment.spectra.ntc2018 import NtcSpectrum
+from drystone.cli import app
+from drystone.modelfile import write_model
+from drystone.site import Site
+
+NTC = {"ag": 0.172, "F0": 2.458, "TC_star": 0.285, "soil": "B", "topography": "T1"}
+FLAGS = (
+    *("--method", "ntc2018-local", "--confidence-factor", "1.35", "--code", "ntc2018"),
+    *("--ag", "0.172", "--F0", "2.458", "--TC-star", "0.285", "--soil", "B"),
+    *("--topography", "T1"),
+)
+TABLES = """
+[site]
+code = "ntc2018"
+ag = 0.172
+F0 = 2.458
+TC_star = 0.285
+soil = "B"
+topography = "T1"
+
+[assessment]
+method = "ntc2018-local"
+confidence_factor = 1.35
+"""
+#: What scripts rely on.
+KEYS = {
+    "method",
+    "reading",
+    "activation_multiplier",
+    "participating_mass_ratio",
+    "participating_mass",
+    "participation_factor",
+    "activation_acceleration",
+    "collapse_displacement",
+    "safety_index",
+    "satisfied",
+    "limit_states",
+}
+STATE_KEYS = {
+    "limit_displacement",
+    "limit_acceleration",
+    "limit_period",
+    "displacement_demand",
+    "ground_acceleration_capacity",
+    "ground_acceleration_demand",
+    "satisfied",
+}
+
+
+def drystone(*arguments):
+    return CliRunner().invoke(app, [*map(str, arguments)])
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory) -> Path:
+    """A model file of a rocking wall in two courses, and its folder of results."""
+    folder = tmp_path_factory.mktemp("assess")
+    write_model(wall_in_courses(evenly(2), displacement_step=0.02), folder / "wall.toml")
+    result = drystone("run", folder / "wall.toml", "--out", folder / "wall", "--quiet")
+    assert result.exit_code == 0, result.output
+    return folder
+
+
+@pytest.fixture
+def results(made, tmp_path) -> Path:
+    """A copy of the folder of results."""
+    return Path(shutil.copytree(made / "wall", tmp_path / "wall"))
+
+
+def test_a_folder_is_assessed_by_what_the_command_line_says(results):
+    result = drystone("assess", results, *FLAGS, "--json")
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.stdout)
+    assert set(found) >= KEYS
+    assert set(found["limit_states"]) == {"SLD", "SLV", "SLC"}
+    for state in found["limit_states"].values():
+        assert set(state) >= STATE_KEYS
+    # The wall of 4.0 x 0.5 m of the worked example: lambda_0 = 0.125 less 1e-6 for stiffness,
+    # e* = 1, Gamma = 2, a0 = 0.9083 m/s2, d0 = 0.2481 m at finite rotation, SLV fails.
+    assert found["activation_multiplier"] == pytest.approx(0.125, rel=1e-5)
+    assert found["participating_mass_ratio"] == pytest.approx(1.0, rel=1e-8)
+    assert found["activation_acceleration"] == pytest.approx(0.9083, rel=1e-4)
+    assert found["collapse_displacement"] == pytest.approx(0.2481, rel=1e-3)
+    assert found["participating_mass"] == pytest.approx(3669.7, rel=1e-4)
+    assert found["collapse_extrapolated"] is True
+    assert found["satisfied"] is False and found["safety_index"] < 1.0
+    assert set(found["readings"]) == {"base_shear", "energy", "literal_ec8"}
+    written = json.loads((results / "assessment.json").read_text())
+    assert written["safety_index"] == found["safety_index"]
+    assert (results / "adrs.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_screen_shows_table_and_sentence(results):
+    result = drystone("assess", results, *FLAGS)
+    assert result.exit_code == 0
+    assert "SLV NO" in result.stdout and "index by reading" in result.stdout
+    assert result.stdout.strip().splitlines()[-1].startswith("ntc2018-local: not satisfied; SLV")
+
+
+def test_tables_of_a_model_file_and_flags_over_them(results, tmp_path, made):
+    other = tmp_path / "site.toml"
+    other.write_text((made / "wall.toml").read_text() + TABLES)
+    by_file = json.loads(drystone("assess", results, "--model", other, "--json").stdout)
+    by_flags = json.loads(drystone("assess", results, *FLAGS, "--json").stdout)
+    assert by_file["limit_states"] == by_flags["limit_states"]
+    stronger = drystone("assess", results, "--model", other, "--ag", "0.3", "--json")
+    demand = json.loads(stronger.stdout)["limit_states"]["SLV"]["ground_acceleration_demand"]
+    assert demand == pytest.approx(0.3 * 9.81)
+    own = drystone("assess", results, "--model", other, "--set", "site.SLD.ag=0.05", "--json")
+    states = json.loads(own.stdout)["limit_states"]
+    assert states["SLD"]["ground_acceleration_demand"] == pytest.approx(0.05 * 9.81)
+    assert states["SLC"]["satisfied"] is None if "SLC" in states else True
+
+
+def test_a_model_is_traced_in_both_senses_and_the_worse_governs(made, tmp_path):
+    """Its control point lies at the side that the load leads to: rotations the other way differ in
+    what the point does, not in the wall."""
+    path = tmp_path / "wall.toml"
+    path.write_text((made / "wall.toml").read_text() + TABLES)
+    out = tmp_path / "out"
+    result = drystone("assess", path, "--out", out, "--json", "--quiet")
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.stdout)
+    along, against = found["senses"]["along the load"], found["senses"]["against the load"]
+    assert along["activation_multiplier"] == pytest.approx(0.125, rel=1e-4)
+    # Against the load the wall turns about its other toe: the same wall.
+    assert against["activation_multiplier"] == pytest.approx(0.125, rel=1e-4)
+    least = min(along["safety_index"], against["safety_index"])
+    assert found["safety_index"] == least
+    assert (out / "results.h5").is_file() and (out / "opposite" / "results.h5").is_file()
+    again = json.loads(drystone("assess", out, "--json").stdout)  # both senses are found again
+    assert again["safety_index"] == pytest.approx(least, rel=1e-12)
+    assert again["governing_sense"] == found["governing_sense"]
+
+
+def test_one_sense_is_enough_where_it_is_asked_for(made, tmp_path):
+    path = tmp_path / "wall.toml"
+    path.write_text((made / "wall.toml").read_text() + TABLES + "opposite = false\n")
+    result = drystone("assess", path, "--out", tmp_path / "out", "--json", "--quiet")
+    assert list(json.loads(result.stdout)["senses"]) == ["along the load"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ((), "assessment.method is missing: choose one of"),
+        (("--method", "ntc2018-local"), "site is missing: say what the ground does"),
+        (("--method", "ntc"), 'there is no method "ntc"'),
+        ((*FLAGS, "--reading", "half"), "assessment.reading: must not be"),
+        ((*FLAGS[:4], *FLAGS[4:6]), "site: ag is missing"),
+        ((*FLAGS, "--soil", "F"), "site.soil: must not be"),
+        ((*FLAGS, "--set", "ag=0.1"), "write it as site.KEY=VALUE"),
+        ((*FLAGS, "--set", "site.agg=0.1"), 'unknown key "agg": did you mean "ag"?'),
+        (("--method", "rocking"), "site is missing"),
+        (("--method", "ntc2018-local", *FLAGS[4:]), '"confidence_factor"'),
+        (("--method", "asce41", *FLAGS[4:]), '"site_class"'),
+        (
+            ("--method", "ntc2018-global", *FLAGS[4:], "--set", "assessment.procedure=B"),
+            '"dissipation"',
+        ),
+    ],
+)
+def test_missing_or_wrong_input_is_status_2_with_the_mend(results, arguments, said):
+    result = drystone("assess", results, *arguments)
+    assert result.exit_code == 2, result.output
+    assert said in result.stderr and "Traceback" not in result.stderr
+
+
+def test_bad_spectra_and_folders_are_status_2(results, tmp_path):
+    spectrum = tmp_path / "spectrum.csv"
+    spectrum.write_text("T,Se\n0,0.2\n0.5,-0.1\n")
+    csv = ("--code", "csv", "--spectrum", spectrum, "--unit", "g", "--damping", "5")
+    result = drystone("assess", results, *FLAGS[:4], *csv)
+    assert result.exit_code == 2 and "spectrum.csv" in result.stderr
+    assert drystone("assess", tmp_path / "none", *FLAGS).exit_code == 2
+    result = drystone("assess", tmp_path, *FLAGS)
+    assert result.exit_code == 2 and "name a folder that a run" in result.stderr
+
+
+def cut(folder: Path, n_points: int) -> None:
+    """Leave a folder as a run that was killed after some points does."""
+    for name in ("summary.json", "curve.csv", "curve.png", "mechanism.png"):
+        (folder / name).unlink()
+    with h5py.File(folder / "results.h5", "a") as file:
+        file.attrs["status"] = "running"
+        file["contacts/offset"].resize(n_points + 1, axis=0)
+        file["poses"].resize(n_points, axis=0)
+        for name in file["curve"]:
+            file["curve"][name].resize(n_points, axis=0)
+
+
+def test_a_killed_run_is_assessed_as_far_as_it_goes(results):
+    curve = ds.load_results(results).curve
+    past = curve.nearest(0.25)  # half the way down
+    cut(results, past)
+    result = drystone("assess", results, *FLAGS, "--json")
+    assert result.exit_code == 3, result.output
+    found = json.loads(result.stdout)
+    assert set(found) >= KEYS and found["limit_states"] == {} and found["satisfied"] is None
+    assert found["activation_multiplier"] == pytest.approx(0.125, rel=1e-4)
+    assert found["collapse_displacement"] is None
+    assert "trace it to its end" in found["reason"]
+    assert json.loads((results / "assessment.json").read_text())["activation_multiplier"] > 0.12
+    # Of the activation multiplier alone there is a verdict.
+    linear = drystone("assess", results, *FLAGS, "--set", "assessment.kinematics=linear")
+    assert linear.exit_code == 0, linear.output
+    assert "q = 2" in linear.stdout
+
+
+def test_a_run_that_was_killed_before_its_peak_has_no_mechanism(results):
+    cut(results, 3)
+    result = drystone("assess", results, *FLAGS, "--json")
+    assert result.exit_code == 3
+    found = json.loads(result.stdout)
+    assert set(found) >= KEYS and found["activation_multiplier"] is None
+    assert "not passed its peak" in found["reason"]
+
+
+def test_the_same_in_python(results):
+    found = ds.load_results(results)
+    site = Site(code="ntc2018", values=NTC)
+    verdict = found.curve.assess(
+        found.model, site=site, method="ntc2018-local", confidence_factor=1.35
+    )
+    assert verdict.satisfied is False
+    assert verdict.state("SLV").displacement_demand == pytest.approx(0.1007, rel=0.01)
+    spectrum = NtcSpectrum(
+        ground_acceleration=0.172 * 9.81,
+        amplification=2.458,
+        reference_corner=0.285,
+        soil="B",
+        topography="T1",
+    )
+    settings = Settings(method="ntc2018-local", confidence_factor=1.35)
+    same = found.curve.assess(found.model, settings=settings, spectra=spectrum)
+    assert same.safety_index == verdict.safety_index
+    with pytest.raises(AssessmentError, match="not both"):
+        found.curve.assess(found.model, settings=settings, method="asce41")
+    assert "SLV" in repr(verdict)
+
+
+class TestCompare:
+    def test_curves_of_folders_in_one_picture(self, results, made, tmp_path):
+        for ending, beginning in ((".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")):
+            path = tmp_path / f"picture{ending}"
+            result = drystone("compare", results, made / "wall", "--out", path)
+            assert result.exit_code == 0, result.output
+            assert path.read_bytes().startswith(beginning)
+        assert "0.1250" in result.stdout and "finished" in result.stdout
+
+    def test_what_it_says_in_json(self, results, made, tmp_path):
+        cut(results, 30)
+        out = tmp_path / "picture.png"
+        result = drystone("compare", results, made / "wall", "--out", out, "--json")
+        rows = json.loads(result.stdout)["curves"]
+        assert len({row["name"] for row in rows}) == 2  # folders of one name are told apart
+        assert [row["status"] for row in rows] == ["running", "finished"]
+        # The wall stands at lambda = 0 where its centroid is above its toe, at 0.4961 m.
+        assert rows[1]["ultimate_displacement"] == pytest.approx(
+            HEIGHT * np.sin(np.arctan(WIDTH / HEIGHT)), rel=0.01
+        )
+
+    def test_wrong_endings_and_folders(self, results, tmp_path):
+        assert drystone("compare", results, "--out", tmp_path / "a.bmp").exit_code == 2
+        assert drystone("compare", tmp_path, "--out", tmp_path / "a.png").exit_code == 2
+
+
+class TestAnimation:
+    def test_a_gif_has_its_frames(self, results, tmp_path):
+        from PIL import Image
+
+        from drystone.report.animation import animate, chosen_rows
+
+        found = ds.load_results(results)
+        animate(found.curve, found.model, tmp_path / "fail.gif", n_frames=3)
+        with Image.open(tmp_path / "fail.gif") as picture:
+            assert picture.n_frames == len(chosen_rows(found.curve, 3))
+            assert picture.size[0] % 2 == picture.size[1] % 2 == 0
+
+    def test_rows_hold_both_ends_and_the_peak(self, results):
+        from drystone.report.animation import chosen_rows
+
+        curve = ds.load_results(results).curve
+        rows = chosen_rows(curve, 10)
+        assert {0, len(curve.points) - 1, curve.points.index(curve.peak)} <= set(rows)
+        assert len(rows) <= 13
+
+    def test_what_cannot_be_written_is_said(self, results, tmp_path, monkeypatch):
+        import sys
+
+        from drystone.report.animation import animate
+
+        found = ds.load_results(results)
+        with pytest.raises(ds.ModelError, match="must end in"):
+            animate(found.curve, found.model, tmp_path / "fail.avi")
+        monkeypatch.setitem(sys.modules, "imageio", None)  # as if it were not installed
+        with pytest.raises(ds.ModelError, match=r"drystone\[animation\]"):
+            animate(found.curve, found.model, tmp_path / "fail.mp4")
+
+
+def test_run_writes_pictures_in_other_formats_as_well(made, tmp_path):
+    out = tmp_path / "out"
+    result = drystone("run", made / "wall.toml", "--out", out, "--figures", "svg", "--quiet")
+    assert result.exit_code == 0
+    assert {"curve.png", "curve.svg", "mechanism.svg"} <= {path.name for path in out.iterdir()}
+    drystone("run", made / "wall.toml", "--out", out, "--quiet")
+    assert not (out / "curve.svg").exists()  # of another run

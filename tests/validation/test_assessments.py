@@ -1,0 +1,161 @@
+"""Traced curves assessed: wall 1, a façade in space, an arch, and a wall cut into courses."""
+
+from __future__ import annotations
+
+import sys
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drystone as ds
+from drystone.assessment.errors import AssessmentError
+from drystone.assessment.mechanism import course_of, initial_shape, reduced
+from drystone.site import Site
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
+from rigid_walls import evenly, wall_in_courses
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+SITE = Site(
+    code="ntc2018",
+    values={"ag": 0.172, "F0": 2.458, "TC_star": 0.285, "soil": "B", "topography": "T1"},
+)
+EC8 = Site(code="ec8", values={"ag": 0.17, "type": 1, "ground": "B", "importance": "II"})
+#: What each method needs.
+METHODS = {
+    "ntc2018-local": {"confidence_factor": 1.35},
+    "ntc2009-local": {"confidence_factor": 1.35},
+    "ntc2018-global": {"procedure": "A", "secant_share": 0.6},
+    "ec8-n2": {},
+    "en1998-3-2025-rocking": {
+        "elastic_period": 0.0,
+        "knowledge_level": 1,
+        "infinitely_strong_blocks": True,
+        "demand_factor": 1.0,
+        "damping": {"SD": 5.0, "NC": 5.0},
+    },
+    "asce41": {"site_class": "B", "effective_mass_factor": 1.0, "near_fault": False},
+    "rocking": {"pulse": [{"kind": "half_sine", "amplitude": 0.5, "duration": 0.5}]},
+}
+
+
+@cache
+def wall_1():
+    model = ds.read_model(EXAMPLES / "wall1.toml")
+    return ds.pushover(model), model
+
+
+@cache
+def arch():
+    model = ds.read_model(EXAMPLES / "builders" / "arch.toml")
+    return ds.pushover(model), model
+
+
+@cache
+def facade():
+    model = ds.read_model(EXAMPLES / "facade.toml")
+    return ds.pushover(model), model
+
+
+def test_participation_along_the_branch_of_wall_1():
+    """Values of an independent script on this engine's curve, printed with three digits; tangents
+    over six points: 1 per cent."""
+    curve, model = wall_1()
+    rows = [curve.nearest(d) for d in (0.021, 0.049, 0.102, 0.201, 0.299)]
+    course = course_of(curve, model, rows)
+    assert course.n_bodies.tolist() == [4, 4, 5, 3, 3]
+    for found, expected in (
+        (course.participating_mass_ratio, (0.746, 0.756, 0.717, 0.781, 0.786)),
+        (course.participation_factor, (1.60, 1.58, 1.56, 1.38, 1.30)),
+        (course.kinetic_ratio, (0.169, 0.176, 0.191, 0.159, 0.165)),
+        (course.secant_mass_ratio, (0.247, 0.234, 0.233, 0.203, 0.194)),
+    ):
+        assert found == pytest.approx(expected, rel=0.01)
+
+
+def test_the_initial_mechanism_of_wall_1():
+    """That of the branch at 0.021 m, on the undeformed wall; c as measured by a step's inertia,
+    0.173, which is that of the whole branch."""
+    curve, model = wall_1()
+    shape = initial_shape(curve, model)
+    assert (shape.n_bodies, shape.n_moving) == (4, 11)
+    assert shape.bodies.mass_ratio == pytest.approx(0.746, rel=0.01)
+    assert shape.blocks.mass_ratio == pytest.approx(0.70, rel=0.01)
+    assert shape.kinetic_ratio == pytest.approx(0.173, rel=0.05)
+    assert not shape.twists
+
+
+def test_the_arch_falls_as_three_bodies():
+    """Four hinges part the arch that fails into three bodies; four others stand beside it."""
+    curve, model = arch()
+    shape = initial_shape(curve, model)
+    assert shape.n_bodies == 3
+    ids = [name for name, label in zip(model.assembly.ids, shape.labels, strict=True) if label >= 0]
+    assert len({name.split("/")[0] for name in ids}) == 1  # all of one arch
+
+
+def test_the_facade_falls_outwards_and_not_twisting():
+    curve, model = facade()
+    found = reduced(curve, model, course=False)
+    assert not found.shape.twists and found.shape.n_bodies > 1
+    # The front turns as one and draws units of the returns along: between a body that turns about
+    # its foot, taken whole (1), and brick by brick (3/4 of it).
+    assert 0.7 < found.shape.bodies.mass_ratio < 1.0
+    assert found.shape.blocks.mass_ratio < found.shape.bodies.mass_ratio
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("structure", [wall_1, arch, facade])
+def test_every_method_gives_an_answer_or_says_why_not(structure, method):
+    curve, model = structure()
+    site = EC8 if method.startswith(("ec8", "en1998")) else SITE
+    verdict = curve.assess(model, site=site, method=method, **METHODS[method])
+    found = verdict.as_dict()
+    assert found["method"] == method and found["limit_states"]
+    assert set(found["readings"]) == {"base_shear", "energy", "literal_ec8"}
+    if method == "asce41":  # a rocking branch has no strength that hardens: no verdict
+        assert verdict.satisfied is None
+        return
+    assert verdict.satisfied is (verdict.safety_index >= 1.0) or verdict.satisfied is not None
+    for state in verdict.limit_states:
+        if state.ground_acceleration_capacity is not None and state.ground_acceleration_demand:
+            index = state.ground_acceleration_capacity / state.ground_acceleration_demand
+            assert state.satisfied is None or state.satisfied is bool(index >= 1.0)
+
+
+def test_what_a_method_needs_is_asked_for():
+    curve, model = wall_1()
+    for method, needed in METHODS.items():
+        if needed and method not in ("ntc2018-global",):
+            with pytest.raises(AssessmentError):
+                curve.assess(model, site=SITE, method=method)
+
+
+def test_a_wall_cut_into_courses_that_move_as_one_has_one_verdict():
+    """Joints of 1e13 Pa/m: twenty of them take 3e-7 of lambda_0; steps of 1 mm keep the polygon of
+    the curve, whose points are elsewhere on each, nearer to it than 1e-7."""
+    answers = []
+    for n in (1, 2, 5, 20):
+        heights = [0.5 * height for height in evenly(n)]  # 2 m: stiffer than the wall of 4 m
+        model = wall_in_courses(heights, displacement_step=0.001)
+        curve = ds.pushover(model)
+        verdict = curve.assess(model, site=SITE, method="ntc2018-local", confidence_factor=1.35)
+        slv = verdict.state("SLV")
+        capacity = verdict.capacity
+        assert verdict.reduction.shape.n_bodies == 1
+        answers.append(
+            (
+                capacity.participating_mass_ratio,
+                capacity.participation_factor,
+                capacity.activation_multiplier,
+                capacity.collapse_displacement,
+                slv.limit_period,
+                slv.displacement_demand,
+                slv.ground_acceleration_capacity,
+            )
+        )
+    whole = np.array(answers[0])
+    for cut in answers[1:]:
+        assert np.array(cut) == pytest.approx(whole, rel=1e-6)
