@@ -24,6 +24,21 @@ if TYPE_CHECKING:
     from drystone.inspection import Inspection, inspect
     from drystone.kernels.compilation import Compilation
     from drystone.limit import Collapse, collapse_load
+    from drystone.loading import (
+        Acceleration,
+        AccelerationPattern,
+        FaceLoad,
+        FillLoad,
+        ForceLoad,
+        ForcesPattern,
+        MassPattern,
+        ModalPattern,
+        PointForce,
+        SurchargeLoad,
+        TiltPattern,
+        TriangularPattern,
+        UniformPattern,
+    )
     from drystone.model import Analysis, Model
     from drystone.modelfile import read_model, write_model
     from drystone.report import plot_curve, plot_mechanism, plot_model
@@ -31,6 +46,8 @@ if TYPE_CHECKING:
 #: Where each name is, and its name there if that is another.  Heavy imports wait until a name is
 #: used, so that the command line starts at once.
 _PLACES = {
+    "Acceleration": "drystone.loading",
+    "AccelerationPattern": "drystone.loading",
     "Analysis": "drystone.model",
     "Assembly": "drystone.assembly",
     "Block": "drystone.assembly",
@@ -40,14 +57,25 @@ _PLACES = {
     "Corner": "drystone.assembly",
     "CurvePoint": "drystone.curve",
     "EngineError": "drystone.engines.base",
+    "FaceLoad": "drystone.loading",
+    "FillLoad": "drystone.loading",
+    "ForceLoad": "drystone.loading",
+    "ForcesPattern": "drystone.loading",
     "ImportSettings": "drystone.drawings.settings",
     "Inspection": "drystone.inspection",
     "JointLaw": "drystone.assembly",
+    "MassPattern": "drystone.loading",
+    "ModalPattern": "drystone.loading",
     "Model": "drystone.model",
     "ModelError": "drystone.builders",
     "OutputError": "drystone.export.folder",
+    "PointForce": "drystone.loading",
     "Results": "drystone.export.results",
     "ResultsDirectory": "drystone.export.directory",
+    "SurchargeLoad": "drystone.loading",
+    "TiltPattern": "drystone.loading",
+    "TriangularPattern": "drystone.loading",
+    "UniformPattern": "drystone.loading",
     "UnstableError": "drystone.engines.base",
     "arch": "drystone.builders:circular_arch",
     "collapse_load": "drystone.limit",

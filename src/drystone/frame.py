@@ -137,6 +137,10 @@ class Frame:
         """Forces (..., dim) [N] in own units."""
         return np.vectorize(plain, otypes=[float])(np.asarray(drawn, float) / self.force)
 
+    def height(self, drawn: float) -> float:
+        """A height [m] in own coordinates."""
+        return plain((drawn - float(self.origin[-1])) / self.length)
+
     def pressure(self, drawn: float) -> float:
         """A pressure [Pa] in own units."""
         return plain(drawn / (self.unit_weight * self.length))

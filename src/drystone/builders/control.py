@@ -28,7 +28,7 @@ CORNERS = {
 NAMED_POINTS = {2: (*CORNERS, "centre"), 3: ("top", "centre")}
 
 
-def unit_vector(direction: Sequence[float], key: str, dimension: int) -> Array:
+def unit_vector(direction: Sequence[float] | Array, key: str, dimension: int) -> Array:
     """Direction scaled to length one; ``key`` names it in the error if it has none."""
     words, example = ("three", "[1.0, 0.0, 0.0]") if dimension == 3 else ("two", "[1.0, 0.0]")
     vector = np.array(direction, dtype=np.float64)

@@ -77,9 +77,7 @@ class FramedEngine:
                 load=problem.load.in_frame(frame),
                 dead_loads=tuple(load.in_frame(frame) for load in problem.dead_loads),
                 length=frame.length,
-                ground=None
-                if ground is None
-                else plain((ground - float(frame.origin[-1])) / frame.length),
+                ground=None if ground is None else frame.height(ground),
             )
         )
         return self._state(own), self._report(report)

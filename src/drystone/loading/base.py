@@ -26,6 +26,10 @@ class Scale(Protocol):
         """Forces (..., dim) [N]."""
         ...
 
+    def height(self, height: float) -> float:
+        """A height [m], along gravity."""
+        ...
+
     def pressure(self, pressure: float) -> float:
         """A pressure [Pa]."""
         ...

@@ -35,7 +35,8 @@ def dimension_of(info: ValidationInfo) -> int | None:
     return info.context["dimension"] if info.context else None
 
 
-def _of_dimension(value: list[float], info: ValidationInfo) -> list[float]:
+def of_dimension(value: list[float], info: ValidationInfo) -> list[float]:
+    """The value, with as many entries as the file has coordinates."""
     wanted = dimension_of(info)
     if len(value) == wanted or (wanted is None and len(value) in (2, 3)):
         return value
@@ -46,7 +47,7 @@ def _direction(value: list[float], info: ValidationInfo) -> list[float]:
     if not any(value):
         example = "[1.0, 0.0, 0.0]" if dimension_of(info) == 3 else "[1.0, 0.0]"
         raise sentence(f"has no length: give a direction, as in {example}")
-    return _of_dimension(value, info)
+    return of_dimension(value, info)
 
 
 def in_plane_only(value: Any, info: ValidationInfo) -> Any:
@@ -116,7 +117,7 @@ def ranged(name: str) -> PlainValidator:
 
 Coordinate = Annotated[float, ranged("coordinate")]
 Pair = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
-Place = Annotated[list[Coordinate], AfterValidator(_of_dimension)]
+Place = Annotated[list[Coordinate], AfterValidator(of_dimension)]
 Direction = Annotated[list[Annotated[float, ranged("direction")]], AfterValidator(_direction)]
 Name = Annotated[str, AfterValidator(_name)]
 Course = Annotated[str, AfterValidator(_course)]

@@ -25,6 +25,7 @@ from drystone.modelfile.assessing import assessment_of, site_of
 from drystone.modelfile.builds import BuildSection
 from drystone.modelfile.groups import grouped
 from drystone.modelfile.imports import imports_of
+from drystone.modelfile.loads import dead_loads_of, pattern_of
 from drystone.modelfile.parse import parse
 from drystone.modelfile.schema import ExceptionSection, ModelSection
 from drystone.modelfile.sentences import place_of, sentences
@@ -137,7 +138,8 @@ def _model(
         corner=Corner(radius=section.corner.radius or None, chamfer=section.corner.chamfer or None),
         thickness=section.thickness,
         points=section.contact.points if section.contact else POINTS,
-        load_direction=section.load.direction,
+        load=pattern_of(section.load, section.dimension),
+        dead_loads=dead_loads_of(section.dead_load, section.dimension),
         control_block=control_block,
         control_point=control_point,
         control_direction=section.control.direction,

@@ -19,6 +19,7 @@ from pydantic_core import PydanticCustomError
 
 from drystone.builders.fit import DRAWING_TOLERANCE
 from drystone.drawings.settings import TOLERANCE
+from drystone.loading.patterns import LISTED
 from drystone.model import Analysis
 from drystone.modelfile.assessing import AssessmentSection, SiteSection
 from drystone.modelfile.builds import BuildTable
@@ -32,6 +33,7 @@ from drystone.modelfile.keys import (
     Spatial,
     dimension_of,
     in_plane_only,
+    of_dimension,
     point_of,
     ranged,
     rotation_of,
@@ -173,13 +175,110 @@ class WallSection(Section):
     material: str | None = None
 
 
+def _block_point(value: Any, info: ValidationInfo) -> str | list[float]:
+    """A name of a point, or a place; which names there are is for the load to say."""
+    if isinstance(value, str):
+        return value
+    return [float(x) for x in point_of(value, info)]
+
+
+BlockPoint = Annotated[Any, PlainValidator(_block_point)]
+Force = Annotated[list[Annotated[float, ranged("force")]], AfterValidator(of_dimension)]
+Pressure = Annotated[list[Annotated[float, ranged("pressure")]], AfterValidator(of_dimension)]
+Acceleration = Annotated[
+    list[Annotated[float, ranged("acceleration")]], AfterValidator(of_dimension)
+]
+
+
+class ForceSection(Section):
+    """[[load.force]]"""
+
+    block: str | None = None
+    group: str | None = None
+    point: BlockPoint = "centre"
+    force: Force = Field(description="on each block, in N, as in force = [1000.0, 0.0]")
+
+
+class AccelerationSection(Section):
+    """[[load.acceleration]]"""
+
+    block: str | None = None
+    group: str | None = None
+    acceleration: Acceleration = Field(
+        description="over that of gravity, as in acceleration = [1.0, 0.0]"
+    )
+
+
 class LoadSection(Section):
     """[load]"""
 
-    pattern: Literal["mass"] = Field(
-        description='pattern = "mass" loads each block in proportion to its weight'
+    pattern: Literal["mass", "uniform", "triangular", "modal", "tilt", "forces", "acceleration"] = (
+        Field(description='pattern = "mass" loads each block in proportion to its weight')
     )
-    direction: Direction = Field(description="as in direction = [1.0, 0.0]")
+    direction: Direction | None = None
+    base: Annotated[float, ranged("coordinate")] | None = None  # m
+    force: list[ForceSection] = []
+    acceleration: list[AccelerationSection] = []
+
+    #: Keys that belong to one pattern.
+    @model_validator(mode="after")
+    def _of_its_pattern(self) -> LoadSection:
+        name, listed = self.pattern, self.pattern in LISTED
+        for key, owner in (
+            ("base", "triangular"), ("force", "forces"), ("acceleration", "acceleration"),
+        ):  # fmt: skip
+            if key in self.model_fields_set and name != owner:
+                raise sentence(f'has {key}, which is of pattern = "{owner}": take it out')
+        if listed and self.direction is not None:
+            raise sentence(f'has direction, but pattern = "{name}" has its own: take it out')
+        if not listed and self.direction is None:
+            raise sentence("direction is missing: add it (as in direction = [1.0, 0.0])")
+        return self
+
+
+class DeadLoadSection(Section):
+    """[[dead_load]]: which keys go with which kind is checked at once."""
+
+    kind: Literal["force", "surcharge", "face", "fill"] = Field(
+        description='as in kind = "force", "surcharge", "face" or "fill"'
+    )
+    name: Name | None = None
+    mass: bool = Field(
+        description="whether it is the weight of a mass that counts in [load], true or false"
+    )
+    stage: Annotated[int, Field(ge=0, le=100)] = 1
+    block: str | None = None
+    group: str | None = None
+    point: BlockPoint | None = None
+    force: Force | None = None  # N
+    weight: Annotated[float, ranged("force")] | None = None  # N
+    side: Direction | None = None
+    within: Annotated[float, ranged("within")] | None = None  # degrees
+    pressure: Pressure | None = None  # Pa
+    total: Force | None = None  # N
+    unit_weight: Annotated[float, ranged("unit_weight")] | None = None  # N/m3
+    level: Annotated[float, ranged("coordinate")] | None = None  # m
+    at_rest: Annotated[float, ranged("at_rest")] | None = None
+
+    @model_validator(mode="after")
+    def _of_its_kind(self) -> DeadLoadSection:
+        wanted, more = DEAD_KEYS[self.kind]
+        given = self.model_fields_set - {"kind", "name", "mass", "stage", "block", "group"}
+        for key in wanted:
+            if key not in given:
+                raise sentence(f'{key} is missing: kind = "{self.kind}" needs it')
+        for key in sorted(given - {*wanted, *more}):
+            raise sentence(f'has {key}, which is not of kind = "{self.kind}": take it out')
+        return self
+
+
+#: Keys that kinds of dead loads need, and those that they may have.
+DEAD_KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "force": (("force",), ("point",)),
+    "surcharge": (("weight",), ("point",)),
+    "face": (("side",), ("within", "pressure", "total")),
+    "fill": (("side", "unit_weight", "level", "at_rest"), ("within",)),
+}
 
 
 class ControlSection(Section):
@@ -247,6 +346,7 @@ class ModelSection(Section):
     imports: list[ImportSection] = Field(default=[], alias="import")
     group: dict[Name, GroupSection] = {}
     load: LoadSection = Field(description="a table [load] with pattern and direction")
+    dead_load: list[DeadLoadSection] = []
     control: ControlSection = ControlSection()
     analysis: AnalysisSection = AnalysisSection()
     site: SiteSection | None = None
