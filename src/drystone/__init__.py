@@ -9,6 +9,7 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from drystone.analysis import pushover
+    from drystone.around import Polar, polar
     from drystone.assembly import Assembly, Block, Corner, JointLaw
     from drystone.builders import ModelError, extruded, make_model, published_wall
     from drystone.builders import circular_arch as arch
@@ -70,6 +71,7 @@ _PLACES = {
     "ModelError": "drystone.builders",
     "OutputError": "drystone.export.folder",
     "PointForce": "drystone.loading",
+    "Polar": "drystone.around",
     "Results": "drystone.export.results",
     "ResultsDirectory": "drystone.export.directory",
     "SurchargeLoad": "drystone.loading",
@@ -88,6 +90,7 @@ _PLACES = {
     "plot_curve": "drystone.report",
     "plot_mechanism": "drystone.report",
     "plot_model": "drystone.report",
+    "polar": "drystone.around",
     "published_wall": "drystone.builders",
     "pushover": "drystone.analysis",
     "read_model": "drystone.modelfile",

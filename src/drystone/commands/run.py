@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drystone.commands.directions import Asked, number_of, run_directions
 from drystone.commands.options import AsJson, ModelFile, Quiet, StrategyName
 from drystone.commands.outcome import emit, exit_code, fail, outcome, tell
 
@@ -64,6 +65,15 @@ Figures = Annotated[
         show_default=False,
     ),
 ]
+Directions = Annotated[
+    str | None,
+    typer.Option(
+        metavar="both|N",
+        help="Push in both senses, or in N directions around, a folder each; as many at a time as "
+        "--threads says.",
+        show_default=False,
+    ),
+]
 
 
 # Long: what is asked for is checked, traced and told, in this order.
@@ -75,6 +85,7 @@ def run(
     mechanism_at: MechanismAt = None,
     threads: Threads = None,
     figures: Figures = None,
+    directions: Directions = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -82,6 +93,8 @@ def run(
     if mechanism_at is not None and math.isnan(mechanism_at):
         raise typer.BadParameter("it must be a number", param_hint="--mechanism-at")
     folder = out or Path(f"{model_file.stem}-results")
+    number = None if directions is None else number_of(directions)
+    formats = tuple(format.value for format in figures or ())
     begun = False
     with outcome(as_json=as_json, begun=lambda: begun):
         from drystone.builders.words import printable
@@ -98,13 +111,17 @@ def run(
         check_writable(folder)  # better known before the work
         check_apart(model_file, files_of(folder))
         tell([f"warning: {problem}" for problem in inspect(model).problems])
+        asked = Asked(engine, strategy and strategy.value, mechanism_at, formats)
+        if number is not None:
+            options = {"processes": threads, "as_json": as_json, "quiet": quiet or as_json}
+            raise typer.Exit(run_directions(model, number, folder, asked, **options))
         with compiling(engine or model.analysis.engine, quiet=quiet or as_json):
             beside = limits_beside(model)
             with ResultsDirectory(
                 folder,
                 mechanism_displacement=mechanism_at,
                 beside=beside,
-                formats=[format.value for format in figures or ()],
+                formats=formats,
             ) as results:
                 from drystone.analysis import pushover
 

@@ -59,7 +59,7 @@ CHUNKS = 10
 RAMP = 100
 
 #: Most cycles of one call, which nothing interrupts; and where loads change with places.
-ROUND, SHORT_ROUND = 1000, 50
+ROUND, SHORT_ROUND = 1000, 100
 
 #: Stages in which a driven increment ends, and the rate of each over that of the one before.
 STAGES, SLOWER = 4, 0.25

@@ -53,6 +53,11 @@ class AccelerationPattern:
         """See `LoadPattern`."""
         raise ValueError('the pattern "acceleration" has the directions of its field: change these')
 
+    def opposite(self, assembly: Assembly) -> Self:
+        """See `LoadPattern`."""
+        entries = (replace(e, acceleration=-np.asarray(e.acceleration)) for e in self.entries)
+        return replace(self, entries=tuple(entries))
+
     def in_space(self, vector: Callable[..., Array]) -> Self:
         """See `LoadPattern`."""
         entries = (replace(e, acceleration=vector(e.acceleration)) for e in self.entries)

@@ -89,6 +89,10 @@ class LoadPattern(Protocol):
         """The pattern along another direction (dim,), a unit vector; raises `ValueError`."""
         ...
 
+    def opposite(self, assembly: Assembly) -> Self:
+        """The pattern in the other sense."""
+        ...
+
     def in_space(self, vector: Callable[..., Array]) -> Self:
         """That of a plane model as solids; ``vector`` takes vectors to space."""
         ...
@@ -127,6 +131,13 @@ class Directed:
     def towards(self, direction: Array) -> Self:
         """See `LoadPattern`."""
         return replace(self, direction=direction)
+
+    def opposite(self, assembly: Assembly) -> Self:
+        """Sideways the other way; what it has of up or down stays, where it leads sideways."""
+        upright = float(self.direction @ assembly.up) * assembly.up
+        sideways = self.direction - upright
+        kept = upright if np.linalg.norm(sideways) > LEVEL else -upright
+        return self.towards(kept - sideways)
 
     def in_space(self, vector: Callable[..., Array]) -> Self:
         """See `LoadPattern`."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
-from drystone.geometry.motion import translations, turned
+from drystone.geometry.motion import translations
 
 Array = NDArray[np.float64]
 
@@ -70,8 +70,7 @@ class DeadForces:
     def tensor(self, pose: Array) -> Array:
         """B = sum a P^T of arms in the poses (n, n_pose), (n, dim, dim) [N m]."""
         assert self.lever is not None
-        columns = [turned(self.lever[:, :, k], pose) for k in range(self.lever.shape[2])]
-        return np.stack(columns, axis=2)
+        return rotation_matrices(pose) @ self.lever
 
     def wrenches(self, assembly: Assembly, pose: Array | None = None) -> Array:
         """Generalised forces about the centroids, (n, n_dof) [N, N m], as designed or in poses (n,
@@ -115,7 +114,19 @@ class DeadForces:
 
 def principal_axes(assembly: Assembly, pose: Array) -> Array:
     """Principal axes of blocks in space in poses (n, 7), (n, 3, 3) in columns."""
-    return np.stack([turned(assembly.axes[:, :, k], pose) for k in range(3)], axis=2)
+    return rotation_matrices(pose) @ assembly.axes
+
+
+def rotation_matrices(pose: Array) -> Array:
+    """By which blocks have turned in poses (n, n_pose), (n, dim, dim)."""
+    if pose.shape[1] == 3:
+        c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+        return np.stack((np.column_stack((c, -s)), np.column_stack((s, c))), axis=1)
+    w, v = pose[:, 3], pose[:, 4:]
+    cross = np.zeros((len(pose), 3, 3))
+    cross[:, 2, 1], cross[:, 0, 2], cross[:, 1, 0] = v.T
+    cross -= cross.transpose(0, 2, 1)
+    return np.eye(3) + 2.0 * (w[:, None, None] * cross + cross @ cross)
 
 
 def _axial(tensor: Array) -> Array:

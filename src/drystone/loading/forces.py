@@ -40,6 +40,11 @@ class ForcesPattern:
         """See `LoadPattern`."""
         raise ValueError('the pattern "forces" has the directions of its forces: change these')
 
+    def opposite(self, assembly: Assembly) -> Self:
+        """See `LoadPattern`."""
+        entries = (replace(entry, force=-np.asarray(entry.force)) for entry in self.entries)
+        return replace(self, entries=tuple(entries))
+
     def in_space(self, vector: Callable[..., Array]) -> Self:
         """See `LoadPattern`."""
         return replace(self, entries=tuple(entry.in_space(vector) for entry in self.entries))

@@ -11,8 +11,8 @@ direction.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import ClassVar
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar, Self
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -73,9 +73,18 @@ class ModalPattern(Directed):
         share = along * weights.sum() / float(weights @ along)
         return masses.forces(assembly, share[:, None] * self.direction)
 
-    def towards(self, direction: Array) -> ModalPattern:
+    def towards(self, direction: Array) -> Self:
         """See `LoadPattern`."""
-        return ModalPattern(direction=direction)
+        return replace(self, direction=direction, known=WeakKeyDictionary())
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What goes to another process: modes are found again there."""
+        return {"direction": self.direction}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """See `__getstate__`."""
+        object.__setattr__(self, "direction", state["direction"])
+        object.__setattr__(self, "known", WeakKeyDictionary())
 
     def mode(self, assembly: Assembly, masses: Masses = NO_MASSES) -> Mode:
         """The mode, found once."""
