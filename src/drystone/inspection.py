@@ -12,6 +12,7 @@ from drystone.builders.words import FEW, listed, millimetres, quoted
 from drystone.geometry.missed import Missed
 from drystone.geometry.outlines import Array, IntArray, Outlines
 from drystone.geometry.polyhedra import Polyhedra
+from drystone.loading import ModalPattern, masses_of
 from drystone.model import Model
 
 #: Beyond these a unit has been mistaken: m, N/m3 (cork weighs 1200, lead 111e3).
@@ -20,6 +21,27 @@ LONGEST_BLOCK, LIGHTEST, HEAVIEST = 50.0, 1e3, 115e3
 ROUGHEST = 2.0
 #: Share of the smallest block by which joints under a structure's weight may close.
 SOFT = 0.05
+
+
+@dataclass(frozen=True, kw_only=True)
+class VibrationMode:
+    """A mode of the blocks on their elastic joints."""
+
+    number: int
+    """Counted from 1, in the order of frequencies."""
+    period: float
+    """In s."""
+    participation: float
+    """Mass along the load's direction over that of all blocks."""
+
+    @classmethod
+    def of(cls, model: Model) -> VibrationMode | None:
+        """That of a model's load, if it is one in proportion to a mode."""
+        load, assembly = model.load, model.assembly
+        if not isinstance(load, ModalPattern):
+            return None
+        mode = load.mode(assembly, masses_of(assembly, model.dead_loads))
+        return cls(number=mode.number, period=mode.period, participation=mode.participation)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,6 +69,12 @@ class Inspection:
     """Lowest corner of the box around the movable blocks [m]."""
     upper: tuple[float, ...]
     """Its highest corner [m]."""
+    load: str
+    """The pattern that the multiplier scales, in words."""
+    dead_load: tuple[float, ...]
+    """Sum of what acts beside the blocks' weight [N]."""
+    mode: VibrationMode | None
+    """Of a load in proportion to a mode of vibration."""
     control_block: str
     control_point: tuple[float, ...]
     """On the block as designed [m]."""
@@ -81,11 +109,20 @@ def inspect(model: Model) -> Inspection:
         weight=float(assembly.weight[movable].sum()),
         lower=_place(packed.lower[parts].min(axis=0)),
         upper=_place(packed.upper[parts].max(axis=0)),
+        load=model.load.words,
+        dead_load=_place(_dead_load(model)),
+        mode=VibrationMode.of(model),
         control_block=assembly.blocks[model.control_point.block].id,
         control_point=_place(model.control_point.point),
         warnings=(*_law_notes(assembly), *problems),
         problems=problems,
     )
+
+
+def _dead_load(model: Model) -> Array:
+    """Sum of the dead loads beside the blocks' weight, (dim,) [N]."""
+    loads = [load.forces(model.assembly).force.sum(axis=0) for load in model.dead_loads]
+    return np.sum(loads, axis=0) if loads else np.zeros(model.assembly.dimension)
 
 
 def _place(point: Array) -> tuple[float, ...]:

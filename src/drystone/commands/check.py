@@ -46,6 +46,23 @@ def check(model_file: ModelFile, as_json: AsJson = False, quiet: Quiet = False) 
     raise typer.Exit(DONE)
 
 
+def mode_rows(found: Inspection) -> list[tuple[str, str]]:
+    """What is known of dead loads and of the mode of vibration."""
+    rows = []
+    if any(found.dead_load):
+        parts = ", ".join(f"{force / 1e3:.4g}" for force in found.dead_load)
+        rows.append(("dead loads", f"({parts}) kN in all"))
+    if found.mode is not None:
+        rows.append(
+            (
+                "mode",
+                f"the {found.mode.number}. of {found.mode.period:.4g} s, with "
+                f"{100.0 * found.mode.participation:.1f} % of the mass",
+            )
+        )
+    return rows
+
+
 def statics(model: Model) -> tuple[list[str], float | None, str | None]:
     """What limit analysis says against a model: it falls, or no load brings it down; and the
     reaction of the supports at rest [N], or why there is none."""
@@ -91,6 +108,8 @@ def report(
         ("weight", f"{found.weight / 1e3:.4g} kN"),
         *borne,
         ("size", " x ".join(f"{side:.4g} m" for side in sides)),
+        ("load", found.load),
+        *mode_rows(found),
         ("control point", f'({point}) m on block "{found.control_block}"'),
     )
     lines = [printable(found.title), *(f"  {name:<14} {value}" for name, value in rows)]

@@ -42,6 +42,8 @@ def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
         "dimension": model.assembly.dimension,
         "n_blocks": model.assembly.n_blocks,
         "n_supports": model.assembly.n_supports,
+        "load": model.load.words,
+        "mode": _mode(model),
         "n_steps": curve.n_steps,
         "n_points": len(curve.points),
         "n_dynamic": sum(point.status == DYNAMIC for point in curve.points),
@@ -67,6 +69,14 @@ def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
         "model_sha256": model.sha256,
     }
     return {key: plain(value) for key, value in summary.items()}
+
+
+def _mode(model: Model) -> dict[str, Any] | None:
+    """Of a load in proportion to a mode of vibration."""
+    from drystone.inspection import VibrationMode
+
+    mode = VibrationMode.of(model)
+    return asdict(mode) if mode is not None else None
 
 
 def write_summary(summary: dict[str, Any], path: Path | str) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,8 @@ FALLING = 1e-3
 MANY, FEW, FEW_FROM = 8, 1, {2: 200, 3: 50}
 #: Multipliers that differ by less than this share are one.
 DIFFERENT = 1e-4
+#: Solutions for a turned load, and change of the multiplier at which it stands.
+TILTS, SAME_TILT = 60, 1e-9
 #: Blocks named in a sentence.
 MOST_NAMES = 8
 
@@ -122,8 +124,38 @@ def collapse_loads(
     settings: NonAssociativeSettings | None = None,
 ) -> tuple[Collapse, ...]:
     """The same for several flows at once, which share their work."""
-    assembly = model.assembly
-    equilibrium = Equilibrium.of(assembly, model.load, model.dead_loads)
+    equilibrium = Equilibrium.of(model.assembly, model.load, model.dead_loads)
+    if model.load.turns_gravity and (equilibrium.cohesion.any() or equilibrium.tension.any()):
+        return tuple(_tilted(equilibrium, flow, settings) for flow in flows)
+    return _collapses(equilibrium, flows, settings)
+
+
+def _tilted(
+    equilibrium: Equilibrium, flow: str, settings: NonAssociativeSettings | None
+) -> Collapse:
+    """Of a load that shrinks as it turns, by the cosine of the angle: strengths count as much more.
+
+    For friction alone that makes no difference; with cohesion it is repeated until it stands.
+    """
+    cosine, last = 1.0, np.nan
+    for _ in range(TILTS):
+        stronger = replace(
+            equilibrium,
+            cohesion=equilibrium.cohesion / cosine,
+            tension=equilibrium.tension / cosine,
+        )
+        (found,) = _collapses(stronger, (flow,), settings)
+        multiplier = found.load_multiplier
+        if not np.isfinite(multiplier) or abs(multiplier - last) <= SAME_TILT * abs(multiplier):
+            break
+        last, cosine = multiplier, 1.0 / np.sqrt(1.0 + multiplier**2)
+    return found
+
+
+def _collapses(
+    equilibrium: Equilibrium, flows: Sequence[str], settings: NonAssociativeSettings | None
+) -> tuple[Collapse, ...]:
+    assembly = equilibrium.assembly
     dead = bounds.dead_load_factor(equilibrium)
     if dead.status != OPTIMAL:
         return tuple(_without(equilibrium, flow, "failed", NOT_SOLVED) for flow in flows)
