@@ -25,21 +25,15 @@ if TYPE_CHECKING:
     from drystone.inspection import Inspection, inspect
     from drystone.kernels.compilation import Compilation
     from drystone.limit import Collapse, collapse_load
-    from drystone.loading import (
-        Acceleration,
-        AccelerationPattern,
-        FaceLoad,
-        FillLoad,
-        ForceLoad,
-        ForcesPattern,
-        MassPattern,
-        ModalPattern,
-        PointForce,
-        SurchargeLoad,
-        TiltPattern,
-        TriangularPattern,
-        UniformPattern,
-    )
+    from drystone.loading.acceleration import Acceleration, AccelerationPattern
+    from drystone.loading.dead import FaceLoad, FillLoad, ForceLoad, SurchargeLoad
+    from drystone.loading.forces import ForcesPattern
+    from drystone.loading.mass import MassPattern
+    from drystone.loading.modal import ModalPattern
+    from drystone.loading.targets import PointForce
+    from drystone.loading.tilt import TiltPattern
+    from drystone.loading.triangular import TriangularPattern
+    from drystone.loading.uniform import UniformPattern
     from drystone.model import Analysis, Model
     from drystone.modelfile import read_model, write_model
     from drystone.report import plot_curve, plot_mechanism, plot_model

@@ -366,7 +366,8 @@ class TestBrokenKeys:
             # load
             ("[load]", "[loads]", 'unknown key "loads": did you mean "load"?'),
             ('pattern = "mass"\n', "", "load: pattern is missing"),
-            ('"mass"', '"uniform"', 'load.pattern: must not be "uniform": only "mass" is known'),
+            ('"mass"', '"masses"', 'load.pattern: must not be "masses": did you mean "mass"?'),
+            ('"mass"', '"forces"', 'load: has direction, but pattern = "forces" has its own'),
             ("direction = [1.0, 0.0]\n", "", "load: direction is missing"),
             ("[1.0, 0.0]\n\n[control]", "[0.0, 0.0]\n\n[control]", "load.direction: has no length"),
             ("[1.0, 0.0]\n\n[control]", "[0, 0, 1]\n\n[control]", "load.direction: must have 2"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -113,7 +113,8 @@ def run(
         tell([f"warning: {problem}" for problem in inspect(model).problems])
         asked = Asked(engine, strategy and strategy.value, mechanism_at, formats)
         if number is not None:
-            options = {"processes": threads, "as_json": as_json, "quiet": quiet or as_json}
+            options: dict[str, Any] = {"processes": threads, "as_json": as_json}
+            options["quiet"] = quiet or as_json
             raise typer.Exit(run_directions(model, number, folder, asked, **options))
         with compiling(engine or model.analysis.engine, quiet=quiet or as_json):
             beside = limits_beside(model)
