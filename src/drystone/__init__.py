@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from drystone.loading.uniform import UniformPattern
     from drystone.model import Analysis, Model
     from drystone.modelfile import read_model, write_model
+    from drystone.mortar import Mortar
     from drystone.report import plot_curve, plot_mechanism, plot_model
 
 #: Where each name is, and its name there if that is another.  Heavy imports wait until a name is
@@ -63,6 +64,7 @@ _PLACES = {
     "ModalPattern": "drystone.loading",
     "Model": "drystone.model",
     "ModelError": "drystone.builders",
+    "Mortar": "drystone.mortar",
     "OutputError": "drystone.export.folder",
     "PointForce": "drystone.loading",
     "Polar": "drystone.around",

@@ -320,7 +320,8 @@ def _laws(
 
 def _given(section: ExceptionSection) -> dict[str, float]:
     values = {key: getattr(section, key) for key in _LAW_KEYS}
-    return {key: float(value) for key, value in values.items() if value is not None}
+    given = {key: float(value) for key, value in values.items() if value is not None}
+    return given | section.mortar.stiffnesses() if section.mortar else given
 
 
 def pair_named(

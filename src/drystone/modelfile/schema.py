@@ -39,6 +39,7 @@ from drystone.modelfile.keys import (
     rotation_of,
     sentence,
 )
+from drystone.mortar import Mortar
 
 #: Keys of [analysis] that strategies and engines take as numerical settings.
 OPTION_NAMES = (
@@ -75,6 +76,31 @@ class MaterialSection(Section):
         return self
 
 
+class MortarSection(Section):
+    """[joint.mortar]: stiffnesses by the thickness and the moduli of a bed of mortar."""
+
+    thickness: Annotated[float, ranged("mortar_thickness")] = Field(
+        description="of the joint in m, as in thickness = 0.01"
+    )
+    young_modulus: Annotated[float, ranged("young_modulus")] = Field(
+        description="of the mortar in Pa, as in young_modulus = 2e9"
+    )
+    shear_modulus: Annotated[float, ranged("shear_modulus")] | None = None  # Pa
+    poisson_ratio: Annotated[float, ranged("poisson_ratio")] | None = None  # -
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> MortarSection:
+        try:
+            self.stiffnesses()
+        except ValueError as error:
+            raise sentence(str(error)) from None
+        return self
+
+    def stiffnesses(self) -> dict[str, float]:
+        """Values of the joint law, see `Mortar`."""
+        return Mortar(**self.model_dump()).stiffnesses
+
+
 class ExceptionSection(Section):
     """[joint.between."a b"]: what it leaves out is taken from [joint]."""
 
@@ -85,6 +111,15 @@ class ExceptionSection(Section):
     dilatancy_end: Annotated[float, ranged("dilatancy_end")] | None = None  # m
     cohesion: Annotated[float, ranged("cohesion")] | None = None  # Pa
     tensile_strength: Annotated[float, ranged("tensile_strength")] | None = None  # Pa
+    mortar: MortarSection | None = None
+
+    @model_validator(mode="after")
+    def _stiffness_once(self) -> ExceptionSection:
+        keys = ("normal_stiffness", "shear_stiffness")
+        given = [key for key in keys if getattr(self, key) is not None]
+        if self.mortar is not None and given:
+            raise sentence(f"has both mortar and {given[0]}: leave one of them out")
+        return self
 
 
 class JointSection(ExceptionSection):
