@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from drystone.geometry.solid import plane_axes
 
 Array = NDArray[np.float64]
 Loop = tuple[int, ...]
+Place = Array | Sequence[float]  # of two coordinates
 
 #: Vertices of a face up to which every way of cutting it is looked at.
 FEW = 8
@@ -39,7 +41,7 @@ def flat_pieces(vertices: Array, face: Loop, near: float) -> list[Loop]:
     length = float(np.sqrt(area @ area))
     if length == 0.0:
         return [face]
-    flat = (points - points.mean(axis=0)) @ plane_axes(area / length)
+    flat = ((points - points.mean(axis=0)) @ plane_axes(area / length)).tolist()
     every = len(face) <= FEW
 
     @cache
@@ -70,12 +72,12 @@ def flat_pieces(vertices: Array, face: Loop, near: float) -> list[Loop]:
     return [tuple(face[i] for i in loop) for loop in best(tuple(range(len(face))))[2]]
 
 
-def _is_inside(flat: Array, loop: Loop, i: int, j: int) -> bool:
+def _is_inside(flat: Sequence[Sequence[float]], loop: Loop, i: int, j: int) -> bool:
     """Whether the diagonal between two corners of an outline lies inside."""
     a, b = flat[loop[i]], flat[loop[j]]
     for piece in (loop[i : j + 1], loop[j:] + loop[: i + 1]):
-        p = flat[list(piece)]
-        if float(np.sum(p[:, 0] * np.roll(p[:, 1], -1) - np.roll(p[:, 0], -1) * p[:, 1])) <= 0.0:
+        p = [flat[m] for m in piece]
+        if sum(u[0] * v[1] - v[0] * u[1] for u, v in pairwise((*p, p[0]))) <= 0.0:
             return False
     for k in range(len(loop)):
         m = (k + 1) % len(loop)
@@ -87,7 +89,8 @@ def _is_inside(flat: Array, loop: Loop, i: int, j: int) -> bool:
     return True
 
 
-def _side(a: Array, b: Array, c: Array) -> float:
+def _side(a: Place, b: Place, c: Place) -> float:
+    """Twice the area of a triangle, above zero where it runs counter-clockwise."""
     return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 
 
