@@ -67,7 +67,7 @@ class DisplacementSettings:
     bend_share: float = 2e-3  # of the peak, that the curve may bend within a step
     smooth: bool = False  # whether curves bend all along, so that steps grow by how much they do
     thorough_share: float = (
-        0.04  # increment over the largest, up to which such steps are worth more
+        0.02  # increment over the largest, up to which such steps are worth more
     )
     # than one try
     snap_share: float = 2e-4  # of the peak, by which a snap that is passed over may move the curve
@@ -101,6 +101,7 @@ class _State:
     n_jump_steps: int = 0  # since the structure was at rest
     fallen: float = 0.0  # m, in those of them that held the control point back
     time_step: float = 0.0  # s, of a jump; 0 on the static path
+    shortened: bool = False  # whether the last one failed with a longer one
     rested: float = 0.0  # s, time step with which the last jump seemed to be over; 0 once it was
     closing: float = math.inf  # m, of the joint that closes most under the dead load
     stage: int = FOLLOWING
@@ -319,7 +320,7 @@ class DisplacementControl:
         if state.last == state.highest:
             floor = min(floor, 0.1 * state.closing)
         if state.time_step:
-            state = changed(state, time_step=0.5 * state.time_step)
+            state = changed(state, time_step=0.5 * state.time_step, shortened=s.smooth)
             if state.time_step < 1e-4 * s.time_step:
                 reason = f"a jump could not be followed to where it rests: {report.reason}"
                 if state.highest <= 0.0:
@@ -377,6 +378,8 @@ class DisplacementControl:
         if self._rests(state, report):
             increment = 4.0 * s.floor_share * s.displacement_step
             return changed(state, time_step=0.0, rested=state.time_step, increment=increment)
+        if state.shortened:
+            return changed(state, shortened=False)  # what has just failed would fail again
         if report.motion < s.jump_motion * s.displacement_step:
             return changed(state, time_step=1.5 * state.time_step)
         return state

@@ -142,13 +142,24 @@ class _Solver:
             held = hold - step.inertia_factor
             step.inertia_factor = hold
         guess = self.nearest(guesses, multiplier)
-        found = self.find(guess, multiplier, warm=before.calm, thorough=thorough)
+        found = self.find(guess, multiplier, warm=before.calm, thorough=thorough, follows=follows)
         if follows and not held and (found or thorough):
             return self.hold(guess, multiplier, abs(increment), found)
         return found, held
 
-    def find(self, guess: Array, multiplier: float, *, warm: bool, thorough: bool = True) -> bool:
-        """An equilibrium from a guess, or be it from far; whether there is one."""
+    def find(
+        self,
+        guess: Array,
+        multiplier: float,
+        *,
+        warm: bool = False,
+        thorough: bool = True,
+        follows: bool = False,
+    ) -> bool:
+        """An equilibrium from a guess, or be it from far; whether there is one.
+
+        Less is tried where a step ``follows`` a curve, least where it is not ``thorough``.
+        """
         step, s = self.step, self.settings.cones
         if warm:
             step.set_out(guess, multiplier)
@@ -166,6 +177,8 @@ class _Solver:
             replace(first, least_damping=self.settings.stability.least_damping)
         ):
             return True
+        if follows:
+            return False  # what is not found so is followed in motion
         step.set_out(np.zeros_like(guess), multiplier)
         return self.search.interior(
             Attempt(
@@ -187,7 +200,7 @@ class _Solver:
             return found, 0.0
         before, at = step.inertia_factor, step.place
         step.inertia_factor = hold
-        if self.find(guess, multiplier, warm=False) and farthest(step.x) < moved:
+        if self.find(guess, multiplier, thorough=False) and farthest(step.x) < moved:
             return True, hold - before
         step.inertia_factor = before
         if found:
@@ -203,7 +216,7 @@ class _Solver:
             if not step.meet(settings.slight * self.search.block_weight):
                 return True
             step.set_out(x, multiplier)
-            if not (self.search.newton(8) or self.find(x, multiplier, warm=False)):
+            if not (self.search.newton(8) or self.find(x, multiplier)):
                 return False
         return True
 
