@@ -177,3 +177,11 @@ def test_friction_sweep():
     # tilt on their elastic joints by V h / (k_n L^3 / 12) = 3e-4, and their friction with them.
     assert peaks[0] == pytest.approx(friction[0], abs=1e-3)
     assert peaks[friction.index(0.65)] == pytest.approx(0.578, abs=5e-4)  # README's figure
+
+
+def test_assess_wall():
+    found = example("assess_wall").main()
+    # e* = 1 as one body; brick by brick 3 n^2/(4 n^2 - 1) = 0.752 of ten courses, and Gamma 3/2 in
+    # place of 2: both a0 and d0 grow by a third, and so does what is borne at the least.
+    assert found["block by block"] > 1.3 * found["soil B"] > 1.3
+    assert found["soil D"] < 1.0 < found["rules of 2009"]

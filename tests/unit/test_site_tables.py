@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -11,11 +12,14 @@ from test_modelfile import GOOD
 
 from drystone.assembly import GRAVITY
 from drystone.assessment.errors import AssessmentError
+from drystone.assessment.methods import STATES
+from drystone.assessment.methods.base import Settings
 from drystone.assessment.site import spectra_of_site
 from drystone.assessment.spectra.ec8 import Ec8Spectrum
 from drystone.assessment.spectra.floor import FloorSpectrum
 from drystone.assessment.spectra.ntc2018 import NtcSpectrum
 from drystone.modelfile import ModelError, read_model, write_model
+from drystone.modelfile.assessing import AssessmentSection, State
 from drystone.site import AssessmentInput, Site
 
 NTC = """
@@ -170,6 +174,18 @@ class TestSpectra:
         del values[key]
         with pytest.raises(AssessmentError, match=f"site: {key} is missing: give"):
             spectra_of_site(Site(code="ntc2018", values=values))
+
+
+def test_every_setting_of_methods_is_a_key_of_the_file():
+    keys = set(AssessmentSection.model_fields)
+    given = {field.name for field in fields(Settings)} - {"records", "pulses"}
+    assert given <= keys
+    assert keys - given == {"grouping", "opposite", "record", "pulse"}
+
+
+def test_every_limit_state_of_methods_may_be_named_in_files():
+    known = {name for states in STATES.values() for name in states}
+    assert known <= set(get_args(State))
 
 
 def test_records_are_equal_by_what_they_say():

@@ -17,7 +17,10 @@ from drystone.site import LIMIT_STATES, AssessmentInput, Site
 Positive = Annotated[float, Field(gt=0.0, le=1e9)]
 Ground = Annotated[float, Field(gt=0.0, le=10.0)]  # g; ten of them are an acceleration in m/s2
 Percent = Annotated[float, Field(ge=0.0, lt=100.0)]
-State = Literal["SLO", "SLD", "SLV", "SLC", "DL", "SD", "NC"]
+#: Limit states of all methods; those of ASCE 41 and of pulses have no ground motion of their own.
+State = Literal[
+    "SLO", "SLD", "SLV", "SLC", "DL", "SD", "NC", "IO", "LS", "CP", "overturning"
+]  # fmt: skip
 
 #: Keys of [site] by code; those of a limit state's own table are the same.
 KEYS = {
