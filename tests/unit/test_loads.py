@@ -15,6 +15,8 @@ from drystone.cli import app
 from drystone.engines.base import EngineError
 from drystone.loading import Acting, DeadForces
 from drystone.loading.patterns import PATTERNS
+from drystone.report.load_arrows import acting_points
+from drystone.report.model_figure import draw_model
 
 #: Sums of a few products of doubles.
 ROUNDING = 1e-12
@@ -237,6 +239,25 @@ class TestFaces:
             found = fluid.forces(assembly)
             assert found.force[0] == pytest.approx([0.0, assembly.weight[0]], abs=1e-8)
             assert found.moments()[0, 0] == pytest.approx(0.0, abs=1e-8)
+
+
+class TestPictures:
+    def test_arrows_end_where_the_sum_acts(self, tmp_path):
+        """Of a force at a corner, somewhere on its line of action."""
+        model = read(
+            tmp_path,
+            more=dead(
+                kind="force", block="high", point=[0.6, 3.0], force=[300.0, -400.0], mass=True
+            ),
+        )
+        for m in (model, ds.extruded(model)):
+            point = acting_points(m, m.dead_loads[0].forces(m.assembly))[2]
+            way = (point - m.dead_loads[0].point) / 500.0
+            along = np.array([0.6, -0.8]) if len(way) == 2 else np.array([0.6, 0.0, -0.8])
+            assert np.linalg.norm(way - (way @ along) * along) < ROUNDING
+            draw_model(m.with_load(ds.MassPattern(direction=m.load_along)), tmp_path / "m.png")
+            tilted = m.with_load(ds.TiltPattern(direction=m.load_along))
+            draw_model(tilted, tmp_path / "tilted.png")
 
 
 class TestDeadForces:

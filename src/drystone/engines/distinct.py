@@ -451,7 +451,7 @@ class DistinctEngine:
         except RunAwayError as error:
             motion = error.motion
         motion = self.problem.length * motion
-        raise UnstableError(unstable_sentence(self.problem.assembly.ids, motion))
+        raise UnstableError(unstable_sentence(self.problem, motion))
 
     def release(
         self, problem: Problem, pose: Array | None = None, velocity: Array | None = None

@@ -180,7 +180,7 @@ class EquilibriumEngine:
                 break
             h = min(100.0 * h, limit)
         gone = self.problem.length * self.detector.travelled(state.pose)
-        raise UnstableError(unstable_sentence(self.problem.assembly.ids, gone))
+        raise UnstableError(unstable_sentence(self.problem, gone))
 
     def _missed(self, state: EquilibriumState) -> bool:
         """Whether blocks overlap that were no pair."""

@@ -134,12 +134,15 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     )
 
 
-def unstable_sentence(ids: tuple[str, ...], motion: Array) -> str:
+def unstable_sentence(problem: Problem, motion: Array) -> str:
     """Which blocks move under the dead load, the farthest first."""
+    ids, weight = problem.assembly.ids, "own weight"
+    if problem.dead_loads:
+        weight = "own weight and the dead loads"
     if not motion.any():
-        return "no equilibrium under the structure's own weight was found"
+        return f"no equilibrium under the structure's {weight} was found"
     order = np.argsort(-motion, kind="stable")
     moving = [i for i in order if motion[i] > 0.1 * motion[order[0]]]
     named = ", ".join(f'"{ids[i]}" ({1e3 * motion[i]:.0f} mm)' for i in moving[:5])
     more = f" and {len(moving) - 5} more" if len(moving) > 5 else ""
-    return f"the structure does not stand under its own weight: {named}{more} keep moving"
+    return f"the structure does not stand under its {weight}: {named}{more} keep moving"

@@ -131,9 +131,7 @@ class NscdEngine:
             if state.gone.any() or self.detector.travelled(state.pose).max() > limit:
                 break
         motion = self.detector.travelled(state.pose)
-        raise UnstableError(
-            unstable_sentence(self.problem.assembly.ids, self.problem.length * motion)
-        )
+        raise UnstableError(unstable_sentence(self.problem, self.problem.length * motion))
 
     def step(self, state: NscdState, demand: Demand) -> tuple[NscdState, StepReport]:
         """One implicit step; see `Engine.step`."""

@@ -125,7 +125,8 @@ def collapse_loads(
 ) -> tuple[Collapse, ...]:
     """The same for several flows at once, which share their work."""
     equilibrium = Equilibrium.of(model.assembly, model.load, model.dead_loads)
-    if model.load.turns_gravity and (equilibrium.cohesion.any() or equilibrium.tension.any()):
+    bonds = equilibrium.cohesion.any() or equilibrium.tension.any()
+    if model.load.turns_gravity and (bonds or equilibrium.untilted is not None):
         return tuple(_tilted(equilibrium, flow, settings) for flow in flows)
     return _collapses(equilibrium, flows, settings)
 
@@ -133,14 +134,17 @@ def collapse_loads(
 def _tilted(
     equilibrium: Equilibrium, flow: str, settings: NonAssociativeSettings | None
 ) -> Collapse:
-    """Of a load that shrinks as it turns, by the cosine of the angle: strengths count as much more.
+    """Of a load that shrinks as it turns, by the cosine of the angle: strengths, and loads that do
+    not, count as much more.
 
-    For friction alone that makes no difference; with cohesion it is repeated until it stands.
+    For friction alone that makes no difference; else it is repeated until it stands.
     """
     cosine, last = 1.0, np.nan
+    beside = equilibrium.untilted
     for _ in range(TILTS):
         stronger = replace(
             equilibrium,
+            dead=equilibrium.dead + (0.0 if beside is None else (1.0 / cosine - 1.0) * beside),
             cohesion=equilibrium.cohesion / cosine,
             tension=equilibrium.tension / cosine,
         )

@@ -41,6 +41,9 @@ class Equilibrium:
     tension: Array  # (n_contacts,) likewise
     force: float  # N, the unit of force
     length: float  # m, the unit of length
+    untilted: Array | None = None
+    """(n_rows,) what of the dead load stays as large where gravity turns; None for all patterns but
+    `tilt`, and where there is none."""
 
     @classmethod
     def of(
@@ -56,6 +59,7 @@ class Equilibrium:
         scale[assembly.dimension :] /= length
         acting = Acting.of(assembly, load, dead_loads)
         dead = acting.dead if acting.tilted is None else acting.dead + acting.tilted
+        beside = None if acting.tilted is None else acting.dead
 
         def scaled(forces: DeadForces) -> Array:
             """About axes of the world, (n_rows,)."""
@@ -67,6 +71,7 @@ class Equilibrium:
             matrix=_matrix(assembly, points, length),
             dead=scaled(dead),
             live=scaled(acting.pattern),
+            untilted=scaled(beside) if beside is not None and beside.force.any() else None,
             cohesion=points.cohesion / force,
             tension=points.tension / force,
             force=force,

@@ -18,6 +18,7 @@ from drystone.geometry.missed import Missed
 from drystone.model import Model
 from drystone.report import canvas
 from drystone.report.camera import Camera
+from drystone.report.load_arrows import plot_load_arrows
 from drystone.report.mechanism import Mechanism
 from drystone.report.mechanism_figure import plot_mechanism
 
@@ -49,6 +50,8 @@ def draw_model(model: Model, path: Path | str, *, title: str = "") -> None:
             control_point=model.control_point,
         ),
     )
+    camera = _camera(assembly, model.load_along)
+    plot_load_arrows(left, model, camera.seen if camera else np.asarray)
     shown = plot_joints(right, assembly, model.load_along)
     right.set_xlim(left.get_xlim())
     right.set_ylim(left.get_ylim())
@@ -79,16 +82,22 @@ def plot_joints(axes: Axes, assembly: Assembly, direction: Array) -> Any:
 
     ``direction`` (dim,) is that of the load, which the camera looks at in space.
     """
-    camera = None
-    if assembly.dimension == 3:
-        free = [block.vertices for block in assembly.blocks if not block.support]
-        camera = Camera.before(np.ptp(np.vstack(free), axis=0), direction)
+    camera = _camera(assembly, direction)
+    if camera is not None:
         axes.set_axis_off()
     axes.set_aspect("equal")
     _plot_edges(axes, assembly, camera)
     shown = _plot_faces(axes, assembly, camera)
     _plot_missed(axes, Missed.of(assembly).joints, camera)
     return shown
+
+
+def _camera(assembly: Assembly, direction: Array) -> Camera | None:
+    """That of all pictures of a structure in space."""
+    if assembly.dimension == 2:
+        return None
+    free = [block.vertices for block in assembly.blocks if not block.support]
+    return Camera.before(np.ptp(np.vstack(free), axis=0), direction)
 
 
 def _plot_edges(axes: Axes, assembly: Assembly, camera: Camera | None) -> None:

@@ -226,7 +226,7 @@ class Lmgc90Engine:
             moved = self.detector.travelled(state.pose)
             raise UnstableError(
                 f"LMGC90's supports carry {carried:.4f} of the weight, so that it has lost "
-                f"contacts, or {unstable_sentence(assembly.ids, moved)}"
+                f"contacts, or {unstable_sentence(self.problem, moved)}"
             )
         return state, outcome
 
