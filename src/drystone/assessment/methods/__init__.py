@@ -63,11 +63,12 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         raise AssessmentError(
             f'there is no method "{settings.method}": choose one of {", ".join(METHODS)}'
         )
+    known = {name for states in STATES.values() for name in states}
     for key in ("displacement_limits", "damping"):
         for name in getattr(settings, key):
-            if name not in STATES[settings.method]:
+            if name not in known:
                 raise AssessmentError(
-                    f'"{key}" names "{name}", but method "{settings.method}" has the limit states '
-                    f"{', '.join(STATES[settings.method])}"
+                    f'"{key}" names "{name}", which is no limit state; method "{settings.method}" '
+                    f"has {', '.join(STATES[settings.method])}"
                 )
     return METHODS[settings.method](capacity, spectra, settings)

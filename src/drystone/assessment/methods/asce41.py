@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -160,30 +159,99 @@ def _descent(capacity: Capacity, curve: Bilinear) -> float:
     return fall * curve.yield_displacement / curve.yield_acceleration
 
 
+class _Oscillator(NamedTuple):
+    """What the formulas take of a curve and of the settings."""
+
+    period: float  # s, T_e
+    yield_ratio: float  # V_y/W, in g of d*, a*
+    yield_displacement: float  # m
+    peak_displacement: float  # m, at the highest base shear
+    slope: float  # alpha_e
+    mass_factor: float  # C_m
+    site_class: str
+
+    def level(self, spectrum: Spectrum) -> float:
+        """S_a(T_e) in g."""
+        return float(spectrum.sa(self.period, REFERENCE_DAMPING)) / GRAVITY
+
+    def target(self, spectrum: Spectrum) -> float:
+        """delta_t/C_0 [m], the displacement d*."""
+        return target_displacement(
+            acceleration=self.level(spectrum),
+            period=self.period,
+            yield_ratio=self.yield_ratio,
+            shape_factor=1.0,
+            mass_factor=self.mass_factor,
+            site_class=self.site_class,
+        )
+
+    def ratio(self, spectrum: Spectrum) -> float:
+        """mu_strength."""
+        return strength_ratio(self.level(spectrum), self.yield_ratio, self.mass_factor)
+
+    def most(self, spectrum: Spectrum) -> float:
+        """mu_max."""
+        moved = min(self.target(spectrum), self.peak_displacement)
+        return largest_strength_ratio(moved, self.yield_displacement, self.slope, self.period)
+
+
+def _oscillator(capacity: Capacity, curve: Bilinear, settings: Settings) -> _Oscillator:
+    """The oscillator of a bilinear; `AssessmentError` names what the settings leave out."""
+    site = settings.need("site_class", '"A" to "F", as C_1 depends on it, (7-29)')
+    mass = settings.need("effective_mass_factor", "C_m of Table 7-4; 1 is on the safe side")
+    near = settings.need("near_fault", "alpha_e depends on it, (7-33): true or false")
+    slope = _descent(capacity, curve)
+    return _Oscillator(
+        period=curve.period,
+        yield_ratio=curve.yield_acceleration / GRAVITY,
+        yield_displacement=curve.yield_displacement,
+        peak_displacement=float(capacity.spectral_displacement[capacity.peak_index]),
+        slope=effective_slope(slope, slope, bool(near)),
+        mass_factor=positive(mass, "C_m"),
+        site_class=site,
+    )
+
+
 def _state(
     name: str,
     capacity: Capacity,
     spectrum: Spectrum,
-    demand: Callable[[Spectrum], float],
+    oscillator: _Oscillator,
     settings: Settings,
+    verified: bool,
 ) -> LimitState:
-    """The target displacement against the user's acceptance displacement."""
+    """The target displacement against the user's acceptance displacement, where (7-32) holds."""
+    ratio, most = oscillator.ratio(spectrum), oscillator.most(spectrum)
+    if ratio > most and verified:
+        raise AssessmentError(
+            f'method "{NAME}" does not apply: mu_strength = {ratio:.3g} exceeds mu_max = '
+            f"{most:.3g} of ASCE 41-17 (7-32), the strength falls too fast after the peak; "
+            'take non-linear dynamics, method "rocking"'
+        )
     limit = settings.displacement_limits.get(name)
     own = None if limit is None else capacity.spectral_at(limit)
-    asked = demand(spectrum)
+    asked, borne, why = oscillator.target(spectrum), None, ""
+    if own is not None:
+        borne, why = bearable(spectrum, oscillator.target, own), "displacement limit given"
+        valid = bearable(spectrum, lambda s: oscillator.ratio(s) / oscillator.most(s), 1.0)
+        if valid is not None and (borne is None or valid < borne):
+            borne, why = valid, "mu_max of (7-32)"
     return LimitState(
         name=name,
         limit_displacement=own,
         limit_control_displacement=limit,
+        limit_period=oscillator.period,
         damping=REFERENCE_DAMPING,
         displacement_demand=asked,
         control_displacement_demand=capacity.control_at(asked),
-        ground_acceleration_capacity=None if own is None else bearable(spectrum, demand, own),
+        ground_acceleration_capacity=borne,
         ground_acceleration_demand=spectrum.ground_acceleration,
         return_period_demand=spectrum.return_period,
-        satisfied=None if own is None else asked <= own,
-        governed_by="" if limit is None else "displacement limit given",
+        satisfied=None if own is None else asked <= own and ratio <= most,
+        verified=verified,
+        governed_by=why,
         clause="ASCE 41-17 7.4.3.3, (7-28) to (7-33)",
+        details={"strength_ratio": ratio, "largest_strength_ratio": most},
     )
 
 
@@ -198,50 +266,16 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
     AssessmentError
         Where mu_strength exceeds mu_max (7-32): the strength falls too fast for the method.
     """
-    why = "as C_1 depends on it, (7-29)"
-    site = settings.need("site_class", f'"A" to "F", {why}')
-    mass = positive(
-        settings.need("effective_mass_factor", "C_m of Table 7-4; 1 is on the safe side"), "C_m"
-    )
-    near = settings.need("near_fault", "alpha_e depends on it, (7-33): true or false")
     c = local.read(capacity, settings)
     given, verified, notes = spectra_of(spectra, STATES, REFERENCE, settings)
     check_on_the_ground(given.values(), NAME)
     curve = idealised(c)
-    period, slope = curve.period, _descent(c, curve)
-    peak = float(c.spectral_displacement[c.peak_index])
-    fall = effective_slope(slope, slope, bool(near))
-    yield_ratio = curve.yield_acceleration / GRAVITY
-
-    def demand(s: Spectrum) -> float:
-        return target_displacement(
-            acceleration=float(s.sa(period, REFERENCE_DAMPING)) / GRAVITY,
-            period=period,
-            yield_ratio=yield_ratio,
-            shape_factor=1.0,
-            mass_factor=mass,
-            site_class=site,
-        )
-
-    found = []
-    for name, spectrum in given.items():
-        asked = demand(spectrum)
-        ratio = strength_ratio(
-            float(spectrum.sa(period, REFERENCE_DAMPING)) / GRAVITY, yield_ratio, mass
-        )
-        most = largest_strength_ratio(min(asked, peak), curve.yield_displacement, fall, period)
-        if ratio > most and name in verified:
-            raise AssessmentError(
-                f'method "{NAME}" does not apply: mu_strength = {ratio:.3g} exceeds mu_max = '
-                f"{most:.3g} of ASCE 41-17 (7-32), the strength falls too fast after the peak; "
-                'take non-linear dynamics, method "rocking"'
-            )
-        details = {"strength_ratio": ratio, "largest_strength_ratio": most}
-        state = _state(name, c, spectrum, demand, settings)
-        found.append(
-            replace(state, limit_period=period, verified=name in verified, details=details)
-        )
-    return _answer(c, settings, curve, tuple(found), given, notes)
+    oscillator = _oscillator(c, curve, settings)
+    found = tuple(
+        _state(name, c, spectrum, oscillator, settings, name in verified)
+        for name, spectrum in given.items()
+    )
+    return _answer(c, settings, curve, found, given, notes)
 
 
 def _answer(
