@@ -15,6 +15,7 @@ from drystone.commands.check import check
 from drystone.commands.compare import compare
 from drystone.commands.convert import convert
 from drystone.commands.limit import limit
+from drystone.commands.report import report
 from drystone.commands.run import run
 from drystone.commands.show import show
 from drystone.commands.view import view
@@ -54,6 +55,7 @@ app.command()(check)
 app.command()(show)
 app.command()(assess)
 app.command()(compare)
+app.command()(report)
 app.command()(view)
 app.command()(convert)
 app.command()(benchmark)

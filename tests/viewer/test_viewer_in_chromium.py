@@ -5,6 +5,7 @@ other processes may hold the machine.  On one core of a machine that does nothin
 0.5 s and a thousand blocks with three hundred points 1.5 s; what is asked for is 2 s and 5 s.
 """
 
+import re
 import shutil
 
 import numpy as np
@@ -41,7 +42,7 @@ def wall(tmp_path_factory):
         results=found.results,
         assessment={
             "limit_states": {"SLV": {"limit_control_displacement": curve.control_displacement[-3]}},
-            "macro_blocks": {"SLV": labels},
+            "mechanism": {"body_of_block": labels},
         },
     )
     write_page(found.contents(), folder / "view.html")
@@ -65,6 +66,7 @@ def browser():
 
 
 def opened(browser, path):
+    """The page, as soon as it is known by what the structure is drawn."""
     browser.complaints.clear()
     browser.requests.clear()
     browser.open(path, READY)
@@ -239,6 +241,31 @@ def test_focus_is_seen_and_everything_has_a_name(browser, wall):
     browser.key("Tab")
     focused = "getComputedStyle(document.activeElement)"
     assert browser.run(f"document.activeElement !== document.body && {focused}.outlineStyle")
+
+
+def test_a_report_prints_on_a4_and_holds_the_viewer(browser, wall, tmp_path):
+    from drystone.document.report import write_report
+
+    write_report(tmp_path / "report.html", Folder.read(wall.parent))
+    opened_at = browser.open(tmp_path / "report.html")
+    assert opened_at < 2.0 * BUSY
+    assert browser.run("document.documentElement.scrollWidth") <= 1280
+    pdf = browser.print_to_pdf()
+    sizes = re.findall(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", pdf)
+    assert sizes and all(abs(float(w) - 595) < 2 and abs(float(h) - 842) < 2 for w, h in sizes)
+    assert 2 <= len(re.findall(rb"/Type /Page\b", pdf)) <= 8
+    browser.complaints.clear()
+    browser.run("document.getElementById('open').click()")
+    inner = "document.querySelector('iframe').contentWindow"
+    browser.wait(f"{inner}.drystone && {inner}.drystone.ready")
+    browser.run(f"{inner}.drystone.go(4)")
+    assert browser.run(f"{inner}.drystone.point") == 4
+    browser.resize(390, 844, touch=True)
+    try:
+        assert browser.run("document.documentElement.scrollWidth") <= 390
+    finally:
+        browser.resize(1280, 800)
+    quiet(browser)
 
 
 def first_picture(browser, path):

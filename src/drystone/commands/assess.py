@@ -213,6 +213,10 @@ def _conclude(senses: Sequence[Sense], *, as_json: bool, quiet: bool) -> None:
         "governing_sense": governing.name,
         "senses": {name: _without_curves(data) for name, data in found.items()},
         "model_sha256": first.model.sha256,
+        "site": None if first.model.site is None else first.model.site.as_dict(),
+        "assessment": (
+            None if first.model.assessment is None else first.model.assessment.as_dict()
+        ),
         "directory": str(first.folder),
     }
     tell([f"warning: {note}" for sense in senses for note in sense.warnings])

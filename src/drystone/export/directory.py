@@ -44,6 +44,8 @@ CURVE_FIGURE, MECHANISM_FIGURE, PARAVIEW = "curve.png", "mechanism.png", "paravi
 #: Of pictures.
 FORMATS = ("png", "svg", "pdf")
 FILES = (SUMMARY, CURVE, CURVE_FIGURE, MECHANISM_FIGURE, RESULTS)
+#: What an assessment writes beside the results, and what says nothing of new ones.
+OF_ASSESSMENT = ("assessment.json", "adrs.png")
 
 
 class ResultsDirectory:
@@ -138,7 +140,7 @@ class ResultsDirectory:
         self.path.mkdir(parents=True, exist_ok=True)
         self._lock = FolderLock(self.path)
         (self.path / PARAVIEW).mkdir(exist_ok=True)
-        for name in FILES:
+        for name in (*FILES, *OF_ASSESSMENT):
             (self.path / name).unlink(missing_ok=True)
         for name in (CURVE_FIGURE, MECHANISM_FIGURE):
             for format in FORMATS:

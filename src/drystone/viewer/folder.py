@@ -14,6 +14,8 @@ from drystone.export.results import Results, load_results
 from drystone.viewer.contents import Contents, Mark, contents_of_folder
 
 ASSESSMENT = "assessment.json"
+#: Senses of the load in an assessment, and the folder of the second one in that of the first.
+FORWARD, OPPOSITE, OPPOSITE_FOLDER = "along the load", "against the load", "opposite"
 #: What marks of limit states are called in the header of a page.
 LIMIT = "limit"
 
@@ -25,14 +27,36 @@ class Folder:
     results: Results
     assessment: Mapping[str, Any] = field(default_factory=dict)
 
+    sense: str = FORWARD  # that of the results among those that were assessed
+
     @classmethod
     def read(cls, path: Path | str) -> Folder:
         """Read a folder of results; raises `OutputError` where there are none.
 
-        An assessment that cannot be read is none: it is made again at any time.
+        The folder of the opposite sense has its assessment beside it.  One that cannot be read is
+        none: it is made again at any time.
         """
-        results = load_results(path)
-        return cls(results=results, assessment=_assessment(Path(path) / ASSESSMENT))
+        folder = Path(path)
+        results = load_results(folder)
+        opposite = folder.resolve().name == OPPOSITE_FOLDER
+        assessment = _assessment(folder / ASSESSMENT)
+        if opposite and not assessment:
+            assessment = _assessment(folder.resolve().parent / ASSESSMENT)
+        sense = OPPOSITE if opposite else FORWARD
+        return cls(results=results, assessment=assessment, sense=sense)
+
+    @property
+    def governs(self) -> bool:
+        """Whether the assessment's own figures are those of this sense."""
+        return self.assessment.get("governing_sense", self.sense) == self.sense
+
+    @property
+    def limit_states(self) -> dict[str, dict[str, Any]]:
+        """Limit states of this sense by their names."""
+        found: Mapping[str, Any] = self.assessment
+        if not self.governs:
+            found = dict(self.assessment.get("senses") or {}).get(self.sense) or {}
+        return {str(name): dict(state) for name, state in (found.get("limit_states") or {}).items()}
 
     @property
     def limit_marks(self) -> list[Mark]:
@@ -43,8 +67,8 @@ class Folder:
         x, y = curve.control_displacement, curve.load_multiplier
         after = curve.points.index(curve.peak)
         found = []
-        for name, state in dict(self.assessment.get("limit_states") or {}).items():
-            place = _number(dict(state).get("limit_control_displacement"))
+        for name, state in self.limit_states.items():
+            place = _number(state.get("limit_control_displacement"))
             if place is None or not x.min() <= place <= x.max():
                 continue
             on = np.arange(len(x)) >= (after if place >= x[after] else 0)
@@ -61,21 +85,17 @@ class Folder:
 
     def contents(self) -> Contents:
         """What the viewer shows of it."""
-        return contents_of_folder(
-            self.results, marks=self.limit_marks, macro_blocks=self._macro_blocks()
-        )
+        labels = self.labels
+        bodies = {} if labels is None else {"the mechanism": labels}
+        return contents_of_folder(self.results, marks=self.limit_marks, macro_blocks=bodies)
 
-    def _macro_blocks(self) -> dict[str, list[int]]:
-        """Numbers of the bodies that blocks belong to, by the state in which they were found."""
-        found = self.assessment.get("macro_blocks") or {}
-        n = self.results.poses.shape[1]
-        if not isinstance(found, Mapping):
-            found = {"the mechanism": found}
-        return {
-            str(name): [int(label) for label in labels]
-            for name, labels in found.items()
-            if len(labels) == n
-        }
+    @property
+    def labels(self) -> list[int] | None:
+        """Number of the body of the mechanism that each block belongs to, -1 of those at rest."""
+        labels = dict(self.assessment.get("mechanism") or {}).get("body_of_block") or []
+        if not self.governs or len(labels) != self.results.poses.shape[1]:
+            return None
+        return [int(label) for label in labels]
 
 
 def _assessment(path: Path) -> dict[str, Any]:

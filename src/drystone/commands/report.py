@@ -1,0 +1,47 @@
+"""``drystone report``: everything that is known of a folder of results, on one page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from drystone.commands.options import AsJson, Quiet
+from drystone.commands.outcome import DONE, emit, outcome
+from drystone.commands.view import Results
+
+
+def report(
+    folder: Results,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Page to write. [default: DIR/report.html]"),
+    ] = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Write the report to hand over: model, curve, certificate, mechanism, assessment, viewer.
+
+    One page that needs no network and prints on A4.  The assessment is that of the folder's
+    assessment.json, or is made where the model asks for one.  Folders of runs that go on, or that
+    were killed, are reported as far as they reach.
+    """
+    with outcome(as_json=as_json):
+        from drystone.document.report import write_report
+        from drystone.export.directory import RESULTS
+        from drystone.export.folder import check_apart
+        from drystone.viewer.folder import ASSESSMENT, Folder
+
+        path = folder / "report.html" if out is None else out
+        found = Folder.read(folder)
+        for kept in (folder / RESULTS, folder / ASSESSMENT):
+            check_apart(kept, [path])
+        if found.results.model is not None:
+            check_apart(found.results.model.source, [path])
+        write_report(path, found)
+        if as_json:
+            emit({"status": "done", "file": str(path), "bytes": path.stat().st_size})
+        elif not quiet:
+            typer.echo(f"{path} is written ({path.stat().st_size / 1e6:.1f} MB)")
+    raise typer.Exit(DONE)

@@ -1,0 +1,283 @@
+"""``report.html``: everything that is known of a folder of results, on one page to hand over."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drystone.assembly import GRAVITY
+from drystone.curve import STATIC, CapacityCurve
+from drystone.document import facts, figures
+from drystone.document.judged import Judged
+from drystone.document.words import words
+from drystone.export.directory import RESULTS
+from drystone.export.folder import whole_file
+from drystone.export.hdf5 import ResultsReader
+from drystone.export.summary import package_version
+from drystone.report import Mechanism
+from drystone.report.mechanism import readable_magnification
+from drystone.viewer import Mark, page
+from drystone.viewer.contents import marks_of, nearest
+from drystone.viewer.folder import Folder
+
+#: Figures of an assessment that the report lists, with their units.
+FIGURES = (
+    ("activation_multiplier", ""),
+    ("activation_acceleration", "m/s²"),
+    ("mechanism_mass", "kg"),
+    ("participating_mass", "kg"),
+    ("participating_mass_ratio", ""),
+    ("participation_factor", ""),
+    ("collapse_displacement", "m"),
+    ("control_collapse_displacement", "m"),
+    ("yield_displacement", "m"),
+    ("yield_acceleration", "m/s²"),
+    ("confidence_factor", ""),
+    ("safety_index", ""),
+)
+
+
+def write_report(
+    path: Path, found: Folder, *, language: str = "en", date: datetime | None = None
+) -> None:
+    """Write the report of a folder; whole or not at all.
+
+    Parameters
+    ----------
+    path
+        File to write.
+    date
+        That stands in the report; now, where nothing is said.
+    """
+    text = render(found, language=language, date=date)
+    with whole_file(path) as draft:
+        draft.write_text(text, encoding="utf-8")
+
+
+def render(found: Folder, *, language: str = "en", date: datetime | None = None) -> str:
+    """The report as text."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("drystone.document"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("report.html.j2").render(context(found, language, date))
+
+
+def context(found: Folder, language: str, date: datetime | None) -> dict[str, Any]:
+    """What the template is given."""
+    t = words(language)
+    results = found.results
+    curve, model = results.curve, results.model
+    judged = Judged.of(found)
+    marks = [*marks_of(curve), *judged.folder.limit_marks]
+    contents = judged.folder.contents()
+    ground = judged.drawn_spectra(t["text"]["all_states"])
+    return {
+        "t": t,
+        "style": _own("report.css"),
+        "title": str(contents.header["title"]) or t["name"],
+        "problem": _problem(curve, model is None, t["text"]),
+        "verdict": judged.verdict,
+        "satisfied": judged.data.get("satisfied"),
+        "no_verdict": judged.reason,
+        "curve": figures.curve_svg(judged.curves, marks, t["plot"]),
+        "sense": judged.sense_sentence(t["text"]),
+        "analysis": facts.of_analysis(curve, model, results.summary, t["facts"]),
+        "certificate": facts.of_certificate(curve, model, t["facts"]),
+        "states": [_shown(s, t) for s in _states_shown(judged)],
+        "assessment": _figures(judged.data, t["facts"]),
+        "limit_states": limit_table(judged.data.get("limit_states") or {}, t["table"]),
+        "readings": _readings(judged.data.get("readings") or {}),
+        "reading": judged.data.get("reading"),
+        "adrs": _adrs(judged, t["plot"]),
+        "hazard": figures.spectra_svg(ground, t["plot"]) if ground else "",
+        "hazard_rows": [(name, spectrum.label) for name, (spectrum, _) in ground.items()],
+        "assumptions": judged.data.get("assumptions") or [],
+        "uncertain": judged.data.get("uncertain") or [],
+        "model": facts.of_model(model, t["facts"]) if model else [],
+        "materials": facts.of_materials(model.assembly) if model else [],
+        "laws": facts.of_laws(model.assembly, t["table"]) if model else [],
+        "notes": list(model.notes) if model else [],
+        "validity": facts.validity(
+            curve, model, bool(judged.data.get("collapse_extrapolated")), t["validity"]
+        ),
+        "software": _software(contents.header, results.path, date, t["facts"]),
+        "source": _source(results.path),
+        "viewer": json.dumps(page(contents)).replace("<", "\\u003c"),
+    }
+
+
+def _own(name: str) -> str:
+    return (resources.files("drystone.document") / "templates" / name).read_text(encoding="utf-8")
+
+
+def _problem(curve: CapacityCurve, unreadable: bool, text: Mapping[str, str]) -> list[str]:
+    """What the reader has to know before all else."""
+    problems = [text["unreadable"]] if unreadable else []
+    if not curve.points:
+        problems.append(text["no_points"])
+    if curve.status == "running":
+        problems.append(text["running"])
+    return problems
+
+
+def _states_shown(judged: Judged) -> list[tuple[Mark, Folder]]:
+    """Peak, limit states, the last point at rest, each with the folder whose curve it is on."""
+    folder = judged.governing
+    curve = folder.results.curve
+    if not curve.points or folder.results.model is None:
+        return []
+    last = [point for point in curve.points if point.status == STATIC][-1]
+    end = Mark(
+        name="end",
+        control_displacement=last.control_displacement,
+        load_multiplier=last.load_multiplier,
+        kind="end",
+    )
+    peak = [mark for mark in marks_of(curve) if mark.kind == "peak"]
+    chosen = [*peak, *folder.limit_marks, end]
+    rows = [nearest(curve, mark) for mark in chosen]
+    return [(m, folder) for i, m in enumerate(chosen) if rows[i] not in rows[:i]]
+
+
+def _shown(shown: tuple[Mark, Folder], t: Mapping[str, Any]) -> dict[str, str]:
+    """A picture of the structure at a mark, with its words."""
+    mark, folder = shown
+    results = folder.results
+    model, curve = results.model, results.curve
+    assert model is not None
+    row = nearest(curve, mark)
+    point, poses = curve.points[row], results.poses
+    gone = curve.gone(model.assembly.ids, point.step)
+    pose = np.where(gone[:, None], poses[0], poses[row])
+    factor = readable_magnification(model.assembly, pose, poses[0])
+    known = {"peak": "peak", "highest so far": "highest", "end": "end"}
+    name = t["text"][known[mark.name]] if mark.name in known else mark.name
+    caption = t["plot"]["state"].format(
+        name=name,
+        displacement=facts.number(point.control_displacement, "m"),
+        multiplier=facts.number(point.load_multiplier),
+    )
+    mechanism = Mechanism(
+        assembly=model.assembly,
+        pose=pose,
+        settled=poses[0],
+        gone=gone,
+        load_direction=model.load_along,
+        control_point=model.control_point,
+        magnification=factor,
+    )
+    text = t["text"]
+    scale = text["true"] if factor == 1.0 else text["magnified"].format(factor=f"{factor:g}")
+    return {
+        "picture": figures.state_picture(mechanism, folder.labels, caption),
+        "caption": caption,
+        "scale": scale,
+    }
+
+
+def _figures(data: Mapping[str, Any], t: Mapping[str, str]) -> list[facts.Row]:
+    if not data:
+        return []
+    rows = [(t["method"], str(data.get("method"))), (t["reading"], str(data.get("reading")))]
+    mechanism = data.get("mechanism") or {}
+    if "n_bodies" in mechanism:
+        rows.append((t["bodies"], facts.number(mechanism["n_bodies"])))
+    if data.get("governing_sense"):
+        rows.append((t["sense"], str(data["governing_sense"])))
+    for key, unit in FIGURES:
+        if data.get(key) is not None:
+            rows.append((t[key], facts.number(float(data[key]), unit)))
+    return rows
+
+
+def limit_table(states: Mapping[str, Any], t: Mapping[str, str]) -> list[dict[str, Any]]:
+    """A row for each limit state: capacity, demand, verdict, clause."""
+
+    def shown(state: Mapping[str, Any], key: str, factor: float = 1.0) -> str:
+        value = state.get(key)
+        return facts.number(None if value is None else factor * float(value))
+
+    holds = {True: t["yes"], False: t["no"], None: facts.NOTHING}
+    return [
+        {
+            "name": name,
+            "cells": [
+                shown(state, "limit_displacement"),
+                shown(state, "limit_acceleration"),
+                shown(state, "limit_period"),
+                shown(state, "equivalent_damping", 100.0),
+                shown(state, "displacement_demand"),
+                shown(state, "ground_acceleration_capacity", 1.0 / GRAVITY),
+                shown(state, "ground_acceleration_demand", 1.0 / GRAVITY),
+                shown(state, "safety_index"),
+            ],
+            "holds": holds[state.get("satisfied")],
+            "satisfied": state.get("satisfied"),
+            "verified": state.get("verified", True),
+            "clause": state.get("clause", ""),
+            "governed_by": state.get("governed_by", ""),
+        }
+        for name, state in states.items()
+    ]
+
+
+def _readings(readings: Mapping[str, Any]) -> list[tuple[str, ...]]:
+    if len(readings) < 2:
+        return []
+    return [
+        (
+            name,
+            facts.number(found.get("activation_acceleration")),
+            facts.number(found.get("collapse_displacement")),
+            facts.number(found.get("safety_index")),
+        )
+        if "reason" not in found
+        else (name, str(found["reason"]), "", "")
+        for name, found in readings.items()
+    ]
+
+
+def _adrs(judged: Judged, t: Mapping[str, str]) -> str:
+    """Capacity against demand; empty where there is no assessment."""
+    d, a = (judged.data.get(f"spectral_{name}") for name in ("displacement", "acceleration"))
+    if not d or not a:
+        return ""
+    factor = judged.data.get("confidence_factor") or 1.0
+    states = {
+        name: (float(state["limit_displacement"]), float(state["limit_acceleration"]))
+        for name, state in (judged.data.get("limit_states") or {}).items()
+        if state.get("limit_displacement") and state.get("limit_acceleration")
+    }
+    capacity = np.asarray(d, float), np.asarray(a, float) / factor
+    return figures.adrs_svg(capacity, judged.demand_spectra, states, t)
+
+
+def _software(
+    header: Mapping[str, Any], folder: Path, date: datetime | None, t: Mapping[str, str]
+) -> list[facts.Row]:
+    day = (date or datetime.now(UTC)).strftime("%Y-%m-%d %H:%M %Z").strip()
+    return [
+        (t["version_run"], str(header["version"])),
+        (t["version_report"], package_version()),
+        (t["digest"], str(header["model_sha256"])),
+        (t["folder"], folder.resolve().name),
+        (t["date"], day),
+    ]
+
+
+def _source(folder: Path) -> str:
+    """The model file's text, as the results keep it."""
+    with ResultsReader(folder / RESULTS) as reader:
+        return str(reader.attribute("model"))
