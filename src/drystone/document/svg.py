@@ -43,7 +43,7 @@ class Drawing:
 
     def polyline(self, points: Array, **attributes: Any) -> None:
         """A line through points (n, 2); it breaks where one is not a number."""
-        whole = np.isfinite(points).all(axis=1)
+        whole = np.asarray(np.isfinite(points).all(axis=1))
         for run in np.split(np.arange(len(points)), np.flatnonzero(np.diff(whole)) + 1):
             if len(run) > 1 and whole[run[0]]:
                 self.add("polyline", points=_points(points[run]), fill="none", **attributes)
