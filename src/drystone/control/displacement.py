@@ -48,6 +48,10 @@ KINK = 0.1
 ALL_BUT = 0.98
 
 
+#: Times that the stop value is looked for where the chord meets it.
+CHORDS = 4
+
+
 @dataclass(frozen=True, kw_only=True)
 class DisplacementSettings:
     """Settings of the pacing."""
@@ -98,6 +102,7 @@ class _State:
     last: float = 0.0  # multiplier of the last point
     slope: float = 0.0  # 1/m, of the curve there
     n_steps: int = 0
+    n_shorter: int = 0  # times that this step was taken again to less than it had reached
     n_jump_steps: int = 0  # since the structure was at rest
     fallen: float = 0.0  # m, in those of them that held the control point back
     time_step: float = 0.0  # s, of a jump; 0 on the static path
@@ -157,7 +162,7 @@ class DisplacementControl:
         if not state.time_step and gone:
             finer = self._finer(changed(state, increment=gone), report)
         if finer is not None:
-            state = changed(state, increment=finer)
+            state = changed(state, increment=finer, n_shorter=state.n_shorter + 1)
             return Decision(accept=False, demand=self._demand(state), state=state)
         if multiplier > state.highest and not report.dynamic:
             state = changed(state, highest=multiplier, highest_at=report.control_displacement)
@@ -165,6 +170,7 @@ class DisplacementControl:
         state = changed(
             state,
             n_steps=state.n_steps + 1,
+            n_shorter=0,
             n_jump_steps=state.n_jump_steps + 1 if state.time_step else 0,
             fallen=self._fallen(state, report),
             released=back and not state.time_step,
@@ -210,7 +216,10 @@ class DisplacementControl:
                 finer = 0.25 * state.increment
                 return finer if finer > s.floor_share * s.displacement_step else None
             aim = (1.0 - 0.5 * s.refined_share) * s.stop_multiplier
-            finer = state.increment * (state.last - aim) / (state.last - multiplier)
+            share = (state.last - aim) / (state.last - multiplier)
+            if state.n_shorter >= CHORDS:
+                share = 0.5 * share  # what is bent so much is found by halves
+            finer = share * state.increment
             return finer if finer > 1e-3 * least else None
         scale = max(state.highest, multiplier, 10.0 * s.stop_multiplier)
         if report.excess is None or report.bend is None:  # the engine does not tell
