@@ -116,8 +116,9 @@ def make_model(
     )
     wanted = {"block": control_block, "point": control_point, "direction": control_direction}
     problems = layout_problems(assembly, place) + pattern.problems(assembly)
-    for one in dead_loads:
-        problems += one.problems(assembly)
+    for k, one in enumerate(dead_loads):
+        named = f' "{one.name}"' if one.name else ""
+        problems += one.problems(assembly, f"dead_load[{k + 1}]{named}")
     control = _control(assembly, pattern, problems, **wanted)
     model = Model(
         title=title,

@@ -189,8 +189,8 @@ class DeadLoad(Protocol):
         """The load in other coordinates and units."""
         ...
 
-    def problems(self, assembly: Assembly) -> list[str]:
-        """What keeps it from acting on an assembly, a sentence each."""
+    def problems(self, assembly: Assembly, place: str) -> list[str]:
+        """What keeps it from acting on an assembly, a sentence each that begins with its place."""
         ...
 
     def keys(self) -> dict[str, Any]:

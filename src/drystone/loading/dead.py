@@ -34,11 +34,6 @@ class _Dead:
     name: str = ""
     stage: int = 1  # 0: comes with the blocks' weight; else after what has a lower one
 
-    @property
-    def place(self) -> str:
-        """What messages call it."""
-        return f'dead_load "{self.name}"' if self.name else f'dead_load of kind "{self.kind}"'
-
     def common_keys(self) -> dict[str, Any]:
         """As in a model file."""
         named = {"name": self.name} if self.name else {}
@@ -51,9 +46,9 @@ class ForceLoad(PointForce, _Dead):
 
     kind: ClassVar[str] = "force"
 
-    def problems(self, assembly: Assembly) -> list[str]:
+    def problems(self, assembly: Assembly, place: str) -> list[str]:
         """See `DeadLoad`."""
-        return self.point_problems(assembly, self.place)
+        return self.point_problems(assembly, place)
 
     def keys(self) -> dict[str, Any]:
         """See `DeadLoad`."""
@@ -86,10 +81,10 @@ class SurchargeLoad(Target, _Dead):
         """See `DeadLoad`."""
         return replace(self, weight=float(scale.forces(np.array([self.weight]))[0]))
 
-    def problems(self, assembly: Assembly) -> list[str]:
+    def problems(self, assembly: Assembly, place: str) -> list[str]:
         """See `DeadLoad`."""
         at = PointForce(block=self.block, group=self.group, point=self.point, force=assembly.up)
-        return at.point_problems(assembly, self.place)
+        return at.point_problems(assembly, place)
 
     def keys(self) -> dict[str, Any]:
         """See `DeadLoad`."""
@@ -117,21 +112,21 @@ class _OnFaces(Target, _Dead):
         faces = faces_towards(assembly, self.rows(assembly), self.side, self.within)
         return faces.forces(assembly, self.traction(assembly))
 
-    def problems(self, assembly: Assembly) -> list[str]:
+    def problems(self, assembly: Assembly, place: str) -> list[str]:
         """See `DeadLoad`."""
-        found = self.target_problems(assembly, self.place)
+        found = self.target_problems(assembly, place)
         if np.shape(self.side) != (assembly.dimension,):
-            found.append(f"{self.place}.side: must have {assembly.dimension} entries")
+            found.append(f"{place}.side: must have {assembly.dimension} entries")
         if found:
             return found
         if several := [assembly.ids[i] for i in self.rows(assembly) if not has_faces(assembly, i)]:
             return [
-                f'{self.place}: block "{several[0]}" is made of several parts, whose faces are not '
+                f'{place}: block "{several[0]}" is made of several parts, whose faces are not '
                 'told from the joints between them: take kind = "force", or one outline'
             ]
         faces = faces_towards(assembly, self.rows(assembly), self.side, self.within)
         if not faces.area(assembly) > 0.0:
-            found.append(f"{self.place}.side: no free face looks there: choose another")
+            found.append(f"{place}.side: no free face looks there: choose another")
         return found
 
     def face_keys(self) -> dict[str, Any]:
@@ -174,17 +169,17 @@ class FaceLoad(_OnFaces):
             return replace(self, total=scale.forces(np.asarray(self.total)))
         return replace(self, pressure=np.array([scale.pressure(p) for p in self.pressure]))
 
-    def problems(self, assembly: Assembly) -> list[str]:
+    def problems(self, assembly: Assembly, place: str) -> list[str]:
         """See `DeadLoad`."""
         if (self.pressure is None) == (self.total is None):
             has = "neither pressure [Pa] nor total [N]"
             if self.total is not None:
                 has = "both pressure and total"
-            return [f"{self.place}: has {has}: give one of them"]
+            return [f"{place}: has {has}: give one of them"]
         key, load = ("total", self.total) if self.pressure is None else ("pressure", self.pressure)
         if np.asarray(load).shape != (assembly.dimension,):
-            return [f"{self.place}.{key}: must have {assembly.dimension} entries"]
-        return super().problems(assembly)
+            return [f"{place}.{key}: must have {assembly.dimension} entries"]
+        return super().problems(assembly, place)
 
     def keys(self) -> dict[str, Any]:
         """See `DeadLoad`."""
@@ -218,11 +213,11 @@ class FillLoad(_OnFaces):
             self, unit_weight=scale.weight(self.unit_weight), level=scale.height(self.level)
         )
 
-    def problems(self, assembly: Assembly) -> list[str]:
+    def problems(self, assembly: Assembly, place: str) -> list[str]:
         """See `DeadLoad`."""
-        found = super().problems(assembly)
+        found = super().problems(assembly, place)
         if not found and not self.forces(assembly).force.any():
-            found = [f"{self.place}.level: lies below the faces: raise it"]
+            found = [f"{place}.level: lies below the faces: raise it"]
         return found
 
     def keys(self) -> dict[str, Any]:
