@@ -150,6 +150,51 @@ def test_a_model_is_traced_in_both_senses_and_the_worse_governs(made, tmp_path):
     assert again["governing_sense"] == found["governing_sense"]
 
 
+def test_what_is_missing_is_said_before_anything_is_traced(made, tmp_path):
+    out = tmp_path / "out"
+    result = drystone("assess", made / "wall.toml", *FLAGS[:2], *FLAGS[4:], "--out", out)
+    assert result.exit_code == 2 and '"confidence_factor"' in result.stderr
+    assert not out.exists()
+
+
+def test_files_of_the_site_are_found_from_any_folder(made, tmp_path, monkeypatch):
+    """The folder of results knows where its model file was, whatever the path it was given by."""
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "spectrum.csv").write_text("T,Se\n0,0.2\n0.1,0.5\n0.5,0.5\n2.0,0.1\n")
+    table = '[site]\ncode = "csv"\nfile = "spectrum.csv"\nunit = "g"\ndamping = 5.0\n'
+    asked = (
+        '[assessment]\nmethod = "ntc2018-local"\nconfidence_factor = 1.35\nelastic_period = 0.0\n'
+    )
+    (tmp_path / "wall.toml").write_text((made / "wall.toml").read_text() + table + asked)
+    monkeypatch.chdir(tmp_path)
+    assert drystone("run", "wall.toml", "--out", "out", "--quiet").exit_code == 0
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    result = drystone("assess", tmp_path / "out", "--json")
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout)["limit_states"]["SLV"]["displacement_demand"] > 0.0
+
+
+def test_an_interrupted_trace_is_kept_and_is_status_130(made, tmp_path, monkeypatch):
+    class Stops:
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *error):
+            return None
+
+        def __call__(self, point):
+            if point.step == 20:
+                raise KeyboardInterrupt
+
+    monkeypatch.setattr("drystone.commands.progress.progress_for", lambda *a, **k: Stops())
+    out = tmp_path / "out"
+    result = drystone("assess", made / "wall.toml", *FLAGS, "--out", out, "--json")
+    assert result.exit_code == 130
+    assert json.loads(result.stdout)["status"] == "interrupted"
+    assert len(ds.load_results(out).curve.points) == 21
+    assert drystone("assess", out, *FLAGS).exit_code == 3  # nothing of it is a collapse
+
+
 def test_one_sense_is_enough_where_it_is_asked_for(made, tmp_path):
     path = tmp_path / "wall.toml"
     path.write_text((made / "wall.toml").read_text() + TABLES + "opposite = false\n")

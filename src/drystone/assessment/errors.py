@@ -9,6 +9,10 @@ class AssessmentError(Exception):
     """No verdict can be given; the message says what is missing and what would mend it."""
 
 
+class MissingError(AssessmentError):
+    """A method needs something that was not said; the message names the key."""
+
+
 class UnfinishedError(AssessmentError):
     """The curve does not go far enough for a verdict; the message says what is missing of it."""
 

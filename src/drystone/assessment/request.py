@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from drystone.assembly import GRAVITY
-from drystone.assessment.errors import AssessmentError
-from drystone.assessment.methods import METHODS
+from drystone.assessment.capacity import Capacity, participation
+from drystone.assessment.errors import AssessmentError, MissingError
+from drystone.assessment.methods import METHODS, assess
 from drystone.assessment.methods.base import Settings, Spectra
 from drystone.assessment.rocking.pulse import Pulse
 from drystone.assessment.rocking.record import Record, read_record
@@ -50,6 +51,25 @@ def request_of(site: Site | None, assessment: AssessmentInput | None) -> Request
         spectra={} if site is None else spectra_of_site(site),
         grouping=values.get("grouping", "macro_blocks"),
     )
+
+
+def check_request(request: Request) -> None:
+    """Raise what a method would miss, before a curve is traced for it: `MissingError`.
+
+    It is asked about a made-up curve; what it has against that one is not told.
+    """
+    made_up = Capacity.of(
+        [0.0, 0.01, 0.2],
+        [0.0, 0.1, 0.0],
+        participation([1000.0], [0.5], 300.0),
+        reading=request.settings.reading,
+    )
+    try:
+        assess(made_up, request.spectra, request.settings)
+    except MissingError:
+        raise
+    except AssessmentError:
+        pass
 
 
 def settings_of(values: Mapping[str, Any], folder: Path) -> Settings:

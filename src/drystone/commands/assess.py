@@ -12,7 +12,7 @@ import typer
 
 from drystone.commands.options import AsJson, Quiet
 from drystone.commands.outcome import DONE, UNFINISHED, emit, fail, outcome, tell
-from drystone.commands.senses import Sense, traced, worst
+from drystone.commands.senses import Sense, Tracing, traced, worst
 
 if TYPE_CHECKING:
     from drystone.model import Model
@@ -116,18 +116,17 @@ def assess(
             "confidence_factor": confidence_factor,
         },
     }
-    begun = False
-    with outcome(as_json=as_json, begun=lambda: begun):
+    with outcome(as_json=as_json):
         overlay = _with_settings(given, settings or [])
-        senses = traced(
-            source,
-            lambda model: with_tables(model, overlay, model_file),
+        ask = Tracing(
+            source=source,
             out=out,
             engine=engine,
             one_sense=one_sense,
             quiet=quiet or as_json,
+            as_json=as_json,
         )
-        begun = True
+        senses = traced(ask, lambda model: with_tables(model, overlay, model_file))
         _conclude(senses, as_json=as_json, quiet=quiet)
     raise typer.Exit(DONE)
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drystone.commands.outcome import INTERRUPTED, fail
+
 if TYPE_CHECKING:
     from drystone.assessment.verdict import Verdict
     from drystone.curve import CapacityCurve
@@ -48,34 +50,39 @@ class Sense:
         return data
 
 
-def traced(
-    source: Path,
-    amended: Callable[[Model], Model],
-    *,
-    out: Path | None,
-    engine: str | None,
-    one_sense: bool,
-    quiet: bool,
-) -> list[Sense]:
+@dataclass(frozen=True, kw_only=True)
+class Tracing:
+    """How a model file is traced, and what is told meanwhile."""
+
+    source: Path  # the model file, or a folder that needs no tracing
+    out: Path | None
+    engine: str | None
+    one_sense: bool
+    quiet: bool
+    as_json: bool
+
+
+def traced(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
     """The senses of a model file, which are traced, or of a folder of results.
 
     What is asked for is looked at before anything is traced.  Errors of the input are raised; a
     curve that does not go far enough for a verdict is told in its `Sense`.
     """
+    source = ask.source
     if source.is_dir():
-        return _of_folder(source, amended, out)
-    from drystone.assessment.request import request_of
+        return _of_folder(source, amended, ask.out)
+    from drystone.assessment.request import check_request, request_of
     from drystone.engines import engine_names
     from drystone.modelfile import read_model
 
     model = amended(read_model(source, engines=engine_names()))
-    request_of(model.site, model.assessment)  # better known before the work
-    folder = out or Path(f"{source.stem}-results")
-    first = _traced_one(FORWARD, model, source, folder, engine=engine, quiet=quiet)
-    asked = True if model.assessment is None else model.assessment.values.get("opposite", True)
-    if one_sense or not asked:
+    check_request(request_of(model.site, model.assessment))  # better known before the work
+    folder = ask.out or Path(f"{source.stem}-results")
+    first = _traced_one(FORWARD, model, folder, ask)
+    both = True if model.assessment is None else model.assessment.values.get("opposite", True)
+    if ask.one_sense or not both:
         return [first]
-    return [first, _traced_opposite(model, source, folder / FOLDER, engine=engine, quiet=quiet)]
+    return [first, _traced_opposite(model, folder / FOLDER, ask)]
 
 
 def worst(senses: Sequence[Sense]) -> Sense:
@@ -114,9 +121,7 @@ def _of_folder(source: Path, amended: Callable[[Model], Model], out: Path | None
     return senses
 
 
-def _traced_one(
-    name: str, model: Model, source: Path, folder: Path, *, engine: str | None, quiet: bool
-) -> Sense:
+def _traced_one(name: str, model: Model, folder: Path, ask: Tracing) -> Sense:
     """A model traced into a folder, and judged."""
     from drystone.analysis import pushover
     from drystone.commands.compiler import compiling
@@ -126,22 +131,23 @@ def _traced_one(
     from drystone.limit import limits_beside
 
     check_writable(folder)
-    check_apart(source, files_of(folder))
+    check_apart(ask.source, files_of(folder))
     stop = model.analysis.stop_multiplier
     with (
-        compiling(engine or model.analysis.engine, quiet=quiet),
+        compiling(ask.engine or model.analysis.engine, quiet=ask.quiet),
         ResultsDirectory(folder, beside=limits_beside(model)) as results,
-        progress_for(f"{source.stem}, {name}", stop, quiet=quiet) as progress,
+        progress_for(f"{ask.source.stem}, {name}", stop, quiet=ask.quiet) as progress,
     ):
-        curve = pushover(model, engine=engine, recorder=results, progress=progress, keep_poses=True)
+        curve = pushover(
+            model, engine=ask.engine, recorder=results, progress=progress, keep_poses=True
+        )
     if curve.status == "interrupted":
-        raise KeyboardInterrupt
+        problem = f"interrupted: what was reached is kept in {folder}"
+        fail(INTERRUPTED, [problem], as_json=ask.as_json, status="interrupted")
     return _judged(name, model, curve, folder)
 
 
-def _traced_opposite(
-    model: Model, source: Path, folder: Path, *, engine: str | None, quiet: bool
-) -> Sense:
+def _traced_opposite(model: Model, folder: Path, ask: Tracing) -> Sense:
     """The model under the load turned round; where it cannot be traced, why."""
     from drystone.builders.errors import ModelError
     from drystone.engines.base import EngineError
@@ -152,8 +158,8 @@ def _traced_opposite(
             model.with_load(direction=(-model.load_along).tolist()),
             title=f"{model.title}, {OPPOSITE}" if model.title else OPPOSITE,
         )
-        return _traced_one(OPPOSITE, turned, source, folder, engine=engine, quiet=quiet)
-    except (EngineError, ModelError) as error:
+        return _traced_one(OPPOSITE, turned, folder, ask)
+    except (EngineError, ModelError, ValueError) as error:  # of a pattern of one sense the last
         problem = f"{OPPOSITE} there is no curve: {error}"
     return Sense(
         name=OPPOSITE,

@@ -200,6 +200,7 @@ class ResultsWriter:
                 "thickness": model.assembly.thickness,
                 "model": text_of(text),
                 "model_source": text_of(model.source or ""),
+                "model_folder": text_of(_folder_of(model)),
                 "model_sha256": model.sha256,
                 "version": package_version(),
                 "units": "SI: m, N, s, rad",
@@ -269,6 +270,12 @@ class ResultsWriter:
             dataset.attrs["unit"] = UNITS[name]
 
 
+def _folder_of(model: Model) -> str:
+    """Whole path from where files go that the model's site and assessment name; "" without."""
+    told = model.site or model.assessment
+    return "" if told is None else str(Path(told.folder).resolve())
+
+
 def _shapes(assembly: Assembly) -> Iterator[tuple[str, NDArray[Any]]]:
     """Arrays of the blocks' shapes by their names in the file."""
     shapes = MovingShapes.of(assembly)
@@ -318,6 +325,10 @@ class ResultsReader:
     def attribute(self, name: str) -> Any:
         """One of the attributes of the file, see the module's description."""
         return self._file.attrs[name]
+
+    def folder_of_model(self) -> str | None:
+        """From where files go that the model's site names; None of files that do not say."""
+        return self._file.attrs.get("model_folder") or None
 
     def points(self) -> tuple[CurvePoint, ...]:
         """All points of the curve."""

@@ -161,6 +161,7 @@ def _model_of(stored: ResultsReader) -> Model | None:
             source=stored.attribute("model_source") or None,
             sha256=stored.attribute("model_sha256"),
             engines=(*ENGINES, stored.attribute("engine")),
+            folder=stored.folder_of_model(),
         )
     except ModelError:
         return None

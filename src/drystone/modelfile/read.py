@@ -76,7 +76,12 @@ def read_model(
 
 
 def model_from_text(
-    text: str, *, source: str | None, sha256: str, engines: Sequence[str] = ENGINES
+    text: str,
+    *,
+    source: str | None,
+    sha256: str,
+    engines: Sequence[str] = ENGINES,
+    folder: str | None = None,
 ) -> Model:
     """A model from the text of a file that was read before, such as results hold.
 
@@ -86,6 +91,8 @@ def model_from_text(
         Path of the file and digest of its bytes; without a path it is a model made in Python.
     engines
         Names that [analysis] may give as its engine.
+    folder
+        From where files go that [site] and [assessment] name; that of the source where it is None.
 
     Raises
     ------
@@ -99,6 +106,7 @@ def model_from_text(
         title=Path(source).stem if source else "",
         source=source,
         sha256=sha256,
+        folder=folder,
     )
 
 
@@ -110,9 +118,11 @@ def _model(
     title: str,
     source: str | None,
     sha256: str,
+    folder: str | None = None,
 ) -> Model:
     section = _checked(data)
-    folder = str(Path(source).parent) if source else ""
+    if folder is None:
+        folder = str(Path(source).parent) if source else ""
     problems: list[str] = []
     blocks, places = _blocks(section, data, problems)
     imports = imports_of(section, _unit_weights(section), source, problems)

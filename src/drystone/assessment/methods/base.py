@@ -10,7 +10,7 @@ from typing import Any
 from drystone.assembly import GRAVITY
 from drystone.assessment.bilinear import Bilinear
 from drystone.assessment.capacity import Capacity
-from drystone.assessment.errors import AssessmentError
+from drystone.assessment.errors import AssessmentError, MissingError
 from drystone.assessment.spectra.base import Spectrum
 
 __all__ = [
@@ -68,7 +68,7 @@ class Settings:
         """The value of a key; `AssessmentError` says why it is needed where there is none."""
         value = getattr(self, key)
         if value is None or (isinstance(value, Mapping | tuple) and not value):
-            raise AssessmentError(f'method "{self.method}" needs "{key}": {why}')
+            raise MissingError(f'method "{self.method}" needs "{key}": {why}')
         return value
 
 
