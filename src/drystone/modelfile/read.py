@@ -27,7 +27,7 @@ from drystone.modelfile.groups import grouped
 from drystone.modelfile.imports import imports_of
 from drystone.modelfile.loads import dead_loads_of, pattern_of
 from drystone.modelfile.parse import parse
-from drystone.modelfile.schema import ExceptionSection, ModelSection
+from drystone.modelfile.schema import AnalysisSection, ExceptionSection, ModelSection
 from drystone.modelfile.sentences import place_of, sentences
 from drystone.modelfile.shapes import ShapeError, shape_of, shape_problems
 
@@ -153,15 +153,7 @@ def _model(
         control_block=control_block,
         control_point=control_point,
         control_direction=section.control.direction,
-        analysis=Analysis(
-            engine=engine,
-            strategy=section.analysis.strategy,
-            stop_multiplier=section.analysis.stop_multiplier,
-            ground=section.analysis.ground,
-            falling=section.analysis.falling,
-            max_penetration=section.analysis.max_penetration,
-            options=section.analysis.options,
-        ),
+        analysis=_analysis(section.analysis),
         title=title if section.title is None else section.title,
         source=source,
         sha256=sha256,
@@ -171,6 +163,18 @@ def _model(
         mended=imports.mended,
         site=site_of(section.site, folder),
         assessment=assessment_of(section.assessment, folder),
+    )
+
+
+def _analysis(section: AnalysisSection) -> Analysis:
+    return Analysis(
+        engine=section.engine,
+        strategy=section.strategy,
+        stop_multiplier=section.stop_multiplier,
+        ground=section.ground,
+        falling=section.falling,
+        max_penetration=section.max_penetration,
+        options=section.options,
     )
 
 
