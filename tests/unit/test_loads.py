@@ -129,7 +129,7 @@ class TestFiles:
             ([('"mass"', '"triangular"')], "base = 9.0\n", "load.base: all blocks lie below it"),
             ([("direction = [1.0, 0.0]\n", ""), ('"mass"', '"forces"')], "", "load.force: is miss"),
             ([], dead(kind="force", block="high", force=[0, -1.0]), "mass is missing"),
-            ([], dead(kind="force", block="hig", force=[0, -1], mass=True), "dead_load[1].block: there"),
+            ([], dead(kind="force", block="hig", force=[0, -1], mass=True), "dead_load[1].bl"),
             ([], dead(kind="force", force=[0, -1.0], mass=True), "neither block nor group"),
             ([], dead(kind="force", block="ground", force=[0, -1.0], mass=True), "is a support"),
             ([], dead(kind="force", block="low", mass=True), "force is missing"),
