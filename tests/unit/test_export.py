@@ -512,7 +512,7 @@ def test_lock_of_a_killed_run_does_not_last(tmp_path, model, curve):
 def test_mechanism_is_at_the_displacement_asked_for(tmp_path, model, curve, monkeypatch):
     titles = []
 
-    def draw(mechanism, path, *, title):
+    def draw(mechanism, path, *, title, format):
         titles.append(title)
         path.touch()
 
