@@ -265,3 +265,11 @@ def test_show_writes_a_page_of_a_model_at_rest(tmp_path):
     assert 'class="dimension-2 still"' in page.read_text(encoding="utf-8")
     wrong = CliRunner().invoke(app, ["show", model, "--out", str(tmp_path / "x.gif")])
     assert wrong.exit_code == 2 and ".html" in wrong.output
+
+
+def test_a_new_analysis_takes_the_assessment_of_the_last_one_away(plain):
+    for name in ("assessment.json", "adrs.png"):
+        (plain / name).write_text("{}")
+    model = ds.read_model(EXAMPLES / "two_blocks.toml")
+    ds.save_results(ds.pushover(model), model, plain)
+    assert not (plain / "assessment.json").exists() and not (plain / "adrs.png").exists()

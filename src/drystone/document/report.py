@@ -96,6 +96,7 @@ def context(found: Folder, language: str, date: datetime | None) -> dict[str, An
         "analysis": facts.of_analysis(curve, model, results.summary, t["facts"]),
         "certificate": facts.of_certificate(curve, model, t["facts"]),
         "states": [_shown(s, t) for s in _states_shown(judged)],
+        "coloured": contents.header["dimension"] == 2 and judged.governing.labels is not None,
         "assessment": _figures(judged.data, t["facts"]),
         "limit_states": limit_table(judged.data.get("limit_states") or {}, t["table"]),
         "readings": _readings(judged.data.get("readings") or {}),

@@ -12,18 +12,18 @@ direction.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
-from scipy.sparse import coo_array, csc_array, diags_array
-from scipy.sparse.linalg import eigsh, splu
 
 from drystone.assembly import GRAVITY, Assembly
 from drystone.loading.base import NO_MASSES, Directed, Masses
 from drystone.loading.dead_forces import DeadForces
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -129,6 +129,10 @@ def first_mode(assembly: Assembly, direction: Array, masses: Masses = NO_MASSES)
 
 def _lowest(stiffness: csc_array, mass: Array) -> tuple[Array, Array]:
     """Squares of circular frequencies [1/s2], ascending, and modes in columns, of mass one."""
+    from scipy.linalg import eigh  # scipy takes long to import; other patterns do without
+    from scipy.sparse import diags_array
+    from scipy.sparse.linalg import eigsh
+
     if len(mass) <= ALL_UP_TO:
         square, shapes = eigh(stiffness.toarray(), np.diag(mass))
         return square, shapes
@@ -144,6 +148,8 @@ def _lowest(stiffness: csc_array, mass: Array) -> tuple[Array, Array]:
 def _stiffness_at_rest(assembly: Assembly, masses: Masses) -> csc_array:
     """Stiffness of the movable blocks on the joints that the weight closes, linear."""
     # Imported here because it brings compiled code along, which a schema check does not need.
+    from scipy.sparse import csc_array
+
     from drystone.contact.detection import Detector
     from drystone.contact.law import law_table
     from drystone.kernels import law as joint_law
@@ -173,6 +179,8 @@ def _stiffness_at_rest(assembly: Assembly, masses: Masses) -> csc_array:
 
 def _matrix(rows: Array, columns: IntArray, width: int) -> csc_array:
     """Gradients (n, dim, 2 n_dof) as a matrix of n dim rows."""
+    from scipy.sparse import coo_array, csc_array
+
     n, dim, wide = rows.shape
     at = np.repeat(np.arange(n * dim), wide)
     across = np.broadcast_to(columns, rows.shape).ravel()
@@ -183,6 +191,9 @@ def _closed(
     matrix: csc_array, stiff: Array, dead: Array, bonded: BoolArray, least: float
 ) -> csc_array:
     """The stiffness with those contacts that press under the dead load, or are bonded."""
+    from scipy.sparse import csc_array, diags_array
+    from scipy.sparse.linalg import splu
+
     closed = np.ones(len(stiff), np.bool_)
     for _ in range(LOOKS):
         stiffness = _of(matrix, stiff, closed)
@@ -197,6 +208,8 @@ def _closed(
 
 
 def _of(matrix: csc_array, stiff: Array, closed: BoolArray) -> csc_array:
+    from scipy.sparse import csc_array, diags_array
+
     values = np.where(closed[:, None], stiff, 0.0).ravel()
     return csc_array(matrix.T @ diags_array(values) @ matrix)
 
