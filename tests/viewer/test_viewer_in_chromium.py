@@ -185,6 +185,24 @@ def test_colours_forces_and_sections_change_the_picture(browser, solid, wall):
     quiet(browser)
 
 
+@pytest.mark.parametrize("n_points", [0, 1, 2])
+def test_what_a_killed_run_left_is_shown(browser, wall, tmp_path, n_points):
+    import h5py
+
+    shutil.copy(wall.parent / "results.h5", tmp_path)
+    with h5py.File(tmp_path / "results.h5", "a") as file:
+        file.attrs["status"] = "running"
+        del file["blocks_left"]
+        file["contacts/offset"].resize(n_points + 1, axis=0)
+    write_page(Folder.read(tmp_path).contents(), tmp_path / "view.html")
+    opened(browser, tmp_path / "view.html")
+    assert "running" in browser.run("facts.textContent")
+    browser.key("End")
+    assert browser.run("drystone.point") == max(n_points - 1, 0)
+    assert len(np.unique(picture(browser).reshape(-1, 3), axis=0)) > 5
+    quiet(browser)
+
+
 def test_a_model_at_rest_has_no_curve(browser, tmp_path):
     page = tmp_path / "model.html"
     write_page(contents_of_model(ds.read_model(EXAMPLES / "facade.toml")), page)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import tempfile
 from collections.abc import Mapping, Sequence
+from html import escape
 from pathlib import Path
 
 import numpy as np
@@ -79,7 +80,7 @@ def state_picture(mechanism: Mechanism, labels: Sequence[int] | None, label: str
         path = Path(folder) / "state.png"
         draw_mechanism(mechanism, path)
         data = base64.b64encode(path.read_bytes()).decode("ascii")
-    return f'<img alt="{label}" src="data:image/png;base64,{data}">'
+    return f'<img alt="{escape(label)}" src="data:image/png;base64,{data}">'
 
 
 def _plane_svg(mechanism: Mechanism, labels: Sequence[int] | None, label: str) -> str:

@@ -104,7 +104,7 @@ def contents_of_folder(
         header = {
             **_about(reader, results),
             **blocks.header(),
-            "curve": _curve(curve, rows),
+            "curve": _curve(curve, rows) if rows else None,
             "marks": [_mark(mark, curve, rows) for mark in (*own, *marks)],
             "left": _left(curve, blocks.names, rows),
             "macro_blocks": {k: list(map(int, v)) for k, v in (macro_blocks or {}).items()},

@@ -54,13 +54,18 @@ function drawJoints(ribbons, record, poses, k, shown) {
   });
 }
 
+const measured = new WeakMap();
+
 /** Largest resultant of a point [N]: the measure of all its arrows. */
 export function largest(record, k) {
+  const known = measured.get(record);
+  if (known && known.k === k) return known.most;
   let most = 0;
   for (let j = 0; j < record.joints.n; j++) {
     const resultant = record.joints.resultantAt(k, j);
     if (resultant) most = Math.max(most, resultant.size);
   }
+  measured.set(record, { k, most });
   return most;
 }
 
