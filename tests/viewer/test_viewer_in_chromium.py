@@ -203,6 +203,23 @@ def test_what_a_killed_run_left_is_shown(browser, wall, tmp_path, n_points):
     quiet(browser)
 
 
+def test_as_many_lines_are_drawn_as_there_are(browser, solid):
+    """Two thousand behind the picture, then one across it: also the last of them is seen."""
+    opened(browser, solid)
+    before = picture(browser)
+    browser.run(
+        "((v) => { const [r, c] = [v.ribbons, v.camera]; const { right, towards } = c.axes;"
+        " const at = (k, s, t) => c.target[k] + s * right[k] + t * towards[k];"
+        " const p = [0, 1, 2].map(k => at(k, -9, 0)), q = [0, 1, 2].map(k => at(k, 9, 0));"
+        " for (let i = 0; i < 2000; i++) r.push(p, p, [1, 0, 0], 1);"
+        " r.push(p, q, [1, 0, 0], 60, { front: true });"
+        " v.scene.draw({ poses: v.poses, colours: v.colours, jointColours: null, ribbons: r,"
+        " camera: c, section: v.section, opacity: 1 }); })(drystone)"
+    )
+    assert change(before, picture(browser)) > 0.04
+    quiet(browser)
+
+
 def test_a_model_at_rest_has_no_curve(browser, tmp_path):
     page = tmp_path / "model.html"
     write_page(contents_of_model(ds.read_model(EXAMPLES / "facade.toml")), page)

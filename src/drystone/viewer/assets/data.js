@@ -32,6 +32,7 @@ export class Record {
     this.contacts = Contacts.of(streams);
     this.box = this._box(() => true);
     this.movable = this._box((i) => !this.support[i]);
+    this.grain = this._grain();
     this.size = Math.max(...[0, 1, 2].map((i) => this.box.high[i] - this.box.low[i]));
   }
 
@@ -65,6 +66,16 @@ export class Record {
       }
     }
     return { low, high };
+  }
+
+  /** Distance of the farthest vertex from its centroid, of a block in the middle of all [m]. */
+  _grain() {
+    const reach = new Float32Array(this.n);
+    for (let v = 0; v < this.owner.length; v++) {
+      const size = Math.hypot(...this.vertices.subarray(3 * v, 3 * v + 3));
+      if (size > reach[this.owner[v]]) reach[this.owner[v]] = size;
+    }
+    return reach.sort()[this.n >> 1];
   }
 
   /** Motion of block i since the load began: translation [m] and rotation vector [rad]. */

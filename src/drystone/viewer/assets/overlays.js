@@ -4,8 +4,10 @@ import { FORCE, INK, SELECTED, STATE_COLOURS, THRUST } from "./colours.js";
 import { OPEN, SLIDING, STICKING } from "./data.js";
 import { POSE } from "./rotation.js";
 
-/** Longest arrow of a force, over the structure's size. */
-const LONGEST = 0.14;
+/** Longest arrow of a force, over the structure's size and over that of its blocks. */
+const [LONGEST, OF_BLOCKS] = [0.14, 3];
+/** Joints up to which lines are as wide as can be. */
+const FEW = 300;
 /** Forces below this share of the point's largest are not drawn. */
 const LEAST = 0.01;
 const WIDTHS = { [OPEN]: 2.5, [STICKING]: 1.6, [SLIDING]: 3.5, 3: 2.5 };
@@ -21,6 +23,10 @@ export function overlay(ribbons, record, poses, k, show, selected, section) {
   if (selected && selected.joint !== undefined) {
     drawSelected(ribbons, record, poses, k, selected.joint);
   }
+}
+
+function longest(record) {
+  return Math.min(LONGEST * record.size, OF_BLOCKS * record.grain);
 }
 
 function present(record, poses, j) {
@@ -42,13 +48,14 @@ function eachSide(record, poses, polygon, onB, tell) {
 
 function drawJoints(ribbons, record, poses, k, shown) {
   const { joints } = record;
+  const thin = Math.min(1, Math.max(0.35, Math.sqrt(FEW / joints.n)));
   joints.owner.forEach((j, polygon) => {
     if (!present(record, poses, j)) return;
     const state = joints.stateAt(k, j);
     const colour = STATE_COLOURS[state];
     for (const onB of state === STICKING ? [false] : [false, true]) {
       eachSide(record, poses, polygon, onB, (p, q) => {
-        if (shown(p) && shown(q)) ribbons.push(p, q, colour, WIDTHS[state]);
+        if (shown(p) && shown(q)) ribbons.push(p, q, colour, thin * WIDTHS[state]);
       });
     }
   });
@@ -73,11 +80,11 @@ export function largest(record, k) {
 function drawForces(ribbons, record, poses, k, shown) {
   const { joints, contacts } = record;
   if (!joints.force) return;
-  const scale = (LONGEST * record.size) / (largest(record, k) || 1);
+  const scale = longest(record) / (largest(record, k) || 1);
   const arrow = (j, arms, force) => {
     const at = joints.placeAt(poses, j, Array.from(arms));
     const vector = joints.vectorAt(poses, j, Array.from(force));
-    if (Math.hypot(...vector) * scale < LEAST * LONGEST * record.size || !shown(at)) return;
+    if (Math.hypot(...vector) * scale < LEAST * longest(record) || !shown(at)) return;
     const tail = at.map((value, c) => value - scale * vector[c]);
     ribbons.push(tail, at, FORCE, 1.6, { head: true, front: true });
   };
@@ -102,7 +109,7 @@ function drawThrust(ribbons, record, poses, k, shown) {
     if (!resultant || resultant.size < LEAST * most || !(resultant.normal > 0)) continue;
     const at = joints.placeAt(poses, j, resultant.arms);
     const vector = joints.vectorAt(poses, j, resultant.force);
-    const half = (0.5 * LONGEST * record.size * resultant.size) / most / resultant.size;
+    const half = (0.5 * longest(record)) / most;
     const [p, q] = [-half, half].map((s) => at.map((value, c) => value + s * vector[c]));
     const width = 1.5 + 4.5 * (resultant.size / most);
     if (shown(at)) ribbons.push(p, q, THRUST, width, { front: true });
@@ -155,7 +162,7 @@ function drawSelected(ribbons, record, poses, k, j) {
   if (!resultant || !(resultant.size > 0)) return;
   const at = joints.placeAt(poses, j, resultant.arms);
   const vector = joints.vectorAt(poses, j, resultant.force);
-  const scale = (LONGEST * record.size) / (largest(record, k) || resultant.size);
+  const scale = longest(record) / (largest(record, k) || resultant.size);
   const tail = at.map((value, c) => value - scale * vector[c]);
   ribbons.push(tail, at, SELECTED, 4, { head: true, front: true });
 }

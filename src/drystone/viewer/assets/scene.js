@@ -212,27 +212,29 @@ export class WebScene {
   }
 
   _ribbons() {
-    const geometry = new THREE.InstancedBufferGeometry();
-    const corners = new THREE.BufferAttribute(new Float32Array(RIBBON), 3);
-    geometry.setAttribute("position", corners);
-    this.ribbonGeometry = geometry;
     const material = this._material(RIBBON_VERTEX, RIBBON_FRAGMENT, {
       depthTest: this.record.dimension === 3,
       transparent: true,
     });
-    this.ribbons = this._add(new THREE.Mesh(geometry, material), 3);
+    this.ribbons = this._add(new THREE.Mesh(new THREE.InstancedBufferGeometry(), material), 3);
   }
 
+  /** Take ribbons over.  Where they have grown the geometry is a new one: three.js draws no more
+   *  instances than a geometry had when it was first drawn. */
   _fill(ribbons) {
-    const geometry = this.ribbonGeometry;
     if (this.capacity !== ribbons.capacity) {
       this.capacity = ribbons.capacity;
+      this.ribbons.geometry.dispose();
+      const grown = new THREE.InstancedBufferGeometry();
+      grown.setAttribute("position", new THREE.BufferAttribute(new Float32Array(RIBBON), 3));
       for (const name of ["start", "end", "colour", "style"]) {
         const attribute = new THREE.InstancedBufferAttribute(ribbons[name], 3);
         attribute.setUsage(THREE.DynamicDrawUsage);
-        geometry.setAttribute(name, attribute);
+        grown.setAttribute(name, attribute);
       }
+      this.ribbons.geometry = grown;
     }
+    const { geometry } = this.ribbons;
     for (const name of ["start", "end", "colour", "style"]) {
       geometry.getAttribute(name).needsUpdate = true;
     }
