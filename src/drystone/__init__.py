@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from drystone.modelfile import read_model, write_model
     from drystone.mortar import Mortar
     from drystone.report import plot_curve, plot_mechanism, plot_model
+    from drystone.ties import Tie, TieEnd, spring
 
 #: Where each name is, and its name there if that is another.  Heavy imports wait until a name is
 #: used, so that the command line starts at once.
@@ -71,6 +72,8 @@ _PLACES = {
     "Results": "drystone.export.results",
     "ResultsDirectory": "drystone.export.directory",
     "SurchargeLoad": "drystone.loading",
+    "Tie": "drystone.ties",
+    "TieEnd": "drystone.ties",
     "TiltPattern": "drystone.loading",
     "TriangularPattern": "drystone.loading",
     "UniformPattern": "drystone.loading",
@@ -91,6 +94,7 @@ _PLACES = {
     "pushover": "drystone.analysis",
     "read_model": "drystone.modelfile",
     "save_results": "drystone.export.results",
+    "spring": "drystone.ties",
     "stack": "drystone.builders.column",
     "wall": "drystone.builders:coursed_wall",
     "write_model": "drystone.modelfile",

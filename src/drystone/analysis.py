@@ -177,6 +177,7 @@ class _Run:
                 assembly=model.assembly,
                 load=model.load,
                 dead_loads=model.dead_loads,
+                ties=model.ties,
                 control_point=model.control_point,
                 ground=model.analysis.ground,
             )

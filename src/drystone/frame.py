@@ -22,6 +22,7 @@ from drystone.assembly import Assembly, JointLaw
 from drystone.contact.forces import ContactForces
 from drystone.monitor import ControlPoint
 from drystone.records import changed
+from drystone.ties import TieState
 
 Array = NDArray[np.float64]
 
@@ -136,6 +137,23 @@ class Frame:
     def forces(self, drawn: Array) -> Array:
         """Forces (..., dim) [N] in own units."""
         return np.vectorize(plain, otypes=[float])(np.asarray(drawn, float) / self.force)
+
+    def extension(self, drawn: float) -> float:
+        """A length [m] in own units."""
+        return plain(drawn / self.length)
+
+    def spring(self, drawn: float) -> float:
+        """A stiffness [N/m] in own units."""
+        return plain(drawn * self.length / self.force)
+
+    def ties_of(self, own: TieState) -> TieState:
+        """Forces of ties in newtons, elongations in metres."""
+        return changed(
+            own,
+            plastic=self.length * own.plastic,
+            force=self.force * own.force,
+            elongation=self.length * own.elongation,
+        )
 
     def height(self, drawn: float) -> float:
         """A height [m] in own coordinates."""

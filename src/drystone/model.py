@@ -15,6 +15,7 @@ from drystone.geometry.mended import Mended
 from drystone.loading import DeadLoad, LoadPattern
 from drystone.monitor import ControlPoint
 from drystone.site import AssessmentInput, Site
+from drystone.ties import Tie
 
 Array = NDArray[np.float64]
 
@@ -61,6 +62,7 @@ class Model:
     load: LoadPattern
     control_point: ControlPoint
     dead_loads: tuple[DeadLoad, ...] = ()  # beside the blocks' weight
+    ties: tuple[Tie, ...] = ()
     analysis: Analysis = field(default_factory=Analysis)
     origin: Origin | None = None
     notes: tuple[str, ...] = ()
@@ -80,6 +82,7 @@ class Model:
             self.load,
             self.control_point,
             self.dead_loads,
+            self.ties,
             self.title,
             self.analysis,
             self.site,
@@ -108,8 +111,8 @@ class Model:
 
     def _as_read(self, origin: Origin) -> bool:
         now, read = self.contents, origin.contents
-        same = all(a is b for a, b in zip(now[:4], read[:4], strict=True))
-        return same and now[4:] == read[4:]
+        same = all(a is b for a, b in zip(now[:5], read[:5], strict=True))
+        return same and now[5:] == read[5:]
 
     def with_joint(
         self, *, between: tuple[str, str] | None = None, **values: float | None
@@ -159,6 +162,12 @@ class Model:
         if dead_loads is not None:
             load["dead_loads"] = tuple(dead_loads)
         return remade(self, **load, **control_beside_default(self))
+
+    def with_ties(self, ties: Sequence[Tie]) -> Model:
+        """The model with these ties and springs in place of its own."""
+        from drystone.builders.vary import remade
+
+        return remade(self, ties=tuple(ties))
 
     def with_control(
         self,

@@ -47,6 +47,9 @@ def model_to_dict(model: Model) -> dict[str, Any]:
     data["load"] = {"pattern": model.load.name, **model.load.keys()}
     if model.dead_loads:
         data["dead_load"] = [load.keys() for load in model.dead_loads]
+    for key, spring in (("tie", False), ("spring", True)):
+        if listed := [tie.keys() for tie in model.ties if tie.spring == spring]:
+            data[key] = listed
     data["control"] = {
         "block": assembly.blocks[model.control_point.block].id,
         "point": model.control_point.point.tolist(),

@@ -28,6 +28,7 @@ from drystone.model import Analysis, Model, Origin
 from drystone.monitor import ControlPoint
 from drystone.ranges import problem
 from drystone.site import AssessmentInput, Site
+from drystone.ties import Tie, problems_of
 
 Array = NDArray[np.float64]
 
@@ -43,6 +44,7 @@ def make_model(
     load_direction: Sequence[float] | None = None,
     load: LoadPattern | None = None,
     dead_loads: Sequence[DeadLoad] = (),
+    ties: Sequence[Tie] = (),
     thickness: float | None = None,
     corner: Corner | None = None,
     points: int = POINTS,
@@ -77,6 +79,8 @@ def make_model(
         The pattern that the multiplier scales; by default forces in proportion to mass.
     dead_loads
         Beside the blocks' weight.
+    ties
+        Ties and springs between blocks.
     corner
         How corners are treated for contact; sharp by default.
     points
@@ -119,12 +123,14 @@ def make_model(
     for k, one in enumerate(dead_loads):
         named = f' "{one.name}"' if one.name else ""
         problems += one.problems(assembly, f"dead_load[{k + 1}]{named}")
+    problems += problems_of(ties, assembly)
     control = _control(assembly, pattern, problems, **wanted)
     model = Model(
         title=title,
         assembly=assembly,
         load=pattern,
         dead_loads=tuple(dead_loads),
+        ties=tuple(ties),
         control_point=control,
         analysis=analysis or Analysis(),
         notes=(*notes, *amended),

@@ -30,6 +30,7 @@ def remade(model: Model, **changes: Any) -> Model:
         "points": assembly.points,
         "load": model.load,
         "dead_loads": model.dead_loads,
+        "ties": model.ties,
         "control_block": assembly.ids[control.block],
         "control_point": control.point,
         "control_direction": control.direction,

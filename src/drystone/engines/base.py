@@ -16,6 +16,7 @@ from drystone.assembly import Assembly
 from drystone.contact.forces import ContactForces
 from drystone.loading import DeadLoad, LoadPattern
 from drystone.monitor import ControlPoint
+from drystone.ties import Tie
 
 Array = NDArray[np.float64]
 
@@ -36,6 +37,7 @@ class Problem:
     load: LoadPattern
     control_point: ControlPoint
     dead_loads: tuple[DeadLoad, ...] = ()  # beside the blocks' weight
+    ties: tuple[Tie, ...] = ()
     length: float = 1.0  # m, of the unit that lengths are in; for messages
     ground: float | None = None  # m, see `level`; None: the supports' lowest point
 

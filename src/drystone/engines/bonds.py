@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from drystone.contact.bonds import crossing, release, weakest
 from drystone.engines.base import StepReport
 from drystone.kernels.law import BOND_TIE
+from drystone.ties import Bars
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -33,8 +34,9 @@ SLIGHT = 1e-3
 #: Share of an increment so small that the first bond breaks where the step starts.
 LEAST_SHARE = 1e-9
 
-#: A frozen dataclass with `pairs`, `reaction` (n_slots, dim), `margin` (n_slots,) of the
-#: bonds, see `contact.bonds`, and `due`, the slots of those that the step has ended for.
+#: A frozen dataclass with `pairs`, `reaction` (n_slots, dim), `margin` (n_slots + n_ties,) of the
+#: bonds, see `contact.bonds`, and of `ties`, and `due`, the rows of those that the step has ended
+#: for.
 State = TypeVar("State", bound=Any)
 Solved = tuple[State, StepReport]
 
@@ -48,6 +50,7 @@ class BondSteps(Generic[State]):
     laws: Array  # table of `contact.law`
     slight: float  # N, what a bond may let go without being told from others
     near: float  # margin, from above, that counts as being at the strength
+    bars: Bars | None = None  # ties that may break, as bonds do, or yield
     most_trials: int = 20  # for the share at which a bond is
 
     def advance(self, state: State) -> Solved[State]:
@@ -71,6 +74,11 @@ class BondSteps(Generic[State]):
             gone = gone + found.reached if len(new.due) else 1.0
             if not len(new.due):
                 break
+            if self._yields(new):
+                at = new = self.broken(new, new.due)
+                if gone > 0.0:
+                    break
+                continue
             if self._released(new) > self.slight:
                 if gone == 0.0:
                     return self._break(new, new.due)
@@ -82,8 +90,22 @@ class BondSteps(Generic[State]):
         return new, report
 
     def _released(self, state: State) -> float:
-        law = state.pairs.law_of_slot[state.due]
-        return float(release(self.laws, law, state.reaction[state.due]).max())
+        due, n_slots = state.due, len(state.reaction)
+        bonds, ties = due[due < n_slots], due[due >= n_slots] - n_slots
+        law = state.pairs.law_of_slot[bonds]
+        force = float(release(self.laws, law, state.reaction[bonds]).max(initial=0.0))
+        if self.bars is not None and len(ties):
+            breaks = self.bars.breaking(state.ties, ties)
+            force = max(force, float(np.abs(state.ties.force[ties[breaks]]).max(initial=0.0)))
+        return force
+
+    def _yields(self, state: State) -> bool:
+        """Whether the step has ended where ties begin to yield: a corner of the curve, at which
+        nothing lets go."""
+        ties = state.due - len(state.reaction)
+        return self.bars is not None and not (
+            (ties < 0).any() or self.bars.breaking(state.ties, ties).any()
+        )
 
     def _towards(self, state: State, whole: float) -> Solved[State]:
         """The step by a share of the increment, or as far as the first bond allows.

@@ -18,6 +18,7 @@ from drystone.kernels.contacts import Pairs, Slots
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
 
 
 def departing(
@@ -29,6 +30,7 @@ def departing(
     pairs: Pairs,
     slots: Slots,
     reaction: Array,
+    tied: IntArray | None = None,
 ) -> BoolArray:
     """Blocks that leave, (n,), of those that are there.
 
@@ -43,11 +45,15 @@ def departing(
         (n, n_dof) m, rad.
     pairs, slots, reaction
         Contacts in these poses, with normal reactions [N] in column 0 of ``reaction``.
+    tied
+        (n_ties, 2) bodies that whole ties join.
     """
     part = np.empty(len(pose), np.int64)
     fixed = problem.assembly.fixed
     if not kernels.mark_loose(pairs, slots, reaction, fixed | loads.fixed, part):
         return np.zeros(len(pose), np.bool_)
+    for one, other in [] if tied is None else tied.tolist():
+        part[part == part[other]] = part[one]
     loose = ~np.isin(part, part[fixed]) & ~loads.fixed
     top = detector.extents(pose, problem.assembly.up[None])[1][:, 0]
     there = ~loads.fixed | fixed

@@ -43,6 +43,8 @@ from drystone.solvers.interior import InteriorPoint, InteriorSettings
 from drystone.solvers.linear_step import Loads, PointPace
 from drystone.solvers.piecewise import Accuracy, PathSettings, StepSolution
 from drystone.solvers.static_step import STATUS_OF, Constants, StaticStep
+from drystone.solvers.tie_forces import TieForces
+from drystone.ties import Bars, TieState
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -87,9 +89,10 @@ class EquilibriumState:
     reaction: Array  # (n_slots, dim) N
     branch: IntArray  # (n_slots,) of the joint law, see `kernels.law`
     last_increment: Array  # (n, n_dof) m, rad; zeros where there is nothing to predict from
-    margin: Array  # (n_slots,) of bonds, see `contact.bonds`
-    due: IntArray  # slots of the bonds that break next
+    margin: Array  # (n_slots + n_ties,) of bonds, see `contact.bonds`, and ties
+    due: IntArray  # rows of those that break next
     gone: BoolArray  # (n,) blocks that have left
+    ties: TieState
     # Of space:
     slope: float = np.nan  # 1/m, of the curve
     tangent: Array | None = None  # (n, n_dof) per m of the control displacement
@@ -133,7 +136,9 @@ class EquilibriumEngine:
         self.laws = laws
         #: Of designed gaps [m], which are differences of coordinates.
         self.rounding = 8.0 * np.finfo(float).eps * float(np.ptp(assembly.centroid, axis=0).max())
-        self.brittle = brittle(laws)
+        self.bars = Bars.of(assembly, problem.ties)
+        #: Whether steps end where a bond or a tie gives way.
+        self.brittle = brittle(laws) or self.bars.give_way
         pose = assembly.rest_pose()
         pairs, gone = self.detector.pairs(pose), np.zeros(assembly.n_bodies, np.bool_)
         self._write_equations(pairs, gone)
@@ -148,9 +153,10 @@ class EquilibriumEngine:
             reaction=np.zeros_like(slots.normal),
             branch=self._first_branches(pairs, slots),
             last_increment=assembly.no_motion(),
-            margin=np.full(len(slots.kind), np.inf),
+            margin=np.full(len(slots.kind) + self.bars.n_ties, np.inf),
             due=np.zeros(0, np.int64),
             gone=gone,
+            ties=self.bars.first(),
         )
         state, outcome = self._settle(state)
         for self.stage in problem.stages[1:]:
@@ -207,6 +213,10 @@ class EquilibriumEngine:
             these.pairs, state.pose, these.slots, these.reaction, these.status
         )
 
+    def ties_of(self, state: EquilibriumState) -> TieState:
+        """What the ties of a state carry."""
+        return state.ties
+
     @staticmethod
     def _acted(state: EquilibriumState) -> ActedContacts:
         return ActedContacts(
@@ -248,10 +258,17 @@ class EquilibriumEngine:
             laws=self.constants.laws,
             slight=SLIGHT * self.problem.assembly.heaviest_weight,
             near=AT_STRENGTH,
+            bars=self.bars if self.bars.n_ties else None,
         )
 
-    def _broken(self, state: EquilibriumState, slots: IntArray) -> EquilibriumState:
-        """The state without the bonds of some slots."""
+    def _broken(self, state: EquilibriumState, due: IntArray) -> EquilibriumState:
+        """The state without the bonds of some slots, and past what ties were due for."""
+        n_slots = len(state.reaction)
+        slots = due[due < n_slots]
+        if len(slots) < len(due):
+            ties = self.bars.past(state.ties, due[due >= n_slots] - n_slots)
+            margin = np.concatenate((state.margin[:n_slots], ties.margin))
+            state = replace(state, ties=ties, margin=margin)
         history, branch, margin = state.history.copy(), state.branch.copy(), state.margin.copy()
         law = state.pairs.law_of_slot[slots]
         history[slots, joint_law.BROKEN], margin[slots] = 1.0, np.inf
@@ -263,7 +280,7 @@ class EquilibriumEngine:
         """Take out blocks that have left; the rest does not feel it."""
         left = departing(
             self.problem, self.detector, self.loads, state.pose, state.multiplier,
-            state.pairs, state.slots, state.reaction,
+            state.pairs, state.slots, state.reaction, self.bars.whole(state.ties),
         )  # fmt: skip
         return self._paired(state, state.gone | left) if left.any() else state
 
@@ -309,6 +326,8 @@ class EquilibriumEngine:
         accuracy: Accuracy,
     ) -> StepSolution:
         equations = self.equations
+        if self.ties:
+            self.ties.begin(state.ties)
         if isinstance(equations, ConeStep):
             equations.begin(state.pose, state.slots, state.history, state.branch, h, pace)
             guesses = [x]
@@ -398,6 +417,9 @@ class EquilibriumEngine:
         history, reaction, branch = self._inherited(source, state, slots)
         margin, known = np.full(len(source), np.inf), source >= 0
         margin[known] = state.margin[source[known]]
+        margin = np.concatenate((margin, state.ties.margin))
+        n_before, n_after = len(state.reaction), len(source)
+        of_ties = state.due[state.due >= n_before] + (n_after - n_before)
         return replace(
             state,
             pairs=pairs,
@@ -406,7 +428,7 @@ class EquilibriumEngine:
             reaction=reaction,
             branch=branch,
             margin=margin,
-            due=np.flatnonzero(np.isin(source, state.due)),
+            due=np.concatenate((np.flatnonzero(np.isin(source, state.due)), of_ties)),
             last_increment=np.where(gone[:, None], 0.0, state.last_increment),
             tangent=None if gone.any() else state.tangent,
             gone=gone,
@@ -414,6 +436,8 @@ class EquilibriumEngine:
 
     def _write_equations(self, pairs: Pairs, gone: BoolArray) -> None:
         loads = self.loads = LoadArrays.of(self.problem, gone, self.stage)
+        ties = TieForces(self.bars, self.problem.assembly, gone) if self.bars.n_ties else None
+        self.ties = ties
         self.constants = Constants(
             detector=self.detector,
             laws=self.laws,
@@ -425,6 +449,7 @@ class EquilibriumEngine:
                 extent=np.maximum(self.detector.extent, 1e-12),
                 fixed=loads.fixed,
                 acting=None if loads.acting.steady else loads.acting,
+                ties=ties,
             ),
         )
         self.equations: ConeStep | StaticStep
@@ -488,8 +513,13 @@ class EquilibriumEngine:
         if self.brittle:
             margin[judged.contacts.slot] = margins(judged, 0.0)
             margin = np.where(source >= 0, margin[source], np.inf)
+        pose, ties = self.problem.assembly.moved(state.pose, solved.increment), state.ties
+        if self.ties:
+            self.ties.act(pose)
+            ties = self.ties.ended()
+            margin = np.concatenate((margin, ties.margin))
         new = EquilibriumState(
-            pose=self.problem.assembly.moved(state.pose, solved.increment),
+            pose=pose,
             multiplier=solved.multiplier,
             pairs=state.pairs,
             slots=slots,
@@ -500,6 +530,7 @@ class EquilibriumEngine:
             margin=margin,
             due=np.zeros(0, np.int64),
             gone=state.gone,
+            ties=ties,
             slope=solved.slope,
             tangent=solved.tangent,
             unstable=solved.unstable,
@@ -562,6 +593,7 @@ class EquilibriumEngine:
             load=loads.dead + new.multiplier * loads.pattern,
             inertia=loads.mass * acceleration,
         )
+        certificate = certify(judged, forces, self.constants.loads.extent, loads.fixed)
         outcome = StepOutcome(
             multiplier=new.multiplier,
             pose=new.pose,
@@ -571,7 +603,7 @@ class EquilibriumEngine:
             contact_force=contact_force,
             slots=new.slots,
             status=STATUS_OF[new.branch],
-            certificate=certify(judged, forces, self.constants.loads.extent, loads.fixed),
+            certificate=self.ties.marked(certificate) if self.ties else certificate,
             motion=self.detector.farthest(x),
             n_iterations=n_iterations,
         )

@@ -17,6 +17,7 @@ from drystone.contact.forces import ContactForces
 from drystone.engines.base import Demand, Problem, StepReport
 from drystone.frame import Frame, plain
 from drystone.records import changed
+from drystone.ties import TieState
 
 Array = NDArray[np.float64]
 
@@ -76,6 +77,7 @@ class FramedEngine:
                 control_point=frame.control_point(problem.control_point),
                 load=problem.load.in_frame(frame),
                 dead_loads=tuple(load.in_frame(frame) for load in problem.dead_loads),
+                ties=tuple(tie.in_frame(frame) for tie in problem.ties),
                 length=frame.length,
                 ground=None if ground is None else frame.height(ground),
             )
@@ -98,6 +100,11 @@ class FramedEngine:
     def contacts(self, state: FramedState) -> ContactForces:
         """See `Engine.contacts`."""
         return self.frame.contacts_of(self.engine.contacts(state.own))
+
+    def ties_of(self, state: FramedState) -> TieState | None:
+        """What ties carry, of engines that have them."""
+        ask = getattr(self.engine, "ties_of", None)
+        return None if ask is None else self.frame.ties_of(ask(state.own))
 
     def close(self) -> None:
         """See `Engine.close`."""

@@ -42,6 +42,7 @@ from drystone.kernels.spatial_step import Places, Y
 from drystone.solvers.linear_step import Pace
 from drystone.solvers.shared_lu import SharedLU
 from drystone.solvers.static_step import Constants
+from drystone.solvers.tie_forces import JoinedTies
 from drystone.threads import team
 
 Array = NDArray[np.float64]
@@ -111,11 +112,13 @@ class ConeStep:
         self.damping = np.zeros(n)
         self.wrench = np.zeros((n_pairs, 2, 6))
         self.of_pairs = np.zeros((n_pairs, 2, 6, 6))
-        self.tangent = Tangent.zeros(n, n_pairs, n_dof)
+        self.joined = loads.ties.joined(pairs.a, pairs.b) if loads.ties else None
+        joined: JoinedTies | Pairs = self.joined or pairs
+        self.tangent = Tangent.zeros(n, len(joined.a), n_dof)
         self.begin_of, self.of_body = _pairs_of_bodies(pairs, n)
         self.team = team()
         self.cuts = self.little_cuts = [(0, n_pairs)]
-        structure = lu_symbolic.analyse(pairs.a, pairs.b, loads.fixed, place, n_dof)
+        structure = lu_symbolic.analyse(joined.a, joined.b, loads.fixed, place, n_dof)
         self.lu = SharedLU(structure, self.team)
         self.structure, self.factors = self.lu.structure, self.lu.factors
         self.frame = Border(
@@ -248,6 +251,9 @@ class ConeStep:
         )
         c = self.loads
         dead = self.dead
+        if c.ties:
+            c.ties.act(self._pose_now())
+            c.ties.add_to(self.contact_force)
         if c.acting:
             near, self.frame.load[:] = c.acting.near(self._pose_now(), self.multiplier)
             dead = dead - c.dead + near
@@ -267,6 +273,10 @@ class ConeStep:
             self.begin_of, self.of_body, self.of_pairs, self.axes, self.tangent.diagonal
         )
         c, frame = self.loads, self.frame
+        if c.ties and self.joined:
+            c.ties.act(self._pose_now())
+            self.joined.clear(self.tangent, self.pairs.n_pairs)
+            self.joined.stiffen(self.tangent, c.ties.stiffness())
         if c.acting:
             turning = c.acting.stiffness(self._pose_now(), self.multiplier)
             self.tangent.diagonal[:, 3:, 3:] += turning

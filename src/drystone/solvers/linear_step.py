@@ -31,6 +31,7 @@ from drystone.kernels.contacts import (
 )
 from drystone.kernels.forces import Tangent
 from drystone.loading import Acting
+from drystone.solvers.tie_forces import JoinedTies, TieForces
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -95,6 +96,7 @@ class Loads:
     extent: Array  # (n,) m, by which moments are divided
     fixed: BoolArray  # (n,)
     acting: Acting | None = None  # what they are near a place and a multiplier; None: the same
+    ties: TieForces | None = None
 
     def near(self, pose: Array, multiplier: float) -> tuple[Array, Array]:
         """Dead load and pattern in a pose (n, n_pose), near a multiplier; see `Acting.near`."""
@@ -124,9 +126,18 @@ class LinearStep:
         (n, dim) m, where the bodies are, for the order of elimination.
     slots
         Contacts where the table is made.
+    tied
+        Bodies (n_ties, 2) that ties join; by default those of the loads' ties.
     """
 
-    def __init__(self, loads: Loads, pairs: Pairs, place: Array, slots: Slots) -> None:
+    def __init__(
+        self,
+        loads: Loads,
+        pairs: Pairs,
+        place: Array,
+        slots: Slots,
+        tied: IntArray | None = None,
+    ) -> None:
         n, n_dof = loads.mass.shape
         dim = place.shape[1]
         n_pairs, n_slots = pairs.n_pairs, pairs.n_slots
@@ -147,9 +158,17 @@ class LinearStep:
         self.branch = np.zeros(n_slots, np.int64)
         self.contacts, self.count = Contacts.empty(n_slots, dim, n_dof), 0
         self.response = np.zeros((n_slots, joint_law.N_RESPONSE))
-        self.tangent, self.geometric = (Tangent.zeros(n, n_pairs, n_dof) for _ in range(2))
+        self.geometric = Tangent.zeros(n, n_pairs, n_dof)
         self.bent = False  # whether the geometric stiffness is that of the slots
-        self.structure = lu_symbolic.analyse(pairs.a, pairs.b, loads.fixed, place, n_dof)
+        if tied is None and loads.ties:
+            tied = loads.ties.body
+        #: Of ties: where their blocks lie, and where it was evaluated last, their forces and
+        #: stiffness.
+        self.joined = None if tied is None else JoinedTies.of(tied, pairs.a, pairs.b)
+        self.pulls, self.tie_stiffness = np.zeros((0, n_dof)), np.zeros((0, 2 * n_dof, 2 * n_dof))
+        joined = self.joined or pairs
+        self.tangent = Tangent.zeros(n, len(joined.a), n_dof)
+        self.structure = lu_symbolic.analyse(joined.a, joined.b, loads.fixed, place, n_dof)
         self.factors = lu_numeric.allocate(self.structure)
         self.frame = path.Frame(
             load=self.pattern,
@@ -202,6 +221,11 @@ class LinearStep:
             self.contacts, self.count, self.pairs, self.response, self.geometric, away,
             self.contact_force, self.tangent,
         )  # fmt: skip
+        if self.joined is not None:
+            self.joined.clear(self.tangent, self.pairs.n_pairs)
+            self.joined.stiffen(self.tangent, self.tie_stiffness)
+            self.contact_force += self.pulls
+            self.joined.pull_on(self.tie_stiffness, away, self.contact_force)
         dead = self.dead
         if self.turning is not None:
             self.tangent.diagonal[:, 2, 2] += self.turning
@@ -217,6 +241,17 @@ class LinearStep:
         self.dead[:], self.pattern[:] = acting.near(pose, multiplier)
         stiffness = acting.stiffness(pose, multiplier)
         self.turning[:] = stiffness[:, 0, 0] if stiffness.ndim else 0.0
+
+    def pull(self, pose: Array) -> None:
+        """Add the forces of the ties in a pose (n, n_pose) to those of the contacts."""
+        ties = self.loads.ties
+        if ties is None:
+            return
+        ties.act(pose)
+        self.pulls = np.zeros_like(self.contact_force)
+        ties.add_to(self.pulls)
+        self.tie_stiffness = ties.stiffness()
+        self.contact_force += self.pulls
 
     def _unbalance(self, x: Array, multiplier: float, dead: Array) -> float:
         c = self.loads
@@ -277,11 +312,16 @@ class LinearStep:
         columns = of_pair[chosen, :FIRST].T
         columns[[A, B]] = number[columns[[A, B]]]
         pairs = Pairs.of(columns, np.bincount(of_slot)[chosen], self.pairs.pose[among])
+        joined, tied = self.joined, None
+        if joined is not None:
+            of_ties, within = joined.within(np.isin(np.arange(len(free)), among))
+            tied = number[within]
         step = LinearStep(
             self.loads.of(among, ~free[among]),
             pairs,
             self.place[among],
             Slots._make(field[slots] for field in self.slots),
+            tied=tied,
         )
         step.inertia_factor, step.count = self.inertia_factor, len(rows)
         step.dead[:], step.pattern[:] = self.dead[among], self.pattern[among]
@@ -295,6 +335,9 @@ class LinearStep:
         mine.which[:, BODY_A], mine.which[:, BODY_B] = number[a[rows]], number[b[rows]]
         step.branch[:], step.reaction[:] = self.branch[slots], self.reaction[slots]
         step.damping[:] = self.damping[among]
+        if joined is not None:
+            step.pulls = self.pulls[among]
+            step.tie_stiffness = joined.halved(self.tie_stiffness, of_ties, within)
         return Part(step=step, bodies=among, rows=rows)
 
 

@@ -111,6 +111,7 @@ class StaticStep(LinearStep):
             self.contacts, self.contact_force, self.branch, self.reaction, self.history,
         )  # fmt: skip
         self.load_near(pose, multiplier)
+        self.pull(pose)
         self.residual = self._unbalance(x, multiplier, self.dead)
 
     def advance(
