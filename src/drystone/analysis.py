@@ -33,6 +33,7 @@ from drystone.curve import (
     CurvePoint,
     KeptContacts,
     RecorderError,
+    TieRecord,
 )
 from drystone.engines import make_engine
 from drystone.engines.base import Engine, EngineError, Problem, StepReport
@@ -44,6 +45,7 @@ from drystone.plausible import Plausibility
 from drystone.ranges import found, problem
 from drystone.records import changed
 from drystone.threads import limited
+from drystone.ties import TieState, names_of
 
 Array = NDArray[np.float64]
 
@@ -63,6 +65,7 @@ class Recorder(Protocol):
     """Something that keeps points as they come.
 
     What it cannot keep it says by a `RecorderError`, which ends the analysis with what was reached.
+    One that has a method ``ties`` is told by it what ties carry (`ties.TieState`), before each point.
     """
 
     def begin(self, model: Model, engine: str, strategy: str) -> None:
@@ -152,6 +155,7 @@ class _Run:
     points: list[CurvePoint] = field(default_factory=list)
     poses: list[Array] = field(default_factory=list)
     contacts: list[Any] = field(default_factory=list)
+    ties: list[TieState] = field(default_factory=list)
     left: list[BlockLeft] = field(default_factory=list)
     settlement: float = 0.0  # m, of the control point before the load
 
@@ -213,6 +217,7 @@ class _Run:
         point = _point(len(self.points), report, time_step, decision)
         needed = self.recorder is not None or (self.keep_contacts and not self.later)
         touching = self.solver.contacts(state) if needed else None
+        self._add_ties(state)
         if self.recorder is not None and touching is not None:  # first: no more than is kept
             self.recorder.point(point, state.pose, touching)
         self.points.append(point)
@@ -222,6 +227,16 @@ class _Run:
             self.contacts.append(state if self.later else touching)
         if self.progress is not None:
             self.progress(point)
+
+    def _add_ties(self, state: Any) -> None:
+        ask = getattr(self.solver, "ties_of", None) if self.model.ties else None
+        if ask is None:
+            return
+        now = ask(state)
+        self.ties.append(now)
+        tell = getattr(self.recorder, "ties", None)
+        if tell is not None:
+            tell(now)
 
     def finished(self, status: str, reason: str, seconds: float, compiling: float) -> CapacityCurve:
         """What was traced, told to the recorder; its seconds include those of compiling."""
@@ -240,6 +255,9 @@ class _Run:
             compile_time=compiling,
             poses=np.array(self.poses) if self.keep_poses else None,
             contacts=self._kept_contacts() if self.keep_contacts else None,
+            ties=TieRecord.of(names_of(self.model.ties), self.ties[: len(self.points)])
+            if self.ties
+            else None,
         )
         if self.recorder is not None:
             self.recorder.end(curve)

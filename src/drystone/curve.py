@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.forces import ContactForces
+from drystone.ties import STATES, TieState
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -96,6 +97,43 @@ class BlockLeft:
         )
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TieRecord:
+    """What every tie carried at every point; arrays (n_points, n_ties)."""
+
+    names: tuple[str, ...]
+    force: Array  # N, tension positive
+    elongation: Array  # m, beyond the length as designed
+    branch: NDArray[np.int64]  # row of `ties.STATES`
+
+    @classmethod
+    def of(cls, names: tuple[str, ...], states: Sequence[TieState]) -> TieRecord:
+        """Of the states of all points."""
+        shape = len(states), len(names)
+        return cls(
+            names=names,
+            force=np.array([state.force for state in states]).reshape(shape),
+            elongation=np.array([state.elongation for state in states]).reshape(shape),
+            branch=np.array([state.branch for state in states], np.int64).reshape(shape),
+        )
+
+    def at(self, point: int) -> TieState:
+        """Forces, elongations and branches at a point."""
+        n = len(self.names)
+        return TieState(
+            plastic=np.full(n, np.nan),
+            branch=self.branch[point],
+            force=self.force[point],
+            elongation=self.elongation[point],
+            margin=np.full(n, np.inf),
+        )
+
+    def state(self, point: int, tie: int | str) -> str:
+        """What a tie does at a point: "slack", "elastic", "yielding" or "broken"."""
+        column = self.names.index(tie) if isinstance(tie, str) else tie
+        return STATES[self.branch[point, column]]
+
+
 COLUMNS: tuple[str, ...] = tuple(f.name for f in fields(CurvePoint))
 
 
@@ -153,6 +191,7 @@ class CapacityCurve:
     compile_time: float = 0.0  # s, of kernels that were needed for the first time on this machine
     poses: Array | None = None  # (n_points, n, n_pose), as in `motion`; None where not kept
     contacts: Sequence[ContactForces] | None = None  # likewise
+    ties: TieRecord | None = None  # None where there are none
 
     def column(self, name: str) -> NDArray[Any]:
         """One quantity over all points, (n_points,); the names are the fields of `CurvePoint`."""

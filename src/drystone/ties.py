@@ -102,11 +102,11 @@ class Tie:
     stiffness: float | None = None  # N/m
     area: float | None = None  # m2
     young_modulus: float | None = None  # Pa
-    yield_force: float = math.inf  # N
+    yield_force: float  # N; infinite of springs
     anchorage_force: float = math.inf  # N, at which its ends begin to give way
     pretension: float = 0.0  # N, in the structure as designed
     breaking_elongation: float = math.inf  # m, beyond its length as designed
-    compression: bool = False  # whether it carries as much compression as tension
+    compression: bool  # whether it carries as much compression as tension
     name: str = ""
     spring: bool = False  # what files call it
 
@@ -186,6 +186,8 @@ class Tie:
             value = getattr(self, key)
             if value is not None and not 0.0 < value < math.inf:
                 found.append(f"{key}: must be greater than 0, it is {value:g}")
+        if not self.spring and not math.isfinite(self.yield_force):
+            found.append("yield_force: must be a finite number; a spring has none")
         for key in ("yield_force", "anchorage_force", "breaking_elongation"):
             if not getattr(self, key) > 0.0:
                 found.append(f"{key}: must be greater than 0, it is {getattr(self, key):g}")
@@ -220,7 +222,15 @@ class Tie:
 
 def spring(*, start: TieEnd, end: TieEnd, stiffness: float, **more: Any) -> Tie:
     """A spring between two points that pushes as it pulls, such as a floor between two walls."""
-    return Tie(start=start, end=end, stiffness=stiffness, compression=True, spring=True, **more)
+    return Tie(
+        start=start,
+        end=end,
+        stiffness=stiffness,
+        yield_force=math.inf,
+        compression=True,
+        spring=True,
+        **more,
+    )
 
 
 def names_of(ties: Sequence[Tie]) -> tuple[str, ...]:
@@ -292,6 +302,11 @@ class Bars:
         bounds = self.value[:, [kernel.MOST, kernel.BREAKING]]
         return bool(np.isfinite(bounds).any())
 
+    @property
+    def breakable(self) -> bool:
+        """Whether any of them may break."""
+        return bool(np.isfinite(self.value[:, kernel.BREAKING]).any())
+
     def first(self) -> TieState:
         """As designed."""
         n = self.n_ties
@@ -310,11 +325,20 @@ class Bars:
         kernel.locate(self.body, value, assembly.rest_pose(), now)
         return kernel.Ties(self.body, value, now)
 
-    def ended(self, before: TieState, value: Array, now: Array, *, aged: bool = False) -> TieState:
+    def ended(
+        self,
+        before: TieState,
+        value: Array,
+        now: Array,
+        *,
+        yields: bool = True,
+        aged: bool = False,
+    ) -> TieState:
         """The state to which a step from ``before`` has led, see `kernels.ties` for the arrays.
 
         The margin is what a tie is from yielding, unless it did already, or from breaking: over
-        its strength, or its breaking elongation.  ``aged`` says that yielding has been counted.
+        its strength, or its breaking elongation.  Without ``yields`` only breaking is an event;
+        ``aged`` says that yielding has been counted.
         """
         force, trial = now[:, kernel.FORCE], now[:, kernel.TRIAL]
         most, least, active = value[:, kernel.MOST], value[:, kernel.LEAST], value[:, kernel.ACTIVE]
@@ -323,9 +347,10 @@ class Bars:
         branch = np.where(plastic, YIELDING, np.where(force != 0.0, ELASTIC, SLACK))
         branch = np.where(active == 0.0, BROKEN, branch)
         margin = np.full(len(force), np.inf)
-        yields = (active > 0.0) & np.isfinite(most) & (before.branch != YIELDING)
-        room = most - np.where(least < 0.0, np.abs(trial), trial)
-        margin[yields] = room[yields] / most[yields]
+        if yields:
+            first = (active > 0.0) & np.isfinite(most) & (before.branch != YIELDING)
+            room = most - np.where(least < 0.0, np.abs(trial), trial)
+            margin[first] = room[first] / most[first]
         breaking = value[:, kernel.BREAKING]
         breaks = (active > 0.0) & np.isfinite(breaking)
         left = (breaking[breaks] - now[breaks, kernel.ELONGATION]) / breaking[breaks]
@@ -346,6 +371,10 @@ class Bars:
         branch[due] = np.where(breaks, BROKEN, YIELDING)
         margin[due], force[due[breaks]] = np.inf, 0.0
         return replace(state, branch=branch, margin=margin, force=force)
+
+    def torn(self, state: TieState) -> TieState:
+        """The state once all have broken that are elongated too far."""
+        return self.past(state, np.flatnonzero(state.elongation > self.value[:, kernel.BREAKING]))
 
     def whole(self, state: TieState) -> IntArray:
         """Bodies that ties join which are not broken, (., 2)."""

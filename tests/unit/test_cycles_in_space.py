@@ -28,6 +28,7 @@ from drystone.kernels.contacts import (
 from drystone.kernels.explicit import Drive, FrozenContacts, Loads, Motion
 from drystone.kernels.law import BROKEN, KN, KS, MU, N_LAW, SHEAR, SLIDING
 from drystone.kernels.rows import IN_SPACE
+from drystone.kernels.ties import Ties
 
 pytestmark = pytest.mark.kernels
 
@@ -107,7 +108,7 @@ class Bench:
         }
         explicit.cycle(
             IN_SPACE, self.contacts, self.n_contacts, self.motion, self.loads,
-            self.motion.pose.copy(), Drive(**(settings | drive)), n, self.meter,
+            self.motion.pose.copy(), Drive(**(settings | drive)), n, self.meter, Ties.none(),
         )  # fmt: skip
 
     def unpack(self):

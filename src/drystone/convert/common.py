@@ -142,6 +142,8 @@ def mass_direction(model: Model, program: str) -> Array:
         raise ModelError(
             [f"dead_load: {program} gets the blocks' weight alone: take an engine of drystone"]
         )
+    if model.ties:
+        raise ModelError([f"tie: {program} gets no ties and springs: take an engine of drystone"])
     return model.load_along
 
 

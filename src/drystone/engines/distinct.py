@@ -40,6 +40,8 @@ from drystone.kernels.explicit import Drive, FrozenContacts, Loads, Motion
 from drystone.kernels.law import N_HISTORY
 from drystone.kernels.residual import add_contact_forces
 from drystone.kernels.rows import OF_GAP, dof_of
+from drystone.solvers.tie_forces import TieForces
+from drystone.ties import Bars, TieState
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -109,9 +111,10 @@ class DistinctState:
     reaction: Array  # (n_slots, dim) N
     status: IntArray  # (n_slots,)
     increment: Array  # (n, n_dof) of the last step
-    margin: Array  # (n_slots,) of bonds at rest, see `contact.bonds`
-    due: IntArray  # slots of the bonds that break next
+    margin: Array  # (n_slots + n_ties,) of bonds at rest, see `contact.bonds`, and ties
+    due: IntArray  # rows of those that break next
     gone: BoolArray  # (n,) blocks that have left
+    ties: TieState
     friction_work: float = 0.0  # J, turned to heat since the start
     damping_work: float = 0.0  # J, likewise
     load_work: float = 0.0  # J, done by dead load and pattern
@@ -175,6 +178,8 @@ class Workspace:
         self.meter[explicit.MULTIPLIER] = state.multiplier
         self.acting = LoadArrays.of(engine.problem, state.gone, engine.stage)
         self.lost = state.gone
+        self.ties = TieForces(engine.bars, engine.problem.assembly, state.gone)
+        self.ties.begin(state.ties)
         self.search_work = 0.0
         self.lost_shear = 0.0
         self.loads: Loads
@@ -310,7 +315,7 @@ class Workspace:
         )
         why, used = explicit.cycle(
             engine.dof, self.contacts, self.n_contacts, self.motion, self.loads, self.searched,
-            drive, n_cycles, self.meter,
+            drive, n_cycles, self.meter, self.ties.arrays,
         )  # fmt: skip
         return why, used
 
@@ -320,12 +325,13 @@ class Workspace:
         self.unpack()
         left = departing(
             engine.problem, engine.detector, self.acting, pose, self.multiplier,
-            self.pairs, self.slots, self.reaction,
+            self.pairs, self.slots, self.reaction, engine.bars.whole(self.ties.ended()),
         )  # fmt: skip
         lost = self.lost | left
         if not left.any() or (lost | engine.problem.assembly.fixed).all():
             return  # where nothing would stay there is no rest to go on with
         self.lost = lost
+        self.ties.lose(lost)
         self.acting = LoadArrays.of(engine.problem, self.lost, engine.stage)
         motion = self.motion
         for array in (motion.velocity, motion.force, motion.mean, motion.opposed):
@@ -390,7 +396,7 @@ class Workspace:
             return
         self.weighed = self.motion.pose.copy()
         self.mass, self.dt = engine.masses(
-            self.slots, self.pairs, self.motion.pose, real=self.real_masses
+            self.slots, self.pairs, self.motion.pose, real=self.real_masses, ties=self.ties
         )
         moves = np.broadcast_to(~acting.fixed[:, None], self.mass.shape)
         inverse = np.divide(1.0, self.mass, out=np.zeros_like(self.mass), where=moves)
@@ -479,7 +485,8 @@ class DistinctEngine:
         n_slots = len(slots.kind)
         history = np.zeros((n_slots, N_HISTORY + assembly.dimension - 2))
         history[apart(slots, 1e-9 * self.size), joint_law.BROKEN] = 1.0  # open when built
-        self.brittle = brittle(self.laws)
+        self.bars = Bars.of(assembly, problem.ties)
+        self.brittle = brittle(self.laws) or self.bars.breakable
         return DistinctState(
             pose=pose,
             velocity=assembly.no_motion() if velocity is None else np.array(velocity, float),
@@ -491,12 +498,15 @@ class DistinctEngine:
             reaction=np.zeros((n_slots, assembly.dimension)),
             status=np.zeros(n_slots, np.int64),
             increment=assembly.no_motion(),
-            margin=np.full(n_slots, np.inf),
+            margin=np.full(n_slots + self.bars.n_ties, np.inf),
             due=np.zeros(0, np.int64),
             gone=np.zeros(assembly.n_bodies, np.bool_),
+            ties=self.bars.first(),
         )
 
-    def masses(self, slots: Slots, pairs: Pairs, pose: Array, *, real: bool) -> tuple[Array, float]:
+    def masses(
+        self, slots: Slots, pairs: Pairs, pose: Array, *, real: bool, ties: TieForces | None = None
+    ) -> tuple[Array, float]:
         """Masses (n, n_dof) and the stable time step [s] that goes with them, of slots in a pose.
 
         A contact's stiffness k (h_a.x_a + h_b.x_b)^2 is at most 2 k (h_a.x_a)^2 + 2 k (h_b.x_b)^2.
@@ -516,6 +526,9 @@ class DistinctEngine:
         contacts = self.detector.pack(pairs, pose, slots, self.laws)
         watched = np.inf if real else 3.0 * max(self.search_reach, WATCHED * self.size)
         explicit.stiffness_blocks(self.dof, contacts, slots.gap[contacts.slot], watched, blocks)
+        if ties is not None and self.bars.n_ties:
+            ties.act(pose)
+            ties.add_twice(blocks)
         blocks *= 0.25 * (1.0 + s.local_damping) / s.safety**2
         scaling = s.mass_scaling or (1.0 if real else np.inf)
         needed = _needed(blocks, assembly.fixed)
@@ -590,12 +603,19 @@ class DistinctEngine:
             laws=self.laws,
             slight=SLIGHT * self.problem.assembly.heaviest_weight,
             near=AT_STRENGTH,
+            bars=self.bars if self.bars.n_ties else None,
         )
 
-    def _broken(self, state: DistinctState, slots: IntArray) -> DistinctState:
-        """The state without the bonds of some slots."""
-        if not len(slots):
+    def _broken(self, state: DistinctState, due: IntArray) -> DistinctState:
+        """The state without the bonds of some slots, and past what ties were due for."""
+        if not len(due):
             return state
+        n_slots = len(state.reaction)
+        slots = due[due < n_slots]
+        if len(slots) < len(due):
+            ties = self.bars.past(state.ties, due[due >= n_slots] - n_slots)
+            margin = np.concatenate((state.margin[:n_slots], ties.margin))
+            state = replace(state, ties=ties, margin=margin)
         history, margin = state.history.copy(), state.margin.copy()
         history[slots, joint_law.BROKEN], margin[slots] = 1.0, np.inf
         return replace(state, history=history, margin=margin, due=np.zeros(0, np.int64))
@@ -751,6 +771,8 @@ class DistinctEngine:
         force = np.zeros_like(velocity)
         history, reaction = work.history[k], work.reaction[k]
         add_contact_forces(contacts, reaction, force)
+        work.ties.turn(work.motion.pose)
+        work.ties.add_to(force)
         moved = work.dt * np.column_stack((velocity[a], velocity[b]))
         gap = slots.gap[k] - np.sum(contacts.rows[:, OF_GAP] * moved, axis=1)
         judged = JudgedContacts.with_history(contacts, gap, history, reaction, reaction[:, 1:])
@@ -762,7 +784,7 @@ class DistinctEngine:
         if self.brittle:
             slack = NOISE * self.settings.tolerance * self.scale
             margin[contacts.contacts.slot] = margins(contacts, slack)
-        return margin
+        return np.concatenate((margin, work.ties.ended(yields=False).margin))
 
     def _arrive(
         self,
@@ -776,6 +798,7 @@ class DistinctEngine:
         """The state at the end of the cycles, and its figures."""
         assembly, meter, pose = self.problem.assembly, work.meter, work.motion.pose
         acting = work.now
+        ties = work.ties.ended(yields=False, aged=work.real_masses)
         acceleration = np.where(acting.fixed[:, None], 0.0, unbalanced / assembly.mass)
         increment = assembly.difference(pose, state.pose)
         new = DistinctState(
@@ -792,6 +815,7 @@ class DistinctEngine:
             margin=self._margin(work, contacts),
             due=np.zeros(0, np.int64),
             gone=work.lost,
+            ties=ties,
             friction_work=state.friction_work + float(meter[explicit.FRICTION_WORK]),
             damping_work=state.damping_work + float(meter[explicit.DAMPING_WORK]),
             load_work=state.load_work + float(meter[explicit.LOAD_WORK]),
@@ -806,12 +830,16 @@ class DistinctEngine:
             contact_force=forces.contact,
             slots=work.slots,
             status=work.status,
-            certificate=certify(contacts, forces, self.extent, acting.fixed),
+            certificate=work.ties.marked(certify(contacts, forces, self.extent, acting.fixed)),
             motion=self.detector.farthest(increment),
             n_iterations=work.n_cycles,
         )
         figures = report(self.problem, acting, outcome)
         return new, replace(figures, lost_shear=work.lost_shear / self.scale)
+
+    def ties_of(self, state: DistinctState) -> TieState:
+        """What the ties of a state carry."""
+        return state.ties
 
     def contacts(self, state: DistinctState) -> ContactForces:
         """Contact points and reactions of a state."""

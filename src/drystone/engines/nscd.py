@@ -33,6 +33,8 @@ from drystone.kernels.residual import add_contact_forces
 from drystone.solvers import nlgs
 from drystone.solvers.block_system import BlockSystem
 from drystone.solvers.nlgs import NlgsResult, NlgsSettings
+from drystone.solvers.tie_forces import TieForces, TieImpulses
+from drystone.ties import Bars, TieState
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -61,6 +63,7 @@ class NscdState:
     reaction: Array  # (n_slots, dim) N
     status: IntArray  # (n_slots,)
     gone: BoolArray  # (n,) blocks that have left
+    ties: TieState
     acted: ActedContacts | None = None  # along the normals and tangents of the step's beginning
 
 
@@ -91,7 +94,7 @@ class NscdEngine:
         except ValueError as error:
             raise EngineError(f"{error}: the nscd engine cannot do without") from None
         self.problem, self.stage = problem, problem.stages[0]
-        self.detector = Detector(assembly)
+        self.detector, self.bars = Detector(assembly), Bars.of(assembly, problem.ties)
         self.extent = np.maximum(self.detector.extent, 1e-12)
         pose = assembly.rest_pose()
         pairs = self.detector.pairs(pose)
@@ -107,6 +110,7 @@ class NscdEngine:
             reaction=np.zeros_like(slots.normal),
             status=np.zeros(len(slots.kind), np.int64),
             gone=gone,
+            ties=self.bars.first(),
         )
         state, outcome = self._settle(state)
         for self.stage in problem.stages[1:]:
@@ -139,7 +143,7 @@ class NscdEngine:
         if outcome.converged and outcome.dynamic and demand.multiplier is not None:
             left = departing(
                 self.problem, self.detector, self.loads, new.pose, demand.multiplier,
-                new.pairs, new.slots, new.reaction,
+                new.pairs, new.slots, new.reaction, self.bars.whole(new.ties),
             )  # fmt: skip
             new = self._paired(new, new.gone | left) if left.any() else new
         return new, outcome
@@ -155,11 +159,12 @@ class NscdEngine:
         load = loads.dead + demand.multiplier * loads.pattern
         scale = self.problem.assembly.heaviest_weight
         tolerance = self.settings.tolerance * scale
+        ties = self._ties(state, h)
         solved = nlgs.solve(
             problem, self.system[1], self.extent,
             before + h * self.inverse_mass * load,
             state.reaction[problem.contacts.slot] * h, state.increment / h, h,
-            NlgsSettings(tolerance=tolerance, max_sweeps=self.settings.max_sweeps),
+            NlgsSettings(tolerance=tolerance, max_sweeps=self.settings.max_sweeps), ties,
         )  # fmt: skip
         motion, reason = self.detector.farthest(h * solved.velocity), ""
         if solved.residual > tolerance:
@@ -174,7 +179,15 @@ class NscdEngine:
                 motion=motion,
                 n_iterations=solved.n_sweeps + solved.n_corrections,
             )
-        return self._accept(state, problem, solved, before, load, motion, demand)
+        return self._accept(state, problem, solved, before, load, motion, demand, ties)
+
+    def _ties(self, state: NscdState, h: float) -> TieImpulses | None:
+        """Ties where the step starts."""
+        if self.ties is None:
+            return None
+        self.ties.begin(state.ties)
+        self.ties.act(state.pose)
+        return TieImpulses(self.ties, state.pairs.a, state.pairs.b, h)
 
     def _contact_problem(self, state: NscdState) -> ContactProblem:
         """Contacts where the step starts."""
@@ -190,6 +203,7 @@ class NscdEngine:
         load: Array,
         motion: float,
         demand: Demand,
+        ties: TieImpulses | None,
     ) -> tuple[NscdState, StepReport]:
         """The state that a step has led to, from the velocities ``before``, and its figures."""
         assert demand.multiplier is not None
@@ -201,6 +215,12 @@ class NscdEngine:
         new, reaction = self._arrive(state, pose, velocity, chosen, solved.impulse / h)
         force = np.zeros_like(increment)
         add_contact_forces(problem.contacts, reaction[chosen], force)
+        if ties and self.ties:
+            pulled = np.zeros_like(force)
+            ties.add_to(pulled)
+            force += pulled / h
+            self.ties.act(pose)
+            new = replace(new, ties=self.bars.torn(self.ties.ended()))
         acceleration = (solved.velocity - before) / h
         certificate = certify(
             JudgedContacts.of_impulses(
@@ -219,7 +239,7 @@ class NscdEngine:
             contact_force=force,
             slots=new.slots,
             status=new.status,
-            certificate=certificate,
+            certificate=self.ties.marked(certificate) if self.ties else certificate,
             motion=motion,
             n_iterations=solved.n_sweeps + solved.n_corrections,
         )
@@ -259,7 +279,9 @@ class NscdEngine:
         loads = self.loads = LoadArrays.of(self.problem, gone, self.stage)
         self.inverse_mass = np.where(loads.fixed[:, None], 0.0, 1.0 / assembly.mass)
         place = places(assembly.centroid, pairs.pose)
-        self.system = (pairs, BlockSystem(pairs.a, pairs.b, loads.mass, loads.fixed, place))
+        self.ties = TieForces(self.bars, assembly, gone) if self.bars.n_ties else None
+        joined = self.ties.joined(pairs.a, pairs.b) if self.ties else pairs
+        self.system = (pairs, BlockSystem(joined.a, joined.b, loads.mass, loads.fixed, place))
 
     def _arrive(
         self, state: NscdState, pose: Array, velocity: Array, chosen: IntArray, found: Array
@@ -285,6 +307,7 @@ class NscdEngine:
             reaction=carried,
             status=status,
             gone=state.gone,
+            ties=state.ties,
             acted=ActedContacts(
                 pairs=state.pairs,
                 slots=followed,
@@ -310,6 +333,10 @@ class NscdEngine:
         status = np.empty(len(reaction), np.int64)
         status_of(pairs, self.laws, reaction, status)
         return status
+
+    def ties_of(self, state: NscdState) -> TieState:
+        """What the ties of a state carry."""
+        return state.ties
 
     def contacts(self, state: NscdState) -> ContactForces:
         """Contact points and reactions of a state: those that are in balance."""

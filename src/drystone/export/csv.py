@@ -1,4 +1,4 @@
-"""``curve.csv``: the capacity curve, one line per point."""
+"""``curve.csv``: the capacity curve, one line per point; ``ties.csv``: one per point and tie."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import csv
 from pathlib import Path
 from typing import Any
 
-from drystone.curve import COLUMNS, CapacityCurve
+from drystone.curve import COLUMNS, CapacityCurve, TieRecord
 from drystone.export.folder import whole_file
 
 #: The columns that readers rely on come first; the others follow in the order of `CurvePoint`.
@@ -18,6 +18,7 @@ LEADING = (
     "carried_multiplier",
     "residual",
 )
+TIE_HEADER = ("step", "control_displacement", "tie", "force", "elongation", "state")
 HEADER = LEADING + tuple(name for name in COLUMNS if name not in LEADING)
 
 
@@ -31,6 +32,21 @@ def write_curve(curve: CapacityCurve, path: Path | str) -> None:
         writer.writerow(HEADER)
         for point in curve.points:
             writer.writerow([_plain(getattr(point, name)) for name in HEADER])
+
+
+def write_ties(curve: CapacityCurve, ties: TieRecord, path: Path | str) -> None:
+    """Write force [N], elongation [m] and state of every tie at every point."""
+    with (
+        whole_file(Path(path)) as draft,
+        draft.open("w", newline="", encoding="utf-8") as file,
+    ):
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(TIE_HEADER)
+        for k, point in enumerate(curve.points):
+            for i, name in enumerate(ties.names):
+                values = ties.force[k, i], ties.elongation[k, i]
+                row = point.step, point.control_displacement, name, *values, ties.state(k, i)
+                writer.writerow([_plain(value) for value in row])
 
 
 def _plain(value: Any) -> Any:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from drystone.contact.forces import ContactForces
 from drystone.curve import CapacityCurve, CurvePoint
-from drystone.export.csv import write_curve
+from drystone.export.csv import write_curve, write_ties
 from drystone.export.folder import (
     FolderLock,
     as_output_error,
@@ -28,6 +28,7 @@ from drystone.export.summary import plain, summarise, write_summary
 from drystone.model import Model
 from drystone.report import Mechanism, canvas, draw_curve, draw_mechanism
 from drystone.report.mechanism import readable_magnification
+from drystone.ties import TieState
 
 if TYPE_CHECKING:
     from drystone.limit.beside import Beside
@@ -39,11 +40,11 @@ MECHANISM_DISPLACEMENT = 0.2
 #: The option of a model's analysis that says otherwise.
 MECHANISM_OPTION = "mechanism_displacement"
 
-SUMMARY, CURVE, RESULTS = "summary.json", "curve.csv", "results.h5"
+SUMMARY, CURVE, RESULTS, TIES = "summary.json", "curve.csv", "results.h5", "ties.csv"
 CURVE_FIGURE, MECHANISM_FIGURE, PARAVIEW = "curve.png", "mechanism.png", "paraview"
 #: Of pictures.
 FORMATS = ("png", "svg", "pdf")
-FILES = (SUMMARY, CURVE, CURVE_FIGURE, MECHANISM_FIGURE, RESULTS)
+FILES = (SUMMARY, CURVE, CURVE_FIGURE, MECHANISM_FIGURE, RESULTS, TIES)
 #: What an assessment writes beside the results, and what says nothing of new ones.
 OF_ASSESSMENT = ("assessment.json", "adrs.png")
 
@@ -91,6 +92,7 @@ class ResultsDirectory:
         self._mechanism_displacement = mechanism_displacement
         self._model: Model | None = None
         self._names = ("", "")
+        self._ties: TieState | None = None  # of the point to come
         self._writer: ResultsWriter | None = None
         self._lock: FolderLock | None = None
         check_writable(self.path)
@@ -105,12 +107,16 @@ class ResultsDirectory:
         self._model, self._names = model, (engine, strategy)
         check_apart(model.source, files_of(self.path))
 
+    def ties(self, ties: TieState) -> None:
+        """Take what ties carry at the point to come."""
+        self._ties = ties
+
     def point(self, point: CurvePoint, pose: Array, contacts: ContactForces) -> None:
         """Take one point of the curve."""
         if self._writer is None:
             self._writer = in_a_sentence(self._open)
         writer = self._writer
-        in_a_sentence(lambda: writer.append(point, pose, contacts))
+        in_a_sentence(lambda: writer.append(point, pose, contacts, self._ties))
 
     def end(self, curve: CapacityCurve) -> None:
         """Write everything that stands at the end: figures of the analysis first, pictures last."""
@@ -166,6 +172,8 @@ class ResultsDirectory:
         }
         with uninterrupted():
             write_curve(curve, self.path / CURVE)
+            if curve.ties is not None:
+                write_ties(curve, curve.ties, self.path / TIES)
             write_summary(self.summary, self.path / SUMMARY)
         if failure is not None:
             raise failure

@@ -11,6 +11,8 @@
     /blocks/vertices, offset, body      shape s, of block body[s], has vertices from offset[s] on
     /blocks/rows, face_offset, part_faces, axes     of space only, see below
     /groups/name, offset, block         group k has the blocks block[offset[k]:offset[k + 1]]
+    /ties/name              of ties, where there are any
+    /ties/force, elongation, state      (n_points, n_ties) N, m, row of `ties.STATES`
     /blocks_left/<field>    every field of `BlockLeft`, once the analysis has ended
 
 Shapes are outlines in the plane, one to a block, so that ``body`` is left out, but for those given
@@ -40,7 +42,7 @@ from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
 from drystone.contact.forces import ContactForces
-from drystone.curve import BlockLeft, CapacityCurve, CurvePoint
+from drystone.curve import BlockLeft, CapacityCurve, CurvePoint, TieRecord
 from drystone.export.diskfile import DiskFile
 from drystone.export.interrupts import uninterrupted
 from drystone.export.summary import package_version
@@ -48,6 +50,7 @@ from drystone.model import Model
 from drystone.modelfile import model_to_dict
 from drystone.modelfile.write import to_toml
 from drystone.report.shapes import MovingShapes
+from drystone.ties import TieState, names_of
 
 Array = NDArray[np.float64]
 
@@ -75,10 +78,14 @@ UNITS = {
     "vertices": "m",
     "centroid": "m",
     "weight": "N",
+    "force": "N",
+    "elongation": "m",
 }
 POSE_UNITS = {2: "m, m, rad", 3: "m, m, m, 1, 1, 1, 1"}
 STORED_AS = {"block_a": "i4", "block_b": "i4", "status": "i1"}
 LEFT_TYPES = {"block": h5py.string_dtype(), "step": "i8", "control_displacement": "f8"}
+#: Of ties: names in the file, fields of `TieState`, how they are stored.
+TIE_FIELDS = (("force", "force", "f8"), ("elongation", "elongation", "f8"), ("state", "branch", "i1"))
 CONTACT_FIELDS = tuple(f.name for f in fields(ContactForces))
 #: What files of plane models do not hold: it follows from the rest.
 OF_SPACE = ("tangent",)
@@ -94,6 +101,7 @@ class ResultsWriter:
         self._points: list[CurvePoint] = []
         self._poses: list[Array] = []
         self._contacts: list[ContactForces] = []
+        self._ties: list[TieState] = []
         self._waiting = 0  # bytes
         self._n_points = self._n_contacts = 0  # in the file
         self._written = time.monotonic()
@@ -110,8 +118,16 @@ class ResultsWriter:
             Path(path).unlink(missing_ok=True)
             raise
 
-    def append(self, point: CurvePoint, pose: Array, contacts: ContactForces) -> None:
+    def append(
+        self,
+        point: CurvePoint,
+        pose: Array,
+        contacts: ContactForces,
+        ties: TieState | None = None,
+    ) -> None:
         """Take one point; it is on the disk a second later, or after `flush`."""
+        if ties is not None:
+            self._ties.append(ties)
         self._points.append(point)
         self._poses.append(np.array(pose))
         self._contacts.append(contacts)
@@ -173,6 +189,10 @@ class ResultsWriter:
             values = np.array([getattr(point, name) for point in self._points], dtype=kind)
             _put(self._file["curve"][name], n, values)
         _put(self._file["poses"], n, np.array(self._poses))
+        if self._ties:
+            for name, own, _ in TIE_FIELDS:
+                rows = np.array([getattr(state, own) for state in self._ties])
+                _put(self._file["ties"][name], n, rows)
         group = self._file["contacts"]
         counts = [contacts.n_contacts for contacts in self._contacts]
         for name in filter(group.__contains__, CONTACT_FIELDS):
@@ -183,6 +203,7 @@ class ResultsWriter:
         self._n_points += len(counts)
         self._n_contacts += sum(counts)
         self._points, self._poses, self._contacts, self._waiting = [], [], [], 0
+        self._ties = []
 
     def _describe(self, model: Model, engine: str, strategy: str) -> None:
         text = _text_of_file(model)
@@ -236,6 +257,12 @@ class ResultsWriter:
         rows = int(np.clip(1_000_000 // (8 * shape[0] * shape[1]), 1, 64))
         self._growing(self._file, "poses", shape, np.dtype("f8"), rows=rows)
         self._file["poses"].attrs["unit"] = POSE_UNITS[assembly.dimension]
+
+        if model.ties:
+            ties, names = self._file.create_group("ties"), names_of(model.ties)
+            ties["name"] = np.array([text_of(n) for n in names], dtype=h5py.string_dtype())
+            for name, _, kind in TIE_FIELDS:
+                self._growing(ties, name, (len(names),), np.dtype(kind), rows=64)
 
         contacts = self._file.create_group("contacts")
         widths = {"position": assembly.dimension, "normal": assembly.dimension}
@@ -360,6 +387,19 @@ class ResultsReader:
         return {
             name.decode(): block[offset[k] : offset[k + 1]] for k, name in enumerate(names.tolist())
         }
+
+    def ties(self) -> TieRecord | None:
+        """What every tie carried at every point; None where there are no ties."""
+        group = self._file.get("ties")
+        if group is None or len(group["force"]) < self.n_points:
+            return None
+        values = {own: group[name][: self.n_points] for name, own, _ in TIE_FIELDS}
+        return TieRecord(
+            names=tuple(name.decode() for name in group["name"][:]),
+            force=values["force"],
+            elongation=values["elongation"],
+            branch=values["branch"].astype(np.int64),
+        )
 
     def poses(self) -> Array:
         """Poses of the blocks at all points, (n_points, n, n_pose)."""

@@ -64,7 +64,10 @@ def save_results(
         path, mechanism_displacement=mechanism_displacement, beside=limits_beside(model)
     ) as results:
         results.begin(model, curve.engine, curve.strategy)
-        for point, pose, contacts in zip(curve.points, curve.poses, curve.contacts, strict=True):
+        kept = zip(curve.points, curve.poses, curve.contacts, strict=True)
+        for k, (point, pose, contacts) in enumerate(kept):
+            if curve.ties is not None:
+                results.ties(curve.ties.at(k))
             results.point(point, pose, contacts)
         results.end(curve)
     return results.summary or {}
@@ -183,6 +186,7 @@ def _curve_of(stored: ResultsReader, contacts: StoredContacts) -> CapacityCurve:
         compile_time=float(stored.attribute("compile_time")) if ended else math.nan,
         poses=stored.poses(),
         contacts=contacts,
+        ties=stored.ties(),
     )
 
 

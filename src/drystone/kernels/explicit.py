@@ -61,6 +61,7 @@ from drystone.kernels.law import (
     TENSION,
 )  # fmt: skip
 from drystone.kernels.rows import OF_GAP, OF_SLIP
+from drystone.kernels.ties import add_forces, age, locate
 
 #: Entries of the meter, see `cycle`.
 MULTIPLIER, FRICTION_WORK, DAMPING_WORK, LOAD_WORK, RESIDUAL, CYCLES = 0, 1, 2, 3, 4, 5
@@ -325,7 +326,7 @@ def _steer(n_dof, motion, loads, drive, applied, steer, load_work):
 
 
 @njit(cache=True)
-def cycle(dof, contacts, n_contacts, motion, loads, origin, drive, n_cycles, meter):
+def cycle(dof, contacts, n_contacts, motion, loads, origin, drive, n_cycles, meter, ties):
     """Run cycles in place until one of three things happens; returns what, and the cycles run.
 
     Where they are guided, the multiplier is the force that keeps the pattern's own displacement on
@@ -354,10 +355,14 @@ def cycle(dof, contacts, n_contacts, motion, loads, origin, drive, n_cycles, met
     meter
         (N_METER,) multiplier of the last cycle; work done by friction, damping and loads, added
         to [J]; largest unbalanced force when last looked at [N]; cycles so far.
+    ties
+        `kernels.ties.Ties`.  They yield and break in the cycles unless bonds hold; else what has
+        yielded counts from where the cycles began, so that waves leave nothing behind.
     """
     n_dof = len(dof)
     force, dead, pattern, inverse_mass = motion.force, loads.dead, loads.pattern, loads.inverse_mass
-    n, guided = force.shape[0], drive.guided
+    n, guided, n_ties = force.shape[0], drive.guided, ties.body.shape[0]
+    no_axes = np.zeros((1, 3, 3))
     flexibility = 0.0
     for i in range(n):
         for d in range(n_dof):
@@ -377,6 +382,14 @@ def cycle(dof, contacts, n_contacts, motion, loads, origin, drive, n_cycles, met
             friction_work = act_in_space(
                 contacts, n_contacts, motion, loads, drive.dt, drive.bonds_hold, friction_work
             )
+        if n_ties > 0:
+            locate(ties.body, ties.value, motion.pose, ties.now)
+            if len(dof) == 3:
+                add_forces(ties.body, ties.now, no_axes, force)
+            else:
+                add_forces(ties.body, ties.now, motion.turn.axes, force)
+            if not drive.bonds_hold:
+                friction_work += age(ties.value, ties.now)
         if guided:
             driven = 0.0
             for i in range(n):

@@ -73,7 +73,8 @@ def fall(equilibrium: Equilibrium) -> Array:
     regions = Regions.of(equilibrium)
     n_amounts, n_rows = regions.combination.shape[1], len(equilibrium.dead)
     n_shared, n_blocks = regions.sharing.shape[0], equilibrium.assembly.n_blocks
-    dim, row = equilibrium.points.dimension, np.arange(n_rows).reshape(n_blocks, -1)
+    of_blocks = np.arange(n_rows - equilibrium.n_ties)
+    dim, row = equilibrium.points.dimension, of_blocks.reshape(n_blocks, -1)
     help_, columns, cones = [], 0, []
     for part in (row[:, :dim], row[:, dim:]):  # the size of a force or moment, then itself
         size = part.shape[1]
@@ -125,8 +126,9 @@ def slides_away(equilibrium: Equilibrium, direction: Array) -> bool:
     program: the structure is not locked.  False says nothing.
     """
     assembly, points = equilibrium.assembly, equilibrium.points
-    side = np.where(assembly.fixed[points.block_a], 1.0, 0.0)
-    side -= np.where(assembly.fixed[points.block_b], 1.0, 0.0)
+    joined = slice(equilibrium.n_joined)  # ties are no hindrance to a load of any size
+    side = np.where(assembly.fixed[points.block_a[joined]], 1.0, 0.0)
+    side -= np.where(assembly.fixed[points.block_b[joined]], 1.0, 0.0)
     borne = np.flatnonzero(side)
     away = side[borne, None, None] * points.frame[borne]
     upward = away[:, 0].mean(axis=0) if len(borne) else np.zeros_like(direction)

@@ -83,6 +83,8 @@ class Collapse:
     """Largest deviation from the flow rule where contacts slide, over the fastest contact."""
     n_iterations: int
     """Programs (non-associative), else steps of one."""
+    tie_forces: Array | None = None
+    """Of ties at collapse, (n_ties,) [N], tension positive; None where there are none."""
     n_paths: int = 1
     """Paths that ended in a certified collapse state."""
 
@@ -124,7 +126,7 @@ def collapse_loads(
     settings: NonAssociativeSettings | None = None,
 ) -> tuple[Collapse, ...]:
     """The same for several flows at once, which share their work."""
-    equilibrium = Equilibrium.of(model.assembly, model.load, model.dead_loads)
+    equilibrium = Equilibrium.of(model.assembly, model.load, model.dead_loads, model.ties)
     bonds = equilibrium.cohesion.any() or equilibrium.tension.any()
     if model.load.turns_gravity and (bonds or equilibrium.untilted is not None):
         return tuple(_tilted(equilibrium, flow, settings) for flow in flows)
@@ -214,7 +216,7 @@ class AtRest:
 
 def at_rest(model: Model) -> AtRest:
     """A structure under its own weight: what the supports carry, or why it falls."""
-    equilibrium = Equilibrium.of(model.assembly, model.load, model.dead_loads)
+    equilibrium = Equilibrium.of(model.assembly, model.load, model.dead_loads, model.ties)
     answer = bounds.dead_load_factor(equilibrium)
     if not bounds.is_whole(answer):
         reason = _unstable(equilibrium, ASSOCIATIVE, bounds.fall(equilibrium)).reason
@@ -238,7 +240,7 @@ def is_locked(model: Model) -> bool:
     has to carry the pattern, and either the normal forces do so without it or no path of the
     non-associative scheme comes to a collapse state.
     """
-    equilibrium = Equilibrium.of(model.assembly, model.load, model.dead_loads)
+    equilibrium = Equilibrium.of(model.assembly, model.load, model.dead_loads, model.ties)
     if bounds.slides_away(equilibrium, model.load_along):
         return False
     if not bounds.is_locked(equilibrium):
@@ -267,6 +269,7 @@ def _associative(equilibrium: Equilibrium, answer: Answer) -> Collapse:
         reason=f"a mechanism of {_blocks(len(moving))} forms",
         velocities=velocities,
         contacts=_contacts(equilibrium, answer.forces, answer.velocity),
+        tie_forces=equilibrium.tie_forces(answer.forces),
         moving=moving,
         duality_gap=_relative(upper - answer.factor, answer.factor),
         residual=equilibrium.residual(answer.forces, answer.factor),
@@ -307,6 +310,7 @@ def _non_associative(
         reason=reason,
         velocities=velocities,
         contacts=_contacts(equilibrium, state.forces, state.velocity),
+        tie_forces=equilibrium.tie_forces(state.forces),
         moving=moving,
         duality_gap=_relative(_unbalanced_power(equilibrium, state), state.multiplier),
         residual=equilibrium.residual(state.forces, state.multiplier),
@@ -398,21 +402,22 @@ def _moving(assembly: Assembly, velocities: Array, slowest: float = AT_REST) -> 
 
 def _contacts(equilibrium: Equilibrium, forces: Array, velocity: Array) -> ContactForces:
     """Forces in newton, with what each contact does in the mechanism."""
-    points = equilibrium.points
-    relative = equilibrium.relative(velocity)
+    points, n = equilibrium.points, equilibrium.n_joined
+    relative = equilibrium.relative(velocity)[:n]
     largest = float(np.abs(relative).max(initial=0.0))
     sliding = equilibrium.slip(relative) > AT_REST * largest
+    forces = forces[:n]
     none = np.linalg.norm(forces, axis=1) <= NO_FORCE
     return ContactForces(
-        block_a=points.block_a,
-        block_b=points.block_b,
-        position=points.position,
-        normal=points.frame[:, 0],
-        gap=np.zeros(points.n_contacts),
-        area=points.area,
+        block_a=points.block_a[:n],
+        block_b=points.block_b[:n],
+        position=points.position[:n],
+        normal=points.frame[:n, 0],
+        gap=np.zeros(n),
+        area=points.area[:n],
         normal_reaction=forces[:, 0] * equilibrium.force,
         tangential_reaction=forces[:, 1:] * equilibrium.force,
-        tangent=points.frame[:, 1] if points.dimension == 3 else np.zeros((len(forces), 0)),
+        tangent=points.frame[:n, 1] if points.dimension == 3 else np.zeros((n, 0)),
         status=np.where(none, OPEN, np.where(sliding, SLIDING, STICKING)),
     )
 

@@ -17,12 +17,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array
+from scipy.sparse import csc_array, vstack
 
 from drystone.assembly import Assembly
 from drystone.geometry.motion import moments
 from drystone.limit.joints import ContactPoints, contact_points
+from drystone.limit.tied import rows_of, with_ties
 from drystone.loading import Acting, DeadForces, DeadLoad, LoadPattern
+from drystone.ties import Tie
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -30,7 +32,10 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, kw_only=True)
 class Equilibrium:
-    """The balance of an assembly, scaled; rows are movable blocks times degrees of freedom."""
+    """The balance of an assembly, scaled.
+
+    Rows are movable blocks times degrees of freedom, then one for each tie; see `tied`.
+    """
 
     assembly: Assembly
     points: ContactPoints
@@ -41,16 +46,21 @@ class Equilibrium:
     tension: Array  # (n_contacts,) likewise
     force: float  # N, the unit of force
     length: float  # m, the unit of length
+    n_ties: int = 0
     untilted: Array | None = None
     """(n_rows,) what of the dead load stays as large where gravity turns; None for all patterns but
     `tilt`, and where there is none."""
 
     @classmethod
     def of(
-        cls, assembly: Assembly, load: LoadPattern, dead_loads: Sequence[DeadLoad] = ()
+        cls,
+        assembly: Assembly,
+        load: LoadPattern,
+        dead_loads: Sequence[DeadLoad] = (),
+        ties: Sequence[Tie] = (),
     ) -> Equilibrium:
         """Set up the balance in the designed shape; all ``dead_loads`` act from the start."""
-        points = contact_points(assembly)
+        points = with_ties(contact_points(assembly), assembly, ties)
         force = assembly.heaviest_weight
         movable = np.flatnonzero(~assembly.fixed)
         size = assembly.volume[movable] / assembly.thickness  # area in the plane, else volume
@@ -65,13 +75,22 @@ class Equilibrium:
             """About axes of the world, (n_rows,)."""
             return (np.column_stack((forces.force, forces.moments()))[movable] * scale).ravel()
 
+        matrix, own = _matrix(assembly, points, length), np.zeros(0)
+        if ties:
+            rows, own = rows_of(ties, points, force)
+            matrix = csc_array(vstack([matrix, rows]))
+            matrix.sort_indices()
+        untilted = None
+        if beside is not None and (beside.force.any() or own.any()):
+            untilted = np.concatenate((scaled(beside), own))
         return cls(
             assembly=assembly,
             points=points,
-            matrix=_matrix(assembly, points, length),
-            dead=scaled(dead),
-            live=scaled(acting.pattern),
-            untilted=scaled(beside) if beside is not None and beside.force.any() else None,
+            matrix=matrix,
+            dead=np.concatenate((scaled(dead), own)),
+            live=np.concatenate((scaled(acting.pattern), np.zeros(len(own)))),
+            n_ties=len(ties),
+            untilted=untilted,
             cohesion=points.cohesion / force,
             tension=points.tension / force,
             force=force,
@@ -82,6 +101,19 @@ class Equilibrium:
     def n_contacts(self) -> int:
         """Number of contact points."""
         return self.points.n_contacts
+
+    @property
+    def n_joined(self) -> int:
+        """Contact points of joints, those that stand for ties left out."""
+        return self.n_contacts - 2 * self.n_ties
+
+    def tie_forces(self, forces: Array) -> Array | None:
+        """Of ties (n_ties,) [N], tension positive, from ``forces`` (n_contacts, dim); None where
+        there are none."""
+        if not self.n_ties:
+            return None
+        n = self.n_joined
+        return -self.force * forces[n : n + self.n_ties, 0]
 
     def residual(self, forces: Array, multiplier: float) -> float:
         """Largest unbalanced force or moment, in scaled units, of ``forces`` (n_contacts, dim)."""
@@ -102,7 +134,8 @@ class Equilibrium:
         """Scaled velocities (n_rows,) as those of all blocks, (n, n_dof) [m/s, rad/s]."""
         assembly = self.assembly
         blocks = np.zeros((assembly.n_bodies, assembly.n_dof))
-        blocks[~assembly.fixed] = velocity.reshape(-1, assembly.n_dof)
+        rows = len(velocity) - self.n_ties
+        blocks[~assembly.fixed] = velocity[:rows].reshape(-1, assembly.n_dof)
         blocks[:, assembly.dimension :] /= self.length
         return blocks
 

@@ -30,6 +30,7 @@ from drystone.modelfile.parse import parse
 from drystone.modelfile.schema import AnalysisSection, ExceptionSection, ModelSection
 from drystone.modelfile.sentences import place_of, sentences
 from drystone.modelfile.shapes import ShapeError, shape_of, shape_problems
+from drystone.modelfile.tying import ties_of
 
 #: Engines that a model file may name.
 ENGINES = ("equilibrium", "nscd", "distinct", "lmgc90")
@@ -150,6 +151,7 @@ def _model(
         points=section.contact.points if section.contact else POINTS,
         load=pattern_of(section.load, section.dimension),
         dead_loads=dead_loads_of(section.dead_load, section.dimension),
+        ties=ties_of(section.tie, section.spring),
         control_block=control_block,
         control_point=control_point,
         control_direction=section.control.direction,

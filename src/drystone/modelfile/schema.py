@@ -39,6 +39,7 @@ from drystone.modelfile.keys import (
     rotation_of,
     sentence,
 )
+from drystone.modelfile.tying import SpringSection, TieSection
 from drystone.mortar import Mortar
 
 #: Keys of [analysis] that strategies and engines take as numerical settings.
@@ -382,6 +383,8 @@ class ModelSection(Section):
     group: dict[Name, GroupSection] = {}
     load: LoadSection = Field(description="a table [load] with pattern and direction")
     dead_load: list[DeadLoadSection] = []
+    tie: list[TieSection] = []
+    spring: list[SpringSection] = []
     control: ControlSection = ControlSection()
     analysis: AnalysisSection = AnalysisSection()
     site: SiteSection | None = None

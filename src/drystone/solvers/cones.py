@@ -18,6 +18,7 @@ from drystone.kernels.contacts import FRICTION, STIFF_N
 from drystone.kernels.nlgs import ContactProblem, contact_velocities, momentum_defect
 from drystone.kernels.rows import IN_SPACE
 from drystone.solvers.block_system import BlockSystem, SingularMatrixError
+from drystone.solvers.tie_forces import TieImpulses
 
 Array = NDArray[np.float64]
 
@@ -43,6 +44,7 @@ class Interior:
     h: float
     penalty: float  # kg, see `kernels.cones`
     centre: Array  # (n_contacts, 2) N s
+    ties: TieImpulses | None = None
 
     def __post_init__(self) -> None:
         """Memory, and the law of all contacts."""
@@ -91,6 +93,9 @@ class Interior:
             block[:] = 0.0
         np.einsum("kii->ki", tangent.diagonal)[:] += self.system.mass
         kernels.tangent(self.problem, joint, self.scaling, *tangent)
+        if self.ties:
+            self.ties.act(self.velocity)
+            self.ties.stiffen(tangent)
         self.system.factorise()
         self._solve(0.0, second=False)
         far = self._length()
@@ -121,6 +126,10 @@ class Interior:
             IN_SPACE, self.problem, self.system.mass, self.free_velocity, self.velocity, self.aimed,
             self.defect,
         )  # fmt: skip
+        if self.ties:
+            self.ties.act(self.velocity)
+            self.ties.add_to(self.defect)
+            self.defect[self.system.mass == 0.0] = 0.0
         moved = self.system.solve_again(self.defect)
         contact_velocities(IN_SPACE, self.problem.contacts, moved, self.relative)
         kernels.changes(joint, energy, second, self.relative, self.inner, self.scaling, self.change)

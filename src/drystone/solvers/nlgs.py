@@ -24,6 +24,7 @@ from drystone.kernels.residual import unbalanced_force
 from drystone.kernels.rows import IN_SPACE, dof_of
 from drystone.solvers.block_system import BlockSystem, SingularMatrixError
 from drystone.solvers.cones import Interior
+from drystone.solvers.tie_forces import TieImpulses
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -93,6 +94,7 @@ def solve(
     guess: Array,
     h: float,
     settings: NlgsSettings,
+    ties: TieImpulses | None = None,
 ) -> NlgsResult:
     """Contact impulses of one implicit step.
 
@@ -111,11 +113,13 @@ def solve(
         Velocities that the accelerator is first tried from, (n, n_dof), as of a similar step.
     h
         Time step [s].
+    ties
+        Left at the velocities of the end.
     """
     n, dim = impulse.shape
     blocks = natural_map(problem, dim, h)
-    step = _Step(problem, system, extent, free_velocity, h)
-    accelerator = _Accelerator(problem, system, free_velocity, h, settings)
+    step = _Step(problem, system, extent, free_velocity, h, ties)
+    accelerator = _Accelerator(problem, system, free_velocity, h, settings, ties)
     before, impulse = impulse, impulse.copy()
     velocity = step.velocity_of(impulse)
     order, n_sweeps, chunk = np.arange(n), 0, settings.first_sweeps
@@ -135,7 +139,10 @@ def solve(
         ways = accelerator.ways(before, guess if n_sweeps == chunk else None, impulse, velocity)
         known = impulse, velocity, residual
         impulse, velocity, residual = step.best(ways, known, settings.tolerance)
+        step.hold(velocity)
         chunk *= 2
+    if ties:
+        ties.act(velocity)
     return NlgsResult(
         impulse=impulse,
         velocity=velocity,
@@ -148,16 +155,26 @@ def solve(
 class _Step:
     """The equations of a step: velocities of impulses, and what either leave of it."""
 
-    def __init__(self, problem, system, extent, free_velocity, h) -> None:
+    def __init__(self, problem, system, extent, free_velocity, h, ties) -> None:
         self.dof = dof_of(system.mass)
         self.problem, self.mass, self.extent = problem, system.mass, extent
         self.free_velocity, self.h, self.fixed = free_velocity, h, system.mass[:, 0] == 0.0
         self.nothing = np.zeros(len(problem.gap))
         self.defect = np.zeros_like(free_velocity)
+        self.ties, self.pulled = ties, np.zeros_like(free_velocity)
+        self.hold(self.pulled)
+
+    def hold(self, velocity: Array) -> None:
+        """Sweep on with the impulses that ties have at velocities (n, n_dof)."""
+        if self.ties:
+            self.ties.act(velocity)
+            self.pulled = np.zeros_like(velocity)
+            self.ties.add_to(self.pulled)
+            self.pulled *= self.problem.inverse_mass
 
     def velocity_of(self, impulse: Array) -> Array:
         """Velocities (n, n_dof) that impulses lead to."""
-        velocity: Array = self.free_velocity.copy()
+        velocity: Array = self.free_velocity + self.pulled
         kernels.apply_impulses(self.dof, self.problem, impulse, velocity)
         return velocity
 
@@ -185,6 +202,9 @@ class _Step:
         kernels.momentum_defect(
             self.dof, problem, self.mass, self.free_velocity, velocity, impulse, self.defect
         )
+        if self.ties:
+            self.ties.act(velocity)
+            self.ties.add_to(self.defect)
         unbalanced = unbalanced_force(
             self.defect / h, np.zeros_like(self.defect), self.extent, self.fixed
         )
@@ -204,7 +224,8 @@ class _Accelerator:
     the law have settled, the spring is moved to the new impulse until nothing slips that sticks.
     """
 
-    def __init__(self, problem, system, free_velocity, h, settings) -> None:
+    def __init__(self, problem, system, free_velocity, h, settings, ties) -> None:
+        self.ties = ties
         self.dof = dof_of(system.mass)
         self.problem, self.system = problem, system
         self.mass, self.free_velocity, self.h = system.mass, free_velocity, h
@@ -258,7 +279,7 @@ class _Accelerator:
         self.penalty = WITHIN * self.stiffest
         centre = impulse[:, 1:].copy()
         search = Interior(
-            self.problem, self.system, self.free_velocity, self.h, self.penalty, centre
+            self.problem, self.system, self.free_velocity, self.h, self.penalty, centre, self.ties
         )
         search.start(velocity, float(pressed.mean()))
         tried = 0
@@ -324,9 +345,15 @@ class _Accelerator:
         return self._defect(velocity, impulse)
 
     def _defect(self, velocity: Array, impulse: Array) -> float:
-        return kernels.momentum_defect(
+        norm = kernels.momentum_defect(
             self.dof, self.problem, self.mass, self.free_velocity, velocity, impulse, self.defect
         )
+        if self.ties is None:
+            return norm
+        self.ties.act(velocity)
+        self.ties.add_to(self.defect)
+        self.defect[self.mass == 0.0] = 0.0
+        return float(np.sqrt(np.sum(self.defect**2 * self.problem.inverse_mass)))
 
     def _direction(self, piece: IntArray) -> Array:
         tangent = self.system.tangent
@@ -337,6 +364,8 @@ class _Accelerator:
         kernels.held_law_tangent(
             self.dof, self.problem, self.h, self.penalty, piece, self.turn, *tangent
         )
+        if self.ties:
+            self.ties.stiffen(tangent)
         direction = self.system.solve(self.defect)
         self.n_solved += 1
         return direction

@@ -45,8 +45,9 @@ class TieForces:
     def __init__(self, bars: Bars, assembly: Assembly, gone: BoolArray) -> None:
         self.bars, self.assembly = bars, assembly
         self.there = ~gone[bars.body].any(axis=1)
-        self.body, self.value = bars.body, bars.value.copy()
-        self.now = np.zeros((len(bars.body), kernel.N_NOW))
+        #: As kernels take them, and change them.
+        self.arrays = bars.at_rest(assembly)
+        self.body, self.value, self.now = self.arrays
         self.axes = np.ascontiguousarray(assembly.axes)
 
     def begin(self, state: TieState) -> None:
@@ -55,26 +56,24 @@ class TieForces:
         self.value[:, kernel.PLASTIC] = state.plastic
         self.value[:, kernel.ACTIVE] = self.there & (state.branch != BROKEN)
 
+    def lose(self, gone: BoolArray) -> None:
+        """Take out the ties of bodies (n,) that have left."""
+        self.there = ~gone[self.body].any(axis=1)
+        self.value[~self.there, kernel.ACTIVE] = 0.0
+
     def act(self, pose: Array) -> None:
         """Go to poses (n, n_pose)."""
         kernel.locate(self.body, self.value, pose, self.now)
-        if self.assembly.dimension == 3:
+        self.turn(pose)
+
+    def turn(self, pose: Array) -> None:
+        """Count moments about the principal axes in poses (n, n_pose)."""
+        if len(self.body) and self.assembly.dimension == 3:
             self.axes = np.ascontiguousarray(principal_axes(self.assembly, pose))
 
     def add_to(self, force: Array) -> None:
         """Add the forces on the bodies to an array (n, n_dof)."""
         kernel.add_forces(self.body, self.now, self.axes, force)
-
-    def lean(self, motion: Array) -> None:
-        """Move the elongations on by a motion (n, n_dof) from the last poses, to first order and
-        with directions as they are."""
-        along = np.einsum("kd,kd->k", self.gradient(), self._of_both(motion))
-        self.now[:, kernel.ELONGATION] += along
-        for k in range(len(self.body)):
-            kernel.pull(self.value, self.now, k)
-
-    def _of_both(self, motion: Array) -> Array:
-        return motion[self.body].reshape(len(self.body), -1)
 
     def _points(self) -> Array:
         """J: motion of b's point seen from a's by that of the bodies, (n_ties, dim, 2 n_dof)."""
@@ -97,17 +96,14 @@ class TieForces:
         along = self.now[:, kernel.ALONG : kernel.ALONG + dim]
         return np.asarray(np.einsum("kd,kdi->ki", along, self._points()))
 
-    def stiffness(self, *, turning: bool = True) -> Array:
-        """Of minus the forces, (n_ties, 2 n_dof, 2 n_dof); without ``turning`` of lines as they
-        are."""
+    def stiffness(self) -> Array:
+        """Of minus the forces, (n_ties, 2 n_dof, 2 n_dof)."""
         dim, now = self.assembly.dimension, self.now
         points = self._points()
         along = now[:, kernel.ALONG : kernel.ALONG + dim]
         h = np.einsum("kd,kdi->ki", along, points)
         outer = h[:, :, None] * h[:, None, :]
         found = now[:, kernel.TANGENT, None, None] * outer
-        if not turning:
-            return np.asarray(found)
         across = np.einsum("kdi,kdj->kij", points, points) - outer
         found += (now[:, kernel.FORCE] / now[:, kernel.DISTANCE])[:, None, None] * across
         n_dof = self.assembly.n_dof
@@ -134,9 +130,63 @@ class TieForces:
         """With the pairs (n_pairs,) of bodies that contacts join; see `JoinedTies`."""
         return JoinedTies.of(self.body, a, b)
 
-    def ended(self) -> TieState:
-        """The state where a step has ended at the last poses."""
-        return self.bars.ended(self.before, self.value, self.now)
+    def ended(self, *, yields: bool = True, aged: bool = False) -> TieState:
+        """The state where a step has ended at the last poses; see `Bars.ended`."""
+        return self.bars.ended(self.before, self.value, self.now, yields=yields, aged=aged)
+
+    def add_twice(self, blocks: Array) -> None:
+        """Add twice the stiffness along each tie to the blocks (n, n_dof, n_dof) of its bodies, as
+        if all were taut."""
+        n_dof, gradient = self.assembly.n_dof, self.gradient()
+        whole = self.value[:, kernel.STIFFNESS] * self.value[:, kernel.ACTIVE]
+        for side in range(2):
+            h = gradient[:, side * n_dof : side * n_dof + n_dof]
+            outer = 2.0 * whole[:, None, None] * h[:, :, None] * h[:, None, :]
+            np.add.at(blocks, self.body[:, side], outer)
+
+
+class TieImpulses:
+    """Ties in an implicit step of contact dynamics: along the lines that they have where it starts,
+    with the force at its end.
+
+    Parameters
+    ----------
+    ties
+        In the poses where the step starts.
+    a, b
+        Bodies of the contacts' pairs, (n_pairs,).
+    h
+        Time step [s].
+    """
+
+    def __init__(self, ties: TieForces, a: IntArray, b: IntArray, h: float) -> None:
+        self.ties, self.h, self.joined = ties, h, ties.joined(a, b)
+        self.start = ties.now[:, kernel.ELONGATION].copy()
+        self.gradient = ties.gradient()
+
+    def act(self, velocity: Array) -> None:
+        """Go on with velocities (n, n_dof)."""
+        ties = self.ties
+        both = velocity[ties.body].reshape(len(ties.body), -1)
+        rate = np.einsum("ki,ki->k", self.gradient, both)
+        ties.now[:, kernel.ELONGATION] = self.start + self.h * rate
+        for k in range(len(ties.body)):
+            kernel.pull(ties.value, ties.now, k)
+
+    def add_to(self, momenta: Array) -> None:
+        """Add the impulses on all bodies to momenta (n, n_dof)."""
+        ties, nd = self.ties, momenta.shape[1]
+        impulse = -self.h * ties.now[:, kernel.FORCE, None] * self.gradient
+        np.add.at(momenta, ties.body[:, 0], impulse[:, :nd])
+        np.add.at(momenta, ties.body[:, 1], impulse[:, nd:])
+
+    def stiffen(self, tangent: Tangent) -> None:
+        """Add how they go with velocities [kg]."""
+        h = self.gradient
+        found = self.h**2 * self.ties.now[:, kernel.TANGENT, None, None] * (
+            h[:, :, None] * h[:, None, :]
+        )
+        self.joined.stiffen(tangent, found)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -186,10 +236,9 @@ class JoinedTies:
         tangent.upper[n_pairs:] = 0.0
         tangent.lower[n_pairs:] = 0.0
 
-    def stiffen(self, tangent: Tangent, found: Array, scale: float = 1.0) -> None:
-        """Add stiffnesses (n_ties, 2 n_dof, 2 n_dof), times a ``scale``."""
+    def stiffen(self, tangent: Tangent, found: Array) -> None:
+        """Add stiffnesses (n_ties, 2 n_dof, 2 n_dof)."""
         nd = tangent.diagonal.shape[1]
-        found = scale * found
         np.add.at(tangent.diagonal, self.body[:, 0], found[:, :nd, :nd])
         np.add.at(tangent.diagonal, self.body[:, 1], found[:, nd:, nd:])
         forth, back = found[:, :nd, nd:], found[:, nd:, :nd]

@@ -135,6 +135,11 @@ class Lmgc90Engine:
             The structure does not stand.
         """
         assembly = problem.assembly
+        if problem.ties:
+            raise EngineError(
+                "the lmgc90 engine has no ties and springs: take the equilibrium, the nscd or the "
+                "distinct engine"
+            )
         self.notes = check(assembly)
         self.problem = problem
         self.sharp = without_radius(assembly)

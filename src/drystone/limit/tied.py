@@ -1,0 +1,69 @@
+"""Ties in limit analysis: strengths along the lines as drawn.
+
+A tie carries T between -S or zero and its strength S.  For the programs it is two contact points
+without friction.  The first, between its two blocks, has the normal force -T and gives way in
+tension at S.  The second is on no block and carries T less the least T, which is not negative; a
+row of its own in the balance holds the two together.  Elongation and pretension do not count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import fields
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array
+
+from drystone.assembly import Assembly
+from drystone.limit.joints import ContactPoints
+from drystone.ties import Tie
+
+Array = NDArray[np.float64]
+
+#: Strength of what has none, such as springs, over the weight of all blocks.
+UNBOUNDED = 1e3
+
+
+def with_ties(points: ContactPoints, assembly: Assembly, ties: Sequence[Tie]) -> ContactPoints:
+    """The contact points, then two for each tie: first the ones between blocks, then the others."""
+    n, dim = len(ties), points.dimension
+    if n == 0:
+        return points
+    along = np.array([np.subtract(tie.end.point, tie.start.point) / tie.length for tie in ties])
+    frame = np.zeros((n, dim, dim))
+    frame[:, 0] = along
+    nothing, still = np.zeros(n), np.full(n, int(np.flatnonzero(assembly.fixed)[0]))
+    weight = float(assembly.weight[~assembly.fixed].sum())
+    strength = np.array([min(tie.strength, UNBOUNDED * weight) for tie in ties])
+    common = {
+        "position": np.array([np.asarray(tie.start.point, float) for tie in ties]),
+        "frame": frame,
+        **dict.fromkeys(("area", "friction", "dilatancy", "cohesion"), nothing),
+    }
+    first = ContactPoints(
+        block_a=np.array([tie.start.row(assembly) for tie in ties]),
+        block_b=np.array([tie.end.row(assembly) for tie in ties]),
+        tension=strength,
+        **common,
+    )
+    second = ContactPoints(block_a=still, block_b=still, tension=nothing, **common)
+    parts = points, first, second
+    return ContactPoints(
+        **{
+            key.name: np.concatenate([getattr(part, key.name) for part in parts])
+            for key in fields(ContactPoints)
+        }
+    )
+
+
+def rows_of(ties: Sequence[Tie], points: ContactPoints, force: float) -> tuple[csc_array, Array]:
+    """Rows that hold the two points of every tie together, and their dead load, scaled."""
+    n, dim = len(ties), points.dimension
+    first = (points.n_contacts - 2 * n + np.arange(n)) * dim
+    row = np.concatenate((np.arange(n), np.arange(n)))
+    column = np.concatenate((first, first + n * dim))
+    matrix = csc_array((np.ones(2 * n), (row, column)), shape=(n, points.n_contacts * dim))
+    strength = points.tension[points.n_contacts - 2 * n : points.n_contacts - n]
+    least = np.where([tie.compression for tie in ties], -strength, 0.0)
+    return matrix, least / force

@@ -1,0 +1,97 @@
+"""[[tie]] and [[spring]]: their keys, and ties from their tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from drystone.modelfile.keys import Name, Place, Section, ranged, sentence
+from drystone.ties import GROUND, Tie, TieEnd
+
+
+class EndSection(Section):
+    """Either end of a tie."""
+
+    block: str = Field(description='the id of a block, or block = "ground"')
+    point: Place = Field(description="where, in metres, on the block as designed")
+
+
+class SpringSection(Section):
+    """[[spring]]"""
+
+    name: Name | None = None
+    from_: EndSection = Field(
+        alias="from", description='as in from = { block = "b1", point = [0.0, 1.0] }'
+    )
+    to: EndSection = Field(description='as in to = { block = "ground", point = [-1.0, 1.0] }')
+    stiffness: Annotated[float, ranged("stiffness")] | None = None  # N/m
+    area: Annotated[float, ranged("area")] | None = None  # m2
+    young_modulus: Annotated[float, ranged("young_modulus")] | None = None  # Pa
+    pretension: Annotated[float, ranged("pretension")] = 0.0  # N
+
+    @model_validator(mode="after")
+    def _one_stiffness(self) -> SpringSection:
+        both = self.area is not None and self.young_modulus is not None
+        some = self.area is not None or self.young_modulus is not None
+        if (self.stiffness is None) != both or some != both:
+            raise sentence("give stiffness [N/m], or area [m2] and young_modulus [Pa]")
+        return self
+
+
+class TieSection(SpringSection):
+    """[[tie]]"""
+
+    yield_force: Annotated[float, ranged("yield_force")] = Field(
+        description="its strength in N, as in yield_force = 50e3"
+    )
+    anchorage_force: Annotated[float, ranged("yield_force")] | None = None  # N
+    breaking_elongation: Annotated[float, ranged("breaking_elongation")] | None = None  # m
+    compression: bool = Field(
+        description="whether it carries compression as well, true or false: a rod or a cable does "
+        "not"
+    )
+
+
+def ties_of(
+    ties: Sequence[TieSection], springs: Sequence[SpringSection]
+) -> tuple[Tie, ...]:
+    """The ties and springs of a file."""
+    return (*(_tie(one) for one in ties), *(_spring(one) for one in springs))
+
+
+def _common(section: SpringSection) -> dict[str, Any]:
+    return {
+        "name": section.name or "",
+        "start": _end(section.from_),
+        "end": _end(section.to),
+        "stiffness": section.stiffness,
+        "area": section.area,
+        "young_modulus": section.young_modulus,
+        "pretension": section.pretension,
+    }
+
+
+def _end(section: EndSection) -> TieEnd:
+    block = None if section.block == GROUND else section.block
+    return TieEnd(block=block, point=np.array(section.point))
+
+
+def _tie(section: TieSection) -> Tie:
+    def bound(value: float | None) -> float:
+        return math.inf if value is None else value
+
+    return Tie(
+        **_common(section),
+        yield_force=section.yield_force,
+        anchorage_force=bound(section.anchorage_force),
+        breaking_elongation=bound(section.breaking_elongation),
+        compression=section.compression,
+    )
+
+
+def _spring(section: SpringSection) -> Tie:
+    return Tie(**_common(section), yield_force=math.inf, compression=True, spring=True)
