@@ -71,6 +71,8 @@ class Inspection:
     """Its highest corner [m]."""
     load: str
     """The pattern that the multiplier scales, in words."""
+    n_ties: int
+    """Ties and springs."""
     dead_load: tuple[float, ...]
     """Sum of what acts beside the blocks' weight [N]."""
     mode: VibrationMode | None
@@ -110,6 +112,7 @@ def inspect(model: Model) -> Inspection:
         lower=_place(packed.lower[parts].min(axis=0)),
         upper=_place(packed.upper[parts].max(axis=0)),
         load=model.load.words,
+        n_ties=len(model.ties),
         dead_load=_place(_dead_load(model)),
         mode=VibrationMode.of(model),
         control_block=assembly.blocks[model.control_point.block].id,

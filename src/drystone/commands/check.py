@@ -47,8 +47,10 @@ def check(model_file: ModelFile, as_json: AsJson = False, quiet: Quiet = False) 
 
 
 def mode_rows(found: Inspection) -> list[tuple[str, str]]:
-    """What is known of dead loads and of the mode of vibration."""
+    """What is known of ties, of dead loads and of the mode of vibration."""
     rows = []
+    if found.n_ties:
+        rows.append(("ties", str(found.n_ties)))
     if any(found.dead_load):
         parts = ", ".join(f"{force / 1e3:.4g}" for force in found.dead_load)
         rows.append(("dead loads", f"({parts}) kN in all"))

@@ -218,6 +218,8 @@ class ResultsDirectory:
             contacts=results.contacts(row),
             load_direction=model.load_along,
             control_point=model.control_point,
+            ties=model.ties,
+            tie_branch=curve.ties.branch[row] if curve.ties else None,
             magnification=readable_magnification(model.assembly, pose, settled),
         )
         title = mechanism_title(model.title, point)

@@ -42,6 +42,7 @@ def collapse_to_dict(result: Collapse) -> dict[str, Any]:
         "dilatancy_violation": result.dilatancy_violation,
         "n_iterations": result.n_iterations,
         "n_paths": result.n_paths,
+        **({} if result.tie_forces is None else {"tie_forces": result.tie_forces}),
     }
     return {key: plain(value) for key, value in values.items()}
 
@@ -88,6 +89,7 @@ def _write(results: Sequence[Collapse], model: Model, folder: Path) -> None:
             pose=_drawn(result.velocities, size),
             load_direction=model.load_along,
             control_point=model.control_point,
+            ties=model.ties,
             linear=True,
         )
         title = _title(model.title, result)

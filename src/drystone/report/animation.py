@@ -120,6 +120,8 @@ def _plot_state(axes: Axes, curve: CapacityCurve, model: Model, row: int) -> Non
             gone=gone,
             load_direction=model.load_along,
             control_point=model.control_point,
+            ties=model.ties,
+            tie_branch=curve.ties.branch[row] if curve.ties else None,
         ),
     )
     if legend := axes.get_legend():

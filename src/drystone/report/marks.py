@@ -8,11 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.report import canvas
+from drystone.ties import BROKEN, ELASTIC, SLACK, YIELDING
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
+
+#: Colour, line and label of ties by what they do.
+TIES = {
+    SLACK: ("#1b7f79", ":", "slack tie"),
+    ELASTIC: ("#1b7f79", "-", "elastic tie"),
+    YIELDING: ("#e07b00", "-", "yielding tie"),
+    BROKEN: ("#8a8a8a", "--", "broken tie"),
+}
 
 
 def plot_control_point(axes: Axes, path: Array) -> None:
@@ -29,6 +38,25 @@ def plot_control_point(axes: Axes, path: Array) -> None:
         label="control point",
         zorder=8,
     )
+
+
+def plot_ties(axes: Axes, lines: Array, branch: NDArray[np.int64] | None) -> None:
+    """Ties as lines (n_ties, 2, 2), told apart by what they do; as whole where that is not known."""
+    known = np.full(len(lines), ELASTIC) if branch is None else branch
+    for state in np.unique(known).tolist():
+        colour, style, label = TIES[state]
+        (first, *rest) = lines[known == state]
+        for line, name in ((first, "tie" if branch is None else label), *((x, None) for x in rest)):
+            axes.plot(
+                *line.T,
+                color=colour,
+                linestyle=style,
+                linewidth=2.0,
+                marker="s",
+                markersize=3.5,
+                label=name,
+                zorder=6.5,
+            )
 
 
 def plot_load(axes: Axes, tail: Any, tip: Any) -> None:

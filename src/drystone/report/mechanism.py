@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,7 @@ from drystone.contact.forces import ContactForces
 from drystone.geometry.motion import moved_points
 from drystone.monitor import ControlPoint
 from drystone.report.shapes import MovingShapes, moving_blocks
+from drystone.ties import Tie
 
 Array = NDArray[np.float64]
 
@@ -37,6 +39,8 @@ class Mechanism:
     load_direction: Array | None = None  # (dim,) unit vector, of the load's arrow
     control_point: ControlPoint | None = None  # marked where it is now
     magnification: float = 1.0  # of the displacements since settled; without contacts if not 1
+    ties: tuple[Tie, ...] = ()
+    tie_branch: NDArray[np.int64] | None = None  # (n_ties,) what they do, see `ties.STATES`
     linear: bool = False  # the pose is a velocity field (n, n_dof), see `motion.moved_points`
 
 
@@ -82,6 +86,15 @@ class Drawn:
         block = np.array([control_point.block])
         (end,) = moved_points(start[None], block, shapes.centroid, self.pose, linear=shapes.linear)
         return np.array([start, end])
+
+
+    def tie_lines(self, assembly: Assembly, ties: Sequence[Tie]) -> Array:
+        """Both ends of every tie where they are, (n_ties, 2, dim) [m]."""
+        ends = [(end.row(assembly), end) for tie in ties for end in (tie.start, tie.end)]
+        points = np.array([end.point for _, end in ends], float)
+        owner, shapes = np.array([row for row, _ in ends]), self.shapes
+        moved = moved_points(points, owner, shapes.centroid, self.pose, linear=shapes.linear)
+        return moved.reshape(len(ties), 2, -1)
 
 
 def readable_magnification(assembly: Assembly, pose: Array, settled: Array | None = None) -> float:

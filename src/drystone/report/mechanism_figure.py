@@ -98,6 +98,9 @@ def _plot_plane(axes: Axes, mechanism: Mechanism, drawn: Drawn) -> None:
         _plot_joints(axes, joints, drawn, _line_width(assembly, 3.0))
     if mechanism.contacts is not None and mechanism.magnification == 1.0:
         _plot_contacts(axes, mechanism.contacts)
+    if mechanism.ties:
+        lines = drawn.tie_lines(assembly, mechanism.ties)
+        marks.plot_ties(axes, lines, mechanism.tie_branch)
     if mechanism.control_point is not None:
         marks.plot_control_point(axes, drawn.path_of(mechanism.control_point))
     _frame(axes, shapes, shapes.moved(drawn.pose))

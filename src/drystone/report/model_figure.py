@@ -48,6 +48,7 @@ def draw_model(model: Model, path: Path | str, *, title: str = "") -> None:
             pose=assembly.rest_pose(),
             load_direction=model.load_along,
             control_point=model.control_point,
+            ties=model.ties,
         ),
     )
     camera = _camera(assembly, model.load_along)

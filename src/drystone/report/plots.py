@@ -101,6 +101,7 @@ def plot_mechanism(
             contacts=contacts,
             load_direction=model.load_along,
             control_point=model.control_point,
+            ties=model.ties,
             magnification=magnification,
         ),
     )

@@ -98,6 +98,10 @@ def plot_solids(axes: Axes, mechanism: Mechanism, drawn: Drawn) -> None:
     _label_blocks(axes, drawn, assembly)
     if drawn.visible > 0.0:
         _plot_joints(axes, view, seen, SolidJoints.of(assembly, linear=shapes.linear), drawn)
+    if mechanism.ties:
+        lines = drawn.tie_lines(assembly, mechanism.ties)
+        flat = camera.seen(lines.reshape(-1, 3))[:, :2].reshape(-1, 2, 2)
+        marks.plot_ties(axes, flat, mechanism.tie_branch)
     if mechanism.control_point is not None:
         path = drawn.path_of(mechanism.control_point)
         marks.plot_control_point(axes, camera.seen(path)[:, :2])
