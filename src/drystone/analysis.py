@@ -65,7 +65,7 @@ class Recorder(Protocol):
     """Something that keeps points as they come.
 
     What it cannot keep it says by a `RecorderError`, which ends the analysis with what was reached.
-    One that has a method ``ties`` is told by it what ties carry (`ties.TieState`), before each point.
+    One that has a method ``ties`` is told what ties carry (`ties.TieState`) before each point.
     """
 
     def begin(self, model: Model, engine: str, strategy: str) -> None:

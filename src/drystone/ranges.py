@@ -79,7 +79,6 @@ RANGES = {
     "acceleration": Range(least=-1e6, most=1e6),
     "stiffness": Range(least=1e-6, most=1e20, unit="N/m"),
     "area": Range(least=1e-12, most=1e6, unit="m2"),
-    "young_modulus": Range(least=1e-3, most=1e20, unit="Pa"),
     "yield_force": Range(least=1e-6, most=1e15, unit="N"),
     "pretension": Range(least=-1e15, most=1e15, unit="N"),
     "breaking_elongation": Range(least=1e-9, most=1e6, unit="m"),

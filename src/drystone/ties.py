@@ -135,20 +135,21 @@ class Tie:
 
     def in_frame(self, scale: Scale) -> Self:
         """The tie in other coordinates and units."""
-        ends = {
-            name: replace(end, point=scale.place(end.point))
-            for name, end in (("start", self.start), ("end", self.end))
-        }
-        names = ("yield_force", "anchorage_force", "pretension")
-        forces = {name: float(scale.forces(np.array(getattr(self, name)))) for name in names}
+
+        def force(newtons: float) -> float:
+            return float(scale.forces(np.array(newtons)))
+
         return replace(
             self,
+            start=replace(self.start, point=scale.place(self.start.point)),
+            end=replace(self.end, point=scale.place(self.end.point)),
             stiffness=scale.spring(self.per_length),
             area=None,
             young_modulus=None,
+            yield_force=force(self.yield_force),
+            anchorage_force=force(self.anchorage_force),
+            pretension=force(self.pretension),
             breaking_elongation=scale.extension(self.breaking_elongation),
-            **ends,
-            **forces,
         )
 
     def in_space(self, point: Callable[..., Array]) -> Self:
@@ -235,7 +236,8 @@ def spring(*, start: TieEnd, end: TieEnd, stiffness: float, **more: Any) -> Tie:
 
 def names_of(ties: Sequence[Tie]) -> tuple[str, ...]:
     """A name for every tie: its own, else its number."""
-    return tuple(tie.name or f"{'spring' if tie.spring else 'tie'} {k}" for k, tie in enumerate(ties, 1))
+    kinds = ["spring" if tie.spring else "tie" for tie in ties]
+    return tuple(tie.name or f"{kinds[k]} {k + 1}" for k, tie in enumerate(ties))
 
 
 def problems_of(ties: Sequence[Tie], assembly: Assembly) -> list[str]:

@@ -216,6 +216,7 @@ class NscdEngine:
         force = np.zeros_like(increment)
         add_contact_forces(problem.contacts, reaction[chosen], force)
         if ties and self.ties:
+            ties.act(solved.velocity)
             pulled = np.zeros_like(force)
             ties.add_to(pulled)
             force += pulled / h

@@ -85,7 +85,11 @@ POSE_UNITS = {2: "m, m, rad", 3: "m, m, m, 1, 1, 1, 1"}
 STORED_AS = {"block_a": "i4", "block_b": "i4", "status": "i1"}
 LEFT_TYPES = {"block": h5py.string_dtype(), "step": "i8", "control_displacement": "f8"}
 #: Of ties: names in the file, fields of `TieState`, how they are stored.
-TIE_FIELDS = (("force", "force", "f8"), ("elongation", "elongation", "f8"), ("state", "branch", "i1"))
+TIE_FIELDS = (
+    ("force", "force", "f8"),
+    ("elongation", "elongation", "f8"),
+    ("state", "branch", "i1"),
+)
 CONTACT_FIELDS = tuple(f.name for f in fields(ContactForces))
 #: What files of plane models do not hold: it follows from the rest.
 OF_SPACE = ("tangent",)
@@ -261,8 +265,8 @@ class ResultsWriter:
         if model.ties:
             ties, names = self._file.create_group("ties"), names_of(model.ties)
             ties["name"] = np.array([text_of(n) for n in names], dtype=h5py.string_dtype())
-            for name, _, kind in TIE_FIELDS:
-                self._growing(ties, name, (len(names),), np.dtype(kind), rows=64)
+            for name, _, stored in TIE_FIELDS:
+                self._growing(ties, name, (len(names),), np.dtype(stored), rows=64)
 
         contacts = self._file.create_group("contacts")
         widths = {"position": assembly.dimension, "normal": assembly.dimension}

@@ -56,9 +56,7 @@ class TieSection(SpringSection):
     )
 
 
-def ties_of(
-    ties: Sequence[TieSection], springs: Sequence[SpringSection]
-) -> tuple[Tie, ...]:
+def ties_of(ties: Sequence[TieSection], springs: Sequence[SpringSection]) -> tuple[Tie, ...]:
     """The ties and springs of a file."""
     return (*(_tie(one) for one in ties), *(_spring(one) for one in springs))
 

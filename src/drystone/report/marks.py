@@ -41,7 +41,7 @@ def plot_control_point(axes: Axes, path: Array) -> None:
 
 
 def plot_ties(axes: Axes, lines: Array, branch: NDArray[np.int64] | None) -> None:
-    """Ties as lines (n_ties, 2, 2), told apart by what they do; as whole where that is not known."""
+    """Ties as lines (n_ties, 2, 2), told apart by what they do, where that is known."""
     known = np.full(len(lines), ELASTIC) if branch is None else branch
     for state in np.unique(known).tolist():
         colour, style, label = TIES[state]

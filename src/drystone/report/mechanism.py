@@ -87,7 +87,6 @@ class Drawn:
         (end,) = moved_points(start[None], block, shapes.centroid, self.pose, linear=shapes.linear)
         return np.array([start, end])
 
-
     def tie_lines(self, assembly: Assembly, ties: Sequence[Tie]) -> Array:
         """Both ends of every tie where they are, (n_ties, 2, dim) [m]."""
         ends = [(end.row(assembly), end) for tie in ties for end in (tie.start, tie.end)]

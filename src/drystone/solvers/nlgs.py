@@ -113,8 +113,6 @@ def solve(
         Velocities that the accelerator is first tried from, (n, n_dof), as of a similar step.
     h
         Time step [s].
-    ties
-        Left at the velocities of the end.
     """
     n, dim = impulse.shape
     blocks = natural_map(problem, dim, h)
@@ -139,10 +137,7 @@ def solve(
         ways = accelerator.ways(before, guess if n_sweeps == chunk else None, impulse, velocity)
         known = impulse, velocity, residual
         impulse, velocity, residual = step.best(ways, known, settings.tolerance)
-        step.hold(velocity)
         chunk *= 2
-    if ties:
-        ties.act(velocity)
     return NlgsResult(
         impulse=impulse,
         velocity=velocity,
@@ -182,18 +177,19 @@ class _Step:
         self, ways: Iterable[Way], known: tuple[Array, Array, float], enough: float
     ) -> tuple[Array, Array, float]:
         """Impulses, velocities and residual of the first trial that is good ``enough`` [N], or of
-        the best, that ``known`` included; each way goes on from the impulses known by then.
+        the best, that ``known`` included, which is held; each way goes on from the impulses known
+        by then.
 
         Velocities are kept beside impulses: made of them anew they would turn the last bit of an
         impulse, times the joint's stiffness over the mass, into forces.
         """
-        for way in ways:
-            for impulse, velocity in way(known[0]):
-                residual = self.residual(impulse, velocity)
-                if residual < known[2]:
-                    known = impulse.copy(), velocity.copy(), residual
-                    if residual <= enough:
-                        return known
+        for impulse, velocity in (trial for way in ways for trial in way(known[0])):
+            residual = self.residual(impulse, velocity)
+            if residual < known[2]:
+                known = impulse.copy(), velocity.copy(), residual
+                if residual <= enough:
+                    break
+        self.hold(known[1])
         return known
 
     def residual(self, impulse: Array, velocity: Array) -> float:

@@ -183,8 +183,10 @@ class TieImpulses:
     def stiffen(self, tangent: Tangent) -> None:
         """Add how they go with velocities [kg]."""
         h = self.gradient
-        found = self.h**2 * self.ties.now[:, kernel.TANGENT, None, None] * (
-            h[:, :, None] * h[:, None, :]
+        found = (
+            self.h**2
+            * self.ties.now[:, kernel.TANGENT, None, None]
+            * (h[:, :, None] * h[:, None, :])
         )
         self.joined.stiffen(tangent, found)
 
