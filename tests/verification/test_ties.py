@@ -91,8 +91,9 @@ def errors_of(model, curve):
         if not whole:
             force = 0.0
         tilt = abs(ds_angle(pose[1]))
-        if point.status != "static" or point.jumped or tilt < 0.004:
-            continue  # dynamic, or a joint still closes
+        held = curve.engine == "equilibrium" and point.inertia_ratio > 5e-6
+        if tilt < 0.004 or point.status != "static" or point.jumped or held:
+            continue  # a joint still closes, or inertia holds it where a tie has just broken
         exact = carried(model, 1, pose, WALL, -force * line / length)
         errors.append((point.load_multiplier - exact) / max(1.0, abs(exact)))
         forces.append((curve.ties.force[k, 0] - force) / STRENGTH)

@@ -185,7 +185,7 @@ class NscdEngine:
         """Ties where the step starts."""
         if self.ties is None:
             return None
-        self.ties.begin(state.ties)
+        self.ties.begin(self.bars.torn(state.ties))
         self.ties.act(state.pose)
         return TieImpulses(self.ties, state.pairs.a, state.pairs.b, h)
 
@@ -221,7 +221,7 @@ class NscdEngine:
             ties.add_to(pulled)
             force += pulled / h
             self.ties.act(pose)
-            new = replace(new, ties=self.bars.torn(self.ties.ended()))
+            new = replace(new, ties=self.ties.ended())
         acceleration = (solved.velocity - before) / h
         certificate = certify(
             JudgedContacts.of_impulses(
