@@ -9,7 +9,7 @@ unit's length, so that they interlock around corners.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -19,7 +19,6 @@ from drystone.assembly import Block
 from drystone.builders import Opening, circular_arch, plan
 from drystone.builders.kinds.plan import SIDES
 from drystone.geometry import solid
-from drystone.limit import ASSOCIATIVE, collapse_load
 from drystone.model import Model
 from solids import UNIT_WEIGHT, box, joint, model_of
 
@@ -199,25 +198,6 @@ def directions(n: int) -> list[tuple[float, float, float]]:
     """So many directions of load around the vertical, the first along x."""
     angle = 2.0 * np.pi * np.arange(n) / n
     return [(float(c), float(s), 0.0) for c, s in zip(np.cos(angle), np.sin(angle), strict=True)]
-
-
-def watched(model: Model) -> Model:
-    """The model read where its mechanism by limit analysis moves fastest along the load.
-
-    Where one part falls beside another, a control point on the latter would see no more of it than
-    that the load goes on.
-    """
-    found = collapse_load(model, flow=ASSOCIATIVE)
-    assembly, along = model.assembly, model.load.direction
-    fastest, control = 0.0, model.control_point
-    for row, block in enumerate(assembly.blocks):
-        arm = block.vertices - assembly.centroid[row]
-        speed = (found.velocities[row, :3] + np.cross(found.velocities[row, 3:], arm)) @ along
-        k = int(np.argmax(speed))
-        if speed[k] > fastest + 1e-6:  # of equal ones the first, whatever the rounding
-            fastest = float(speed[k])
-            control = replace(control, block=row, point=block.vertices[k])
-    return replace(model, control_point=control)
 
 
 def stone_of(

@@ -70,7 +70,7 @@ def polar(
         The model has no such directions, or an engine cannot do what is asked.
     """
     angles = tuple(map(float, n)) if not isinstance(n, int) else evenly(model, n)
-    models = [towards(model, angle) for angle in angles]
+    models = around(model, angles)
     calls = [(f"{__name__}:curve_of", (each, engine, strategy, dict(options))) for each in models]
     curves = in_processes(calls, processes or available())
     return Polar(
@@ -78,6 +78,27 @@ def polar(
         directions=np.array([each.load_along for each in models]),
         curves=tuple(curves),
     )
+
+
+def around(model: Model, angles: Sequence[float]) -> list[Model]:
+    """The model pushed in directions turned by angles [degrees], see `towards`.
+
+    In space, where it is pushed in more than both senses, another part of it may fall in each: a
+    control point that the model leaves open is then where the mechanism of limit analysis moves
+    fastest along the load.
+    """
+    from drystone.builders.vary import control_beside_default
+    from drystone.limit import watched
+
+    models = [towards(model, angle) for angle in angles]
+    given = control_beside_default(model)
+    if (
+        model.assembly.dimension == 2
+        or len(angles) == 2
+        or any(v is not None for v in given.values())
+    ):
+        return models
+    return [watched(each) for each in models]
 
 
 def curve_of(

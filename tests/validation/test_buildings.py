@@ -7,7 +7,7 @@ import buildings
 from drystone.builders.checks import layout_problems
 from drystone.engines import make_engine
 from drystone.engines.base import Problem
-from drystone.limit import ASSOCIATIVE, collapse_load, stands
+from drystone.limit import ASSOCIATIVE, collapse_load, stands, watched
 from random_solids import KINDS, random_solids
 
 SMALL = {
@@ -122,7 +122,7 @@ def test_voussoirs_of_a_dome_have_the_volume_between_two_polyhedra():
 
 def test_what_is_watched_moves():
     """Of two walls around a corner, pulled off along y, the control point is on one that falls."""
-    model = buildings.watched(buildings.corner_wall(push=(0.0, -1.0, 0.0)))
+    model = watched(buildings.corner_wall(push=(0.0, -1.0, 0.0)))
     found = collapse_load(model, flow=ASSOCIATIVE)
     control = model.control_point
     assert model.assembly.ids[control.block] in found.moving

@@ -14,7 +14,7 @@ import buildings
 import drystone as ds
 from drystone.control.ends import COLLAPSED
 from drystone.curve import DYNAMIC, FINISHED
-from drystone.limit import ASSOCIATIVE, collapse_load
+from drystone.limit import ASSOCIATIVE, collapse_load, watched
 from solids import from_boxes
 
 pytestmark = pytest.mark.slow
@@ -44,7 +44,7 @@ def test_the_curve_is_traced_to_its_end(name, turn):
     Faces that joints tilt by closing carry a little more than in the designed shape, see
     `test_random_solids`.
     """
-    model = buildings.watched(STRUCTURES[name](buildings.directions(24)[turn]))
+    model = watched(STRUCTURES[name](buildings.directions(24)[turn]))
     curve = ds.pushover(model, engine="equilibrium")
     rest = [point for point in curve.points if point.status != DYNAMIC]
     assert max(point.residual for point in rest) <= 1e-8

@@ -58,12 +58,12 @@ def run_directions(
 
     Returns the exit status: that of the worst of them.
     """
-    from drystone.around import evenly, towards
+    from drystone.around import around, evenly
     from drystone.threads import available
     from drystone.workers import in_processes
 
     angles = evenly(model, number)
-    models = [towards(model, angle) for angle in angles]
+    models = around(model, angles)
     folders = [folder / folder_name(angle) for angle in angles]
     came = 0
 

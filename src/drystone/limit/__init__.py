@@ -16,6 +16,7 @@ from drystone.limit.collapse import (
 )
 from drystone.limit.non_associative import NonAssociativeSettings
 from drystone.limit.search import least_standing
+from drystone.limit.watch import watched
 
 __all__ = [
     "ASSOCIATIVE",
@@ -33,5 +34,6 @@ __all__ = [
     "limits_beside",
     "range_text",
     "stands",
+    "watched",
     "why_it_falls",
 ]

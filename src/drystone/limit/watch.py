@@ -1,0 +1,33 @@
+"""Where to read a displacement: where the mechanism of limit analysis moves fastest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from drystone.geometry.motion import moved_points
+from drystone.limit.collapse import ASSOCIATIVE, collapse_load
+from drystone.model import Model
+
+
+def watched(model: Model) -> Model:
+    """The model with its control point where its mechanism moves fastest along that direction.
+
+    Where one part falls beside another, a control point on the latter would see no more of it than
+    that the load goes on.  Of points that are equally fast the first is taken; where nothing moves
+    along the direction, or no mechanism is found, the control point stays.
+    """
+    velocities = collapse_load(model, flow=ASSOCIATIVE).velocities
+    assembly, control = model.assembly, model.control_point
+    fastest = 0.0
+    for row, block in enumerate(assembly.blocks):
+        points = np.asarray(block.vertices, float)
+        owner = np.full(len(points), row)
+        there = moved_points(points, owner, assembly.centroid, velocities, linear=True)
+        speed = (there - points) @ control.direction
+        k = int(np.argmax(speed))
+        if speed[k] > fastest + 1e-6:  # of equal ones the first, whatever the rounding
+            fastest = float(speed[k])
+            control = replace(control, block=row, point=block.vertices[k])
+    return replace(model, control_point=control)
