@@ -15,7 +15,7 @@ from drystone.assessment.errors import AssessmentError
 from drystone.assessment.methods import STATES
 from drystone.assessment.methods.base import Settings
 from drystone.assessment.site import spectra_of_site
-from drystone.assessment.spectra.ec8 import Ec8Spectrum
+from drystone.assessment.spectra.ec8 import Ec8Spectrum, limit_state_spectra
 from drystone.assessment.spectra.floor import FloorSpectrum
 from drystone.assessment.spectra.ntc2018 import NtcSpectrum
 from drystone.modelfile import ModelError, read_model, write_model
@@ -148,6 +148,34 @@ class TestSpectra:
             0.1 * GRAVITY * (2475 / 475) ** (1 / 3)
         )
         assert spectra["DL"].ground_acceleration == pytest.approx(0.06 * GRAVITY)
+
+    def test_states_of_eurocode_have_their_return_periods(self):
+        values = {"ag": 0.1, "type": 1, "ground": "B", "importance": "III"}
+        spectra = spectra_of_site(Site(code="ec8", values=values))
+        # EN 1998-3:2004 2.1(3)P, 225, 475 and 2475 years; gamma_I = 1.2 of class III.
+        assert sorted(spectra) == ["", "DL", "NC", "SD", "SLV"]
+        library = limit_state_spectra(0.1 * GRAVITY, importance="III", spectrum_type=1, ground="B")
+        assert all(
+            spectra[name].sa(0.7, 0.05) == own.sa(0.7, 0.05) for name, own in library.items()
+        )
+        found = {name: s.ground_acceleration / (0.12 * GRAVITY) for name, s in spectra.items()}
+        assert found["DL"] == pytest.approx((225 / 475) ** (1 / 3))
+        assert found["SD"] == found["SLV"] == found[""] == pytest.approx(1.0)
+        assert found["NC"] == pytest.approx((2475 / 475) ** (1 / 3))
+        assert "DL is looked at under the ground motion of 225 years" in spectra["DL"].notes[0]
+
+    def test_tables_and_return_periods_go_before_those_of_eurocode(self):
+        values = {"ag": 0.1, "type": 1, "ground": "B", "importance": "II"}
+        one = spectra_of_site(Site(code="ec8", values={**values, "return_period": 475.0}))
+        assert isinstance(one, Ec8Spectrum) and one.return_period == 475.0
+        states = {"NC": {"ag": 0.15}, "DL": {"ag": 0.06, "return_period": 95.0}}
+        spectra = spectra_of_site(Site(code="ec8", values=values, states=states))
+        assert spectra["NC"].ground_acceleration == pytest.approx(0.15 * GRAVITY)
+        assert spectra["NC"].return_period is None  # not said of which
+        assert spectra["DL"].ground_acceleration == pytest.approx(0.06 * GRAVITY)
+        assert spectra["DL"].return_period == 95.0
+        alone = Site(code="ec8", values={**values}, states={"SLV": {"ag": 0.2}})
+        assert sorted(spectra_of_site(alone)) == ["DL", "NC", "SD", "SLV"]
 
     def test_a_table_lies_beside_the_model_file(self, tmp_path):
         (tmp_path / "spectrum.csv").write_text("T,Se\n0,0.2\n0.2,0.5\n2.0,0.1\n")

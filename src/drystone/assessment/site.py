@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ from drystone.assembly import GRAVITY
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.methods.base import Spectra
 from drystone.assessment.spectra.base import Spectrum
-from drystone.assessment.spectra.ec8 import Ec8Spectrum
+from drystone.assessment.spectra.ec8 import RETURN_PERIODS, Ec8Spectrum
 from drystone.assessment.spectra.floor import FloorSpectrum, first_mode
 from drystone.assessment.spectra.ntc2018 import NtcSpectrum, reference_life, return_period
 from drystone.assessment.spectra.table import read_spectrum
@@ -38,13 +39,16 @@ NEEDED = {
     "csv": {
         "file": 'the path of a table with the header T,Se, as in file = "spectrum.csv"',
         "unit": '"g" or "m/s2"',
-        "damping": "of the table in percent, as in damping = 5.0",
+        "damping": "that of the table in percent, as in damping = 5.0",
     },
 }
 
 
 def spectra_of_site(site: Site) -> Spectra:
     """One spectrum that serves for every limit state, or one for each that is given.
+
+    Of EN 1998-1 a_gR is that of 475 years: DL, SD and NC have motions of their own return periods
+    unless [site] names one, and the name "" stands for states of other codes.
 
     Raises
     ------
@@ -55,12 +59,18 @@ def spectra_of_site(site: Site) -> Spectra:
         raise AssessmentError(
             f'site.code: there is no code "{site.code}": take one of {", ".join(NEEDED)}'
         )
-    if not site.states:
+    carried = site.code == "ec8" and "return_period" not in site.values
+    if not site.states and not carried:
         return _at_height(site, _spectrum(site, "", site.values))
     spectra: dict[str, Spectrum] = {}
-    if _complete(site):
+    if _complete(site) or not site.states:
         own = _at_height(site, _spectrum(site, "", site.values))
         spectra = {name: own for name in REFERENCE if name not in site.states}
+        if carried:
+            for name in RETURN_PERIODS.keys() - spectra.keys() - site.states.keys():
+                spectra[name] = _at_height(site, _spectrum(site, name, site.values))
+            if site.states.keys() <= RETURN_PERIODS.keys():
+                spectra[""] = own
     for name, values in site.states.items():
         spectra[name] = _at_height(site, _spectrum(site, name, {**site.values, **values}))
     return spectra
@@ -102,16 +112,24 @@ def _ntc(site: Site, state: str, values: Mapping[str, Any]) -> Spectrum:
 
 def _ec8(site: Site, state: str, values: Mapping[str, Any]) -> Spectrum:
     own = site.states.get(state, {})
-    years = values.get("return_period")
-    if "ag" in own:  # the motion of that return period itself: nothing is carried over
-        years = None
+    years = values.get("return_period", RETURN_PERIODS.get(state))
+    as_given = "ag" in own  # the motion of that return period itself: nothing is carried over
     spectrum = Ec8Spectrum.of_reference(
         values["ag"] * GRAVITY,
         importance=values["importance"],
         spectrum_type=values["type"],
         ground=values["ground"],
-        return_period=years,
+        return_period=None if as_given else years,
     )
+    if as_given:
+        return replace(spectrum, return_period=own.get("return_period"))
+    if "return_period" not in values and spectrum.notes:
+        note = (
+            f"{state} is looked at under the ground motion of {years:g} years, EN 1998-3:2004 "
+            "2.1(3)P; National Annexes and EN 1998-3:2025 may ask for others: return_period in "
+            f"[site.{state}]."
+        )
+        spectrum = replace(spectrum, notes=(note, *spectrum.notes))
     return spectrum
 
 

@@ -23,7 +23,7 @@ __all__ = [
     "spectra_of",
 ]
 
-#: One spectrum that serves for every limit state, or one for each by its name.
+#: One spectrum that serves for every limit state, or one for each by its name, "" for all others.
 Spectra = Spectrum | Mapping[str, Spectrum]
 
 
@@ -244,7 +244,8 @@ def spectra_of(
     `Settings.limit_states` names them.
     """
     if isinstance(given, Mapping):
-        spectra = {name: given[name] for name in states if name in given}
+        found = {name: given.get(name, given.get("")) for name in states}
+        spectra = {name: own for name, own in found.items() if own is not None}
     else:
         spectra = dict.fromkeys(states, given)
     if not spectra:

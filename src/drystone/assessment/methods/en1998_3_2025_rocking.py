@@ -164,8 +164,8 @@ def _ultimate(
 def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessment:
     """Rocking mechanism by EN 1998-3:2025 11.5.2.2: limit states DL, SD and NC.
 
-    A state whose damping (SD, NC) or elastic period (DL) is not given is left out, unless the
-    verdict is to rest on it.
+    A state whose damping (SD, NC) or elastic period (DL) is not given is left out, and that is
+    said, unless `Settings.limit_states` names it or it is the reference state.
 
     Raises
     ------
@@ -175,24 +175,25 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
     c = local.read(capacity, settings)
     factors = _factors(settings)
     given, verified, notes = spectra_of(spectra, STATES, REFERENCE, settings)
+    owed = settings.limit_states or ((REFERENCE,) if REFERENCE in given else verified)
     found, left_out = [], []
     for name, spectrum in given.items():
         held = name in verified
         if name == "DL":
-            if settings.elastic_period is None and not held:
+            if settings.elastic_period is None and name not in owed:
                 left_out.append("DL (no elastic period)")
                 continue
             found.append(_activation(c, spectrum, settings, factors, held))
         elif name in settings.damping:
             found.append(_ultimate(name, c, spectrum, settings, factors, held))
-        elif held:
+        elif name in owed:
             raise AssessmentError(
                 f'method "{NAME}" needs "damping" of {name}: the standard\'s value is not known '
                 "here; give the ratio that you answer for"
             )
         else:
             left_out.append(f"{name} (no damping)")
-    used = tuple(given.values())
+    used = tuple(given[state.name] for state in found)
     return Assessment(
         method=NAME,
         capacity=c,

@@ -21,6 +21,9 @@ UNITS = {"g": GRAVITY, "m/s2": 1.0}
 
 HEADER = ("T", "Se")
 
+#: Largest acceleration of the ground [g] that is none of another unit; that of [site] ag, too.
+MOST = 10.0
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TableSpectrum:
@@ -168,6 +171,11 @@ def read_spectrum(
     if unit not in UNITS:
         raise AssessmentError(f'{name}: the unit "{unit}" is not known; say "g" or "m/s2"')
     period, value = read_columns(path, HEADER, name)
+    if value[0] * UNITS[unit] > MOST * GRAVITY:
+        raise AssessmentError(
+            f"{name}: the ground acceleration S_e(0) is {value[0]:g} {unit}, more than "
+            f"{MOST:g} g: look at the unit of the table"
+        )
     return TableSpectrum(
         table_period=period,
         table_acceleration=value * UNITS[unit],
