@@ -339,6 +339,34 @@ class TestAnimation:
             assert picture.n_frames == len(chosen_rows(found.curve, 3))
             assert picture.size[0] % 2 == picture.size[1] % 2 == 0
 
+    def test_the_command_writes_it_in_place_of_a_page(self, results, tmp_path, monkeypatch):
+        from PIL import Image
+
+        from drystone.report import animation
+
+        whole = animation.animate
+        monkeypatch.setattr(
+            animation, "animate", lambda curve, model, path: whole(curve, model, path, n_frames=2)
+        )
+        path = tmp_path / "fall down.GIF"
+        result = drystone("view", results, "--out", path, "--json")
+        assert result.exit_code == 0 and json.loads(result.stdout)["file"] == str(path)
+        with Image.open(path) as picture:
+            assert picture.format == "GIF" and picture.n_frames >= 2
+        assert not list(tmp_path.glob(".*"))  # no draft is left
+
+    def test_places_and_endings_that_are_wrong(self, results, tmp_path):
+        for command, name, said in (
+            ("view", "fall.avi", "must end in .html, .gif or .mp4"),
+            ("view", "none/fall.gif", "there is no folder"),
+            ("view", "none/fall.html", "there is no folder"),
+            ("report", "none/report.html", "there is no folder"),
+            ("report", "", "is a folder: name a file in it"),
+            ("compare", "none/curves.png", "there is no folder"),
+        ):
+            result = drystone(command, results, "--out", tmp_path / name)
+            assert result.exit_code == 2 and said in result.stderr, (command, name)
+
     def test_rows_hold_both_ends_and_the_peak(self, results):
         from drystone.report.animation import chosen_rows
 

@@ -32,7 +32,7 @@ def compare(
 ) -> None:
     """Draw the curves of several folders into one picture, and print peaks and ends."""
     with outcome(as_json=as_json):
-        from drystone.export.folder import in_a_sentence, whole_file
+        from drystone.export.folder import check_place, in_a_sentence, whole_file
         from drystone.export.results import load_results
         from drystone.modelfile import ModelError
         from drystone.report.curve_figure import draw_curve
@@ -41,6 +41,7 @@ def compare(
         if out.suffix.lower() not in ENDINGS:
             raise ModelError([f"--out: {out}: must end in {', '.join(ENDINGS)}"])
         results = [load_results(folder) for folder in folders]
+        check_place(out)
         empty = [str(found.path) for found in results if not found.curve.points]
         if empty:
             raise ModelError([f"{path}: its curve has no points yet" for path in empty])

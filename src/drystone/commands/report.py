@@ -30,11 +30,12 @@ def report(
     with outcome(as_json=as_json):
         from drystone.document.report import write_report
         from drystone.export.directory import RESULTS
-        from drystone.export.folder import check_apart
+        from drystone.export.folder import check_apart, check_place
         from drystone.viewer.folder import ASSESSMENT, Folder
 
         path = folder / "report.html" if out is None else out
         found = Folder.read(folder)
+        check_place(path)
         for kept in (folder / RESULTS, folder / ASSESSMENT):
             check_apart(kept, [path])
         if found.results.model is not None:

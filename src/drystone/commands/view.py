@@ -1,14 +1,20 @@
-"""``drystone view``: a page to see a structure move along its curve."""
+"""``drystone view``: a page, or an animation, to see a structure move along its curve."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from drystone.commands.options import AsJson, Quiet
 from drystone.commands.outcome import DONE, emit, outcome
+
+if TYPE_CHECKING:
+    from drystone.viewer.folder import Folder
+
+#: Endings of animations, and of pages.
+ANIMATIONS, PAGES = (".gif", ".mp4"), (".html", ".htm", "")
 
 Results = Annotated[
     Path, typer.Argument(metavar="DIR", help="Folder of results.", show_default=False)
@@ -19,7 +25,9 @@ def view(
     folder: Results,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Page to write. [default: DIR/view.html]"),
+        typer.Option(
+            metavar="FILE", help="Page, or animation .gif or .mp4. [default: DIR/view.html]"
+        ),
     ] = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -27,22 +35,56 @@ def view(
     """Write the viewer: one page that shows blocks, joints and forces at every point of the curve.
 
     It holds everything that it needs, and opens by a double click.  Folders of runs that go on,
-    or that were killed, are shown as far as they reach.
+    or that were killed, are shown as far as they reach.  A FILE that ends in .gif or .mp4 becomes
+    an animation for slides in place of a page.
     """
     with outcome(as_json=as_json):
         from drystone.export.directory import RESULTS
-        from drystone.export.folder import check_apart
+        from drystone.export.folder import OutputError, check_apart, check_place
         from drystone.viewer.folder import Folder
-        from drystone.viewer.page import write_page
 
         path = folder / "view.html" if out is None else out
+        if path.suffix.lower() not in (*ANIMATIONS, *PAGES):
+            raise OutputError(f"--out: {path}: must end in .html, .gif or .mp4")
         found = Folder.read(folder)
+        check_place(path)
         check_apart(folder / RESULTS, [path])
         if found.results.model is not None:
             check_apart(found.results.model.source, [path])
-        write_page(found.contents(), path)
+        if path.suffix.lower() in ANIMATIONS:
+            _animate(found, path)
+        else:
+            from drystone.viewer.page import write_page
+
+            write_page(found.contents(), path)
         if as_json:
             emit({"status": "done", "file": str(path), "bytes": path.stat().st_size})
         elif not quiet:
             typer.echo(f"{path} is written ({path.stat().st_size / 1e6:.1f} MB)")
     raise typer.Exit(DONE)
+
+
+def _animate(found: Folder, path: Path) -> None:
+    """Write the animation of a folder, whole or not at all."""
+    import os
+
+    from drystone.export.folder import OutputError, in_a_sentence
+    from drystone.report.animation import animate
+
+    curve, model = found.results.curve, found.results.model
+    if model is None:
+        raise OutputError(
+            f"{found.results.path}: the model in it cannot be read by this version: trace it again"
+        )
+    if not curve.points:
+        raise OutputError(f"{found.results.path}: its curve has no points yet: nothing moves")
+    draft = path.with_name(f".{path.stem}.part{path.suffix}")  # its ending says what is written
+
+    def write() -> None:
+        animate(curve, model, draft)
+        os.replace(draft, path)
+
+    try:
+        in_a_sentence(write)
+    finally:
+        draft.unlink(missing_ok=True)

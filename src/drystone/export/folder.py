@@ -133,6 +133,15 @@ def check_apart(source: Path | str | None, files: Iterable[Path]) -> None:
             )
 
 
+def check_place(path: Path) -> None:
+    """Raise `OutputError` where no file ``path`` can be made: a folder, or in a folder that is
+    none."""
+    if path.is_dir():
+        raise OutputError(f"{path} is a folder: name a file in it")
+    if not path.parent.is_dir():
+        raise OutputError(f"{path} cannot be written, there is no folder {path.parent}: make it")
+
+
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
     """A draft to write, which becomes ``path`` once it is whole; else nothing is left of it."""
