@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from pathlib import Path
+from xml.etree import ElementTree
 
 import h5py
 import numpy as np
@@ -104,7 +105,22 @@ def test_a_folder_is_assessed_by_what_the_command_line_says(results):
     assert set(found["readings"]) == {"base_shear", "energy", "literal_ec8"}
     written = json.loads((results / "assessment.json").read_text())
     assert written["safety_index"] == found["safety_index"]
+    picture = ElementTree.parse(results / "adrs.svg").getroot()
+    told = " ".join(text.text or "" for text in picture.iter("{http://www.w3.org/2000/svg}text"))
+    for name, state in found["limit_states"].items():
+        if state["limit_displacement"] is not None:
+            assert f"{name}: limit {state['limit_displacement']:.4g} m" in told
+            assert f"demand {state['displacement_demand']:.4g} m" in told
+    assert "damping 8 %" in told and "capacity, reading base_shear over FC = 1.35" in told
+
+
+def test_pictures_in_other_formats_where_they_are_asked_for(results):
+    found = drystone("assess", results, *FLAGS, "--figures", "png", "--figures", "pdf")
+    assert found.exit_code == 0 and "assessment.json, adrs.svg, adrs.png, adrs.pdf" in found.stdout
     assert (results / "adrs.png").read_bytes().startswith(b"\x89PNG")
+    assert (results / "adrs.pdf").read_bytes().startswith(b"%PDF")
+    assert drystone("assess", results, *FLAGS).exit_code == 0
+    assert [path.name for path in results.glob("adrs.*")] == ["adrs.svg"]  # others would be old
 
 
 def test_the_screen_shows_table_and_sentence(results):
@@ -261,7 +277,7 @@ def test_a_killed_run_is_assessed_as_far_as_it_goes(results):
     assert set(found) >= KEYS and found["limit_states"] == {} and found["satisfied"] is None
     assert found["activation_multiplier"] == pytest.approx(0.125, rel=1e-4)
     assert found["collapse_displacement"] is None
-    assert "trace it to its end" in found["reason"]
+    assert "trace it further" in found["reason"]
     assert json.loads((results / "assessment.json").read_text())["activation_multiplier"] > 0.12
     # Of the activation multiplier alone there is a verdict.
     linear = drystone("assess", results, *FLAGS, "--set", "assessment.kinematics=linear")

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,9 +17,8 @@ from drystone.commands.outcome import DONE, UNFINISHED, emit, fail, outcome, tel
 from drystone.commands.senses import Sense, Tracing, traced, worst
 
 if TYPE_CHECKING:
+    from drystone.assessment.verdict import Verdict
     from drystone.model import Model
-
-ASSESSMENT, FIGURE = "assessment.json", "adrs.png"
 
 Source = Annotated[
     Path,
@@ -25,6 +26,13 @@ Source = Annotated[
         metavar="MODEL|DIR", help="Model file, or a folder of results.", show_default=False
     ),
 ]
+
+
+class Picture(StrEnum):
+    """Formats of the picture beside SVG, which need more time."""
+
+    png = "png"
+    pdf = "pdf"
 
 
 def _text(name: str, what: str, metavar: str = "NAME") -> Any:
@@ -87,6 +95,14 @@ def assess(
         Path | None,
         _text("--out", "Folder to write. [default: DIR, or MODEL-results]", "DIR"),
     ] = None,
+    figures: Annotated[
+        list[Picture] | None,
+        typer.Option(
+            "--figures",
+            help="The picture in this format as well as in SVG; may be repeated.",
+            show_default=False,
+        ),
+    ] = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -127,7 +143,8 @@ def assess(
             as_json=as_json,
         )
         senses = traced(ask, lambda model: with_tables(model, overlay, model_file))
-        _conclude(senses, as_json=as_json, quiet=quiet)
+        formats = tuple(picture.value for picture in figures or ())
+        _conclude(senses, formats, as_json=as_json)
     raise typer.Exit(DONE)
 
 
@@ -200,7 +217,7 @@ def _factor(importance: str | None) -> str | float | None:
         return importance
 
 
-def _conclude(senses: Sequence[Sense], *, as_json: bool, quiet: bool) -> None:
+def _conclude(senses: Sequence[Sense], formats: Sequence[str], *, as_json: bool) -> None:
     """Write files, tell what was found, and end with status 3 where there is no verdict."""
     from drystone.export.assessment import write_assessment
 
@@ -219,13 +236,10 @@ def _conclude(senses: Sequence[Sense], *, as_json: bool, quiet: bool) -> None:
         "directory": str(first.folder),
     }
     tell([f"warning: {note}" for sense in senses for note in sense.warnings])
-    write_assessment(
-        first.folder / ASSESSMENT,
-        result,
-        figure=first.folder / FIGURE,
-        verdict=governing.verdict,
-        title=first.model.title,
-    )
+    pictures: dict[str, Callable[[Path], None]] = {}
+    if governing.verdict is not None:
+        pictures = _pictures(governing.verdict, first.model.title, formats)
+    write_assessment(first.folder, result, pictures)
     if first.verdict is None:
         problems = [first.problem or "there is no verdict"]
         fail(UNFINISHED, problems, as_json=as_json, extra=result)
@@ -234,7 +248,26 @@ def _conclude(senses: Sequence[Sense], *, as_json: bool, quiet: bool) -> None:
     else:
         from drystone.commands.assess_report import report
 
-        typer.echo(report(senses, governing, first.folder))
+        typer.echo(report(senses, governing, first.folder, tuple(pictures)))
+
+
+def _pictures(
+    verdict: Verdict, title: str, formats: Sequence[str]
+) -> dict[str, Callable[[Path], None]]:
+    """What draws capacity and demand, by file names."""
+    from drystone.document.adrs import adrs_file
+
+    def svg(path: Path) -> None:
+        path.write_text(adrs_file(verdict.assessment, title), encoding="utf-8")
+
+    found: dict[str, Callable[[Path], None]] = {"adrs.svg": svg}
+    if formats:
+        from drystone.report.adrs_figure import draw_adrs
+
+        for name in formats:
+            draw = partial(draw_adrs, verdict.assessment, title=title, format=name)
+            found[f"adrs.{name}"] = draw
+    return found
 
 
 def _without_curves(data: Mapping[str, Any]) -> dict[str, Any]:

@@ -25,7 +25,7 @@ COLUMNS = (
 )
 
 
-def report(senses: Sequence[Sense], governing: Sense, folder: Path) -> str:
+def report(senses: Sequence[Sense], governing: Sense, folder: Path, pictures: Sequence[str]) -> str:
     """The assessment on a screen: the sense that governs in full, the others in a line."""
     from drystone.builders.words import printable
 
@@ -42,7 +42,7 @@ def report(senses: Sequence[Sense], governing: Sense, folder: Path) -> str:
     lines += ["", *(f"  note: {printable(note)}" for note in verdict.assessment.assumptions)]
     lines += [f"  uncertain: {printable(note)}" for note in verdict.assessment.uncertain]
     lines += [
-        _row("results", f"{folder}/assessment.json, adrs.png"),
+        _row("results", f"{folder}/{', '.join(('assessment.json', *pictures))}"),
         "",
         printable(verdict.sentence),
     ]

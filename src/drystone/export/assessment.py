@@ -1,26 +1,22 @@
-"""``assessment.json`` and ``adrs.png``."""
+"""``assessment.json`` and the pictures beside it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from drystone.export.directory import ASSESSMENT, OF_ASSESSMENT
 from drystone.export.folder import in_a_sentence, whole_file
 from drystone.export.summary import package_version, write_summary
 
-if TYPE_CHECKING:
-    from drystone.assessment.verdict import Verdict
-
 
 def write_assessment(
-    path: Path,
-    result: dict[str, Any],
-    *,
-    figure: Path,
-    verdict: Verdict | None,
-    title: str = "",
+    folder: Path,
+    result: Mapping[str, Any],
+    pictures: Mapping[str, Callable[[Path], None]],
 ) -> None:
-    """Write the result, and the picture of the verdict where there is one.
+    """Write the result, and pictures by their file names; those of another assessment go.
 
     Raises
     ------
@@ -29,13 +25,13 @@ def write_assessment(
     """
 
     def write() -> None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_summary({**result, "version": package_version()}, path)
-        if verdict is None:
-            return
-        from drystone.report.adrs_figure import draw_adrs
-
-        with whole_file(figure) as draft:
-            draw_adrs(verdict.assessment, draft, title=title)
+        folder.mkdir(parents=True, exist_ok=True)
+        write_summary({**result, "version": package_version()}, folder / ASSESSMENT)
+        for name, draw in pictures.items():
+            with whole_file(folder / name) as draft:
+                draw(draft)
+        for name in OF_ASSESSMENT:
+            if name != ASSESSMENT and name not in pictures:
+                (folder / name).unlink(missing_ok=True)
 
     in_a_sentence(write)

@@ -46,7 +46,8 @@ CURVE_FIGURE, MECHANISM_FIGURE, PARAVIEW = "curve.png", "mechanism.png", "paravi
 FORMATS = ("png", "svg", "pdf")
 FILES = (SUMMARY, CURVE, CURVE_FIGURE, MECHANISM_FIGURE, RESULTS, TIES)
 #: What an assessment writes beside the results, and what says nothing of new ones.
-OF_ASSESSMENT = ("assessment.json", "adrs.png")
+ASSESSMENT = "assessment.json"
+OF_ASSESSMENT = (ASSESSMENT, "adrs.svg", "adrs.png", "adrs.pdf")
 
 
 class ResultsDirectory:

@@ -57,8 +57,10 @@ def draw_adrs(
 def plot_adrs(axes: Axes, answer: Assessment) -> None:
     """Draw it on given axes, in m and m/s2."""
     canvas.plain_axes(axes)
-    d, a = _capacity(answer)
-    axes.plot(d, a, color=canvas.CURVE_COLOURS[0], linewidth=2.2, label=_name(answer), zorder=5)
+    d, a = capacity_line(answer)
+    axes.plot(
+        d, a, color=canvas.CURVE_COLOURS[0], linewidth=2.2, label=capacity_name(answer), zorder=5
+    )
     if answer.bilinear is not None:
         b = answer.bilinear
         axes.plot(
@@ -72,8 +74,8 @@ def plot_adrs(axes: Axes, answer: Assessment) -> None:
         )
     states = [s for s in answer.limit_states if s.limit_displacement is not None]
     right = 1.08 * max([float(d.max()), *(s.displacement_demand or 0.0 for s in states)])
-    demands = _demands(answer)
-    top = _top(float(a.max()), demands, right)
+    demands = demands_of(answer)
+    top = height_of(float(a.max()), demands, right)
     for i, (label, spectrum, damping) in enumerate(demands):
         colour = canvas.CURVE_COLOURS[1 + i % (len(canvas.CURVE_COLOURS) - 1)]
         style = canvas.CURVE_STYLES[1 + i % (len(canvas.CURVE_STYLES) - 1)]
@@ -95,7 +97,7 @@ def plot_adrs(axes: Axes, answer: Assessment) -> None:
     axes.set_ylabel("spectral acceleration $a^*$ [m/s²]")
 
 
-def _capacity(answer: Assessment) -> tuple[Array, Array]:
+def capacity_line(answer: Assessment) -> tuple[Array, Array]:
     """The curve with its collapse as last point, over the confidence factor."""
     capacity = answer.capacity
     d, a = capacity.spectral_displacement, capacity.spectral_acceleration
@@ -106,13 +108,13 @@ def _capacity(answer: Assessment) -> tuple[Array, Array]:
     return d, a / (answer.confidence_factor or 1.0)
 
 
-def _name(answer: Assessment) -> str:
+def capacity_name(answer: Assessment) -> str:
     factor = answer.confidence_factor
     over = f" over FC = {factor:g}" if factor and factor != 1.0 else ""
     return f"capacity, reading {answer.capacity.reading}{over}"
 
 
-def _demands(answer: Assessment) -> list[tuple[str, Spectrum, float]]:
+def demands_of(answer: Assessment) -> list[tuple[str, Spectrum, float]]:
     """Demand spectra with their labels: one for each ground motion and damping."""
     found: dict[tuple[int, float], tuple[list[str], Spectrum]] = {}
     for state in answer.limit_states:
@@ -127,7 +129,7 @@ def _demands(answer: Assessment) -> list[tuple[str, Spectrum, float]]:
     ]
 
 
-def _top(highest: float, demands: list[tuple[str, Spectrum, float]], right: float) -> float:
+def height_of(highest: float, demands: list[tuple[str, Spectrum, float]], right: float) -> float:
     """Height of the axes [m/s2]: all of the capacity, and of the demand what fits beside it."""
     plateaus = [
         float(spectrum.sa(GRID, damping)[spectrum.sd(GRID, damping) <= right].max(initial=0.0))
@@ -158,13 +160,27 @@ def _rays(axes: Axes, right: float, top: float) -> None:
         )
 
 
-def _mark(axes: Axes, answer: Assessment, state: LimitState, marker: str) -> None:
-    """A limit state on the capacity, and what the ground asks of it."""
+def mark_of(
+    answer: Assessment, state: LimitState
+) -> tuple[float, float, float | None, float | None]:
+    """Limit (d*, a*) and demand (d*, a*) of a limit state [m, m/s2]; None without a demand."""
     limit = state.limit_displacement
     assert limit is not None
     height = state.limit_acceleration
     if height is None:
-        height = float(np.interp(limit, *_capacity(answer)))
+        height = float(np.interp(limit, *capacity_line(answer)))
+    demand = state.displacement_demand
+    if demand is None or not state.limit_period:
+        return limit, height, None, None
+    if answer.bilinear is None:
+        return limit, height, demand, demand * (2.0 * np.pi / state.limit_period) ** 2
+    # Inelastic: no point of the elastic spectrum.
+    return limit, height, demand, float(answer.bilinear.at(demand))
+
+
+def _mark(axes: Axes, answer: Assessment, state: LimitState, marker: str) -> None:
+    """A limit state on the capacity, and what the ground asks of it."""
+    limit, height, demand, across = mark_of(answer, state)
     style: dict[str, Any] = {"linestyle": "none", "markersize": 7, "zorder": 6, "clip_on": False}
     verdict = {True: "holds", False: "fails", None: "not verified"}[state.satisfied]
     verdict = verdict if state.verified else f"{verdict}, not part of the verdict"
@@ -184,12 +200,7 @@ def _mark(axes: Axes, answer: Assessment, state: LimitState, marker: str) -> Non
         fontsize=9,
         zorder=7,
     )
-    demand = state.displacement_demand
-    if demand is not None and state.limit_period:
-        if answer.bilinear is None:
-            across = demand * (2.0 * np.pi / state.limit_period) ** 2
-        else:  # inelastic: no point of the elastic spectrum
-            across = float(answer.bilinear.at(demand))
+    if demand is not None and across is not None:
         axes.plot(
             [demand, demand],
             [0.0, across],

@@ -33,9 +33,9 @@ def collapse(capacity: Capacity, settings: Settings) -> float:
     if end is None:
         raise AssessmentError(
             f'method "{settings.method}" needs the displacement at which nothing is carried any '
-            "more, and the curve does not come down to it: trace it to its end, or give the "
-            'collapse displacement (ntc2018-local and ntc2009-local do with kinematics = "linear", '
-            "for which the activation multiplier is enough)"
+            "more, and the curve does not come down to it: trace it further, to a smaller "
+            "stop_multiplier and a larger max_displacement (ntc2018-local and ntc2009-local do "
+            'with kinematics = "linear", for which the activation multiplier is enough)'
         )
     return end
 
