@@ -34,9 +34,10 @@ BoolArray = NDArray[np.bool_]
 #: Who is in the first group of a pair, (n,), who in the second, and the number of the law.
 _OfGroups = tuple[BoolArray, BoolArray, int]
 
-#: Contact points that a quadrilateral joint in space may have, and has where nothing is said.
-POINTS_KNOWN = (4, 9, 16)
-POINTS = 4
+#: Contact points that a quadrilateral joint in space may have; of the plane, where points between
+#: the ends matter to joints that are crushed; and what there are where nothing is said.
+POINTS_KNOWN = {2: tuple(range(2, 65)), 3: (4, 9, 16)}
+POINTS = {2: 2, 3: 4}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +51,25 @@ class JointLaw:
     dilatancy_end: float = math.inf  # m, slid distance after which the joint dilates no more
     cohesion: float = 0.0  # Pa
     tensile_strength: float = 0.0  # Pa
+    tensile_fracture_energy: float | None = None  # N/m; None: the bond is lost at once
+    shear_fracture_energy: float | None = None  # N/m; likewise
+    residual_friction_coefficient: float | None = None  # -; None: friction stays what it is
+    residual_slip: float | None = None  # m, over which it falls; None: as the bond softens
+    compressive_strength: float = math.inf  # Pa
+    compressive_fracture_energy: float | None = None  # N/m; None: crushed joints stay as strong
+    greatest_closure: float = math.inf  # m, of hyperbolic closure; inf: linear
+
+    @property
+    def softens(self) -> bool:
+        """Whether cohesion and tensile strength are lost over fracture energies."""
+        return self.shear_fracture_energy is not None
+
+    @property
+    def yields(self) -> bool:
+        """Whether more than friction and brittle bonds limits what the joint carries."""
+        given = self.residual_friction_coefficient is not None
+        crushed = self.compressive_strength < math.inf
+        return self.softens or given or crushed or self.greatest_closure < math.inf
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -170,7 +190,7 @@ class Assembly:
     joint: JointLaw
     corner: Corner
     joint_between: Mapping[frozenset[str], JointLaw] = field(default_factory=dict)
-    points: int = POINTS  # contact points on a quadrilateral interface in space: 4, 9 or 16
+    points: int  # contact points on an interface, in space on one of four corners: 4, 9 or 16
     up: Array  # (dim,) unit vector against gravity
 
     # Derived from the above, also in a copy by `dataclasses.replace`.
@@ -193,7 +213,7 @@ class Assembly:
         corner: Corner | None = None,
         thickness: float = 1.0,
         joint_between: Mapping[frozenset[str], JointLaw] | None = None,
-        points: int = POINTS,
+        points: int | None = None,
         up: Sequence[float] | Array | None = None,
     ) -> Assembly:
         """Of the blocks' dimension; sharp corners and no exceptions where nothing is said.
@@ -214,7 +234,7 @@ class Assembly:
         along = np.eye(dimension)[-1] if up is None else np.asarray(up, np.float64)
         return cls(
             dimension=dimension,
-            points=points,
+            points=POINTS[dimension] if points is None else points,
             up=along,
             thickness=thickness,
             blocks=tuple(blocks),

@@ -33,6 +33,10 @@ SIZE, UNIT_WEIGHT = 0.175, 10e3
 DIGITS = 13
 
 
+def _over(value: float | None, unit: float) -> float | None:
+    return None if value is None else plain(value / unit)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Frame:
     """What takes an assembly to its own coordinates and units, and results back."""
@@ -120,13 +124,19 @@ class Frame:
         """A joint law in own units: stiffness times length and strength are pressures, as is weight
         times length."""
         stiffness, strength = self.unit_weight, self.unit_weight * self.length
-        normal, shear = law.normal_stiffness, law.shear_stiffness
+        energy = strength * self.length
         return replace(
             law,
-            normal_stiffness=None if normal is None else plain(normal / stiffness),
-            shear_stiffness=None if shear is None else plain(shear / stiffness),
+            normal_stiffness=_over(law.normal_stiffness, stiffness),
+            shear_stiffness=_over(law.shear_stiffness, stiffness),
             cohesion=plain(law.cohesion / strength),
             tensile_strength=plain(law.tensile_strength / strength),
+            tensile_fracture_energy=_over(law.tensile_fracture_energy, energy),
+            shear_fracture_energy=_over(law.shear_fracture_energy, energy),
+            compressive_strength=plain(law.compressive_strength / strength),
+            compressive_fracture_energy=_over(law.compressive_fracture_energy, energy),
+            residual_slip=_over(law.residual_slip, self.length),
+            greatest_closure=plain(law.greatest_closure / self.length),
             dilatancy_end=plain(law.dilatancy_end / self.length),
         )
 

@@ -105,7 +105,7 @@ def inspect(model: Model) -> Inspection:
         n_blocks=assembly.n_blocks,
         n_supports=assembly.n_supports,
         n_joints=n_joints,
-        n_contacts=(2 if assembly.dimension == 2 else assembly.points) * n_joints,
+        n_contacts=assembly.points * n_joints,
         joint_area=float(joints.size[loose].sum()) * assembly.thickness,
         volume=float(assembly.volume[movable].sum()),
         weight=float(assembly.weight[movable].sum()),

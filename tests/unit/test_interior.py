@@ -55,7 +55,7 @@ def centred(every, barrier):
 def test_central_contacts_obey_the_law_with_its_products_at_the_barrier(barrier):
     every = contacts(200)
     table, v = every[0].table, centred(every, barrier)
-    rn, rt, w, p, q, near, far = v.T
+    rn, rt, w, p, q, near, far, *_ = v.T
     assert (v[:, [joint_law.RN, joint_law.W, joint_law.P, joint_law.Q]] > 0.0).all()
     # To the rounding of the larger of the terms.
     tn, tt = table[:, TRIAL_N], table[:, TRIAL_T]
@@ -122,7 +122,7 @@ def test_changes_solve_the_equations_linearised(dilation, second):
     moved, d = v + change[:, : joint_law.N_INNER], change
     tn = table[:, TRIAL_N] + d[:, joint_law.D_TRIAL_N]
     tt = table[:, TRIAL_T] + d[:, joint_law.D_TRIAL_T]
-    rn, rt, w, p, q, _, _ = moved.T
+    rn, rt, w, p, q, *_ = moved.T
     np.testing.assert_allclose(rn, tn + w + KN * dilation / KT * (p + q), rtol=1e-9, atol=1e-6)
     np.testing.assert_allclose(rt, tt - p + q, rtol=1e-9, atol=1e-6)
     names = ((joint_law.RN, joint_law.W, KN), (joint_law.NEAR, joint_law.P, KT))

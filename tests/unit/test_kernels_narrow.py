@@ -248,7 +248,12 @@ class JointOfPair:
         self.laws[0, joint_law.DILATANCY_END] = np.inf
         self.history = np.zeros((n, joint_law.N_HISTORY))
         self.history[:, joint_law.SHEAR] = shear
-        self.start = Start(size=np.zeros(n), rows=np.zeros((n, 2, 6)), closed=np.ones(n, np.bool_))
+        self.start = Start(
+            size=np.zeros(n),
+            rows=np.zeros((n, 2, 6)),
+            closed=np.ones(n, np.bool_),
+            held=np.zeros((0, joint_law.N_HELD)),
+        )
         if linear is not None:
             self.start.size[:] = 0.1
             half = Slots.empty(self.pairs.n_slots, 2)

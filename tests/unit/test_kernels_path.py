@@ -168,7 +168,7 @@ def reference(taken):
         _, (_, by_slip) = contact(assembly, state.pose + 0.5 * taken.guess, *ends, *features)
         gap, directions = contact(assembly, state.pose + x, *ends, *features)
         slip = by_slip @ x[ends].ravel()
-        dilation, slid, broken, shear = history[k]
+        dilation, slid, broken, _, _, shear = history[k]
         normal, tangential = kn * (dilation - gap), shear - ks * slip
         limit = law.friction_coefficient * normal
         bonded = law.cohesion + law.tensile_strength > 0.0 and not broken
@@ -184,7 +184,7 @@ def reference(taken):
                 tangential = np.sign(tangential) * law.friction_coefficient * normal
         sliding[k] = slip - (shear - tangential) / ks
         reaction[k] = normal, tangential
-        history[k] = dilation, slid, broken, tangential
+        history[k] = dilation, slid, broken, 0.0, 0.0, tangential
         for end, body in enumerate(ends):
             force[body] += reaction[k] @ directions[:, 3 * end : 3 * end + 3]
     return force, reaction, history, sliding

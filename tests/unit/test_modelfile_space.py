@@ -278,7 +278,6 @@ class TestWhatIsWrong:
             ('"top"', "[0, 0]", 'control.point: must be [x, y, z] in metres, or one of "top"'),
             ("dimension = 3", "dimension = [3]", "dimension: must be 2 or 3, it is a list of 1"),
             ("dimension = 3", "dimension = 3\nthickness = 1.0", "thickness: is of two dimensions"),
-            ("dimension = 3", "dimension = 2\nthickness = 1.0", "contact: is of three dimensions"),
             (
                 "dimension = 3",
                 "dimension = 2\nthickness = 1.0",

@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from drystone.assembly import Assembly, Block, Corner, JointLaw
+from drystone.builders.joint_checks import yielding_problems
 from drystone.builders.words import millimetres, quoted
 from drystone.geometry import GeometryError
 from drystone.geometry.outlines import TOUCHING, Outlines
@@ -19,7 +20,18 @@ from drystone.ranges import problem
 OVERLAPPING = 1e-6
 
 #: Values of a joint's law that may be None: limit analysis does without.
-MAY_BE_MISSING = ("normal_stiffness", "shear_stiffness")
+MAY_BE_MISSING = (
+    "normal_stiffness",
+    "shear_stiffness",
+    "tensile_fracture_energy",
+    "shear_fracture_energy",
+    "residual_friction_coefficient",
+    "residual_slip",
+    "compressive_fracture_energy",
+)
+
+#: Values that are infinite where there is no such limit.
+MAY_BE_INFINITE = ("dilatancy_end", "compressive_strength", "greatest_closure")
 
 #: Names a block by its row, as its author would look for it.
 Place = Callable[[int], str]
@@ -31,7 +43,7 @@ def law_problems(law: JointLaw) -> list[str]:
         wrong
         for key, value in vars(law).items()
         if not (value is None and key in MAY_BE_MISSING)
-        and not (key == "dilatancy_end" and value == math.inf)
+        and not (value == math.inf and key in MAY_BE_INFINITE)
         and (wrong := problem(key, value))
     ]
     if problems:
@@ -42,7 +54,7 @@ def law_problems(law: JointLaw) -> list[str]:
             f"dilatancy_angle: {law.dilatancy_angle:g} degrees is more than the friction angle of "
             f"{friction_angle:.4g} degrees, and such a joint would make energy: make it smaller"
         )
-    return problems
+    return problems + yielding_problems(law)
 
 
 def block_problems(blocks: Sequence[Block], corner: Corner, place: Place) -> list[str]:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 from typing import Any
 
-from drystone.assembly import Assembly, Block, JointLaw
+from drystone.assembly import POINTS, Assembly, Block, JointLaw
 from drystone.builders.errors import ModelError
 from drystone.model import REMOVE, Analysis, Model
 
@@ -32,7 +32,7 @@ def model_to_dict(model: Model) -> dict[str, Any]:
     corner = {key: float(v) for key, v in vars(assembly.corner).items() if v}
     if corner:
         data["corner"] = corner
-    if assembly.dimension == 3:
+    if assembly.dimension == 3 or assembly.points != POINTS[2]:
         data["contact"] = {"points": assembly.points}
     data["block"] = [
         {

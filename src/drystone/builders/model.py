@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import POINTS, POINTS_KNOWN, Assembly, Block, Corner, JointLaw
+from drystone.assembly import POINTS_KNOWN, Assembly, Block, Corner, JointLaw
 from drystone.builders.checks import (
     Place,
     block_problems,
@@ -47,7 +47,7 @@ def make_model(
     ties: Sequence[Tie] = (),
     thickness: float | None = None,
     corner: Corner | None = None,
-    points: int = POINTS,
+    points: int | None = None,
     joint_between: Mapping[frozenset[str], JointLaw] | None = None,
     control_block: str | None = None,
     control_point: str | Sequence[float] | None = None,
@@ -84,7 +84,8 @@ def make_model(
     corner
         How corners are treated for contact; sharp by default.
     points
-        Contact points on a quadrilateral joint in space: 4, 9 or 16.
+        Contact points on a joint: in the plane 2 to 64, and 2 where nothing is said; in space, on
+        one of four corners, 4, 9 or 16, and 4.
     control_block, control_point, control_direction
         See `choose_control_point`.
     source, sha256
@@ -165,7 +166,7 @@ def _assembly(
     *,
     corner: Corner,
     thickness: float | None,
-    points: int,
+    points: int | None,
     drawing_tolerance: float,
     place: Place,
 ) -> tuple[Assembly, tuple[str, ...]]:
@@ -208,11 +209,15 @@ def _assembly(
     return assembly, turned + moved
 
 
-def _depth_problems(blocks: Sequence[Block], thickness: float | None, points: int) -> list[str]:
+def _depth_problems(
+    blocks: Sequence[Block], thickness: float | None, points: int | None
+) -> list[str]:
     """Of a thickness that is missing or too much, and of numbers of contact points."""
     found = []
-    if points not in POINTS_KNOWN:
-        found.append(f"contact.points: must be 4, 9 or 16, it is {points}")
+    dimension = blocks[0].dimension if blocks else 2
+    if points is not None and points not in POINTS_KNOWN[dimension]:
+        known = "from 2 to 64 in the plane" if dimension == 2 else "4, 9 or 16"
+        found.append(f"contact.points: must be {known}, it is {points}")
     if blocks and blocks[0].dimension == 3:
         if thickness is not None:
             found.append("thickness: is of two dimensions: take it out")

@@ -28,7 +28,8 @@ def law_table(assembly: Assembly, *, shear: bool = True) -> Array:
         row[joint_law.KN] = law.normal_stiffness
         row[joint_law.KS] = law.shear_stiffness if shear else 0.0
         row[joint_law.TAN_PSI] = math.tan(math.radians(law.dilatancy_angle))
-        row[joint_law.COHESION] = law.cohesion
-        row[joint_law.TENSION] = law.tensile_strength
+        if not law.softens:
+            row[joint_law.COHESION] = law.cohesion
+            row[joint_law.TENSION] = law.tensile_strength
         row[joint_law.DILATANCY_END] = law.dilatancy_end
     return table

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from drystone.assembly import Assembly
 from drystone.kernels import forces, measures, narrow
 from drystone.kernels.contacts import Contacts, Pairs, Slots
-from drystone.kernels.narrow import POINTS, Bodies, World
+from drystone.kernels.narrow import Bodies, World
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -19,6 +19,7 @@ class PlaneNarrowPhase:
 
     def __init__(self, assembly: Assembly) -> None:
         shapes, self.thickness = assembly.shapes, assembly.thickness
+        self.points = assembly.points
         following = np.arange(1, len(shapes.vertices) + 1, dtype=np.int64)
         following[shapes.offset[1:] - 1] = shapes.offset[:-1]
         edge = shapes.vertices[following] - shapes.vertices
@@ -48,7 +49,7 @@ class PlaneNarrowPhase:
 
     def n_slots(self, part_a: IntArray, part_b: IntArray) -> IntArray:
         """Contact points that pairs of parts may have at a time, (n_pairs,)."""
-        return np.full(len(part_a), POINTS)
+        return np.full(len(part_a), self.points)
 
     def find(self, pairs: Pairs, pose: Array, reach: float, slots: Slots) -> None:
         """Find all contacts with gaps up to ``reach`` [m], into ``slots``."""

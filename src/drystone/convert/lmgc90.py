@@ -139,6 +139,8 @@ def _plain(text: str) -> str:
 
 def _check(laws: tuple[JointLaw, ...]) -> None:
     for law in laws:
+        if law.yields:
+            raise ModelError(["joint: LMGC90's law neither softens nor crushes: take that out"])
         if law.dilatancy_angle or law.cohesion or law.tensile_strength:
             raise ModelError(
                 ["joint: LMGC90's law has no dilatancy, cohesion or tension: set them to zero"]

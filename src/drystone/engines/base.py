@@ -6,13 +6,15 @@ the step and says what to demand next.  Neither knows which of the others it wor
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly
+from drystone.assembly import Assembly, JointLaw
 from drystone.contact.forces import ContactForces
 from drystone.loading import DeadLoad, LoadPattern
 from drystone.monitor import ControlPoint
@@ -23,6 +25,23 @@ Array = NDArray[np.float64]
 
 class EngineError(Exception):
     """The engine cannot do what the model or the control asks; the message is for the user."""
+
+
+def refuse_yielding(assembly: Assembly, engine: str) -> None:
+    """Raise `EngineError` for joints that only the equilibrium engine of the plane has."""
+    names: dict[str, Callable[[JointLaw], bool]] = {
+        "lose their bond over fracture energies": lambda law: law.softens,
+        "lose friction": lambda law: law.residual_friction_coefficient is not None,
+        "are crushed": lambda law: law.compressive_strength < math.inf,
+        "close hyperbolically": lambda law: law.greatest_closure < math.inf,
+    }
+    for what, has in names.items():
+        if any(map(has, assembly.laws)):
+            where = " in space" if engine == "equilibrium" else ""
+            raise EngineError(
+                f"the {engine} engine has no joints that {what}{where}: the equilibrium engine has "
+                "them in the plane"
+            )
 
 
 class UnstableError(EngineError):

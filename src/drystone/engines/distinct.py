@@ -29,7 +29,14 @@ from drystone.contact.certificate import (
 from drystone.contact.detection import Detector, predecessor_slots
 from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
-from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
+from drystone.engines.base import (
+    Demand,
+    EngineError,
+    Problem,
+    StepReport,
+    UnstableError,
+    refuse_yielding,
+)
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
@@ -467,6 +474,7 @@ class DistinctEngine:
         self.problem, self.stage = problem, problem.stages[-1]
         self.detector = Detector(assembly)
         self.dof = dof_of(assembly.mass)
+        refuse_yielding(assembly, self.name)
         try:
             self.laws = law_table(assembly)
         except ValueError as error:

@@ -27,7 +27,15 @@ from drystone.contact.detection import (
 )
 from drystone.contact.forces import ActedContacts, ContactForces
 from drystone.contact.law import law_table
-from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
+from drystone.contact.strengths import Strengths
+from drystone.engines.base import (
+    Demand,
+    EngineError,
+    Problem,
+    StepReport,
+    UnstableError,
+    refuse_yielding,
+)
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
@@ -36,7 +44,7 @@ from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import Pairs, Slots
 from drystone.kernels.law import N_HISTORY
 from drystone.records import changed
-from drystone.solvers import cone_solution, piecewise
+from drystone.solvers import cone_solution, piecewise, yielding
 from drystone.solvers.cone_solution import Before, SpaceSettings
 from drystone.solvers.cone_step import ConeStep
 from drystone.solvers.interior import InteriorPoint, InteriorSettings
@@ -52,6 +60,10 @@ BoolArray = NDArray[np.bool_]
 
 #: Margin of a bond at which a step ends for it.
 AT_STRENGTH = 1e-5
+
+
+#: What joints hold may still change by this force, over the heaviest weight, where a step ends.
+SETTLED = 1e-7
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,6 +151,9 @@ class EquilibriumEngine:
         self.bars = Bars.of(assembly, problem.ties)
         #: Whether steps end where a bond or a tie gives way.
         self.brittle = brittle(laws) or self.bars.give_way
+        self.strengths = Strengths(assembly)
+        if assembly.dimension == 3:
+            refuse_yielding(assembly, self.name)
         pose = assembly.rest_pose()
         pairs, gone = self.detector.pairs(pose), np.zeros(assembly.n_bodies, np.bool_)
         self._write_equations(pairs, gone)
@@ -345,19 +360,34 @@ class EquilibriumEngine:
                 dynamic=demand.time_step > 0.0,
                 thorough=demand.thorough,
             )
-        equations.begin(state.pose, state.slots, state.history, state.branch, h, x)
-        return piecewise.solve(
-            equations,
-            self.interior,
-            pace,
-            x,
-            multiplier,
-            state.branch,
-            state.reaction,
-            accuracy,
-            self.settings.path,
-            whole=pace is None or demand.time_step > 0.0 or demand.over_fold,
-        )
+
+        def begin(held: Array | None) -> None:
+            if self.ties:
+                self.ties.begin(state.ties)
+            equations.begin(state.pose, state.slots, state.history, state.branch, h, x, held)
+
+        def once(branch: IntArray) -> StepSolution:
+            return piecewise.solve(
+                equations,
+                self.interior,
+                pace,
+                x,
+                multiplier,
+                branch,
+                state.reaction,
+                accuracy,
+                self.settings.path,
+                whole=pace is None or demand.time_step > 0.0 or demand.over_fold,
+            )
+
+        if not self.strengths.any:
+            begin(None)
+            return once(state.branch)
+        heaviest = self.problem.assembly.heaviest_weight
+        return yielding.solve(
+            equations, self.strengths, state.history, state.slots.gap, state.branch,
+            state.multiplier, begin, once, SETTLED * heaviest,
+        )  # fmt: skip
 
     def _accuracy(self) -> Accuracy:
         """What steps are solved to; how far a block may move is for each to say."""
@@ -378,6 +408,7 @@ class EquilibriumEngine:
         laws = self.constants.laws[pairs.law_of_slot]
         bonded = (laws[:, joint_law.COHESION] > 0.0) | (laws[:, joint_law.TENSION] > 0.0)
         touching = np.where(bonded, joint_law.BONDED, joint_law.STICKING)
+        bonded = bonded | self.strengths.bonded[pairs.law_of_slot]
         # Weight presses on joints that lie; those that stand are shut, but hold by a bond only.
         held = (np.abs(slots.normal @ self.problem.assembly.up) > 0.7) | bonded
         return np.where(held & ~self._apart(slots), touching, joint_law.OPEN)
@@ -601,13 +632,21 @@ class EquilibriumEngine:
             acceleration=acceleration,
             velocity=x / h,
             contact_force=contact_force,
-            slots=new.slots,
+            slots=self._not_crushed(new),
             status=STATUS_OF[new.branch],
             certificate=self.ties.marked(certificate) if self.ties else certificate,
             motion=self.detector.farthest(x),
             n_iterations=n_iterations,
         )
         return report(self.problem, loads, outcome)
+
+    def _not_crushed(self, state: EquilibriumState) -> Slots:
+        """The contacts of a state with gaps less what has crushed them, which is no penetration."""
+        if not self.strengths.any:
+            return state.slots
+        slots = state.slots.copied()
+        slots.gap[:] -= np.minimum(state.history[:, joint_law.DILATION], 0.0)
+        return slots
 
     def _inherited(
         self, source: IntArray, then: EquilibriumState, now: Slots

@@ -22,7 +22,14 @@ from drystone.contact.certificate import Forces, JudgedContacts, certify
 from drystone.contact.detection import Detector, predecessor_slots
 from drystone.contact.forces import ActedContacts, ContactForces
 from drystone.contact.law import law_table
-from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
+from drystone.engines.base import (
+    Demand,
+    EngineError,
+    Problem,
+    StepReport,
+    UnstableError,
+    refuse_yielding,
+)
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
 from drystone.geometry.motion import places, spun_by_impulses, spun_on
@@ -82,6 +89,7 @@ class NscdEngine:
         """Settle under the dead load; raises `UnstableError`, or `EngineError` for a joint law
         that this formulation does not have."""
         assembly = problem.assembly
+        refuse_yielding(assembly, self.name)
         if any(
             law.dilatancy_angle or law.cohesion or law.tensile_strength for law in assembly.laws
         ):

@@ -81,7 +81,10 @@ KIND, FEATURE_A, FEATURE_B, EDGE_A, EDGE_B = range(5)
 #: Columns of `Slots.value`: gap [m], positive open; tributary size of the joint [m], in space [m2];
 #: in the plane see `kernels.narrow` for the others.  Of vectors the first of their columns.
 GAP, SIZE, RATIO, ROLL_A, ROLL_B, NORMAL, ARM_A, ARM_B = 0, 1, 2, 3, 4, 5, 7, 9
-N_VALUES = 11
+#: Where a contact point lies on the edge of b from its first vertex on, over the edge's length: of
+#: points between the ends of an interface.
+INSIDE = 11
+N_VALUES = 12
 
 #: The others in space: normal, first tangent, and arms from both centroids to the contact point,
 #: along the axes of the world.  Then what is frozen while a contact's features last: the point, in
@@ -190,7 +193,11 @@ class Slots(NamedTuple):
 #: length [m].
 STIFF_N, STIFF_T, FRICTION, LIFT, BOND, TENSILE = 0, 1, 2, 3, 4, 5
 TRIAL_N, TRIAL_T, ADD_N, ADD_T, PLASTIC = 6, 7, 8, 9, 10
-N_TABLE = 11
+#: What the law has beyond dry joints, see `kernels.yielding`: what is added to the trial reaction,
+#: the tension that normal reactions are counted from, room for shear without pressure, and the
+#: reaction, so counted, at which the joint is crushed, or zero [N].
+SHIFT, PULL, ROOM, CRUSH = 11, 12, 13, 14
+N_TABLE = 15
 
 
 class Contacts(NamedTuple):

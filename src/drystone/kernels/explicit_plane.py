@@ -19,6 +19,7 @@ from drystone.kernels.contacts import (
     FEATURE_A,
     FEATURE_B,
     GAP,
+    INSIDE,
     KIND,
     NORMAL,
     PART_A,
@@ -58,7 +59,7 @@ N_SHAPE = 9
 @njit(cache=True)
 def freeze_in_plane(slots, bodies, pairs, contacts, n_contacts):
     """Fill bodies and shape of ``contacts``, whose slots are known."""
-    meets = slots.which
+    meets, value = slots
     local, local_tangent, radius = bodies.local, bodies.local_tangent, bodies.radius
     pair, of_pair = pairs.of_slot, pairs.which
     slot, edge, other, shape = contacts.slot, contacts.edge, contacts.other, contacts.shape
@@ -72,8 +73,9 @@ def freeze_in_plane(slots, bodies, pairs, contacts, n_contacts):
             radius_e, radius_o = radius_o, radius_e
         edge[c] = e
         other[c] = o
-        shape[c, OX] = local[fo, 0]
-        shape[c, OY] = local[fo, 1]
+        inside = value[k, INSIDE] * bodies.length[fo]
+        shape[c, OX] = local[fo, 0] + inside * local_tangent[fo, 0]
+        shape[c, OY] = local[fo, 1] + inside * local_tangent[fo, 1]
         shape[c, EX] = local[fe, 0]
         shape[c, EY] = local[fe, 1]
         shape[c, TX] = local_tangent[fe, 0]

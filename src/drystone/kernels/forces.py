@@ -19,6 +19,7 @@ from drystone.kernels.contacts import (
     BODY_A,
     BODY_B,
     BOND,
+    CRUSH,
     FRICTION,
     GAP,
     KIND,
@@ -27,6 +28,9 @@ from drystone.kernels.contacts import (
     NONE,
     PAIR,
     PLASTIC,
+    PULL,
+    ROOM,
+    SHIFT,
     SIZE,
     SLOT,
     STIFF_N,
@@ -41,8 +45,15 @@ from drystone.kernels.law import (
     BONDED,
     BROKEN,
     COHESION,
+    CRUSHED,
     DILATANCY_END,
     DILATION,
+    H_CRUSH,
+    H_KN,
+    H_MU,
+    H_PULL,
+    H_ROOM,
+    H_SHIFT,
     KN,
     KS,
     MU,
@@ -96,6 +107,7 @@ class Start(NamedTuple):
     rows: Array  # (n_slots, dim, 2 n_dof) of contacts that were there: gradients of the slip that
     # hold for the step; others slip by the exact distance
     closed: NDArray[np.bool_]  # (n_slots,) others do not dilate in the step
+    held: Array  # (n_slots, N_HELD), see `kernels.law`; (0, N_HELD) where all joints are dry
 
 
 @njit(cache=True)
@@ -169,6 +181,7 @@ def joint_forces(
     pair, of_pair = pairs.of_slot, pairs.which
     which, rows, table = contacts
     start_size, start_rows, closed = start.size, start.rows, start.closed
+    held, dry = start.held, start.held.shape[0] == 0
     force[:, :] = 0.0
     count = 0
     for k in range(meets.shape[0]):
@@ -212,11 +225,20 @@ def joint_forces(
         table[c, TRIAL_N] = kn * (history[k, DILATION] - value[k, GAP])
         table[c, TRIAL_T] = shear - kt * slip
         table[c, ADD_N], table[c, ADD_T], table[c, PLASTIC] = 0.0, 0.0, 0.0
+        if not dry:
+            kn = held[k, H_KN] * area
+            table[c, STIFF_N], table[c, FRICTION] = kn, held[k, H_MU]
+            table[c, SHIFT], table[c, PULL] = held[k, H_SHIFT] * area, held[k, H_PULL] * area
+            table[c, ROOM], table[c, CRUSH] = held[k, H_ROOM] * area, held[k, H_CRUSH] * area
+            closing = kn * (history[k, DILATION] - value[k, GAP])
+            table[c, TRIAL_N] = closing + table[c, SHIFT]
         if history[k, BROKEN] == 0.0 and (bond > 0.0 or tensile > 0.0):
             hint = BONDED
         now = branch_of(table, c, hint)
         branch[k] = now
         rn, rt, gamma = reactions(table, c, now)
+        if now > CRUSHED:
+            history[k, DILATION] -= (table[c, TRIAL_N] - table[c, CRUSH]) / kn
         history[k, DILATION] += laws[law, TAN_PSI] * gamma if lift > 0.0 else 0.0
         history[k, SLID] += gamma
         reaction[k, 0] = rn
@@ -261,7 +283,7 @@ def geometric_stiffness(slots, contacts, count, reaction, tangent):
     hess = np.zeros((2 * N_DOF, 2 * N_DOF))
     for c in range(count):
         k = which[c, SLOT]
-        if reaction[k, 0] == 0.0:
+        if reaction[k, 0] == 0.0 and reaction[k, 1] == 0.0:
             continue
         hess[:, :] = 0.0
         second_derivatives(meets[k, KIND], value, k, reaction[k, 0], reaction[k, 1], hess)

@@ -28,6 +28,7 @@ from drystone.kernels.contacts import (
     BODY_B,
     FRICTION,
     LIFT,
+    ROOM,
     SLOT,
     STIFF_N,
     STIFF_T,
@@ -36,6 +37,7 @@ from drystone.kernels.contacts import (
 )
 from drystone.kernels.law import (
     BONDED,
+    CAP,
     D_TRIAL_N,
     D_TRIAL_T,
     FAR,
@@ -49,10 +51,13 @@ from drystone.kernels.law import (
     TT,
     P,
     Q,
+    V,
     W,
     lacking,
+    lacking_of_crushing,
 )  # fmt: skip
 from drystone.kernels.rows import MEASURED, N_DOF, OF_GAP, add_force
+from drystone.kernels.yielding import crushing
 
 #: Columns of b.
 B_N, B_T = 0, 1
@@ -67,7 +72,10 @@ def offset(contacts, count, branch, inner, barrier, second, change, response, b,
         if branch[which[c, SLOT]] != BONDED:
             n, p, q = lacking(table, inner, change, c, barrier, second)
             bn += inner[c, W] + n / inner[c, RN]
-            if table[c, FRICTION] > 0.0:
+            if crushing(table, c) < np.inf:
+                v = lacking_of_crushing(table, inner, change, c, barrier, second)
+                bn -= inner[c, V] + v / inner[c, CAP]
+            if table[c, FRICTION] > 0.0 or table[c, ROOM] > 0.0:
                 p = inner[c, P] + p / inner[c, NEAR]
                 q = inner[c, Q] + q / inner[c, FAR]
                 bn += table[c, LIFT] / table[c, STIFF_T] * (p + q)
@@ -120,7 +128,16 @@ def changes(contacts, count, branch, inner, barrier, second, response, b, direct
         first += (w * rn + inner[c, RN] * dw) / table[c, STIFF_N]
         second_order += rn * dw / table[c, STIFF_N]
         n_products += 1
-        if table[c, FRICTION] == 0.0:
+        if crushing(table, c) < np.inf:
+            cap, v = inner[c, CAP], inner[c, V]
+            lack = lacking_of_crushing(table, inner, change, c, barrier, second)
+            dv = (lack + v * rn) / cap
+            change[c, CAP], change[c, V] = -rn, dv
+            room = _room(cap, -rn, _room(v, dv, room))
+            first += (cap * dv - v * rn) / table[c, STIFF_N]
+            second_order -= rn * dv / table[c, STIFF_N]
+            n_products += 1
+        if table[c, FRICTION] == 0.0 and table[c, ROOM] == 0.0:
             if room < longest:
                 longest, limiting = room, c
             continue

@@ -17,8 +17,9 @@ trial reactions, and they are continuous.
 
 Below it stands again in the forms of other solvers: as a residual; from its interior, as products
 that vanish (`kernels.interior`); as impulses, without shear stiffness (`kernels.nlgs`); and for
-cycles, where bonds may break at once (`kernels.explicit`).  Another law is this file, its tests,
-and the columns of its table in `contact.law`.
+cycles, where bonds may break at once (`kernels.explicit`).  What joints do that soften or are
+crushed stands in `kernels.yielding`.  Another law is this file, its tests, and the columns of its
+table in `contact.law`.
 """
 
 from __future__ import annotations
@@ -30,10 +31,14 @@ from drystone.kernels.contacts import (
     ADD_N,
     ADD_T,
     BOND,
+    CRUSH,
     FRICTION,
     LAW,
     LIFT,
     PLASTIC,
+    PULL,
+    ROOM,
+    SHIFT,
     SLOT,
     STIFF_N,
     STIFF_T,
@@ -42,16 +47,29 @@ from drystone.kernels.contacts import (
     TRIAL_T,
 )  # fmt: skip
 from drystone.kernels.rows import MEASURED, OF_GAP, OF_SLIP
-
-#: Branches: open, sticking, sliding under positive and under negative shear, held by a bond.
-OPEN, STICKING, FORWARD, BACKWARD, BONDED = 0, 1, 2, 3, 4
+from drystone.kernels.yielding import (
+    BACKWARD,
+    BONDED,
+    CRUSHED,
+    FORWARD,
+    OPEN,
+    STICKING,
+    TIE,
+    TORN,
+    branch_beyond,
+    central_normal,
+    change_beyond,
+    crushing,
+    distance_beyond,
+    held_normal,
+    landing_beyond,
+    reactions_beyond,
+    sense,
+    yields,
+)
 
 #: What contacts are called in results; the sense of sliding is that of the reaction.
 SLIDING = 2
-
-#: A contact stays in the branch it came from when another is nearer by this share of its reactions
-#: only: one that slides starts the next step on its cone to rounding.
-TIE = 1e-8
 
 #: A contact this near to its cone slides, where it is asked anew in every sweep or cycle.
 AT_CONE = 1e-9
@@ -65,20 +83,27 @@ ANGLE, N_ANGLES = 1e-9, 32
 #: A bond holds beyond its strength by this share of it: what is at its limit has not broken.
 BOND_TIE = 1e-6
 
-#: Columns of the history of a contact: dilation [m], slid distance [m], broken bond, and shear [N],
-#: one for each tangent.
-DILATION, SLID, BROKEN, SHEAR = 0, 1, 2, 3
-N_HISTORY = 4  # in the plane
+#: Columns of the history of a contact: dilation, less what crushed it [m], slid distance [m],
+#: broken bond, how far its bond has softened, what it was torn open by [m], and shear [N], one for
+#: each tangent.
+DILATION, SLID, BROKEN, SOFTENED, OPENED, SHEAR = 0, 1, 2, 3, 4, 5
+N_HISTORY = 6  # in the plane
 
 #: Columns of a contact's law in cycles: stiffnesses [N/m], friction, dilatancy, bond and tensile
 #: force [N], slide at which dilatancy ends [m].
 L_KN, L_KS, L_MU, L_TAN_PSI, L_BOND, L_TENSION, L_END = 0, 1, 2, 3, 4, 5, 6
 N_CONTACT_LAW = 7
 
-#: Columns of the table of joint laws: mu, k_n, k_s [Pa/m], tan psi, c, f_t [Pa], slide at which
-#: dilatancy ends [m].
+#: Columns of the table of joint laws: mu, k_n, k_s [Pa/m], tan psi, c, f_t [Pa] of brittle bonds,
+#: slide at which dilatancy ends [m].
 MU, KN, KS, TAN_PSI, COHESION, TENSION, DILATANCY_END = 0, 1, 2, 3, 4, 5, 6
 N_LAW = 7
+
+#: Columns of what a contact that is not dry has in a step: k_n [Pa/m], what is added to its trial
+#: reaction, the tension that counts it from, room for shear without pressure [Pa], mu, and where it
+#: is crushed, from the tension on [Pa].  See `kernels.yielding`, `contact.strengths`.
+H_KN, H_SHIFT, H_PULL, H_ROOM, H_MU, H_CRUSH = 0, 1, 2, 3, 4, 5
+N_HELD = 6
 
 #: Columns of the response of a contact: reactions, and their derivatives by the trial reactions,
 #: the first by the normal one.
@@ -88,8 +113,8 @@ N_RESPONSE = 6
 #: Columns of a contact's variables within the law's products, see `centre`, after RN and RT; and of
 #: their changes, which have those of the trial reactions as well.  The room that the shear has to
 #: either side is kept apart: its end is lost in rounding.
-W, P, Q, NEAR, FAR, D_TRIAL_N, D_TRIAL_T = 2, 3, 4, 5, 6, 7, 8
-N_INNER, N_CHANGE = 7, 9
+W, P, Q, NEAR, FAR, V, CAP, D_TRIAL_N, D_TRIAL_T = 2, 3, 4, 5, 6, 7, 8, 9, 10
+N_INNER, N_CHANGE = 9, 11
 
 
 @njit(cache=True)
@@ -106,6 +131,8 @@ def branch_of(table, c, hint):
     mu = table[c, FRICTION]
     if hint == BONDED:
         return BONDED
+    if yields(table, c):
+        return branch_beyond(table, c, hint)
     over = abs(rt) - mu * rn
     near = TIE * (abs(rt) + mu * abs(rn))
     # A joint that dilates is held closed by what it slides.
@@ -123,15 +150,19 @@ def reactions(table, c, branch):
     """Normal and tangential reaction [N] in a branch of the law, and the sliding in it [m]."""
     rn = table[c, TRIAL_N]
     rt = table[c, TRIAL_T]
+    pull, room = table[c, PULL], table[c, ROOM]
     if branch == OPEN:
-        return 0.0, 0.0, 0.0
+        return 0.0 - pull, 0.0, 0.0
     if branch == STICKING or branch == BONDED:
-        return rn, rt, 0.0
+        return rn - pull, rt, 0.0
+    if branch > BONDED:
+        rn, rt, gamma = reactions_beyond(table, c, branch)
+        return rn - pull, rt, gamma
     sign = 1.0 if branch == FORWARD else -1.0
     mu, lift = table[c, FRICTION], table[c, LIFT]
-    gamma = slide(rn, sign * rt, table[c, STIFF_T], mu, lift)
+    gamma = slide(rn, sign * rt - room, table[c, STIFF_T], mu, lift)
     rn += lift * gamma
-    return rn, sign * mu * rn, gamma
+    return rn - pull, sign * mu * rn + sign * room, gamma
 
 
 @njit(cache=True)
@@ -143,6 +174,8 @@ def respond(which, table, count, branch, response):
         nn, nt, tn, tt = 0.0, 0.0, 0.0, 0.0
         if now == STICKING or now == BONDED:
             nn, tt = 1.0, 1.0
+        elif now > BONDED:
+            tt = 1.0 if sense(now) == 0.0 else 0.0
         elif now != OPEN:
             sign = 1.0 if now == FORWARD else -1.0
             mu, lift = table[c, FRICTION], table[c, LIFT]
@@ -156,6 +189,19 @@ def respond(which, table, count, branch, response):
 @njit(cache=True)
 def distance(table, c, now, rate_n, rate_t, whole):
     """How far along the direction a contact leaves its branch, and for which one."""
+    if now > BONDED or (table[c, ROOM] > 0.0 and now != BONDED):
+        return distance_beyond(table, c, now, rate_n, rate_t, whole)
+    nearest, following = _distance_of_dry(table, c, now, rate_n, rate_t, whole)
+    crush = crushing(table, c)
+    if crush < np.inf and OPEN < now < BONDED and rate_n > 0.0:
+        far = max(crush - table[c, TRIAL_N], 0.0) / rate_n
+        if far < nearest:
+            return far, now + CRUSHED
+    return nearest, following
+
+
+@njit(cache=True)
+def _distance_of_dry(table, c, now, rate_n, rate_t, whole):
     rn, rt = table[c, TRIAL_N], table[c, TRIAL_T]
     kt, mu, lift = table[c, STIFF_T], table[c, FRICTION], table[c, LIFT]
     nearest = np.inf
@@ -204,18 +250,23 @@ def landing(table, c, now):
     rn, rt, mu = table[c, TRIAL_N], table[c, TRIAL_T], table[c, FRICTION]
     if now == BONDED:
         return BONDED
+    if yields(table, c):
+        return landing_beyond(table, c, now)
     if table[c, STIFF_T] * rn + table[c, LIFT] * abs(rt) <= 0.0:
         return OPEN
     if abs(rt) <= mu * rn:
         return STICKING
     sliding = FORWARD if rt > 0.0 else BACKWARD
-    return STICKING if now == FORWARD + BACKWARD - sliding else sliding
+    return STICKING if sense(now) * rt < 0.0 else sliding
 
 
 @njit(cache=True)
 def change(table, rows, c, before, after, u, v, k):
     """Fill u (2 n_dof,) and v[k, 0] with the u and v by whose product the matrix changes with the
     branch of contact c."""
+    if before > BONDED or after > BONDED:
+        change_beyond(table, rows, c, before, after, u, v, k)
+        return
     sliding = before if before >= FORWARD else after
     sign = 1.0 if sliding == FORWARD else -1.0
     kn, kt, mu, lift = table[c, STIFF_N], table[c, STIFF_T], table[c, FRICTION], table[c, LIFT]
@@ -241,10 +292,15 @@ def commit(table, c, before):
     if before == OPEN:
         table[c, ADD_T] -= table[c, TRIAL_T]
         table[c, TRIAL_T] = 0.0
-    elif before == FORWARD or before == BACKWARD:
-        sign = 1.0 if before == FORWARD else -1.0
-        rn, rt = table[c, TRIAL_N], table[c, TRIAL_T]
-        gamma = slide(rn, sign * rt, table[c, STIFF_T], table[c, FRICTION], table[c, LIFT])
+        return
+    if before > CRUSHED:
+        beyond = max(table[c, TRIAL_N] - crushing(table, c), 0.0)
+        table[c, TRIAL_N] -= beyond
+        table[c, ADD_N] -= beyond
+    sign = sense(before)
+    if sign != 0.0:
+        rn, rt = held_normal(table, c, before), sign * table[c, TRIAL_T] - table[c, ROOM]
+        gamma = slide(rn, rt, table[c, STIFF_T], table[c, FRICTION], table[c, LIFT])
         table[c, TRIAL_N] += table[c, LIFT] * gamma
         table[c, ADD_N] += table[c, LIFT] * gamma
         table[c, ADD_T] -= sign * table[c, STIFF_T] * gamma
@@ -257,7 +313,8 @@ def joint_law_violation(table, gap, slip, reaction, shear_before, whole):
     """Largest distances [N] of reactions from those that the joint law gives.
 
     The law's reaction is r_n = k_n <-g> and r_t = t_0 - k_s s, drawn back to mu r_n + bond where it
-    is larger; a bond also pulls, r_n = -k_n g, up to its tensile strength.  For friction without
+    is larger; a bond also pulls, r_n = -k_n g, up to its tensile strength; joints that soften or
+    are crushed see `kernels.yielding`.  For friction without
     shear stiffness, pass the reaction itself as ``shear_before`` and any positive stiffness: the
     distance is then zero only where the law holds (natural map).  Without a slip, what is left of
     it is the cone.
@@ -288,10 +345,12 @@ def joint_law_violation(table, gap, slip, reaction, shear_before, whole):
     for c in range(gap.shape[0]):
         bond, tension = whole[c] * table[c, BOND], whole[c] * table[c, TENSILE]
         strength = bond + tension
-        law_n = -table[c, STIFF_N] * gap[c]
+        law_n = min(table[c, SHIFT] - table[c, STIFF_N] * gap[c], crushing(table, c))
         if law_n < -tension - BOND_TIE * strength or (law_n < 0.0 and strength == 0.0):
             law_n = 0.0
-        limit = max(table[c, FRICTION] * reaction[c, 0] + bond, 0.0)
+        law_n -= table[c, PULL]
+        room = table[c, ROOM] + bond
+        limit = max(table[c, FRICTION] * (reaction[c, 0] + table[c, PULL]) + room, 0.0)
         if slip.shape[1] == 1:
             law_t = shear_before[c, 0] - table[c, STIFF_T] * slip[c, 0]
             law_t = min(max(law_t, -limit), limit)
@@ -358,7 +417,15 @@ def centre(contacts, count, branch, barrier, inner):
         larger = 0.5 * (abs(tn) + np.sqrt(tn * tn + 4.0 * product))
         v[RN] = larger if tn > 0.0 else product / larger
         v[W] = product / v[RN]
-        most = row[FRICTION] * v[RN]
+        if crushing(table, c) < np.inf:
+            v[RN] = central_normal(tn, row[CRUSH], product)
+            v[CAP], v[W] = row[CRUSH] - v[RN], product / v[RN]
+            v[V] = max(tn - v[RN] + v[W], product / row[CRUSH])
+            if tn > 0.5 * row[CRUSH]:
+                v[CAP] = product / v[V]
+            else:
+                v[V] = product / v[CAP]
+        most = row[FRICTION] * v[RN] + row[ROOM]
         v[RT], v[NEAR], v[FAR], v[P], v[Q] = 0.0, 0.0, 0.0, 0.0, 0.0
         if most == 0.0:
             continue
@@ -408,21 +475,27 @@ def respond_within(contacts, count, branch, inner, response):
         row = table[c]
         v = inner[c]
         a = response[c]
-        a[RN], a[RT] = v[RN], v[RT]
+        a[RN], a[RT] = v[RN] - row[PULL], v[RT]
         if branch[which[c, SLOT]] == BONDED:
             a[NN], a[NT], a[TN], a[TT] = 1.0, 0.0, 0.0, 1.0
             continue
         mu = row[FRICTION]
         energy += v[RN] * v[W] / row[STIFF_N]
         n += 1
-        if mu == 0.0:
-            a[NN], a[NT], a[TN], a[TT] = v[RN] / (v[RN] + v[W]), 0.0, 0.0, 0.0
+        crushed = 0.0
+        if crushing(table, c) < np.inf:
+            energy += v[V] * v[CAP] / row[STIFF_N]
+            n += 1
+            crushed = v[V] / v[CAP]
+        if mu == 0.0 and row[ROOM] == 0.0:
+            nn = v[RN] / (v[RN] + v[W])
+            a[NN], a[NT], a[TN], a[TT] = nn / (1.0 + nn * crushed), 0.0, 0.0, 0.0
             continue
         energy += (v[NEAR] * v[P] + v[FAR] * v[Q]) / row[STIFF_T]
         n += 2
         lift = row[LIFT] / row[STIFF_T]
         p, q = v[P] / v[NEAR], v[Q] / v[FAR]
-        nn, nt = 1.0 + v[W] / v[RN] + lift * mu * (p + q), lift * (q - p)
+        nn, nt = 1.0 + v[W] / v[RN] + lift * mu * (p + q) + crushed, lift * (q - p)
         tn, tt = mu * (q - p), 1.0 + p + q
         over = 1.0 / (nn * tt - nt * tn)
         a[NN], a[NT] = tt * over, -nt * over
@@ -445,22 +518,34 @@ def lacking(table, inner, change, c, barrier, second):
 
 
 @njit(cache=True, error_model="numpy")
+def lacking_of_crushing(table, inner, change, c, barrier, second):
+    """The same of the product of a joint that may be crushed."""
+    v = table[c, STIFF_N] * barrier - inner[c, CAP] * inner[c, V]
+    return v - change[c, CAP] * change[c, V] if second else v
+
+
+@njit(cache=True, error_model="numpy")
 def choose(contacts, count, inner, branch):
     """Branch of every contact by the smaller factor of each product."""
-    which = contacts.which
+    which, table = contacts.which, contacts.table
     for c in range(count):
         k = which[c, SLOT]
         if branch[k] == BONDED:
             continue
         v = inner[c]
-        if v[W] > v[RN]:
+        if v[W] > v[RN] and table[c, ROOM] == 0.0:
             branch[k] = OPEN
-        elif v[NEAR] < v[P]:
+            continue
+        if v[NEAR] < v[P]:
             branch[k] = FORWARD
         elif v[FAR] < v[Q]:
             branch[k] = BACKWARD
         else:
             branch[k] = STICKING
+        if v[W] > v[RN]:
+            branch[k] += TORN
+        elif crushing(table, c) < np.inf and v[CAP] < v[V]:
+            branch[k] += CRUSHED
 
 
 @njit(cache=True)

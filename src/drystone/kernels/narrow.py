@@ -1,7 +1,8 @@
-"""Narrow phase in two dimensions: the two contact points of every pair of nearby blocks.
+"""Narrow phase in two dimensions: the contact points of every pair of nearby blocks.
 
-Each candidate pair owns two slots, one for each end of the interface between its facing edges.  A
-slot that is in use holds one contact between a vertex and an edge, or between two vertices:
+Each candidate pair owns two slots, one for each end of the interface between its facing edges, or
+more, for points between them.  A slot that is in use holds one contact between a vertex and an
+edge, or between two vertices:
 
     VERTEX_B  vertex of b on an edge of a        normal: the edge's
     VERTEX_A  vertex of a on an edge of b        normal: the edge's, reversed
@@ -44,6 +45,7 @@ from drystone.kernels.contacts import (
     FEATURE_B,
     FIRST,
     GAP,
+    INSIDE,
     KIND,
     NONE,
     NORMAL,
@@ -60,8 +62,9 @@ from drystone.kernels.contacts import (
     B,
 )
 
-#: Contact points of a pair.
-POINTS = 2
+#: Contact points of a pair: one at each end of its interface.  More lie between them, at equal
+#: distances, on the edge of b.
+ENDS = 2
 
 #: Tributary length of a contact point is at least this share of the shorter facing edge.
 LEAST_SHARE = 0.01
@@ -232,10 +235,11 @@ def _end(length, vertex, tangent, radii, ea, eb, va, vb, reference_is_a):
 # Many: arrays one by one, for records that are handed on count references at every pair.
 @njit(cache=True)
 def _interface(
-    offset, following, length, setback, radii, vertex, tangent, p, q, reach, which, value, k
+    offset, following, length, setback, radii, vertex, tangent, p, q, reach, which, value, k, points
 ):
-    """Kinds, features, edges and tributary lengths of slots k and k + 1, of parts p and q."""
-    which[k, KIND], which[k + 1, KIND] = NONE, NONE
+    """Kinds, features, edges and tributary lengths of slots from k on, of parts p and q."""
+    for slot in range(k, k + points):
+        which[slot, KIND] = NONE
     ea, apart_a = _best_edge(offset, vertex, tangent, p, q)
     if apart_a > radii + reach:
         return
@@ -264,8 +268,8 @@ def _interface(
     if share > 0.0:
         other = _overlap(length, setback, vertex, tangent, pa, pb, following[pa], following[pb])
         tributary += share * (other - tributary)
-    for slot in range(k, k + 2):
-        value[slot, SIZE] = tributary
+    for slot in range(k, k + points):
+        value[slot, SIZE], value[slot, INSIDE] = tributary, 0.0
         which[slot, EDGE_A], which[slot, EDGE_B] = ea, eb
     if s1 > length_a or s0 < 0.0:  # b lies past an end of a's edge
         va = a1 if s1 > length_a else a0
@@ -281,6 +285,16 @@ def _interface(
         kind, fa, fb = _end(length, vertex, tangent, radii, ea, eb, va, vb, reference_is_a)
         which[slot, KIND], which[slot, FEATURE_A], which[slot, FEATURE_B] = kind, fa, fb
         va, vb = a1, b0
+    start, end = max(s1, 0.0), min(s0, length_a)
+    if points == ENDS or not start < end:
+        return
+    share = 1.0 / (points - 1)
+    value[k, SIZE], value[k + 1, SIZE] = share * tributary, share * tributary
+    for j in range(1, points - 1):
+        slot = k + 1 + j
+        which[slot, KIND], which[slot, FEATURE_A], which[slot, FEATURE_B] = VERTEX_B, ea, eb
+        value[slot, SIZE] = 2.0 * share * tributary
+        value[slot, INSIDE] = (s0 - start - (end - start) * j * share) / (s0 - s1)
 
 
 @njit(cache=True)
@@ -296,6 +310,7 @@ def _measure(bodies, pose, world, pairs, slots):
     # Fields read once: in the loop each reading would count references.
     centroid, local, radius = bodies.centroid, bodies.local, bodies.radius
     local_tangent, tangent, arm, turn = bodies.local_tangent, world.tangent, world.arm, world.turn
+    length = bodies.length
     pair, of_pair, (which, value) = pairs.of_slot, pairs.which, slots
     for k in range(which.shape[0]):
         kind = which[k, KIND]
@@ -310,6 +325,10 @@ def _measure(bodies, pose, world, pairs, slots):
         between_x, between_y = centroid[b, 0] - centroid[a, 0], centroid[b, 1] - centroid[a, 1]
         shift_x, shift_y = pose[b, 0] - pose[a, 0], pose[b, 1] - pose[a, 1]
         ax, ay, bx, by = local[va, 0], local[va, 1], local[vb, 0], local[vb, 1]
+        inside = value[k, INSIDE] * length[vb]
+        if inside != 0.0:
+            bx += inside * local_tangent[vb, 0]
+            by += inside * local_tangent[vb, 1]
         turned_ax, turned_ay = _turned(turn, a, ax, ay)
         turned_bx, turned_by = _turned(turn, b, bx, by)
         x, y = sign * (between_x + (bx - ax)), sign * (between_y + (by - ay))  # as designed
@@ -336,6 +355,9 @@ def _measure(bodies, pose, world, pairs, slots):
             value[k, ROLL_A], value[k, ROLL_B] = -sign * rolling, sign * rolling
             value[k, RATIO] = 1.0
         ax, ay, bx, by = arm[va, 0], arm[va, 1], arm[vb, 0], arm[vb, 1]
+        if inside != 0.0:
+            bx += inside * tangent[vb, 0]
+            by += inside * tangent[vb, 1]
         if kind == VERTEX_B:
             ax, ay = between_x + shift_x + bx, between_y + shift_y + by
         elif kind == VERTEX_A:
@@ -353,11 +375,12 @@ def find_contacts(bodies, pose, world, pairs, reach, slots):
     setback, radius = bodies.setback, bodies.radius
     vertex, tangent = world.vertex, world.tangent
     of_pair, (which, value) = pairs.which, slots
+    points = which.shape[0] // max(of_pair.shape[0], 1)
     for k in range(of_pair.shape[0]):
         p, q = of_pair[k, PART_A], of_pair[k, PART_B]
         _interface(
             offset, following, length, setback, radius[p] + radius[q], vertex, tangent, p, q,
-            reach, which, value, of_pair[k, FIRST],
+            reach, which, value, of_pair[k, FIRST], points,
         )  # fmt: skip
     _measure(bodies, pose, world, pairs, slots)
     for k in range(which.shape[0]):
@@ -375,7 +398,7 @@ def follow_contacts(bodies, pose, world, pairs, known, slots):
     place(bodies, pose, world)
     which, value = slots
     for k in range(which.shape[0]):
-        value[k, SIZE] = known.value[k, SIZE]
+        value[k, SIZE], value[k, INSIDE] = known.value[k, SIZE], known.value[k, INSIDE]
         for i in range(which.shape[1]):
             which[k, i] = known.which[k, i]
     _measure(bodies, pose, world, pairs, slots)
@@ -422,8 +445,8 @@ def find_predecessors(pairs, previous, slots, source):
         if was[k, KIND] != NONE and same_edges:
             source[k] = k
             continue
-        j = first
-        while j < n and pair[j] == pair[k]:
+        j = first if k < first + ENDS else n
+        while j < min(first + ENDS, n) and pair[j] == pair[k]:
             kind_before = was[j, KIND]
             vertex_a = kind_before != NONE and kind != VERTEX_B and kind_before != VERTEX_B
             vertex_b = kind_before != NONE and kind != VERTEX_A and kind_before != VERTEX_A

@@ -24,6 +24,7 @@ from drystone.kernels.contacts import (
     BODY_A,
     BODY_B,
     FRICTION,
+    ROOM,
     SLOT,
     STIFF_N,
     STIFF_T,
@@ -31,8 +32,6 @@ from drystone.kernels.contacts import (
     TRIAL_T,
 )
 from drystone.kernels.law import (
-    BACKWARD,
-    FORWARD,
     OPEN,
     STICKING,
     change,
@@ -42,6 +41,7 @@ from drystone.kernels.law import (
 )  # fmt: skip
 from drystone.kernels.lu_numeric import solve
 from drystone.kernels.rows import MEASURED, OF_GAP, along
+from drystone.kernels.yielding import along_joint, friction_in, held_normal, sense
 
 #: How a path ends: where it should; before it, as it turns back; at a change after which the
 #: matrix must be made anew; after too many changes; where there is no direction; with more
@@ -125,9 +125,9 @@ def _ahead(contacts, count, direction, branch, whole):
         now = branch[which[c, SLOT]]
         far, _ = distance(table, c, now, rate_n, rate_t, whole)
         back = 0.0
-        if not whole and (now == FORWARD or now == BACKWARD):
-            sign = 1.0 if now == FORWARD else -1.0
-            back = (sign * rate_t - table[c, FRICTION] * rate_n) / table[c, STIFF_T]
+        sign = 0.0 if whole else sense(now)
+        if sign != 0.0:
+            back = (sign * rate_t - friction_in(table, c, now) * rate_n) / table[c, STIFF_T]
         if far < 1.0 or back < -SLOW_BACK:
             changed += 1
     return changed
@@ -152,9 +152,10 @@ def _keep_slow(contacts, count, branch):
     table, which = contacts.table, contacts.which
     for c in range(count):
         now = branch[which[c, SLOT]]
-        if now == FORWARD or now == BACKWARD:
-            sign = 1.0 if now == FORWARD else -1.0
-            if sign * table[c, TRIAL_T] < table[c, FRICTION] * table[c, TRIAL_N]:
+        sign = sense(now)
+        if sign != 0.0:
+            most = table[c, FRICTION] * held_normal(table, c, now) + table[c, ROOM]
+            if sign * table[c, TRIAL_T] < most:
                 commit(table, c, now)
 
 
@@ -168,7 +169,7 @@ def _next_change(contacts, count, branch, direction, ahead, whole, last, left_be
     which, rows, table = contacts
     nearest = np.inf
     chosen, following = count, count  # none yet; literals would be compiled for on their own
-    slowest = 0.0
+    slowest, back = 0.0, False
     if not whole:
         for i in range(direction.shape[0]):
             slowest = max(slowest, abs(direction[i, 0]), abs(direction[i, 1]))
@@ -179,15 +180,15 @@ def _next_change(contacts, count, branch, direction, ahead, whole, last, left_be
         rate_t *= ahead
         rate[c, 0], rate[c, 1] = rate_n, rate_t
         now = branch[which[c, SLOT]]
-        if not whole and (now == FORWARD or now == BACKWARD):
-            sign = 1.0 if now == FORWARD else -1.0
-            speed = (sign * rate_t - table[c, FRICTION] * rate_n) / table[c, STIFF_T]
+        sign = 0.0 if whole else sense(now)
+        if sign != 0.0:
+            speed = (sign * rate_t - friction_in(table, c, now) * rate_n) / table[c, STIFF_T]
             if speed < slowest:
                 slowest = speed
                 chosen = c
-                following = STICKING
-                nearest = 0.0
-        if nearest == 0.0 and following == STICKING:
+                following = now - along_joint(now) + STICKING
+                nearest, back = 0.0, True
+        if back:
             continue
         far, other = distance(table, c, now, rate_n, rate_t, whole)
         if c == last and other == left_behind:

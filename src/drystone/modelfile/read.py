@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from drystone.assembly import GRAVITY, POINTS, Block, Corner, JointLaw
+from drystone.assembly import GRAVITY, Block, Corner, JointLaw
 from drystone.builders.checks import law_problems
 from drystone.builders.contents import read_bytes
 from drystone.builders.errors import ModelError
@@ -148,7 +148,7 @@ def _model(
         joint_between=between,
         corner=Corner(radius=section.corner.radius or None, chamfer=section.corner.chamfer or None),
         thickness=section.thickness,
-        points=section.contact.points if section.contact else POINTS,
+        points=section.contact.points if section.contact else None,
         load=pattern_of(section.load, section.dimension),
         dead_loads=dead_loads_of(section.dead_load, section.dimension),
         ties=ties_of(section.tie, section.spring),

@@ -112,6 +112,19 @@ class ExceptionSection(Section):
     dilatancy_end: Annotated[float, ranged("dilatancy_end")] | None = None  # m
     cohesion: Annotated[float, ranged("cohesion")] | None = None  # Pa
     tensile_strength: Annotated[float, ranged("tensile_strength")] | None = None  # Pa
+    tensile_fracture_energy: (  # N/m
+        Annotated[float, ranged("tensile_fracture_energy")] | None
+    ) = None
+    shear_fracture_energy: Annotated[float, ranged("shear_fracture_energy")] | None = None  # N/m
+    residual_friction_coefficient: (  # -
+        Annotated[float, ranged("residual_friction_coefficient")] | None
+    ) = None
+    residual_slip: Annotated[float, ranged("residual_slip")] | None = None  # m
+    compressive_strength: Annotated[float, ranged("compressive_strength")] | None = None  # Pa
+    compressive_fracture_energy: (  # N/m
+        Annotated[float, ranged("compressive_fracture_energy")] | None
+    ) = None
+    greatest_closure: Annotated[float, ranged("greatest_closure")] | None = None  # m
     mortar: MortarSection | None = None
 
     @model_validator(mode="after")
@@ -328,7 +341,7 @@ class ControlSection(Section):
 class ContactSection(Section):
     """[contact]"""
 
-    points: Literal[4, 9, 16] = 4
+    points: int | None = None  # the default and what may be are those of the dimension
 
 
 class AnalysisSection(Section):
@@ -375,7 +388,7 @@ class ModelSection(Section):
     )
     joint: JointSection = Field(description="a table [joint] with friction and stiffnesses")
     corner: CornerSection = CornerSection()
-    contact: Annotated[ContactSection | None, Spatial] = None
+    contact: ContactSection | None = None
     block: list[BlockSection] = []
     build: list[BuildTable] = []
     wall: Annotated[WallSection | None, BeforeValidator(in_plane_only)] = None

@@ -19,14 +19,19 @@ from drystone.kernels import forces, path, rows
 from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import NONE, TRIAL_T, Pairs, Slots
 from drystone.kernels.forces import Start
-from drystone.kernels.law import N_HISTORY
+from drystone.kernels.law import H_CRUSH, H_KN, H_MU, N_HELD, N_HISTORY
+from drystone.kernels.yielding import CRUSHED, N_BRANCHES
 from drystone.solvers.linear_step import BENDS, LinearStep, Loads
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 #: What the branches of the joint law are called in results.
-STATUS_OF = np.array([OPEN, STICKING, SLIDING, SLIDING, STICKING])
+STATUS_OF = np.full(N_BRANCHES, OPEN)
+STATUS_OF[[joint_law.STICKING, joint_law.BONDED]] = STICKING
+STATUS_OF[[joint_law.FORWARD, joint_law.BACKWARD]] = SLIDING
+STATUS_OF[CRUSHED + joint_law.STICKING] = STICKING
+STATUS_OF[[CRUSHED + joint_law.FORWARD, CRUSHED + joint_law.BACKWARD]] = SLIDING
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,7 +63,9 @@ class StaticStep(LinearStep):
             size=np.zeros(n_slots),
             rows=np.zeros((n_slots, dim, 2 * n_dof)),
             closed=np.zeros(n_slots, np.bool_),
+            held=np.zeros((0, N_HELD)),
         )
+        self.origin = np.arange(n_slots)  # slots where the step started; -1 has none
 
     def begin(
         self,
@@ -68,14 +75,18 @@ class StaticStep(LinearStep):
         branch: IntArray,
         h: float,
         guess: Array,
+        held: Array | None = None,
     ) -> None:
         """Start a step of size ``h`` [s] from rest in ``pose``, with its contacts and their past.
 
         Slips are linear in the increments, by their gradients half way to the ``guess`` of these:
         of second order in the step, without straining the stiff shear springs of blocks that
-        are held at several points and turn together.
+        are held at several points and turn together.  ``held`` (n_slots, N_HELD) is what joints
+        hold in it that are not dry, see `kernels.law`.
         """
         self.pose = pose
+        self.origin[:] = np.arange(len(self.origin))
+        self.start = self.start._replace(held=np.zeros((0, N_HELD)) if held is None else held)
         self.inertia_factor = 1.0 / h**2
         for mine, theirs in zip(self.known, slots, strict=True):
             mine[:] = theirs
@@ -92,9 +103,17 @@ class StaticStep(LinearStep):
         known, source = self.known, self.source
         source[:] = self.constants.detector.predecessors(self.pairs, known, slots)
         new = source < 0
-        for array in (self.history_before, *self.start, self.branch):
+        for array in (self.history_before, *self.start[:3], self.branch):
             array[:] = array[source]
             array[new] = 0
+        self.origin[:] = np.where(new, -1, self.origin[source])
+        if len(self.start.held):
+            held, law = self.start.held, self.pairs.law_of_slot
+            held[:] = held[source]
+            held[new] = 0.0
+            held[new, H_KN] = self.constants.laws[law[new], joint_law.KN]
+            held[new, H_MU] = self.constants.laws[law[new], joint_law.MU]
+            held[new, H_CRUSH] = np.inf
         # Blocks that come to touch later are not bonded.
         self.history_before[new, joint_law.BROKEN] = 1.0
         for mine, theirs in zip(known, slots, strict=True):

@@ -25,7 +25,14 @@ from drystone.assembly import GRAVITY, Assembly, Corner
 from drystone.contact.certificate import Forces, JudgedContacts, certify
 from drystone.contact.detection import Detector
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
-from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
+from drystone.engines.base import (
+    Demand,
+    EngineError,
+    Problem,
+    StepReport,
+    UnstableError,
+    refuse_yielding,
+)
 from drystone.engines.lmgc90.messages import Outcome, Ready, Setup, Step
 from drystone.engines.lmgc90.process import Process
 from drystone.engines.measures import (
@@ -500,6 +507,7 @@ def module_of(driver: str, dimension: int) -> str:
 
 def check(assembly: Assembly) -> tuple[str, ...]:
     """What LMGC90 leaves out of an assembly; raises `EngineError` for what it cannot do."""
+    refuse_yielding(assembly, "lmgc90")
     for law in assembly.laws:
         if law.normal_stiffness is None:
             raise EngineError("[joint] normal_stiffness is missing: the lmgc90 engine needs it")
