@@ -14,6 +14,7 @@ from drystone.analysis import pushover
 from drystone.assembly import Block, JointLaw
 from drystone.builders import make_model
 from drystone.engines.base import EngineError
+from drystone.limit import collapse_load
 
 #: Of a joint that takes next to no shear beside others [Pa/m].
 SOFT = 1e6
@@ -275,6 +276,27 @@ class TestCrushing:
         at = few.column("control_displacement")[later]
         found = np.interp(at, many.column("control_displacement"), many.column("load_multiplier"))
         assert found == pytest.approx(few.column("load_multiplier")[later], abs=1e-4)
+
+
+@pytest.mark.parametrize("flow", ["associative", "non-associative"])
+@pytest.mark.parametrize("crushed", [0.0, 0.02, 0.05, 0.1, 0.2])
+def test_limit_analysis_of_a_crushed_toe(flow, crushed):
+    """(B - a) / H and up to h^2 / 8a of the arm more, h = B / 32."""
+    width, height = 0.5, 1.0
+    weight = UNIT_WEIGHT * width * height
+    law = joint(0.8, compressive_strength=weight / crushed if crushed else np.inf)
+    found = collapse_load(stack((width, height), joint=law), flow=flow)
+    above = found.load_multiplier - (width - crushed) / height
+    most = 2.0 * (width / 32) ** 2 / (8.0 * crushed) / height if crushed else 0.0
+    assert -1e-9 <= above <= most + 1e-9
+    assert max(found.duality_gap, found.residual) < 1e-9
+    assert max(found.friction_violation, found.dilatancy_violation) < 1e-9
+
+
+def test_limit_analysis_of_joints_that_their_weight_crushes():
+    weak = joint(0.8, compressive_strength=0.9 * UNIT_WEIGHT)
+    found = collapse_load(stack((0.5, 1.0), joint=weak))
+    assert "does not stand under its own weight" in found.reason
 
 
 @pytest.mark.parametrize("step", [1e-5, 5e-6, 2e-5])

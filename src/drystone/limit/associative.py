@@ -73,7 +73,7 @@ def fall(equilibrium: Equilibrium) -> Array:
     regions = Regions.of(equilibrium)
     n_amounts, n_rows = regions.combination.shape[1], len(equilibrium.dead)
     n_shared, n_blocks = regions.sharing.shape[0], equilibrium.assembly.n_blocks
-    of_blocks = np.arange(n_rows - equilibrium.n_ties)
+    of_blocks = np.arange(n_rows - equilibrium.n_beside)
     dim, row = equilibrium.points.dimension, of_blocks.reshape(n_blocks, -1)
     help_, columns, cones = [], 0, []
     for part in (row[:, :dim], row[:, dim:]):  # the size of a force or moment, then itself

@@ -17,12 +17,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, vstack
+from scipy.sparse import csc_array, hstack, vstack
 
 from drystone.assembly import Assembly
 from drystone.geometry.motion import moments
+from drystone.limit.crushing import in_rows, rows_of, with_rests
 from drystone.limit.joints import ContactPoints, contact_points
-from drystone.limit.tied import rows_of, with_ties
+from drystone.limit.tied import rows_of as tied_rows
+from drystone.limit.tied import with_ties
 from drystone.loading import Acting, DeadForces, DeadLoad, LoadPattern
 from drystone.ties import Tie
 
@@ -34,7 +36,8 @@ IntArray = NDArray[np.int64]
 class Equilibrium:
     """The balance of an assembly, scaled.
 
-    Rows are movable blocks times degrees of freedom, then one for each tie; see `tied`.
+    Rows are movable blocks times degrees of freedom, then one for each tie, see `tied`, and for
+    each contact point that may be crushed, see `crushing`.
     """
 
     assembly: Assembly
@@ -47,6 +50,7 @@ class Equilibrium:
     force: float  # N, the unit of force
     length: float  # m, the unit of length
     n_ties: int = 0
+    n_crushed: int = 0  # contact points that may be crushed
     untilted: Array | None = None
     """(n_rows,) what of the dead load stays as large where gravity turns; None for all patterns but
     `tilt`, and where there is none."""
@@ -60,7 +64,11 @@ class Equilibrium:
         ties: Sequence[Tie] = (),
     ) -> Equilibrium:
         """Set up the balance in the designed shape; all ``dead_loads`` act from the start."""
-        points = with_ties(contact_points(assembly), assembly, ties)
+        points = in_rows(contact_points(assembly))
+        points = with_ties(points, assembly, ties)
+        tied = points
+        still = int(np.flatnonzero(assembly.fixed)[0])
+        points, crushed = with_rests(points, still)
         force = assembly.heaviest_weight
         movable = np.flatnonzero(~assembly.fixed)
         size = assembly.volume[movable] / assembly.thickness  # area in the plane, else volume
@@ -77,8 +85,13 @@ class Equilibrium:
 
         matrix, own = _matrix(assembly, points, length), np.zeros(0)
         if ties:
-            rows, own = rows_of(ties, points, force)
-            matrix = csc_array(vstack([matrix, rows]))
+            rows, own = tied_rows(ties, tied, force)
+            padded = csc_array((len(ties), assembly.dimension * len(crushed)))
+            matrix = csc_array(vstack([matrix, hstack([rows, padded])]))
+            matrix.sort_indices()
+        if len(crushed):
+            rows, least = rows_of(points, crushed, force)
+            matrix, own = csc_array(vstack([matrix, rows])), np.concatenate((own, least))
             matrix.sort_indices()
         untilted = None
         if beside is not None and (beside.force.any() or own.any()):
@@ -90,6 +103,7 @@ class Equilibrium:
             dead=np.concatenate((scaled(dead), own)),
             live=np.concatenate((scaled(acting.pattern), np.zeros(len(own)))),
             n_ties=len(ties),
+            n_crushed=len(crushed),
             untilted=untilted,
             cohesion=points.cohesion / force,
             tension=points.tension / force,
@@ -104,8 +118,13 @@ class Equilibrium:
 
     @property
     def n_joined(self) -> int:
-        """Contact points of joints, those that stand for ties left out."""
-        return self.n_contacts - 2 * self.n_ties
+        """Contact points of joints, those that stand for ties and for strengths left out."""
+        return self.n_contacts - 2 * self.n_ties - self.n_crushed
+
+    @property
+    def n_beside(self) -> int:
+        """Rows that are no balance of blocks."""
+        return self.n_ties + self.n_crushed
 
     def tie_forces(self, forces: Array) -> Array | None:
         """Of ties (n_ties,) [N], tension positive, from ``forces`` (n_contacts, dim); None where
@@ -134,7 +153,7 @@ class Equilibrium:
         """Scaled velocities (n_rows,) as those of all blocks, (n, n_dof) [m/s, rad/s]."""
         assembly = self.assembly
         blocks = np.zeros((assembly.n_bodies, assembly.n_dof))
-        rows = len(velocity) - self.n_ties
+        rows = len(velocity) - self.n_beside
         blocks[~assembly.fixed] = velocity[:rows].reshape(-1, assembly.n_dof)
         blocks[:, assembly.dimension :] /= self.length
         return blocks

@@ -35,6 +35,7 @@ class ContactPoints:
     dilatancy: Array  # (n_contacts,) tangent of the dilatancy angle
     cohesion: Array  # (n_contacts,) N, of the point's share
     tension: Array  # (n_contacts,) N, likewise
+    crushing: Array  # (n_contacts,) N, likewise; infinite where joints are not crushed
 
     @property
     def n_contacts(self) -> int:
@@ -74,10 +75,12 @@ def contact_points(assembly: Assembly, *, set_back: float | None = None) -> Cont
             np.tan(np.radians(law.dilatancy_angle)),
             law.cohesion,
             law.tensile_strength,
+            law.compressive_strength,
         )
         for law in assembly.laws
     ]
-    friction, dilatancy, cohesion, tension = np.array(laws)[assembly.law_index(a, b)].T
+    of_joint = np.array(laws)[assembly.law_index(a, b)].T
+    friction, dilatancy, cohesion, tension, crushing = of_joint
     across = [np.cross(normal, tangent)] if assembly.dimension == 3 else []
     return ContactPoints(
         block_a=a,
@@ -89,6 +92,7 @@ def contact_points(assembly: Assembly, *, set_back: float | None = None) -> Cont
         dilatancy=np.minimum(dilatancy, friction),
         cohesion=cohesion * area,
         tension=tension * area,
+        crushing=crushing * area,
     )
 
 

@@ -40,6 +40,7 @@ def with_ties(points: ContactPoints, assembly: Assembly, ties: Sequence[Tie]) ->
         "position": np.array([np.asarray(tie.start.point, float) for tie in ties]),
         "frame": frame,
         **dict.fromkeys(("area", "friction", "dilatancy", "cohesion"), nothing),
+        "crushing": np.full(n, np.inf),
     }
     first = ContactPoints(
         block_a=np.array([tie.start.row(assembly) for tie in ties]),
