@@ -285,6 +285,18 @@ def test_a_killed_run_is_assessed_as_far_as_it_goes(results):
     assert "q = 2" in linear.stdout
 
 
+def test_a_run_that_was_killed_before_its_first_point(results):
+    cut(results, 0)
+    result = drystone("assess", results, *FLAGS)
+    assert result.exit_code == 3 and "the curve has 0 points" in result.stderr
+
+
+def test_of_a_folder_of_directions_one_is_to_be_named(results, tmp_path):
+    shutil.copytree(results, tmp_path / "all" / "direction-180")
+    result = drystone("assess", tmp_path / "all", *FLAGS)
+    assert result.exit_code == 2 and "one of the directions in it, direction-180" in result.stderr
+
+
 def test_a_run_that_was_killed_before_its_peak_has_no_mechanism(results):
     cut(results, 3)
     result = drystone("assess", results, *FLAGS, "--json")

@@ -30,7 +30,7 @@ def report(
     with outcome(as_json=as_json):
         from drystone.document.report import write_report
         from drystone.export.directory import RESULTS
-        from drystone.export.folder import check_apart, check_place
+        from drystone.export.folder import check_apart, check_place, in_a_sentence
         from drystone.viewer.folder import ASSESSMENT, Folder
 
         path = folder / "report.html" if out is None else out
@@ -40,7 +40,7 @@ def report(
             check_apart(kept, [path])
         if found.results.model is not None:
             check_apart(found.results.model.source, [path])
-        write_report(path, found)
+        in_a_sentence(lambda: write_report(path, found))
         if as_json:
             emit({"status": "done", "file": str(path), "bytes": path.stat().st_size})
         elif not quiet:

@@ -40,7 +40,7 @@ def view(
     """
     with outcome(as_json=as_json):
         from drystone.export.directory import RESULTS
-        from drystone.export.folder import OutputError, check_apart, check_place
+        from drystone.export.folder import OutputError, check_apart, check_place, in_a_sentence
         from drystone.viewer.folder import Folder
 
         path = folder / "view.html" if out is None else out
@@ -56,7 +56,7 @@ def view(
         else:
             from drystone.viewer.page import write_page
 
-            write_page(found.contents(), path)
+            in_a_sentence(lambda: write_page(found.contents(), path))
         if as_json:
             emit({"status": "done", "file": str(path), "bytes": path.stat().st_size})
         elif not quiet:

@@ -155,7 +155,7 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 def as_output_error(error: OSError) -> OutputError:
     """What the operating system refused, in a sentence."""
-    where = f" {error.filename}" if error.filename else ""
+    where = f" {str(error.filename).removesuffix('.part')}" if error.filename else ""
     return OutputError(
         f"the results{where} cannot be written ({error.strerror or error}): "
         "free some space or choose another folder"

@@ -145,9 +145,11 @@ def load_results(path: Path | str) -> Results:
             groups = stored.groups()
     except (OSError, KeyError) as error:
         why = "there is none" if not file.is_file() else f"it is torn or no such file ({error})"
-        raise OutputError(
-            f"{file} cannot be read, {why}: name a folder that a run or save_results has written"
-        ) from None
+        within = sorted(found.parent.name for found in folder.glob(f"direction-*/{RESULTS}"))
+        mend = "name a folder that a run or save_results has written"
+        if within:
+            mend = f"name one of the directions in it, {', '.join(within)}"
+        raise OutputError(f"{file} cannot be read, {why}: {mend}") from None
     return Results(
         path=folder,
         curve=curve,

@@ -365,7 +365,12 @@ def _spread(curve: CapacityCurve) -> list[int]:
 
 
 def _poses(curve: CapacityCurve) -> Array:
-    if curve.poses is None or len(curve.poses) < 2:
+    if len(curve.points) < 2:
+        raise UnfinishedError(
+            f"the curve has {len(curve.points)} points ({curve.status}: {curve.reason}): trace it "
+            "to its end"
+        )
+    if curve.poses is None:
         raise UnfinishedError(
             "the curve has no poses, by which blocks that move as one are told: trace it with "
             "keep_poses=True, or read its folder of results"
