@@ -24,6 +24,8 @@ from drystone.control import (
     ExcessSettings,
     PublishedControl,
     PublishedSettings,
+    SettlingControl,
+    SettlingSettings,
 )
 from drystone.curve import (
     DYNAMIC,
@@ -54,6 +56,10 @@ STEP_SHARE = 0.005
 
 #: Largest one: what moves farther in a step no engine follows, and a peak goes by unseen.
 COARSEST_SHARE = 0.2
+
+#: Time step of supports that move in dynamic formulations, in own units [s]: inertia of a step of
+#: a hundredth of a block is then 1e-4 of its weight.
+STILL = 1.0
 
 STRATEGIES = ("displacement", "published")
 
@@ -182,6 +188,7 @@ class _Run:
                 load=model.load,
                 dead_loads=model.dead_loads,
                 ties=model.ties,
+                settlement=model.settlement,
                 control_point=model.control_point,
                 ground=model.analysis.ground,
             )
@@ -345,6 +352,8 @@ def make_control(strategy: str, engine: Engine, model: Model) -> Control:
     step = {"displacement_step": STEP_SHARE * frame.size}
     ask = getattr(engine, "preferences", None)
     preferred: Mapping[str, float] = ask(model.assembly) if ask else {}
+    if model.settlement is not None:
+        return _settling({**step, **preferred, **options}, engine, model, frame)
     try:
         if strategy == "published":
             return PublishedControl(
@@ -356,6 +365,37 @@ def make_control(strategy: str, engine: Engine, model: Model) -> Control:
         return ExcessControl(_settings(ExcessSettings, frame.time, chosen))
     except ControlError as error:
         raise EngineError(f"[analysis] {error}") from None
+
+
+def _settling(
+    options: Mapping[str, float], engine: Engine, model: Model, frame: Frame
+) -> SettlingControl:
+    """The control of supports that move; raises `EngineError` for engines that cannot move them."""
+    if not getattr(engine, "moves_supports", False):
+        raise EngineError(
+            f"the {engine.name} engine cannot move supports: take the equilibrium, the nscd or the "
+            "distinct engine"
+        )
+    settlement, assembly = model.settlement, model.assembly
+    assert settlement is not None
+    weight = float(assembly.weight[~assembly.fixed].sum())
+    lever = 1.0
+    if settlement.rotates:
+        rows = settlement.rows(assembly)
+        corners = np.vstack([assembly.blocks[i].vertices for i in rows])
+        lever = float(np.linalg.norm(corners - settlement.centre, axis=1).max())
+    step = options["displacement_step"]
+    return SettlingControl(
+        SettlingSettings(
+            largest=settlement.largest,
+            step=min(step, settlement.largest * lever) / lever,
+            unit=weight * (lever if settlement.rotates else 1.0),
+            scale=lever,
+            time_step=0.0 if engine.prescribes_displacement else STILL * frame.time,
+            easy_iterations=int(options.get("easy_iterations", SettlingSettings.easy_iterations)),
+            max_steps=int(options.get("max_steps", SettlingSettings.max_steps)),
+        )
+    )
 
 
 def _settings(cls: type, second: float, options: Mapping[str, float]) -> Any:
@@ -382,6 +422,7 @@ def _point(step: int, report: StepReport, time_step: float, decision: Decision) 
         load_multiplier=decision.load_multiplier,
         applied_multiplier=report.applied_multiplier,
         carried_multiplier=report.carried_multiplier,
+        reaction=report.reaction if np.isfinite(report.reaction) else 0.0,
         residual=report.residual,
         penetration=report.penetration,
         friction_violation=report.friction_violation,

@@ -70,6 +70,7 @@ class CurvePoint:
     jumped: bool = False  # reached in a jump: none at rest lies between it and the point before
     lost_shear: float = 0.0  # -, of contacts that were taken away in the step, over heaviest weight
     unstable: bool = False  # an equilibrium that the structure would not keep, no other beside it
+    reaction: float = 0.0  # N or N m, of supports that move, whose motion is then what paces the curve
 
 
 @dataclass(frozen=True, kw_only=True)

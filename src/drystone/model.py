@@ -14,6 +14,7 @@ from drystone.assembly import Assembly, Corner
 from drystone.geometry.mended import Mended
 from drystone.loading import DeadLoad, LoadPattern
 from drystone.monitor import ControlPoint
+from drystone.settlement import Settlement
 from drystone.site import AssessmentInput, Site
 from drystone.ties import Tie
 
@@ -63,6 +64,7 @@ class Model:
     control_point: ControlPoint
     dead_loads: tuple[DeadLoad, ...] = ()  # beside the blocks' weight
     ties: tuple[Tie, ...] = ()
+    settlement: Settlement | None = None  # of supports that move, in place of a load that grows
     analysis: Analysis = field(default_factory=Analysis)
     origin: Origin | None = None
     notes: tuple[str, ...] = ()
@@ -83,6 +85,7 @@ class Model:
             self.control_point,
             self.dead_loads,
             self.ties,
+            self.settlement,
             self.title,
             self.analysis,
             self.site,
@@ -111,8 +114,8 @@ class Model:
 
     def _as_read(self, origin: Origin) -> bool:
         now, read = self.contents, origin.contents
-        same = all(a is b for a, b in zip(now[:5], read[:5], strict=True))
-        return same and now[5:] == read[5:]
+        same = all(a is b for a, b in zip(now[:6], read[:6], strict=True))
+        return same and now[6:] == read[6:]
 
     def with_joint(
         self, *, between: tuple[str, str] | None = None, **values: float | None
@@ -168,6 +171,12 @@ class Model:
         from drystone.builders.vary import remade
 
         return remade(self, ties=tuple(ties))
+
+    def with_settlement(self, settlement: Settlement) -> Model:
+        """The model with supports that move in place of the load pattern."""
+        from drystone.builders.vary import remade
+
+        return remade(self, settlement=settlement, load=None)
 
     def with_control(
         self,

@@ -89,6 +89,7 @@ RANGES = {
     "yield_force": Range(least=1e-6, most=1e15, unit="N"),
     "pretension": Range(least=-1e15, most=1e15, unit="N"),
     "breaking_elongation": Range(least=1e-9, most=1e6, unit="m"),
+    "settlement": Range(least=1e-9, most=1e6),
     "within": Range(least=0.0, most=90.0, unit="degrees"),
     "at_rest": Range(least=0.0, most=10.0),
     "stop_multiplier": Range(least=1e-9, most=1e6),

@@ -44,7 +44,10 @@ def model_to_dict(model: Model) -> dict[str, Any]:
         }
         for block in assembly.blocks
     ]
-    data["load"] = {"pattern": model.load.name, **model.load.keys()}
+    if model.settlement is None:
+        data["load"] = {"pattern": model.load.name, **model.load.keys()}
+    else:
+        data["settlement"] = model.settlement.keys()
     if model.dead_loads:
         data["dead_load"] = [load.keys() for load in model.dead_loads]
     for key, spring in (("tie", False), ("spring", True)):

@@ -54,6 +54,7 @@ def extruded(model: Model, *, points: int = 4) -> Model:
         load=model.load.in_space(into),
         dead_loads=tuple(load.in_space(into) for load in model.dead_loads),
         ties=tuple(tie.in_space(into) for tie in model.ties),
+        settlement=model.settlement and model.settlement.in_space(into),
         control_point=ControlPoint(
             block=control.block,
             point=_in_space(control.point, 0.5 * depth),

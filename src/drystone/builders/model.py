@@ -23,10 +23,11 @@ from drystone.builders.errors import ModelError
 from drystone.builders.fit import DRAWING_TOLERANCE, fitted, turned_round
 from drystone.geometry import GeometryError
 from drystone.geometry.mended import Mended
-from drystone.loading import DeadLoad, LoadPattern, MassPattern
+from drystone.loading import DeadLoad, LoadPattern, MassPattern, NoPattern
 from drystone.model import Analysis, Model, Origin
 from drystone.monitor import ControlPoint
 from drystone.ranges import problem
+from drystone.settlement import Settlement
 from drystone.site import AssessmentInput, Site
 from drystone.ties import Tie, problems_of
 
@@ -45,6 +46,7 @@ def make_model(
     load: LoadPattern | None = None,
     dead_loads: Sequence[DeadLoad] = (),
     ties: Sequence[Tie] = (),
+    settlement: Settlement | None = None,
     thickness: float | None = None,
     corner: Corner | None = None,
     points: int | None = None,
@@ -81,6 +83,8 @@ def make_model(
         Beside the blocks' weight.
     ties
         Ties and springs between blocks.
+    settlement
+        Of supports that move, in place of a load.
     corner
         How corners are treated for contact; sharp by default.
     points
@@ -108,6 +112,8 @@ def make_model(
     """
     place = place or (lambda i: f'block "{blocks[i].id}"')
     dimension = blocks[0].dimension if blocks else len(load_direction or (0.0, 0.0))
+    if settlement is not None and load is None and load_direction is None:
+        load = NoPattern(direction=np.eye(dimension)[min(1, dimension - 2)])
     pattern = _pattern(load, load_direction, dimension)
     assembly, amended = _assembly(
         blocks,
@@ -125,6 +131,10 @@ def make_model(
         named = f' "{one.name}"' if one.name else ""
         problems += one.problems(assembly, f"dead_load[{k + 1}]{named}")
     problems += problems_of(ties, assembly)
+    if settlement is not None:
+        problems += settlement.problems(assembly)
+        if not isinstance(pattern, NoPattern):
+            problems.append("settlement: stands in place of [load]: take one of the two out")
     control = _control(assembly, pattern, problems, **wanted)
     model = Model(
         title=title,
@@ -132,6 +142,7 @@ def make_model(
         load=pattern,
         dead_loads=tuple(dead_loads),
         ties=tuple(ties),
+        settlement=settlement,
         control_point=control,
         analysis=analysis or Analysis(),
         notes=(*notes, *amended),

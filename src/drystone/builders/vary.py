@@ -31,6 +31,7 @@ def remade(model: Model, **changes: Any) -> Model:
         "load": model.load,
         "dead_loads": model.dead_loads,
         "ties": model.ties,
+        "settlement": model.settlement,
         "control_block": assembly.ids[control.block],
         "control_point": control.point,
         "control_direction": control.direction,

@@ -7,6 +7,7 @@ from drystone.control.base import Control, ControlError, Decision
 from drystone.control.displacement import DisplacementControl, DisplacementSettings
 from drystone.control.excess import ExcessControl, ExcessSettings
 from drystone.control.published import PublishedControl, PublishedSettings
+from drystone.control.settling import SettlingControl, SettlingSettings
 
 __all__ = [
     "Control",
@@ -18,4 +19,6 @@ __all__ = [
     "ExcessSettings",
     "PublishedControl",
     "PublishedSettings",
+    "SettlingControl",
+    "SettlingSettings",
 ]

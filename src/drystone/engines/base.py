@@ -18,6 +18,7 @@ from drystone.assembly import Assembly, JointLaw
 from drystone.contact.forces import ContactForces
 from drystone.loading import DeadLoad, LoadPattern
 from drystone.monitor import ControlPoint
+from drystone.settlement import Settlement
 from drystone.ties import Tie
 
 Array = NDArray[np.float64]
@@ -57,6 +58,7 @@ class Problem:
     control_point: ControlPoint
     dead_loads: tuple[DeadLoad, ...] = ()  # beside the blocks' weight
     ties: tuple[Tie, ...] = ()
+    settlement: Settlement | None = None  # of supports that pace the analysis in place of the load
     length: float = 1.0  # m, of the unit that lengths are in; for messages
     ground: float | None = None  # m, see `level`; None: the supports' lowest point
 
@@ -78,13 +80,14 @@ class Problem:
 class Demand:
     """What a control asks of one step: a multiplier to apply, or an increment to reach.
 
-    Exactly one of the two is given; a multiplier without a time step asks for the rest under it,
+    Exactly one of the three is given; a multiplier without a time step asks for the rest under it,
     of engines that find it so.  `increment` is for engines that say
     ``prescribes_displacement``: the multiplier is then an unknown of the step.
     """
 
     multiplier: float | None = None
     increment: float | None = None  # m, of the control displacement
+    settlement: float | None = None  # m or rad, by which the supports of the problem move on
     over_fold: bool = False  # with `increment`: any equilibrium there, not only one on the path
     thorough: bool = True  # whether all ways are tried: no less will be asked for if this fails
     time_step: float = 0.0  # s; engines of dynamic formulations only need a positive one
@@ -101,7 +104,8 @@ class StepReport:
     applied_multiplier: float = np.nan
     carried_multiplier: float = np.nan
     static_multiplier: float = np.nan
-    control_displacement: float = np.nan  # m
+    control_displacement: float = np.nan  # m; of supports that move how far they went, m or rad
+    reaction: float = np.nan  # N or N m, of supports that move, see `settlement`
     residual: float = np.nan
     penetration: float = np.nan  # m
     friction_violation: float = np.nan

@@ -13,6 +13,7 @@ gets one in proportion to the stiffness that it feels.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -122,6 +123,7 @@ class DistinctState:
     due: IntArray  # rows of those that break next
     gone: BoolArray  # (n,) blocks that have left
     ties: TieState
+    settled: float = 0.0  # m or rad, by which supports have moved
     friction_work: float = 0.0  # J, turned to heat since the start
     damping_work: float = 0.0  # J, likewise
     load_work: float = 0.0  # J, done by dead load and pattern
@@ -421,6 +423,7 @@ class DistinctEngine:
 
     name = "distinct"
     in_own_frame = True
+    moves_supports = True
     prescribes_displacement = True
     #: Rest is looked for with the forces of a cycle, its poses are those at the end of it.
     residual_limit = 1e-4
@@ -586,6 +589,8 @@ class DistinctEngine:
 
     def step(self, state: DistinctState, demand: Demand) -> tuple[DistinctState, StepReport]:
         """Cycles from `state`; see `Engine.step`."""
+        if demand.settlement is not None:
+            return self._follow_supports(state, demand.settlement)
         if demand.increment is not None and self.brittle:
             return self._bond_steps(demand.increment).advance(state)
         if demand.increment is not None:
@@ -598,9 +603,41 @@ class DistinctEngine:
         work = self._at_rest(replace(state, multiplier=demand.multiplier))
         return self._balance(state, work, guided=False)
 
-    def _bond_steps(self, increment: float) -> BondSteps[DistinctState]:
+    def _follow_supports(
+        self, state: DistinctState, amount: float
+    ) -> tuple[DistinctState, StepReport]:
+        """Move supports on by an amount, as far as bonds and ties allow."""
+        if self.brittle:
+            return self._bond_steps(amount, self._settle_on).advance(state)
+        return self._settle_on(state, amount)
+
+    def _settle_on(
+        self, state: DistinctState, amount: float
+    ) -> tuple[DistinctState, StepReport]:
+        """Move supports on at a constant rate, then balance."""
+        work, settlement = self._at_rest(state), self.problem.settlement
+        assert settlement is not None
+        assembly, n = self.problem.assembly, self.settings.drive_cycles
+        if amount:
+            given = settlement.increment(assembly, state.pose, state.settled + amount)
+            rows = settlement.rows(assembly)
+            work.motion.velocity[rows] = given[rows] / (n * work.dt)
+            try:
+                work.run(n)
+            except RunAwayError as error:
+                return state, _failed(str(error), work)
+            work.motion.velocity[rows] = 0.0
+        return self._balance(replace(state, settled=state.settled + amount), work, guided=False)
+
+    def _bond_steps(
+        self,
+        increment: float,
+        advance: Callable[[DistinctState, float], tuple[DistinctState, StepReport]] | None = None,
+    ) -> BondSteps[DistinctState]:
+        go = advance or self._advance
+
         def solve(state: DistinctState, share: float) -> tuple[DistinctState, StepReport]:
-            new, report = self._advance(state, share * increment)
+            new, report = go(state, share * increment)
             if share == 0.0 and report.converged:  # what a break moves says nothing of what follows
                 new = replace(new, increment=state.increment)
             return new, report
@@ -824,6 +861,7 @@ class DistinctEngine:
             due=np.zeros(0, np.int64),
             gone=work.lost,
             ties=ties,
+            settled=state.settled,
             friction_work=state.friction_work + float(meter[explicit.FRICTION_WORK]),
             damping_work=state.damping_work + float(meter[explicit.DAMPING_WORK]),
             load_work=state.load_work + float(meter[explicit.LOAD_WORK]),
@@ -841,6 +879,7 @@ class DistinctEngine:
             certificate=work.ties.marked(certify(contacts, forces, self.extent, acting.fixed)),
             motion=self.detector.farthest(increment),
             n_iterations=work.n_cycles,
+            settled=state.settled,
         )
         figures = report(self.problem, acting, outcome)
         return new, replace(figures, lost_shear=work.lost_shear / self.scale)

@@ -105,6 +105,8 @@ class EquilibriumState:
     due: IntArray  # rows of those that break next
     gone: BoolArray  # (n,) blocks that have left
     ties: TieState
+    settled: float = 0.0  # m or rad, by which supports have moved
+    last_settled: float = 0.0  # in the last step
     # Of space:
     slope: float = np.nan  # 1/m, of the curve
     tangent: Array | None = None  # (n, n_dof) per m of the control displacement
@@ -119,6 +121,7 @@ class EquilibriumEngine:
 
     name = "equilibrium"
     in_own_frame = True
+    moves_supports = True
     prescribes_displacement = True
     #: A thousand times what its steps are solved to: steps that stiff joints do not let be solved
     #: as well are told from those that only seem to be solved.
@@ -249,7 +252,8 @@ class EquilibriumEngine:
         farthest = self.settings.max_motion * self.problem.assembly.smallest_extent
         if self.brittle:
             steps, state = self._bond_steps(demand, farthest), self._refresh(state)
-            free = demand.increment is None or demand.time_step > 0.0
+            paced = demand.increment is not None or demand.settlement is not None
+            free = not paced or demand.time_step > 0.0
             new, outcome = steps.again(state) if free else steps.advance(state)
         else:
             new, outcome = self._step(state, demand, farthest)
@@ -259,9 +263,12 @@ class EquilibriumEngine:
 
     def _bond_steps(self, demand: Demand, farthest: float) -> BondSteps[EquilibriumState]:
         def solve(state: EquilibriumState, share: float) -> tuple[EquilibriumState, StepReport]:
-            if demand.increment is None:
+            if demand.settlement is not None:
+                part = replace(demand, settlement=share * demand.settlement)
+            elif demand.increment is not None:
+                part = replace(demand, increment=share * demand.increment)
+            else:
                 return self._step(state, demand, farthest)
-            part = replace(demand, increment=share * demand.increment)
             new, report = self._step(state, part, farthest)
             if share == 0.0 and report.converged:  # what a break moves says nothing of what follows
                 new = replace(new, last_increment=state.last_increment)
@@ -307,6 +314,9 @@ class EquilibriumEngine:
         pace = self._pace(state, demand)
         h = demand.time_step or self.settings.static_time_step
         x, multiplier = self._predict(state, demand, pace)
+        given = self.equations.given
+        given[:] = self._given(state, demand)
+        x = np.where(given.any(axis=1)[:, None], given, x)
         accuracy = changed(self.accuracy, farthest=farthest)
         solved = self._solve(state, demand, pace, x, multiplier, h, accuracy)
         if solved.reason == piecewise.TOO_STIFF:
@@ -320,7 +330,7 @@ class EquilibriumEngine:
             )
         if solved.held:
             h = 1.0 / np.sqrt(1.0 / h**2 + solved.held)
-        new, outcome = self._accept(state, solved, h, demand.increment)
+        new, outcome = self._accept(state, solved, h, demand)
         if self._missed(new):
             return state, StepReport(
                 converged=False,
@@ -518,6 +528,8 @@ class EquilibriumEngine:
         The last increments go on, turned with the blocks, where they moved the same way.
         """
         nothing = self.problem.assembly.no_motion()
+        if demand.settlement is not None:
+            return self._follow_supports(state, demand.settlement), 0.0
         if pace is None:
             assert demand.multiplier is not None
             return nothing, demand.multiplier
@@ -532,11 +544,26 @@ class EquilibriumEngine:
         way[:] = motion.turned(way, 0.5 * (1.0 + share) * state.last_increment)
         return guess, state.multiplier
 
+    def _given(self, state: EquilibriumState, demand: Demand) -> Array:
+        """Increments (n, n_dof) of supports that move."""
+        problem = self.problem
+        if problem.settlement is None or not demand.settlement:
+            return problem.assembly.no_motion()
+        amount = state.settled + demand.settlement
+        return problem.settlement.increment(problem.assembly, state.pose, amount)
+
+    def _follow_supports(self, state: EquilibriumState, amount: float) -> Array:
+        """The last increments go on as the supports do."""
+        if not state.last_settled:
+            return self.problem.assembly.no_motion()
+        return amount / state.last_settled * state.last_increment
+
     def _accept(
-        self, state: EquilibriumState, solved: StepSolution, h: float, increment: float | None
+        self, state: EquilibriumState, solved: StepSolution, h: float, demand: Demand
     ) -> tuple[EquilibriumState, StepReport]:
         """The state that a step has led to, and its figures."""
         judged, then = self._ended(state)
+        increment = demand.settlement if demand.increment is None else demand.increment
         slots = self.equations.found.copied()
         source = self.detector.predecessors(state.pairs, self.equations.known, slots)
         history, reaction, branch = self._inherited(source, then, slots)
@@ -562,6 +589,8 @@ class EquilibriumEngine:
             due=np.zeros(0, np.int64),
             gone=state.gone,
             ties=ties,
+            settled=state.settled + (demand.settlement or 0.0),
+            last_settled=demand.settlement or 0.0,
             slope=solved.slope,
             tangent=solved.tangent,
             unstable=solved.unstable,
@@ -574,7 +603,9 @@ class EquilibriumEngine:
             new = replace(new, held=False)
         return new, changed(
             outcome,
-            static_multiplier=outcome.static_multiplier if increment is None else solved.multiplier,
+            static_multiplier=outcome.static_multiplier
+            if demand.increment is None
+            else solved.multiplier,
             turn=solved.turn,
             excess=solved.excess,
             bend=solved.bend,
@@ -635,6 +666,7 @@ class EquilibriumEngine:
             slots=self._not_crushed(new),
             status=STATUS_OF[new.branch],
             certificate=self.ties.marked(certificate) if self.ties else certificate,
+            settled=new.settled,
             motion=self.detector.farthest(x),
             n_iterations=n_iterations,
         )

@@ -46,6 +46,7 @@ class FramedEngine:
         self.engine = engine
         self.name: str = engine.name
         self.prescribes_displacement: bool = engine.prescribes_displacement
+        self.moves_supports: bool = getattr(engine, "moves_supports", False)
         self.residual_limit: float | None = getattr(engine, "residual_limit", None)
 
         self.seen: tuple[Assembly, Frame, Assembly] | None = None
@@ -69,6 +70,10 @@ class FramedEngine:
     def start(self, problem: Problem) -> tuple[FramedState, StepReport]:
         """See `Engine.start`."""
         self.frame, assembly = self._own(problem.assembly)
+        settlement = problem.settlement
+        self.turns = settlement is not None and settlement.rotates
+        #: Unit of what paces the analysis.
+        self.pace = 1.0 if self.turns else self.frame.length
         frame, ground = self.frame, problem.ground
         own, report = self.engine.start(
             replace(
@@ -78,6 +83,7 @@ class FramedEngine:
                 load=problem.load.in_frame(frame),
                 dead_loads=tuple(load.in_frame(frame) for load in problem.dead_loads),
                 ties=tuple(tie.in_frame(frame) for tie in problem.ties),
+                settlement=problem.settlement and problem.settlement.in_frame(frame),
                 length=frame.length,
                 ground=None if ground is None else frame.height(ground),
             )
@@ -92,6 +98,7 @@ class FramedEngine:
             changed(
                 demand,
                 increment=None if increment is None else plain(increment / frame.length),
+                settlement=demand.settlement and plain(demand.settlement / self.pace),
                 time_step=plain(demand.time_step / frame.time) if demand.time_step else 0.0,
             ),
         )
@@ -123,9 +130,11 @@ class FramedEngine:
 
     def _report(self, own: StepReport) -> StepReport:
         length = self.frame.length
+        lever = length if self.turns else 1.0  # of a rotation the reaction is a moment
         return changed(
             own,
-            control_displacement=length * own.control_displacement,
+            control_displacement=self.pace * own.control_displacement,
+            reaction=self.frame.force * lever * own.reaction,
             penetration=length * own.penetration,
             motion=length * own.motion,
         )

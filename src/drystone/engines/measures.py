@@ -36,6 +36,7 @@ class StepOutcome:
     certificate: Certificate
     motion: float  # m, of the fastest block
     n_iterations: int
+    settled: float = 0.0  # m or rad, by which supports have moved
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,18 +114,25 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     # x.M a.  Blocks that no contact holds obey this whatever the multiplier and say nothing of it.
     # Without motion along the load there is nothing to tell the two multipliers apart.
     excess = resistance / push if abs(push) > 1e-2 * strokes else 0.0
+    settlement, reaction = problem.settlement, np.nan
+    applied = max(abs(multiplier), 1e-3) if settlement is None else 1.0  # of the weight
+    reached = problem.control_point.displacement(assembly, outcome.pose)
+    if settlement is not None:
+        reached = outcome.settled
+        reaction = settlement.reaction(assembly, outcome.pose, outcome.contact_force)
     return StepReport(
         converged=True,
         applied_multiplier=multiplier,
         # Of a pattern without a resultant supports tell nothing.
         carried_multiplier=carried / loads.total if loads.along.any() else multiplier - excess,
         static_multiplier=multiplier - excess,
-        control_displacement=problem.control_point.displacement(assembly, outcome.pose),
+        control_displacement=reached,
+        reaction=reaction,
         residual=outcome.certificate.residual / assembly.heaviest_weight,
         penetration=penetration,
         friction_violation=outcome.certificate.cone / assembly.heaviest_weight,
         energy_ratio=kinetic / work if work > 0.0 else 0.0,
-        inertia_ratio=inertia / (max(abs(multiplier), 1e-3) * loads.total),
+        inertia_ratio=inertia / (applied * loads.total),
         n_open=n_open,
         n_sticking=n_sticking,
         n_sliding=n_sliding,

@@ -71,6 +71,7 @@ class NscdState:
     status: IntArray  # (n_slots,)
     gone: BoolArray  # (n,) blocks that have left
     ties: TieState
+    settled: float = 0.0  # m or rad, by which supports have moved
     acted: ActedContacts | None = None  # along the normals and tangents of the step's beginning
 
 
@@ -79,6 +80,7 @@ class NscdEngine:
 
     name = "nscd"
     in_own_frame = True
+    moves_supports = True
     prescribes_displacement = False
     residual_limit = 1e-6  # what a step is solved to, and the rounding of its poses
 
@@ -157,12 +159,18 @@ class NscdEngine:
         return new, outcome
 
     def _step(self, state: NscdState, demand: Demand) -> tuple[NscdState, StepReport]:
+        if demand.settlement is not None:
+            demand = replace(demand, multiplier=0.0)
         if demand.multiplier is None or not demand.time_step > 0.0:
             raise ValueError("the nscd engine steps under a multiplier, with a time step")
         state = self._refresh(state)
         h, problem = demand.time_step, self._contact_problem(state)
         before = np.zeros_like(state.velocity) if demand.stop_blocks else state.velocity
         before = spun_on(before, state.increment, self.problem.assembly.mass, h)
+        given, guess = self._given(state, demand.settlement or 0.0) / h, state.increment / h
+        moving = given.any(axis=1)
+        before = np.where(moving[:, None], given, before)
+        guess[self.loads.fixed] = given[self.loads.fixed]
         loads = self.loads.near(state.pose, demand.multiplier)
         load = loads.dead + demand.multiplier * loads.pattern
         scale = self.problem.assembly.heaviest_weight
@@ -171,7 +179,7 @@ class NscdEngine:
         solved = nlgs.solve(
             problem, self.system[1], self.extent,
             before + h * self.inverse_mass * load,
-            state.reaction[problem.contacts.slot] * h, state.increment / h, h,
+            state.reaction[problem.contacts.slot] * h, guess, h,
             NlgsSettings(tolerance=tolerance, max_sweeps=self.settings.max_sweeps), ties,
         )  # fmt: skip
         motion, reason = self.detector.farthest(h * solved.velocity), ""
@@ -188,6 +196,13 @@ class NscdEngine:
                 n_iterations=solved.n_sweeps + solved.n_corrections,
             )
         return self._accept(state, problem, solved, before, load, motion, demand, ties)
+
+    def _given(self, state: NscdState, amount: float) -> Array:
+        """Increments (n, n_dof) of supports that move on by an amount."""
+        assembly, settlement = self.problem.assembly, self.problem.settlement
+        if settlement is None or not amount:
+            return assembly.no_motion()
+        return settlement.increment(assembly, state.pose, state.settled + amount)
 
     def _ties(self, state: NscdState, h: float) -> TieImpulses | None:
         """Ties where the step starts."""
@@ -251,7 +266,9 @@ class NscdEngine:
             certificate=self.ties.marked(certificate) if self.ties else certificate,
             motion=motion,
             n_iterations=solved.n_sweeps + solved.n_corrections,
+            settled=state.settled + (demand.settlement or 0.0),
         )
+        new = replace(new, settled=outcome.settled)
         return new, report(self.problem, loads, outcome)
 
     def _refresh(self, state: NscdState) -> NscdState:

@@ -231,7 +231,8 @@ def move_in_plane(motion, loads, origin, dt, reach):
     inverse_mass, extent = loads.inverse_mass, loads.extent
     moved = False
     for i in range(pose.shape[0]):
-        if inverse_mass[i, 0] == 0.0:
+        driven = velocity[i, 0] != 0.0 or velocity[i, 1] != 0.0 or velocity[i, 2] != 0.0
+        if inverse_mass[i, 0] == 0.0 and not driven:
             continue
         for d in range(3):
             pose[i, d] += velocity[i, d] * dt

@@ -347,10 +347,12 @@ def move_in_space(motion, loads, origin, dt, reach, gyroscopic):
     inverse_mass, extent = loads.inverse_mass, loads.extent
     moved = False
     for i in range(pose.shape[0]):
-        if inverse_mass[i, 0] == 0.0:
-            continue
         wx, wy, wz = velocity[i, 3], velocity[i, 4], velocity[i, 5]
-        if gyroscopic:
+        if inverse_mass[i, 0] == 0.0:
+            fast = abs(velocity[i, 0]) + abs(velocity[i, 1]) + abs(velocity[i, 2])
+            if fast + abs(wx) + abs(wy) + abs(wz) == 0.0:
+                continue
+        elif gyroscopic:
             wx, wy, wz = _take_on(velocity, inverse_mass, i, dt)
             _bring(velocity, inverse_mass, i, wx, wy, wz, dt)
         far = 0.0

@@ -8,6 +8,7 @@ from drystone.loading.dead_forces import DeadForces
 from drystone.loading.forces import ForcesPattern
 from drystone.loading.mass import MassPattern
 from drystone.loading.modal import ModalPattern, Mode
+from drystone.loading.still import NoPattern
 from drystone.loading.targets import PointForce
 from drystone.loading.tilt import TiltPattern
 from drystone.loading.triangular import TriangularPattern
@@ -28,6 +29,7 @@ __all__ = [
     "MassPattern",
     "Masses",
     "ModalPattern",
+    "NoPattern",
     "Mode",
     "PointForce",
     "SurchargeLoad",

@@ -30,7 +30,7 @@ from drystone.modelfile.parse import parse
 from drystone.modelfile.schema import AnalysisSection, ExceptionSection, ModelSection
 from drystone.modelfile.sentences import place_of, sentences
 from drystone.modelfile.shapes import ShapeError, shape_of, shape_problems
-from drystone.modelfile.tying import ties_of
+from drystone.modelfile.tying import settlement_of, ties_of
 
 #: Engines that a model file may name.
 ENGINES = ("equilibrium", "nscd", "distinct", "lmgc90")
@@ -149,7 +149,8 @@ def _model(
         corner=Corner(radius=section.corner.radius or None, chamfer=section.corner.chamfer or None),
         thickness=section.thickness,
         points=section.contact.points if section.contact else None,
-        load=pattern_of(section.load, section.dimension),
+        load=pattern_of(section.load, section.dimension) if section.load else None,
+        settlement=settlement_of(section.settlement, section.dimension),
         dead_loads=dead_loads_of(section.dead_load, section.dimension),
         ties=ties_of(section.tie, section.spring),
         control_block=control_block,

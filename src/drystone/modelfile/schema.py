@@ -39,7 +39,7 @@ from drystone.modelfile.keys import (
     rotation_of,
     sentence,
 )
-from drystone.modelfile.tying import SpringSection, TieSection
+from drystone.modelfile.tying import SettlementSection, SpringSection, TieSection
 from drystone.mortar import Mortar
 
 #: Keys of [analysis] that strategies and engines take as numerical settings.
@@ -370,6 +370,16 @@ class AnalysisSection(Section):
         return {name: float(value) for name, value in given.items() if value is not None}
 
 
+def _load_or_settlement(value: LoadSection | None, info: ValidationInfo) -> LoadSection | None:
+    """A file has the one or the other."""
+    settles = info.data.get("settlement") is not None
+    if value is None and not settles:
+        raise PydanticCustomError("missing", "missing")
+    if value is not None and settles:
+        raise sentence("stands beside [settlement]: take one of the two out")
+    return value
+
+
 class ModelSection(Section):
     """The whole file."""
 
@@ -394,7 +404,12 @@ class ModelSection(Section):
     wall: Annotated[WallSection | None, BeforeValidator(in_plane_only)] = None
     imports: list[ImportSection] = Field(default=[], alias="import")
     group: dict[Name, GroupSection] = {}
-    load: LoadSection = Field(description="a table [load] with pattern and direction")
+    settlement: SettlementSection | None = None
+    load: Annotated[LoadSection | None, AfterValidator(_load_or_settlement)] = Field(
+        default=None,
+        validate_default=True,
+        description="a table [load] with pattern and direction",
+    )
     dead_load: list[DeadLoadSection] = []
     tie: list[TieSection] = []
     spring: list[SpringSection] = []

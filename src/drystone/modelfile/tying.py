@@ -1,4 +1,4 @@
-"""[[tie]] and [[spring]]: their keys, and ties from their tables."""
+"""[[tie]], [[spring]] and [settlement]: their keys, and what they say."""
 
 from __future__ import annotations
 
@@ -7,9 +7,20 @@ from collections.abc import Sequence
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
-from drystone.modelfile.keys import Name, Place, Section, ranged, sentence
+from drystone.builders.control import unit_vector
+from drystone.modelfile.keys import (
+    Direction,
+    Name,
+    Place,
+    Section,
+    Spatial,
+    in_plane_only,
+    ranged,
+    sentence,
+)
+from drystone.settlement import Settlement
 from drystone.ties import GROUND, Tie, TieEnd
 
 
@@ -53,6 +64,40 @@ class TieSection(SpringSection):
     compression: bool = Field(
         description="whether it carries compression as well, true or false: a rod or a cable does "
         "not"
+    )
+
+
+class SettlementSection(Section):
+    """[settlement]"""
+
+    blocks: list[Name] = []
+    group: Name | None = None
+    direction: Direction | None = None
+    centre: Place | None = None  # m
+    axis: Annotated[Direction | None, Spatial] = None
+    clockwise: Annotated[bool, BeforeValidator(in_plane_only)] = False
+    max: Annotated[float, ranged("settlement")] = Field(
+        description="how far the supports go, in m, or in degrees about a centre"
+    )
+
+
+def settlement_of(section: SettlementSection | None, dimension: int) -> Settlement | None:
+    """The settlement of a file; raises `ModelError`."""
+    if section is None:
+        return None
+
+    def unit(value: list[float] | None, key: str) -> Any:
+        return None if value is None else unit_vector(value, f"settlement.{key}", dimension)
+
+    turns = section.direction is None
+    return Settlement(
+        blocks=tuple(section.blocks),
+        group=section.group,
+        direction=unit(section.direction, "direction"),
+        centre=None if section.centre is None else np.array(section.centre),
+        axis=unit(section.axis, "axis"),
+        clockwise=section.clockwise,
+        largest=math.radians(section.max) if turns else section.max,
     )
 
 

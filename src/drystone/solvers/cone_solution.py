@@ -179,7 +179,7 @@ class _Solver:
             return True
         if follows:
             return False  # what is not found so is followed in motion
-        step.set_out(np.zeros_like(guess), multiplier)
+        step.set_out(step.given.copy(), multiplier)
         return self.search.interior(
             Attempt(
                 barrier=s.high, by_increment=True, second=False, iterations=s.max_slow_iterations
@@ -397,8 +397,9 @@ def solve(
         Whether more than the first way is tried.
     """
     solver = _Solver(step, accuracy, settings)
-    increment = step.pace.missing(np.zeros_like(guesses[0])) if step.pace else 0.0
-    follows = step.pace is not None and not dynamic  # a curve of equilibria
+    driven = step.constants.detector.farthest(step.given)
+    increment = step.pace.missing(np.zeros_like(guesses[0])) if step.pace else driven
+    follows = (step.pace is not None or driven > 0.0) and not dynamic  # a curve of equilibria
     found, held = solver.reach(
         guesses, multiplier, increment, before, follows=follows, thorough=thorough
     )

@@ -105,6 +105,7 @@ class ConeStep:
         self.joint = np.zeros((n_slots, cones.N_JOINT))
         self.inner, self.change = (np.zeros((n_slots, cones.N_INNER)) for _ in range(2))
         self.scaling = np.zeros((n_slots, cones.N_SCALING))
+        self.given = np.zeros((n, n_dof))  # increments of supports that move
         self.motion, self.none = assembly.rest_pose(), assembly.rest_pose()
         self.turn, self.axes_0, self.axes = (np.zeros((n, 3, 3)) for _ in range(3))
         self.x, self.twist, self.force = (np.zeros((n, n_dof)) for _ in range(3))

@@ -150,6 +150,7 @@ class LinearStep:
                 loads.pattern.copy(),
                 np.zeros(n),
             )
+        self.given = np.zeros((n, n_dof))  # increments of supports that move
         self.inertia_factor = 0.0  # 1/h^2 [1/s2], times the mass
         self.force = np.zeros((n, n_dof))  # unbalanced
         self.contact_force = np.zeros((n, n_dof))

@@ -144,7 +144,7 @@ def solve(
     step.branch[:] = branch
     step.evaluate(guess, multiplier)
     if pace is None and step.residual <= _enough(step, 0.0, accuracy):
-        x = np.zeros_like(guess)
+        x = step.given.copy() if not step.given.any() else guess.copy()
         step.find(x)
         return StepSolution(increment=x, multiplier=multiplier, n_iterations=0)
     step.branch[:], step.reaction[:] = branch, reaction
@@ -164,13 +164,14 @@ def _correct(
     whole: bool,
 ) -> StepSolution:
     """Follow the pieces with gradients of the ``geometry`` (n, n_dof), renew these, and again."""
-    x, start = np.zeros_like(geometry), multiplier
+    x, start = step.given.copy(), multiplier
+    follows = pace is not None or bool(step.given.any())
     rounds, reason, count = 0, "", 0
     shape: _Shape | None = _Shape()
     for count in range(1, settings.max_iterations + 1):
         walk = _Walk(step, interior, pace, geometry, accuracy, settings, count, whole=whole)
         end, x, multiplier = walk.go(x, multiplier)
-        if end == path.DONE and pace and not step.stable:
+        if end == path.DONE and follows and not step.stable:
             end = path.TURNED
         if end != path.DONE:
             reason = _ENDS[end]

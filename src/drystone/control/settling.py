@@ -1,0 +1,132 @@
+"""Supports that move on, step by step: the reaction against their motion is the curve.
+
+Steps grow where they are easy and are halved where they find no equilibrium.  Where the smallest
+finds none either, the structure stands no longer: supports that go on slowly bring it down there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from drystone.control.base import Decision
+from drystone.engines.base import Demand, StepReport
+from drystone.records import changed
+
+
+@dataclass(frozen=True, kw_only=True)
+class SettlingSettings:
+    """Settings of the pacing; lengths are angles [rad] where supports turn."""
+
+    largest: float  # m, how far supports go
+    step: float  # m, largest step
+    unit: float  # N or N m, that the multiplier counts the reaction in
+    scale: float = 1.0  # m, by which an angle is a motion
+    first_share: float = 0.02  # first step over the largest
+    floor_share: float = 1e-4  # smallest step over the largest
+    leap: float = 20.0  # motion of a block over that of the supports, above which it jumps
+    most_jumps: int = 10  # of smallest steps in a row, after which it has fallen
+    inertia: float = 1e-2  # over the weight, above which a point is passed in motion
+    bend_share: float = 0.02  # of the largest reaction, by which it may leave its course in a step
+    time_step: float = 0.0  # s, of engines of dynamic formulations
+    easy_iterations: int = 12
+    max_steps: int = 100_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class _State:
+    step: float
+    gone: float = 0.0
+    n_steps: int = 0
+    reaction: float = 0.0
+    slope: float | None = None
+    greatest: float = 0.0
+    jumps: int = 0  # in a row
+
+
+class SettlingControl:
+    """See the module's text."""
+
+    def __init__(self, settings: SettlingSettings) -> None:
+        self.settings = settings
+
+    def first(self, report: StepReport) -> Decision:
+        """The structure at rest on supports that have not moved."""
+        s = self.settings
+        state = _State(
+            step=s.first_share * s.step,
+            reaction=report.reaction,
+            greatest=abs(report.reaction),
+        )
+        return Decision(
+            accept=True,
+            demand=self._demand(state),
+            state=state,
+            load_multiplier=report.reaction / s.unit,
+        )
+
+    def _demand(self, state: _State) -> Demand:
+        s = self.settings
+        left = s.largest - state.gone
+        return Demand(settlement=min(state.step, left), time_step=s.time_step)
+
+    def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
+        """Try again with less where a step fails or leaps; else go on."""
+        s, step = self.settings, demand.settlement or 0.0
+        floor = s.floor_share * s.step
+        leaps = report.converged and report.motion > s.leap * s.scale * step
+        if not report.converged or (leaps and (step > floor or state.jumps == s.most_jumps)):
+            return self._again(state, step, report.reason or "blocks move on by themselves")
+        gone = step * report.reached
+        slope = (report.reaction - state.reaction) / gone if gone else state.slope
+        greatest = max(state.greatest, abs(report.reaction))
+        if state.slope is not None and slope is not None and step > 20.0 * floor and not leaps:
+            off = abs(slope - state.slope) * gone
+            if off > s.bend_share * greatest and step > 0.05 * s.first_share * s.step:
+                return self._refined(state, step)
+        state = changed(
+            state,
+            gone=state.gone + gone,
+            n_steps=state.n_steps + 1,
+            reaction=report.reaction,
+            slope=slope,
+            greatest=greatest,
+            step=self._next(step, report),
+            jumps=state.jumps + 1 if leaps else 0,
+        )
+        over = state.gone >= s.largest * (1.0 - 1e-9)
+        many = state.n_steps >= s.max_steps
+        reason = "the supports have gone as far as asked" if over else ""
+        if many and not over:
+            reason = f"the largest number of steps, {s.max_steps}, was reached"
+        return Decision(
+            accept=True,
+            demand=None if reason else self._demand(state),
+            state=state,
+            load_multiplier=report.reaction / s.unit,
+            dynamic=report.dynamic or report.inertia_ratio > s.inertia,
+            jumped=leaps,
+            reason=reason,
+            finished=over,
+        )
+
+    def _next(self, step: float, report: StepReport) -> float:
+        s = self.settings
+        easy = s.time_step > 0.0 or report.n_iterations <= s.easy_iterations
+        return min(2.0 * step if easy else step, s.step)
+
+    def _refined(self, state: _State, step: float) -> Decision:
+        state = changed(state, step=0.3 * step)
+        return Decision(accept=False, demand=self._demand(state), state=state)
+
+    def _again(self, state: _State, step: float, why: str) -> Decision:
+        s = self.settings
+        if step <= s.floor_share * s.step:
+            return Decision(
+                accept=False,
+                demand=None,
+                state=state,
+                reason=f"the structure falls where its supports go on: {why}",
+                finished=True,
+            )
+        state = changed(state, step=max(0.3 * step, s.floor_share * s.step))
+        return Decision(accept=False, demand=self._demand(state), state=state)
