@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from drystone.modelfile import read_model, write_model
     from drystone.mortar import Mortar
     from drystone.report import plot_curve, plot_mechanism, plot_model
+    from drystone.settlement import Settlement
     from drystone.ties import Tie, TieEnd, spring
 
 #: Where each name is, and its name there if that is another.  Heavy imports wait until a name is
@@ -71,6 +72,7 @@ _PLACES = {
     "Polar": "drystone.around",
     "Results": "drystone.export.results",
     "ResultsDirectory": "drystone.export.directory",
+    "Settlement": "drystone.settlement",
     "SurchargeLoad": "drystone.loading",
     "Tie": "drystone.ties",
     "TieEnd": "drystone.ties",

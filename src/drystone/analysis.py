@@ -29,6 +29,7 @@ from drystone.control import (
 )
 from drystone.curve import (
     DYNAMIC,
+    SETTLEMENT,
     STATIC,
     BlockLeft,
     CapacityCurve,
@@ -42,7 +43,7 @@ from drystone.engines.base import Engine, EngineError, Problem, StepReport
 from drystone.engines.framed import FramedEngine, framed
 from drystone.frame import Frame
 from drystone.kernels.compilation import Compilation
-from drystone.model import REMOVE, STOP, Model
+from drystone.model import REMOVE, STOP, Analysis, Model
 from drystone.plausible import Plausibility
 from drystone.ranges import found, problem
 from drystone.records import changed
@@ -127,6 +128,7 @@ def pushover(
     solver: Any = make_engine(str(engine or model.analysis.engine)) if named else framed(engine)
     name = strategy or model.analysis.strategy
     model = _with_options(model, options)
+    name = name if model.settlement is None else SETTLEMENT
     control = make_control(name, solver, model)
     small = recorder is None and model.assembly.n_bodies <= MOST_KEPT
     run = _Run(
@@ -324,11 +326,10 @@ def obeyed(report: StepReport, limit: float | None) -> StepReport:
     return replace(report, converged=False, reason=reason)
 
 
-def make_control(strategy: str, engine: Engine, model: Model) -> Control:
-    """The control of a strategy for an engine; raises `EngineError` for settings that fail."""
-    analysis = model.analysis
+def _options_of(strategy: str, analysis: Analysis) -> dict[str, float]:
+    """The numerical settings of an analysis; raises `EngineError`."""
     options = {"stop_multiplier": analysis.stop_multiplier, **analysis.options}
-    if strategy not in STRATEGIES:
+    if strategy not in (*STRATEGIES, SETTLEMENT):
         raise EngineError(f'there is no strategy "{strategy}": take {" or ".join(STRATEGIES)}')
     known = {
         f.name
@@ -341,6 +342,12 @@ def make_control(strategy: str, engine: Engine, model: Model) -> Control:
     wrong = [sentence for key, value in options.items() if (sentence := problem(key, value))]
     if wrong:  # also of settings that this strategy does not use, as in a model file
         raise EngineError(f"[analysis] {wrong[0]}")
+    return options
+
+
+def make_control(strategy: str, engine: Engine, model: Model) -> Control:
+    """The control of a strategy for an engine; raises `EngineError` for settings that fail."""
+    options = _options_of(strategy, model.analysis)
     frame = Frame.of(model.assembly)
     coarsest = COARSEST_SHARE * frame.size
     asked = options.get("displacement_step", 0.0)

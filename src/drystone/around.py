@@ -90,6 +90,8 @@ def around(model: Model, angles: Sequence[float]) -> list[Model]:
     from drystone.builders.vary import control_beside_default
     from drystone.limit import watched
 
+    if model.settlement is not None:
+        raise EngineError("directions: supports move, and no load grows")
     models = [towards(model, angle) for angle in angles]
     given = control_beside_default(model)
     if (

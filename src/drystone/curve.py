@@ -34,6 +34,9 @@ PASSED = 0.99
 #: Decimals of a control displacement in metres that sentences show at most.
 PRINTED = 7
 
+#: Strategy of curves that supports pace which move.
+SETTLEMENT = "settlement"
+
 #: Status of a curve that is complete.
 FINISHED = "finished"
 
@@ -70,7 +73,9 @@ class CurvePoint:
     jumped: bool = False  # reached in a jump: none at rest lies between it and the point before
     lost_shear: float = 0.0  # -, of contacts that were taken away in the step, over heaviest weight
     unstable: bool = False  # an equilibrium that the structure would not keep, no other beside it
-    reaction: float = 0.0  # N or N m, of supports that move, whose motion is then what paces the curve
+    reaction: float = (
+        0.0  # N or N m, of supports that move, whose motion is then what paces the curve
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -269,6 +274,17 @@ class CapacityCurve:
         return self.column("residual")
 
     @property
+    def settles(self) -> bool:
+        """Whether supports that move pace it: control displacements are then their motion [m, rad],
+        multipliers their reaction over the blocks' weight (times an arm, where they turn)."""
+        return self.strategy == SETTLEMENT
+
+    @property
+    def reaction(self) -> Array:
+        """(n_points,) of supports that move, along their motion [N], or about its axis [N m]."""
+        return self.column("reaction")
+
+    @property
     def n_steps(self) -> int:
         """Points after the first, which is the structure at rest under its own weight."""
         return max(len(self.points) - 1, 0)
@@ -296,6 +312,8 @@ class CapacityCurve:
         takes it on, the shape that it leads to may have carried on the way.  A collapse in which
         as much is carried to its last point begins where the curve ends, too.
         """
+        if self.settles:
+            return None
         top = self.peak.step
         rest = max((p.step for p in self.points if p.status == STATIC), default=0)
         collapse = self.status == FINISHED

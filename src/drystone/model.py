@@ -98,6 +98,11 @@ class Model:
         return self.load.along(self.assembly)
 
     @property
+    def load_shown(self) -> Array | None:
+        """The same for pictures; None where supports move instead."""
+        return None if self.settlement is not None else self.load_along
+
+    @property
     def source(self) -> str | None:
         """Path of the model file; None where the model was varied since, or made in Python."""
         return self.origin.path if self.origin and self._as_read(self.origin) else None
@@ -161,7 +166,9 @@ class Model:
         """
         from drystone.builders.vary import control_beside_default, remade
 
-        load: dict[str, Any] = {"load": pattern or self.load, "load_direction": direction}
+        kept = None if self.settlement is not None else self.load
+        load: dict[str, Any] = {"load": pattern or kept, "load_direction": direction}
+        load["settlement"] = None
         if dead_loads is not None:
             load["dead_loads"] = tuple(dead_loads)
         return remade(self, **load, **control_beside_default(self))

@@ -91,7 +91,7 @@ class Settlement:
         else:
             pose[:, 3] = math.cos(0.5 * amount)
             pose[:, 4:] = math.sin(0.5 * amount) * np.asarray(self.axis)
-        arm = assembly.centroid[rows] - self.centre
+        arm = assembly.centroid[rows] - np.asarray(self.centre)
         dim = assembly.dimension
         pose[:, :dim] = motion.turned(arm, pose) - arm
         return pose
@@ -109,7 +109,7 @@ class Settlement:
         pushed = force[rows, :dim]
         if self.direction is not None:
             return float((pushed @ self.direction).sum())
-        arm = motion.places(assembly.centroid, pose)[rows] - self.centre
+        arm = motion.places(assembly.centroid, pose)[rows] - np.asarray(self.centre)
         about = motion.moments(arm, pushed)
         if dim == 2:
             total = float((about[:, 0] + force[rows, 2]).sum())

@@ -106,6 +106,8 @@ def assessed(
     AssessmentError
         See `verdict_on`.
     """
+    if model.settlement is not None:
+        raise AssessmentError("the curve is one of supports that move: give a [load] to assess")
     asked = model.assessment or AssessmentInput()
     asked = replace(asked, values={**asked.values, **options})
     if settings is not None and options:

@@ -44,15 +44,7 @@ def model_to_dict(model: Model) -> dict[str, Any]:
         }
         for block in assembly.blocks
     ]
-    if model.settlement is None:
-        data["load"] = {"pattern": model.load.name, **model.load.keys()}
-    else:
-        data["settlement"] = model.settlement.keys()
-    if model.dead_loads:
-        data["dead_load"] = [load.keys() for load in model.dead_loads]
-    for key, spring in (("tie", False), ("spring", True)):
-        if listed := [tie.keys() for tie in model.ties if tie.spring == spring]:
-            data[key] = listed
+    data |= _acting(model)
     data["control"] = {
         "block": assembly.blocks[model.control_point.block].id,
         "point": model.control_point.point.tolist(),
@@ -76,6 +68,21 @@ def model_to_dict(model: Model) -> dict[str, Any]:
         data["site"] = model.site.as_dict()
     if model.assessment is not None:
         data["assessment"] = model.assessment.as_dict()
+    return data
+
+
+def _acting(model: Model) -> dict[str, Any]:
+    """What acts on the structure, and what ties it."""
+    data: dict[str, Any] = {}
+    if model.settlement is None:
+        data["load"] = {"pattern": model.load.name, **model.load.keys()}
+    else:
+        data["settlement"] = model.settlement.keys()
+    if model.dead_loads:
+        data["dead_load"] = [load.keys() for load in model.dead_loads]
+    for key, spring in (("tie", False), ("spring", True)):
+        if listed := [tie.keys() for tie in model.ties if tie.spring == spring]:
+            data[key] = listed
     return data
 
 

@@ -250,7 +250,8 @@ def _control(
         control = choose_control_point(assembly, load_direction, **wanted)
     except ModelError as error:
         raise ModelError(problems + error.problems) from None
-    if not float(control.direction @ load_direction) > AGAINST:
+    loaded = not isinstance(load, NoPattern)
+    if loaded and not float(control.direction @ load_direction) > AGAINST:
         problems.append(
             "control.direction: leads against the load or across it, so that the control "
             "displacement would not grow as the load does: turn it to the load's side"

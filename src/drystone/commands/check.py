@@ -78,7 +78,7 @@ def statics(model: Model) -> tuple[list[str], float | None, str | None]:
     rest = at_rest(model)
     if rest.falls:
         return [f"the structure {rest.falls}"], None, "none: it falls"
-    if is_locked(model):
+    if model.settlement is None and is_locked(model):
         locked = "load: no multiple of it brings the structure down: turn its direction"
         return [locked], rest.reaction, None
     return [], rest.reaction, None

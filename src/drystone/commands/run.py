@@ -157,6 +157,8 @@ def report(title: str, curve: CapacityCurve, folder: Path, beside: Beside) -> st
     """The few lines that a person wants to read first."""
     from drystone.builders.words import printable
 
+    if curve.settles:
+        return _settling(title, curve, folder)
     peak, ultimate = curve.peak, curve.ultimate_displacement
     end = (
         f"{ultimate:.4f} m, where the multiplier falls to {curve.stop_multiplier:g}"
@@ -171,6 +173,24 @@ def report(title: str, curve: CapacityCurve, folder: Path, beside: Beside) -> st
         *[("without", f'"{b.block}", from {b.displacement_text} on') for b in curve.blocks_left],
         ("points", f"{len(curve.points)}, largest residual {curve.residual.max():.1e}"),
         ("time", f"{curve.wall_time:.1f} s ({curve.engine}, {curve.strategy})"),
+        ("results", f"{folder}/"),
+    )
+    return "\n".join([title, *(f"  {name:<22} {printable(value)}" for name, value in rows)])
+
+
+def _settling(title: str, curve: CapacityCurve, folder: Path) -> str:
+    """The same of supports that move."""
+    from drystone.builders.words import printable
+
+    reaction, at = curve.reaction, curve.control_displacement
+    least = int(reaction.argmin())
+    rows = (
+        ("reaction at first", f"{reaction[0]:.6g}"),
+        ("least reaction", f"{reaction[least]:.6g} at {at[least]:.5g}"),
+        ("reaction at last", f"{reaction[-1]:.6g} at {at[-1]:.5g}"),
+        ("end", curve.reason),
+        ("points", f"{len(curve.points)}, largest residual {curve.residual.max():.1e}"),
+        ("time", f"{curve.wall_time:.1f} s ({curve.engine})"),
         ("results", f"{folder}/"),
     )
     return "\n".join([title, *(f"  {name:<22} {printable(value)}" for name, value in rows)])

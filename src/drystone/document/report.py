@@ -175,7 +175,7 @@ def _shown(shown: tuple[Mark, Folder], t: Mapping[str, Any]) -> dict[str, str]:
         pose=pose,
         settled=poses[0],
         gone=gone,
-        load_direction=model.load_along,
+        load_direction=model.load_shown,
         control_point=model.control_point,
         magnification=factor,
     )

@@ -611,9 +611,7 @@ class DistinctEngine:
             return self._bond_steps(amount, self._settle_on).advance(state)
         return self._settle_on(state, amount)
 
-    def _settle_on(
-        self, state: DistinctState, amount: float
-    ) -> tuple[DistinctState, StepReport]:
+    def _settle_on(self, state: DistinctState, amount: float) -> tuple[DistinctState, StepReport]:
         """Move supports on at a constant rate, then balance."""
         work, settlement = self._at_rest(state), self.problem.settlement
         assert settlement is not None

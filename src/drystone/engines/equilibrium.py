@@ -316,7 +316,7 @@ class EquilibriumEngine:
         x, multiplier = self._predict(state, demand, pace)
         given = self.equations.given
         given[:] = self._given(state, demand)
-        x = np.where(given.any(axis=1)[:, None], given, x)
+        x = np.where(np.any(given, axis=1, keepdims=True), given, x)
         accuracy = changed(self.accuracy, farthest=farthest)
         solved = self._solve(state, demand, pace, x, multiplier, h, accuracy)
         if solved.reason == piecewise.TOO_STIFF:

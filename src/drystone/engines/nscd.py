@@ -168,8 +168,7 @@ class NscdEngine:
         before = np.zeros_like(state.velocity) if demand.stop_blocks else state.velocity
         before = spun_on(before, state.increment, self.problem.assembly.mass, h)
         given, guess = self._given(state, demand.settlement or 0.0) / h, state.increment / h
-        moving = given.any(axis=1)
-        before = np.where(moving[:, None], given, before)
+        before = np.where(np.any(given, axis=1, keepdims=True), given, before)
         guess[self.loads.fixed] = given[self.loads.fixed]
         loads = self.loads.near(state.pose, demand.multiplier)
         load = loads.dead + demand.multiplier * loads.pattern

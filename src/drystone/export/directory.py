@@ -217,7 +217,7 @@ class ResultsDirectory:
             settled=settled,
             gone=gone,
             contacts=results.contacts(row),
-            load_direction=model.load_along,
+            load_direction=model.load_shown,
             control_point=model.control_point,
             ties=model.ties,
             tie_branch=curve.ties.branch[row] if curve.ties else None,

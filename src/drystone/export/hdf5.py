@@ -79,6 +79,7 @@ UNITS = {
     "centroid": "m",
     "weight": "N",
     "force": "N",
+    "reaction": "N, N m",
     "elongation": "m",
 }
 POSE_UNITS = {2: "m, m, rad", 3: "m, m, m, 1, 1, 1, 1"}

@@ -61,6 +61,7 @@ def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
         "max_penetration": _largest(curve, "penetration"),
         "max_friction_violation": _largest(curve, "friction_violation"),
         "peak": {name: getattr(peak, name) for name in COLUMNS},
+        **(_settling(curve, model) if curve.settles else {}),
         "wall_time": curve.wall_time,
         "compile_time": curve.compile_time,
         "version": package_version(),
@@ -69,6 +70,23 @@ def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
         "model_sha256": model.sha256,
     }
     return {key: plain(value) for key, value in summary.items()}
+
+
+def _settling(curve: CapacityCurve, model: Model) -> dict[str, Any]:
+    """Of supports that move: how their reaction goes, in N and m, or in N m and rad."""
+    settlement, reaction = model.settlement, curve.reaction
+    least, greatest = int(reaction.argmin()), int(reaction.argmax())
+    return {
+        "support_motion": settlement.words if settlement is not None else "",
+        "initial_reaction": reaction[0],
+        "least_reaction": reaction[least],
+        "least_reaction_at": curve.points[least].control_displacement,
+        "greatest_reaction": reaction[greatest],
+        "greatest_reaction_at": curve.points[greatest].control_displacement,
+        "largest_motion": curve.points[-1].control_displacement,
+        "stands": settlement is not None
+        and curve.points[-1].control_displacement >= settlement.largest * (1.0 - 1e-9),
+    }
 
 
 def _mode(model: Model) -> dict[str, Any] | None:

@@ -54,6 +54,8 @@ class Beside:
 def limits_beside(model: Model) -> Beside:
     """Both multipliers, the non-associative one along few paths."""
     n_blocks, dimension = model.assembly.n_blocks, model.assembly.dimension
+    if model.settlement is not None:
+        return Beside(note="supports move, and no load grows")
     if n_blocks > MOST_BLOCKS[dimension]:
         return Beside(note=f"{n_blocks} blocks are left to the command `limit`")
     flows = FLOWS if n_blocks <= MOST_NON_ASSOCIATIVE[dimension] else (ASSOCIATIVE,)

@@ -67,7 +67,9 @@ class Acting:
             total = float((forces.force @ along)[~none].sum())
         else:
             along, total = np.zeros_like(along), float(np.linalg.norm(forces.force, axis=1).sum())
-            total = total or float(assembly.weight[~none].sum())  # without any, what inertia is over
+            total = total or float(
+                assembly.weight[~none].sum()
+            )  # without any, what inertia is over
         weights, steady = weights.without(none), steady.without(none)
         if not pattern.turns_gravity:
             dead = weights + steady if loads else weights

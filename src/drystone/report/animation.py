@@ -118,7 +118,7 @@ def _plot_state(axes: Axes, curve: CapacityCurve, model: Model, row: int) -> Non
             pose=pose,
             settled=settled,
             gone=gone,
-            load_direction=model.load_along,
+            load_direction=model.load_shown,
             control_point=model.control_point,
             ties=model.ties,
             tie_branch=curve.ties.branch[row] if curve.ties else None,

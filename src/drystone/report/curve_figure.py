@@ -28,6 +28,7 @@ STEEP = 0.1
 #: Dynamic points marked on one curve, about: more would run into each other.
 MOST_MARKERS = 60
 BACKING = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
+MOTION, REACTION = "motion of the supports [m, rad]", "reaction over the blocks' weight [-]"
 DISPLACEMENT, MULTIPLIER = "control displacement $δ_c$", "load multiplier $λ$ [-]"
 
 
@@ -147,8 +148,9 @@ def plot_curves(
     if marks and len(curves) == 1:
         _mark_peak(axes, curves[0][1], unit)
         _mark_end(axes, curves[0][1], unit)
-    axes.set_xlabel(f"{DISPLACEMENT} [{unit.name}]")
-    axes.set_ylabel(MULTIPLIER)
+    settles = any(curve.settles for _, curve in curves)
+    axes.set_xlabel(MOTION if settles else f"{DISPLACEMENT} [{unit.name}]")
+    axes.set_ylabel(REACTION if settles else MULTIPLIER)
     axes.margins(x=0.02, y=0.04)
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
@@ -294,6 +296,8 @@ def _furthest(curve: CapacityCurve) -> float:
 
 
 def _unit(curves: Labelled, reference: Sequence[Reference]) -> Unit:
+    if any(curve.settles for _, curve in curves):
+        return METRE  # or radians
     reach = [_furthest(curve) for _, curve in curves] + [float(np.max(x)) for _, x, _ in reference]
     return MILLIMETRE if max(reach, default=1.0) < MILLIMETRES_BELOW else METRE
 

@@ -46,7 +46,7 @@ def draw_model(model: Model, path: Path | str, *, title: str = "") -> None:
         Mechanism(
             assembly=assembly,
             pose=assembly.rest_pose(),
-            load_direction=model.load_along,
+            load_direction=model.load_shown,
             control_point=model.control_point,
             ties=model.ties,
         ),

@@ -99,7 +99,7 @@ def plot_mechanism(
             pose=pose,
             settled=settled,
             contacts=contacts,
-            load_direction=model.load_along,
+            load_direction=model.load_shown,
             control_point=model.control_point,
             ties=model.ties,
             magnification=magnification,
