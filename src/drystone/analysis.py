@@ -126,9 +126,8 @@ def pushover(
     begun = time.perf_counter()
     named = engine is None or isinstance(engine, str)
     solver: Any = make_engine(str(engine or model.analysis.engine)) if named else framed(engine)
-    name = strategy or model.analysis.strategy
+    name = SETTLEMENT if model.settlement else strategy or model.analysis.strategy
     model = _with_options(model, options)
-    name = name if model.settlement is None else SETTLEMENT
     control = make_control(name, solver, model)
     small = recorder is None and model.assembly.n_bodies <= MOST_KEPT
     run = _Run(

@@ -23,9 +23,10 @@ class SettlingSettings:
     scale: float = 1.0  # m, by which an angle is a motion
     first_share: float = 0.02  # first step over the largest
     floor_share: float = 1e-4  # smallest step over the largest
-    leap: float = 20.0  # motion of a block over that of the supports, above which it jumps
+    leap: float = 5.0  # motion of a block over that of the supports, or over as much as it was in
+    # the last step, above which it jumps
     most_jumps: int = 10  # of smallest steps in a row, after which it has fallen
-    inertia: float = 1e-2  # over the weight, above which a point is passed in motion
+    inertia: float = 1e-3  # over the weight, above which a point is passed in motion
     bend_share: float = 0.02  # of the largest reaction, by which it may leave its course in a step
     time_step: float = 0.0  # s, of engines of dynamic formulations
     easy_iterations: int = 12
@@ -41,6 +42,7 @@ class _State:
     slope: float | None = None
     greatest: float = 0.0
     jumps: int = 0  # in a row
+    pace: float = 0.0  # m, motion of the fastest block over that of the supports in the last step
 
 
 class SettlingControl:
@@ -73,7 +75,8 @@ class SettlingControl:
         """Try again with less where a step fails or leaps; else go on."""
         s, step = self.settings, demand.settlement or 0.0
         floor = s.floor_share * s.step
-        leaps = report.converged and report.motion > s.leap * s.scale * step
+        usual = max(state.pace, s.scale)
+        leaps = report.converged and report.motion > s.leap * usual * step
         if not report.converged or (leaps and (step > floor or state.jumps == s.most_jumps)):
             return self._again(state, step, report.reason or "blocks move on by themselves")
         gone = step * report.reached
@@ -92,6 +95,7 @@ class SettlingControl:
             greatest=greatest,
             step=self._next(step, report),
             jumps=state.jumps + 1 if leaps else 0,
+            pace=state.pace if leaps or not gone else report.motion / gone,
         )
         over = state.gone >= s.largest * (1.0 - 1e-9)
         many = state.n_steps >= s.max_steps
