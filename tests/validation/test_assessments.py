@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import drystone as ds
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.mechanism import course_of, initial_shape, reduced
+from drystone.cli import app
+from drystone.modelfile import write_model
 from drystone.site import Site
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
@@ -160,3 +164,22 @@ def test_a_wall_cut_into_courses_that_move_as_one_has_one_verdict():
     whole = np.array(answers[0])
     for cut in answers[1:]:
         assert np.array(cut) == pytest.approx(whole, rel=1e-6)
+
+
+def test_the_same_by_the_command_line_from_model_files_in_both_senses(tmp_path):
+    """The wall of the test above, whose bound is this one's: 2 m high, in steps of 1 mm."""
+    site = {"ag": 0.172, "F0": 2.458, "TC_star": 0.285, "soil": "B", "topography": "T1"}
+    flags = [f"--{key.replace('_', '-')}={value}" for key, value in site.items()]
+    flags += ["--code=ntc2018", "--method=ntc2018-local", "--confidence-factor=1.35"]
+    found = []
+    for n in (1, 20):
+        path = tmp_path / f"courses {n}.toml"
+        heights = [0.5 * height for height in evenly(n)]
+        write_model(wall_in_courses(heights, displacement_step=0.001), path)
+        words = ["assess", str(path), "--out", str(tmp_path / f"out {n}"), "--json", *flags]
+        result = CliRunner().invoke(app, words)
+        assert result.exit_code == 0, result.output
+        senses = json.loads(result.stdout)["senses"]
+        found.append([sense["safety_index"] for sense in senses.values()])
+    assert found[0][1] == pytest.approx(found[0][0], rel=1e-6)  # the wall is its own mirror image
+    assert found[1] == pytest.approx(found[0], rel=1e-6)
