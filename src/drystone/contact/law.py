@@ -7,7 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly
+from drystone.assembly import Assembly, JointLaw
+from drystone.contact.strengths import yielding_row
 from drystone.kernels import law as joint_law
 
 Array = NDArray[np.float64]
@@ -32,4 +33,15 @@ def law_table(assembly: Assembly, *, shear: bool = True) -> Array:
             row[joint_law.COHESION] = law.cohesion
             row[joint_law.TENSION] = law.tensile_strength
         row[joint_law.DILATANCY_END] = law.dilatancy_end
+        if law.yields:
+            row[joint_law.YIELDS :] = _yielding(law)
     return table
+
+
+def _yielding(law: JointLaw) -> tuple[float, ...]:
+    """Columns from `kernels.law.YIELDS` on."""
+    row = yielding_row(law)
+    return (
+        1.0, row.cohesion, row.tension, row.by_opening, row.by_slip, row.residual, row.per_slip,
+        row.crush, row.by_crushing,
+    )  # fmt: skip

@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly, JointLaw
+from drystone.kernels.contacts import CRUSH, FRICTION, PULL, ROOM, SHIFT
 from drystone.kernels.law import (
     BROKEN,
     DILATION,
@@ -72,7 +73,7 @@ class Strengths:
 
     def __init__(self, assembly: Assembly) -> None:
         self.any = any(law.yields for law in assembly.laws)
-        columns = [_row(law) for law in assembly.laws]
+        columns = [yielding_row(law) for law in assembly.laws]
         (
             self.mu, self.residual, self.per_slip, self.kn, self.cohesion, self.tension,
             self.by_opening, self.by_slip, self.crush, self.by_crushing, self.closure,
@@ -158,28 +159,53 @@ class Strengths:
             gap=gap,
         )
 
+    def fill(self, law: IntArray, history: Array, gap: Array, size: Array, table: Array) -> None:
+        """What contacts (n_contacts,) hold, for their table; times the ``size`` of their joint."""
+        now = self.first(history, gap)
+        held = self.held(law, history, now)
+        table[:, FRICTION] = held[:, H_MU]
+        for column, own in ((SHIFT, H_SHIFT), (PULL, H_PULL), (ROOM, H_ROOM), (CRUSH, H_CRUSH)):
+            table[:, column] = held[:, own] * size
+
     def write(self, law: IntArray, now: Reached, history: Array) -> None:
         """Make what contacts have come to a part of their history."""
         history[:, SOFTENED], history[:, OPENED] = now.softened, now.opened
         history[self.bonded[law] & (now.softened > LOST), BROKEN] = 1.0
 
 
-def _row(law: JointLaw) -> tuple[float, ...]:
+class Row(NamedTuple):
+    """What a law is made of; strengths [Pa] of bonds that soften only, rates [1/m]."""
+
+    mu: float
+    residual: float
+    per_slip: float
+    kn: float  # Pa/m
+    cohesion: float
+    tension: float
+    by_opening: float
+    by_slip: float
+    crush: float
+    by_crushing: float
+    closure: float  # m
+
+
+def yielding_row(law: JointLaw) -> Row:
+    """The numbers of a law; the tensile strength is that of its cone at most."""
     mu, residual = law.friction_coefficient, law.residual_friction_coefficient
     cohesion, tension = (law.cohesion, law.tensile_strength) if law.softens else (0.0, 0.0)
     tension = min(tension, cohesion / mu) if mu > 0.0 else tension
-    return (
-        mu,
-        mu if residual is None else residual,
-        0.0 if law.residual_slip is None else 1.0 / law.residual_slip,
-        law.normal_stiffness or 0.0,
-        cohesion,
-        tension,
-        _over(tension, law.tensile_fracture_energy),
-        _over(cohesion, law.shear_fracture_energy),
-        law.compressive_strength,
-        _over(law.compressive_strength, law.compressive_fracture_energy),
-        law.greatest_closure,
+    return Row(
+        mu=mu,
+        residual=mu if residual is None else residual,
+        per_slip=0.0 if law.residual_slip is None else 1.0 / law.residual_slip,
+        kn=law.normal_stiffness or 0.0,
+        cohesion=cohesion,
+        tension=tension,
+        by_opening=_over(tension, law.tensile_fracture_energy),
+        by_slip=_over(cohesion, law.shear_fracture_energy),
+        crush=law.compressive_strength,
+        by_crushing=_over(law.compressive_strength, law.compressive_fracture_energy),
+        closure=law.greatest_closure,
     )
 
 

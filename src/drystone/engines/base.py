@@ -28,8 +28,9 @@ class EngineError(Exception):
     """The engine cannot do what the model or the control asks; the message is for the user."""
 
 
-def refuse_yielding(assembly: Assembly, engine: str) -> None:
-    """Raise `EngineError` for joints that only the equilibrium engine of the plane has."""
+def refuse_yielding(assembly: Assembly, engine: str, *, curved: bool = False) -> None:
+    """Raise `EngineError` for joints that not all engines have, in the plane alone; only for what
+    is ``curved``, where the engine has the others."""
     names: dict[str, Callable[[JointLaw], bool]] = {
         "lose their bond over fracture energies": lambda law: law.softens,
         "lose friction": lambda law: law.residual_friction_coefficient is not None,
@@ -37,8 +38,10 @@ def refuse_yielding(assembly: Assembly, engine: str) -> None:
         "close hyperbolically": lambda law: law.greatest_closure < math.inf,
     }
     for what, has in names.items():
+        if curved and what != "close hyperbolically":
+            continue
         if any(map(has, assembly.laws)):
-            where = " in space" if engine == "equilibrium" else ""
+            where = " in space" if assembly.dimension == 3 else ""
             raise EngineError(
                 f"the {engine} engine has no joints that {what}{where}: the equilibrium engine has "
                 "them in the plane"

@@ -30,6 +30,7 @@ from drystone.contact.certificate import (
 from drystone.contact.detection import Detector, predecessor_slots
 from drystone.contact.forces import ContactForces
 from drystone.contact.law import law_table
+from drystone.contact.strengths import Strengths
 from drystone.engines.base import (
     Demand,
     EngineError,
@@ -43,7 +44,7 @@ from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
 from drystone.kernels import explicit
 from drystone.kernels import law as joint_law
-from drystone.kernels.contacts import BODY_A, BODY_B, NONE, SLOT, Pairs, Slots
+from drystone.kernels.contacts import BODY_A, BODY_B, NONE, SHIFT, SLOT, Pairs, Slots
 from drystone.kernels.explicit import Drive, FrozenContacts, Loads, Motion
 from drystone.kernels.law import N_HISTORY
 from drystone.kernels.residual import add_contact_forces
@@ -477,7 +478,8 @@ class DistinctEngine:
         self.problem, self.stage = problem, problem.stages[-1]
         self.detector = Detector(assembly)
         self.dof = dof_of(assembly.mass)
-        refuse_yielding(assembly, self.name)
+        self.strengths = Strengths(assembly)
+        refuse_yielding(assembly, self.name, curved=assembly.dimension == 2)
         try:
             self.laws = law_table(assembly)
         except ValueError as error:
@@ -818,6 +820,9 @@ class DistinctEngine:
         work.ties.add_to(force)
         moved = work.dt * np.column_stack((velocity[a], velocity[b]))
         gap = slots.gap[k] - np.sum(contacts.rows[:, OF_GAP] * moved, axis=1)
+        if self.strengths.any:
+            self.strengths.fill(pairs.law_of_slot[k], history, gap, slots.size[k], contacts.table)
+            contacts.table[:, SHIFT:] *= self.problem.assembly.thickness
         judged = JudgedContacts.with_history(contacts, gap, history, reaction, reaction[:, 1:])
         return judged, force
 

@@ -63,7 +63,7 @@ AT_STRENGTH = 1e-5
 
 
 #: What joints hold may still change by this force, over the heaviest weight, where a step ends.
-SETTLED = 1e-7
+SETTLED = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)

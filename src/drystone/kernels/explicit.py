@@ -42,23 +42,41 @@ from drystone.kernels.explicit_space import (
     place_in_space,
 )
 from drystone.kernels.law import (
+    BY_CRUSHING,
+    BY_OPENING,
+    BY_SLIP,
     COHESION,
+    COHESIVE,
+    CRUSHES,
     DILATANCY_END,
     KN,
     KS,
     L_BOND,
+    L_BY_CRUSHING,
+    L_BY_OPENING,
+    L_BY_SLIP,
+    L_COHESIVE,
+    L_CRUSH,
     L_END,
     L_KN,
     L_KS,
     L_MU,
+    L_PER_SLIP,
+    L_PULL,
+    L_RESIDUAL,
     L_TAN_PSI,
     L_TENSION,
+    L_YIELDS,
+    LEAST_MU,
     MU,
     N_CONTACT_LAW,
     N_HISTORY,
     OPEN,
+    PER_SLIP,
+    PULLS,
     TAN_PSI,
     TENSION,
+    YIELDS,
 )  # fmt: skip
 from drystone.kernels.rows import OF_GAP, OF_SLIP
 from drystone.kernels.ties import add_forces, age, locate
@@ -162,6 +180,11 @@ def _pack(slots, pairs, laws, thickness, history, contacts):
         law[c, L_BOND] = laws[row, COHESION] * area
         law[c, L_TENSION] = laws[row, TENSION] * area
         law[c, L_END] = laws[row, DILATANCY_END]
+        law[c, L_YIELDS], law[c, L_RESIDUAL] = laws[row, YIELDS], laws[row, LEAST_MU]
+        law[c, L_COHESIVE], law[c, L_PULL] = laws[row, COHESIVE] * area, laws[row, PULLS] * area
+        law[c, L_BY_OPENING], law[c, L_BY_SLIP] = laws[row, BY_OPENING], laws[row, BY_SLIP]
+        law[c, L_CRUSH], law[c, L_PER_SLIP] = laws[row, CRUSHES] * area, laws[row, PER_SLIP]
+        law[c, L_BY_CRUSHING] = laws[row, BY_CRUSHING]
         for h in range(known.shape[1]):
             known[c, h] = history[k, h]
         for d in range(reaction.shape[1]):

@@ -40,6 +40,7 @@ from drystone.kernels.law import (
     L_MU,
     L_TAN_PSI,
     L_TENSION,
+    L_YIELDS,
     OPEN,
     SHEAR,
     SLID,
@@ -48,6 +49,7 @@ from drystone.kernels.law import (
     drag,
     opens,
 )  # fmt: skip
+from drystone.kernels.yielding_cycles import normal_in_cycle, shear_in_cycle
 
 #: Columns of `explicit.FrozenContacts.shape`: local vertex of the other body, local vertex and
 #: tangent of the edge body [m], radius of the other body, sum of both, 1 where two vertices meet
@@ -164,7 +166,8 @@ def act_in_plane(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_w
         rn = law[c, L_KN] * (history[c, DILATION] - gap)
         bonded = history[c, BROKEN] == 0.0
         held = bonded and bonds_hold and law[c, L_BOND] + law[c, L_TENSION] > 0.0
-        if not held:
+        yields = law[c, L_YIELDS] != 0.0
+        if not held and not yields:
             is_open, whole = opens(rn, gap, law[c, L_TENSION], bonded)
             if bonded and not whole:
                 history[c, BROKEN] = 1.0
@@ -187,7 +190,12 @@ def act_in_plane(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_w
         ks = law[c, L_KS]
         trial = history[c, SHEAR] - ks * dt * slip
         rt, now = trial, STICKING
-        if not held:
+        if yields:
+            rn, taken = normal_in_cycle(law, history, c, gap)
+            rt, now, work = shear_in_cycle(law, history, c, rn, abs(trial))
+            friction_work += taken + work
+            rt = rt if trial > 0.0 else -rt
+        elif not held:
             tan_psi = law[c, L_TAN_PSI] if history[c, SLID] < law[c, L_END] else 0.0
             bond = law[c, L_BOND] if bonded else 0.0
             rn, rt, now, gamma = drag(rn, trial, bond, law[c, L_KN], ks, law[c, L_MU], tan_psi)

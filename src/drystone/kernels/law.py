@@ -92,12 +92,22 @@ N_HISTORY = 6  # in the plane
 #: Columns of a contact's law in cycles: stiffnesses [N/m], friction, dilatancy, bond and tensile
 #: force [N], slide at which dilatancy ends [m].
 L_KN, L_KS, L_MU, L_TAN_PSI, L_BOND, L_TENSION, L_END = 0, 1, 2, 3, 4, 5, 6
-N_CONTACT_LAW = 7
+#: Of those that yield, see `kernels.yielding_cycles`: whether they do, cohesion and tensile force
+#: [N], how their bond softens by opening and by slip [1/m], friction in the end and how it falls by
+#: slip [1/m], crushing force [N] and how that falls by crushing [1/m].
+L_YIELDS, L_COHESIVE, L_PULL, L_BY_OPENING, L_BY_SLIP, L_RESIDUAL, L_PER_SLIP = range(7, 14)
+L_CRUSH, L_BY_CRUSHING = 14, 15
+N_CONTACT_LAW = 16
 
 #: Columns of the table of joint laws: mu, k_n, k_s [Pa/m], tan psi, c, f_t [Pa] of brittle bonds,
 #: slide at which dilatancy ends [m].
 MU, KN, KS, TAN_PSI, COHESION, TENSION, DILATANCY_END = 0, 1, 2, 3, 4, 5, 6
-N_LAW = 7
+#: Of laws that yield: 1, c, f_t, what they soften by opening and by slip [1/m], mu in the end, how
+#: it falls by slip [1/m], f_c [Pa] and how that falls by crushing [1/m].
+YIELDS, COHESIVE, PULLS, BY_OPENING, BY_SLIP, LEAST_MU, PER_SLIP, CRUSHES, BY_CRUSHING = range(
+    7, 16
+)
+N_LAW = 16
 
 #: Columns of what a contact that is not dry has in a step: k_n [Pa/m], what is added to its trial
 #: reaction, the tension that counts it from, room for shear without pressure [Pa], mu, and where it

@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.contact.strengths import Strengths, difference
+from drystone.contact.strengths import Reached, Strengths, difference
 from drystone.kernels.law import H_ROOM
 from drystone.kernels.yielding import BONDED, CRUSHED, OPEN, STICKING, TORN
 from drystone.solvers.piecewise import StepSolution
@@ -23,6 +23,9 @@ from drystone.solvers.static_step import StaticStep
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+#: Shares of what is missing that are gone at a time.
+LEAST_SHARE, MOST_SHARE = 0.3, 10.0
 
 #: Solutions of a step before it counts as failed.
 MOST_SOLUTIONS = 60
@@ -62,6 +65,7 @@ def solve(
     now = strengths.first(history, gap)
     held, iterations = strengths.held(law, history, now), 0
     first: StepSolution | None = None
+    relaxation = _Relaxation(strengths, law)
     for _ in range(MOST_SOLUTIONS):
         begin(held)
         solved = once(_fitting(branch, held))
@@ -78,20 +82,71 @@ def solve(
         if difference(after, step.start.held, step.reaction[:, 0], area) <= tolerance:
             strengths.write(law, then, step.history)
             return replace(solved, excess=_hidden(first, solved, multiplier))
-        back = np.full(len(origin), -1)
-        back[origin[origin >= 0]] = np.flatnonzero(origin >= 0)
-        kept = strengths.held(law, history, now)
-        held = np.where((back >= 0)[:, None], after[back], kept)
+        now = relaxation.next(now, then, origin)
+        held = strengths.held(law, history, now)
     return replace(solved, reason="joints do not come to rest as they soften")
+
+
+class _Relaxation:
+    """What contacts come to, extrapolated from how it changes (Irons and Tuck 1969).
+
+    Where joints soften nearly as fast as the structure lets go, one solution takes a small part of
+    the way, and the same part as the one before.
+    """
+
+    def __init__(self, strengths: Strengths, law: IntArray) -> None:
+        self.scale = strengths.per_slip[law], strengths.by_crushing[law]
+        self.share, self.last = 1.0, np.zeros(0)
+
+    def next(self, now: Reached, then: Reached, origin: IntArray) -> Reached:
+        """What to go on with, in the slots where the step starts: ``origin`` (n_slots,) of those
+        that have come to ``then``."""
+        known = origin >= 0
+        found = []
+        for mine, theirs in zip(now, then, strict=True):
+            at = mine.copy()
+            at[origin[known]] = theirs[known]
+            found.append(at)
+        there = Reached(*found)
+        per_slip, by_crushing = self.scale
+        missing = np.concatenate(
+            (
+                there.softened - now.softened,
+                per_slip * (there.slid - now.slid),
+                by_crushing * (there.crushed - now.crushed),
+            )
+        )
+        if len(self.last):
+            change = missing - self.last
+            size = float(change @ change)
+            share = -self.share * float(self.last @ change) / size if size > 0.0 else 1.0
+            self.share = min(max(share, LEAST_SHARE), MOST_SHARE)
+        self.last = missing
+        more = self.share
+        return there._replace(
+            softened=np.maximum(now.softened + more * (there.softened - now.softened), 0.0),
+            slid=now.slid + more * (there.slid - now.slid),
+            crushed=np.maximum(now.crushed + more * (there.crushed - now.crushed), 0.0),
+        )
 
 
 def _hidden(
     first: StepSolution, last: StepSolution, multiplier: float
 ) -> tuple[float, float] | None:
     """By how much the multiplier may exceed both ends within the step, and where, see
-    `StepSolution`: no more than with the strengths at its start."""
+    `StepSolution`.
+
+    It is no higher than with the strengths at the start.  Where the way with these is straight, it
+    leaves it with the square of what has been gone.
+    """
     if first.excess is None or first.bend is None:
         return None
+    rise, drop = first.multiplier - multiplier, first.multiplier - last.multiplier
+    if abs(first.bend[0]) <= 0.1 * abs(drop) and first.excess[0] <= 0.0:
+        if drop <= 0.0 or not 0.0 < rise < 2.0 * drop:
+            return 0.0, 0.0
+        top = multiplier + 0.25 * rise * rise / drop
+        return top - max(last.multiplier, multiplier), 0.5 * rise / drop
     highest = max(first.multiplier, multiplier) + max(first.excess[0], 0.0)
     share = first.excess[1] if first.excess[0] > 0.0 else first.bend[1]
     return highest - max(last.multiplier, multiplier), share
