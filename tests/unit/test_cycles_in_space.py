@@ -26,7 +26,7 @@ from drystone.kernels.contacts import (
     Slots,
 )
 from drystone.kernels.explicit import Drive, FrozenContacts, Loads, Motion
-from drystone.kernels.law import BROKEN, KN, KS, MU, N_LAW, SHEAR, SLIDING
+from drystone.kernels.law import BROKEN, KN, KS, MU, N_HISTORY, N_LAW, SHEAR, SLIDING
 from drystone.kernels.rows import IN_SPACE
 from drystone.kernels.ties import Ties
 
@@ -79,7 +79,7 @@ class Bench:
         self.pairs = Pairs.of(columns, np.array([n]), self.motion.pose)
         self.laws = np.zeros((1, N_LAW))
         self.laws[0, [KN, KS, MU]] = kn, ks, mu
-        self.history = np.zeros((n, 5))
+        self.history = np.zeros((n, N_HISTORY + 1))
         self.history[:, BROKEN] = 1.0
         self.reaction, self.status = np.zeros((n, 3)), np.zeros(n, np.int64)
         self.bodies = Balls(self.centroid, np.full(2, 0.5 * radius))
