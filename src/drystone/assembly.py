@@ -91,6 +91,24 @@ class Corner:
         return figure.cores(radius=self.radius, chamfer=self.chamfer)
 
 
+#: Parts of a block's motion that can be held by themselves: along the axes, and turning.
+MOTIONS = {2: ("x", "y", "turn"), 3: ("x", "y", "z", "turn")}
+
+#: Mass of what is held over the block's own: a step of 30 s moves it by 1e-10 m under a hundred
+#: weights.
+HELD = 1e14
+
+
+def _held(blocks: Sequence[Block], dimension: int) -> NDArray[np.bool_]:
+    """What rollers hold, (n, n_dof)."""
+    held = np.zeros((len(blocks), motion.n_dof(dimension)), np.bool_)
+    for row, block in zip(held, blocks, strict=True):
+        for name in () if block.support else block.held:
+            at = MOTIONS[dimension].index(name)
+            row[at : None if name == "turn" else at + 1] = True
+    return held
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Block:
     """One block as designed: a shape of one material, movable or a support.
@@ -107,6 +125,7 @@ class Block:
     faces: Faces = ()  # of space: rows of vertices, counter-clockwise from outside; none: the hull
     parts: tuple[Part, ...] = ()  # convex, where they are given
     groups: tuple[str, ...] = ()  # names of what it belongs to: a wall, a storey, a layer
+    held: tuple[str, ...] = ()  # of a movable block: what of its motion rollers hold, see `MOTIONS`
 
     @classmethod
     def of_parts(cls, parts: Sequence[Part], **values: Any) -> Block:
@@ -202,6 +221,7 @@ class Assembly:
     mass: Array = field(init=False)  # (n, n_dof) kg and kg m2, per degree of freedom
     axes: Array = field(init=False)  # (n, dim, dim) columns: what rotations are about in space
     fixed: NDArray[np.bool_] = field(init=False)  # (n,)
+    held: NDArray[np.bool_] = field(init=False)  # (n, n_dof) what rollers hold of movable blocks
     laws: tuple[JointLaw, ...] = field(init=False)  # laws[0] is `joint`
 
     @classmethod
@@ -267,8 +287,15 @@ class Assembly:
             mass=np.column_stack((*along, unit_weight[:, None] * moments)) / GRAVITY,
             axes=np.array([figure.axes for figure in figures]),
             fixed=np.array([block.support for block in self.blocks], dtype=bool),
+            held=_held(self.blocks, self.dimension),
             laws=(self.joint, *dict.fromkeys(self.joint_between.values())),
         )
+
+    @cached_property
+    def inertia(self) -> Array:
+        """Masses (n, n_dof) with which blocks resist motion: so much of what rollers hold that no
+        force moves it by more than rounding."""
+        return np.where(self.held, HELD * self.mass, self.mass)
 
     def _derive(self, **values: Any) -> None:
         """Set derived fields, which are frozen for everyone else."""

@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from drystone.assembly import Assembly, Block, Corner, JointLaw
+from drystone.assembly import MOTIONS, Assembly, Block, Corner, JointLaw
 from drystone.builders.joint_checks import yielding_problems
 from drystone.builders.words import millimetres, quoted
 from drystone.geometry import GeometryError
@@ -55,6 +55,19 @@ def law_problems(law: JointLaw) -> list[str]:
             f"{friction_angle:.4g} degrees, and such a joint would make energy: make it smaller"
         )
     return problems + yielding_problems(law)
+
+
+def held_problems(blocks: Sequence[Block], place: Place) -> list[str]:
+    """Of motions that rollers cannot hold."""
+    problems = []
+    for i, block in enumerate(blocks):
+        known = MOTIONS[block.dimension]
+        if unknown := [name for name in block.held if name not in known]:
+            listed = ", ".join(known)
+            problems.append(f'{place(i)} held: there is no motion "{unknown[0]}": take of {listed}')
+        elif block.held and (block.support or len(set(block.held)) == len(known)):
+            problems.append(f"{place(i)} held: nothing moves it: set support alone")
+    return problems
 
 
 def block_problems(blocks: Sequence[Block], corner: Corner, place: Place) -> list[str]:

@@ -41,6 +41,7 @@ def model_to_dict(model: Model) -> dict[str, Any]:
             **shape_of_block(block),
             "support": bool(block.support),
             **({"groups": list(block.groups)} if block.groups else {}),
+            **({"held": list(block.held)} if block.held else {}),
         }
         for block in assembly.blocks
     ]

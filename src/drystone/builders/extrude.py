@@ -63,7 +63,12 @@ def extruded(model: Model, *, points: int = 4) -> Model:
     )
 
 
+#: Axes of the plane in space.
+AXES = {"y": "z"}
+
+
 def _extruded(block: Block, depth: float) -> Block:
+    block = replace(block, held=tuple(AXES.get(name, name) for name in block.held))
     outlines = [part.vertices for part in block.parts] or [block.vertices]
     parts = [Part(*solid.extruded(outline, (0.0, depth))) for outline in outlines]
     if block.parts:

@@ -13,6 +13,7 @@ from drystone.assembly import POINTS_KNOWN, Assembly, Block, Corner, JointLaw
 from drystone.builders.checks import (
     Place,
     block_problems,
+    held_problems,
     law_problems,
     layout_problems,
     pair_problems,
@@ -188,6 +189,7 @@ def _assembly(
         where = " ".join(sorted(names))
         problems += [f'joint.between."{where}".{wrong}' for wrong in law_problems(law)]
     problems += pair_problems(blocks, between)
+    problems += held_problems(blocks, place)
     if wrong := problem("drawing_tolerance", drawing_tolerance):
         problems.append(wrong)
     if not blocks:

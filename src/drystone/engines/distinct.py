@@ -475,6 +475,10 @@ class DistinctEngine:
     ) -> DistinctState:
         """A state in given poses (n, n_pose) and velocities (n, n_dof), as they are."""
         assembly = problem.assembly
+        if assembly.held.any():
+            raise EngineError(
+                "the distinct engine has no rollers: take the equilibrium or the nscd engine"
+            )
         self.problem, self.stage = problem, problem.stages[-1]
         self.detector = Detector(assembly)
         self.dof = dof_of(assembly.mass)

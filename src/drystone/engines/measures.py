@@ -70,7 +70,7 @@ class LoadArrays:
         return cls(
             dead=dead,
             pattern=pattern,
-            mass=np.where(fixed[:, None], 0.0, assembly.mass),
+            mass=np.where(fixed[:, None], 0.0, assembly.inertia),
             total=acting.total,
             along=acting.along,
             fixed=fixed,
@@ -101,11 +101,15 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     ``loads`` are those near where it ended.
     """
     assembly, multiplier, slots = problem.assembly, outcome.multiplier, outcome.slots
+    mass = np.where(assembly.held, 0.0, loads.mass)
     carried, inertia, fastest, kinetic, work, push, strokes, resistance = kernels.sum_blocks(
         outcome.increment, outcome.acceleration, outcome.velocity, outcome.contact_force,
-        outcome.certificate.held, loads.dead, loads.pattern, loads.mass, loads.fixed,
+        outcome.certificate.held, loads.dead, loads.pattern, mass, loads.fixed,
         loads.along, multiplier,
     )  # fmt: skip
+    if assembly.held.any():  # what seems to be their inertia is what rollers carry
+        borne = np.where(assembly.held, loads.mass * outcome.acceleration, 0.0)
+        carried += float((borne[:, : len(loads.along)] @ loads.along).sum())
     counts = np.zeros(3, np.int64)
     penetration = kernels.count_contacts(slots, outcome.status, counts)
     n_open, n_sticking, n_sliding = counts.tolist()  # OPEN, STICKING, SLIDING

@@ -302,7 +302,7 @@ class NscdEngine:
         """Loads, masses and the linear system of the blocks that are there."""
         assembly = self.problem.assembly
         loads = self.loads = LoadArrays.of(self.problem, gone, self.stage)
-        self.inverse_mass = np.where(loads.fixed[:, None], 0.0, 1.0 / assembly.mass)
+        self.inverse_mass = np.where(loads.fixed[:, None], 0.0, 1.0 / assembly.inertia)
         place = places(assembly.centroid, pairs.pose)
         self.ties = TieForces(self.bars, assembly, gone) if self.bars.n_ties else None
         joined = self.ties.joined(pairs.a, pairs.b) if self.ties else pairs

@@ -23,8 +23,8 @@ from drystone.assembly import Assembly
 from drystone.geometry.motion import moments
 from drystone.limit.crushing import in_rows, rows_of, with_rests
 from drystone.limit.joints import ContactPoints, contact_points
+from drystone.limit.tied import rollers, with_ties
 from drystone.limit.tied import rows_of as tied_rows
-from drystone.limit.tied import with_ties
 from drystone.loading import Acting, DeadForces, DeadLoad, LoadPattern
 from drystone.ties import Tie
 
@@ -49,7 +49,8 @@ class Equilibrium:
     tension: Array  # (n_contacts,) likewise
     force: float  # N, the unit of force
     length: float  # m, the unit of length
-    n_ties: int = 0
+    n_ties: int = 0  # with those that stand for rollers
+    n_drawn: int = 0  # without, the first ones
     n_crushed: int = 0  # contact points that may be crushed
     untilted: Array | None = None
     """(n_rows,) what of the dead load stays as large where gravity turns; None for all patterns but
@@ -65,6 +66,7 @@ class Equilibrium:
     ) -> Equilibrium:
         """Set up the balance in the designed shape; all ``dead_loads`` act from the start."""
         points = in_rows(contact_points(assembly))
+        n_drawn, ties = len(ties), (*ties, *rollers(assembly))
         points = with_ties(points, assembly, ties)
         tied = points
         still = int(np.flatnonzero(assembly.fixed)[0])
@@ -103,6 +105,7 @@ class Equilibrium:
             dead=np.concatenate((scaled(dead), own)),
             live=np.concatenate((scaled(acting.pattern), np.zeros(len(own)))),
             n_ties=len(ties),
+            n_drawn=n_drawn,
             n_crushed=len(crushed),
             untilted=untilted,
             cohesion=points.cohesion / force,
@@ -129,10 +132,10 @@ class Equilibrium:
     def tie_forces(self, forces: Array) -> Array | None:
         """Of ties (n_ties,) [N], tension positive, from ``forces`` (n_contacts, dim); None where
         there are none."""
-        if not self.n_ties:
+        if not self.n_drawn:
             return None
         n = self.n_joined
-        return -self.force * forces[n : n + self.n_ties, 0]
+        return -self.force * forces[n : n + self.n_drawn, 0]
 
     def residual(self, forces: Array, multiplier: float) -> float:
         """Largest unbalanced force or moment, in scaled units, of ``forces`` (n_contacts, dim)."""

@@ -17,7 +17,8 @@ from scipy.sparse import csc_array
 
 from drystone.assembly import Assembly
 from drystone.limit.joints import ContactPoints
-from drystone.ties import Tie
+from drystone.ties import Tie, TieEnd
+from drystone.ties import spring as spring_between
 
 Array = NDArray[np.float64]
 
@@ -56,6 +57,26 @@ def with_ties(points: ContactPoints, assembly: Assembly, ties: Sequence[Tie]) ->
             for key in fields(ContactPoints)
         }
     )
+
+
+def rollers(assembly: Assembly) -> tuple[Tie, ...]:
+    """Bars to the ground that hold what rollers hold, as designed."""
+    dim = assembly.dimension
+    found = []
+    for i, k in np.argwhere(assembly.held).tolist():
+        axis, arm = np.zeros(dim), np.zeros(dim)
+        if k < dim:
+            axis[k] = 1.0
+        else:  # beside the centroid, so that it cannot turn there
+            axis[(k - dim + 1) % dim], arm[(k - dim + (2 if dim == 3 else 0)) % dim] = 1.0, 1.0
+        at = assembly.centroid[i] + arm * np.sqrt(assembly.mass[i, dim] / assembly.mass[i, 0])
+        block = assembly.ids[i]
+        found.append(
+            spring_between(
+                start=TieEnd(block=block, point=at), end=TieEnd(point=at + axis), stiffness=1.0
+            )
+        )
+    return tuple(found)
 
 
 def rows_of(ties: Sequence[Tie], points: ContactPoints, force: float) -> tuple[csc_array, Array]:

@@ -236,6 +236,7 @@ def _blocks(
                 unit_weight=unit_weights[material],
                 material=material,
                 support=block.support,
+                held=tuple(block.held),
                 groups=tuple(dict.fromkeys(block.groups)),
                 **shape,
             )

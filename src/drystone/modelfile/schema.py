@@ -178,6 +178,7 @@ class BlockSection(ShapeSection):
     parts: Annotated[list[ShapeSection] | None, Field(min_length=1)] = None
     material: str | None = None
     support: bool = False
+    held: list[Literal["x", "y", "z", "turn"]] = []
     groups: list[Name] = []
 
 

@@ -142,6 +142,10 @@ class Lmgc90Engine:
             The structure does not stand.
         """
         assembly = problem.assembly
+        if assembly.held.any():
+            raise EngineError(
+                "the lmgc90 engine has no rollers: take the equilibrium or the nscd engine"
+            )
         if problem.ties:
             raise EngineError(
                 "the lmgc90 engine has no ties and springs: take the equilibrium, the nscd or the "
