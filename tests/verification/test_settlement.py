@@ -258,6 +258,12 @@ def test_stands_in_place_of_a_load(tmp_path):
         ds.read_model(tmp_path / "m.toml")
 
 
+def test_limit_analysis_says_that_no_load_grows():
+    found = ds.collapse_load(table())
+    assert found.status == "failed"
+    assert "no load grows" in found.reason
+
+
 def test_lmgc90_says_that_it_cannot():
     from drystone.engines.lmgc90 import Lmgc90Engine
 

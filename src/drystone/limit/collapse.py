@@ -127,6 +127,8 @@ def collapse_loads(
 ) -> tuple[Collapse, ...]:
     """The same for several flows at once, which share their work."""
     equilibrium = Equilibrium.of(model.assembly, model.load, model.dead_loads, model.ties)
+    if model.settlement is not None:
+        return tuple(_without(equilibrium, flow, "failed", NO_LOAD) for flow in flows)
     crushed = any(law.compressive_strength < np.inf for law in model.assembly.laws)
     if crushed and model.assembly.dimension == 3:
         return tuple(_without(equilibrium, flow, "failed", NOT_IN_SPACE) for flow in flows)
@@ -198,6 +200,7 @@ NOT_SOLVED = "the program could not be solved: are blocks or strengths of extrem
 NOT_IN_SPACE = (
     "limit analysis has no joints in space that are crushed: leave compressive_strength out"
 )
+NO_LOAD = "supports move in this model, and no load grows: give a [load]"
 LOCKED = (
     "no finite multiplier: the joints' friction alone can carry any multiple of the load in this "
     "direction"
