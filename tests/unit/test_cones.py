@@ -130,8 +130,8 @@ class Slab:
                 self.problem, self.system, extent, self.free, impulse, velocity, H, settings
             )
         nlgs.natural_map(self.problem, 3, H)
-        accelerator = nlgs._Accelerator(self.problem, self.system, self.free, H, settings)
-        step = nlgs._Step(self.problem, self.system, extent, self.free, H)
+        accelerator = nlgs._Accelerator(self.problem, self.system, self.free, H, settings, None)
+        step = nlgs._Step(self.problem, self.system, extent, self.free, H, None)
         impulse[:, 0] = 9810.0 * H / 4
         known = impulse, velocity, np.inf
         return step.best([lambda p: accelerator.from_within(impulse, velocity, p)], known, 1e-3)
