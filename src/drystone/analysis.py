@@ -428,7 +428,7 @@ def _point(step: int, report: StepReport, time_step: float, decision: Decision) 
         load_multiplier=decision.load_multiplier,
         applied_multiplier=report.applied_multiplier,
         carried_multiplier=report.carried_multiplier,
-        reaction=report.reaction if np.isfinite(report.reaction) else 0.0,
+        reaction=report.reaction,
         residual=report.residual,
         penetration=report.penetration,
         friction_violation=report.friction_violation,

@@ -108,7 +108,7 @@ class StepReport:
     carried_multiplier: float = np.nan
     static_multiplier: float = np.nan
     control_displacement: float = np.nan  # m; of supports that move how far they went, m or rad
-    reaction: float = np.nan  # N or N m, of supports that move, see `settlement`
+    reaction: float = 0.0  # N or N m, of supports that move, see `settlement`
     residual: float = np.nan
     penetration: float = np.nan  # m
     friction_violation: float = np.nan

@@ -118,7 +118,7 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     # x.M a.  Blocks that no contact holds obey this whatever the multiplier and say nothing of it.
     # Without motion along the load there is nothing to tell the two multipliers apart.
     excess = resistance / push if abs(push) > 1e-2 * strokes else 0.0
-    settlement, reaction = problem.settlement, np.nan
+    settlement, reaction = problem.settlement, 0.0
     applied = max(abs(multiplier), 1e-3) if settlement is None else 1.0  # of the weight
     reached = problem.control_point.displacement(assembly, outcome.pose)
     if settlement is not None:
