@@ -211,11 +211,11 @@ def test_a_full_disk_exits_with_3_and_keeps_the_curve(here, analysis, reads, mon
 
     append = ResultsWriter.append
 
-    def full(self, point, pose, contacts):
+    def full(self, point, pose, contacts, ties=None):
         if point.step == 10:
             self.whole = False
             raise OSError(28, "No space left on device")
-        append(self, point, pose, contacts)
+        append(self, point, pose, contacts, ties)
 
     monkeypatch.setattr(ResultsWriter, "append", full)
     analysis(synthetic.pushover)

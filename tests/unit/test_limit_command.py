@@ -172,7 +172,12 @@ def test_the_picture_does_not_tear_what_moves_as_one_body(wall, tmp_path, monkey
     from drystone.report import canvas
 
     drawn = []
-    monkeypatch.setattr(canvas, "save", lambda figure, path: (drawn.append(figure), path.touch()))
+
+    def save(figure, path, *_):
+        drawn.append(figure)
+        path.touch()
+
+    monkeypatch.setattr(canvas, "save", save)
     model = ds.published_wall(wall)
     found = collapse_load(model)
     write_collapse([found], model, tmp_path)

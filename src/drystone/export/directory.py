@@ -44,7 +44,8 @@ SUMMARY, CURVE, RESULTS, TIES = "summary.json", "curve.csv", "results.h5", "ties
 CURVE_FIGURE, MECHANISM_FIGURE, PARAVIEW = "curve.png", "mechanism.png", "paraview"
 #: Of pictures.
 FORMATS = ("png", "svg", "pdf")
-FILES = (SUMMARY, CURVE, CURVE_FIGURE, MECHANISM_FIGURE, RESULTS, TIES)
+#: What every analysis leaves; ``ties.csv`` stands beside it where there are ties.
+FILES = (SUMMARY, CURVE, CURVE_FIGURE, MECHANISM_FIGURE, RESULTS)
 #: What an assessment writes beside the results, and what says nothing of new ones.
 ASSESSMENT = "assessment.json"
 OF_ASSESSMENT = (ASSESSMENT, "adrs.svg", "adrs.png", "adrs.pdf")
@@ -147,7 +148,7 @@ class ResultsDirectory:
         self.path.mkdir(parents=True, exist_ok=True)
         self._lock = FolderLock(self.path)
         (self.path / PARAVIEW).mkdir(exist_ok=True)
-        for name in (*FILES, *OF_ASSESSMENT):
+        for name in (*FILES, TIES, *OF_ASSESSMENT):
             (self.path / name).unlink(missing_ok=True)
         for name in (CURVE_FIGURE, MECHANISM_FIGURE):
             for format in FORMATS:
@@ -231,7 +232,7 @@ class ResultsDirectory:
 
 def files_of(folder: Path) -> list[Path]:
     """Files that an analysis writes into its folder, those of ParaView apart."""
-    return [folder / name for name in FILES]
+    return [folder / name for name in (*FILES, TIES)]
 
 
 def mechanism_row(curve: CapacityCurve, control_displacement: float) -> int:
