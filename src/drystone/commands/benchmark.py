@@ -108,7 +108,7 @@ def benchmark(
             for number in walls:  # a fault in them is better known before the work
                 recorded_curves(reference, number)
         engines = list(dict.fromkeys(engine or ()))
-        with compiling(engines[0] if engines else Analysis().engine, quiet=quiet or as_json):
+        with compiling(engines[0] if engines else Analysis().engine, 2, quiet=quiet or as_json):
             result = analyse(
                 walls=walls,
                 engines=engines,

@@ -19,13 +19,16 @@ from drystone.commands.outcome import tell
 REHEARSED = ("equilibrium", "nscd")
 #: Steps of the rehearsal's analysis: enough for every kernel that a wall needs at once.
 STEPS = 4
+#: What is said of how long it takes, by dimension.
+FORECAST = {2: "half a minute or so", 3: "a minute or so"}
 
 
 @contextmanager
-def compiling(engine: str, *, quiet: bool) -> Iterator[None]:
+def compiling(engine: str, dimension: int, *, quiet: bool) -> Iterator[None]:
     """Say on standard error that kernels are compiled, once, and how long it took.
 
-    ``engine`` is the one that is going to run; a process that helps is started for some.
+    ``engine`` is the one that is going to run on a structure of so many dimensions; a process that
+    helps is started for some.
     """
     from drystone.kernels.compilation import Compilation
 
@@ -33,10 +36,11 @@ def compiling(engine: str, *, quiet: bool) -> Iterator[None]:
 
     def begun() -> None:
         if not quiet:
-            tell(["compiling, once on this machine: 15 seconds or so where nothing else runs"])
+            forecast = FORECAST[dimension]
+            tell([f"compiling, once on this machine: {forecast} where nothing else runs"])
         if engine in REHEARSED and _processors() > 1:
             with suppress(OSError):  # it is only a help
-                helpers.append(_helper(engine))
+                helpers.append(_helper(engine, dimension))
 
     try:
         with Compilation(begun) as compilation:
@@ -49,9 +53,9 @@ def compiling(engine: str, *, quiet: bool) -> Iterator[None]:
         tell([f"compiled in {compilation.seconds:.1f} s"])
 
 
-def _helper(engine: str) -> subprocess.Popen[bytes]:
+def _helper(engine: str, dimension: int) -> subprocess.Popen[bytes]:
     return subprocess.Popen(
-        [sys.executable, "-m", __name__, engine],
+        [sys.executable, "-m", __name__, engine, str(dimension)],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
@@ -66,17 +70,18 @@ def _processors() -> int:
         return os.cpu_count() or 1
 
 
-def compile_backwards(engine: str) -> None:
+def compile_backwards(engine: str, dimension: int) -> None:
     """Compile what a run needs, what is needed last first."""
     from drystone.kernels.compilation import rehearse
 
-    for kernel, types in reversed(rehearse(lambda: _small_run(engine))):
+    for kernel, types in reversed(rehearse(lambda: _small_run(engine, dimension))):
         kernel.compile(types)
 
 
-def _small_run(engine: str) -> None:
+def _small_run(engine: str, dimension: int) -> None:
     """A run as `drystone run` makes it, of five blocks and a few steps."""
     import drystone as ds
+    from drystone.builders import extruded
     from drystone.limit import limits_beside
 
     model = ds.make_model(
@@ -85,9 +90,11 @@ def _small_run(engine: str) -> None:
         thickness=0.5,
         load_direction=(1.0, 0.0),
     )
+    if dimension == 3:
+        model = extruded(model)
     limits_beside(model)
     ds.pushover(model, engine=engine, max_steps=STEPS)
 
 
 if __name__ == "__main__":
-    compile_backwards(sys.argv[1])
+    compile_backwards(sys.argv[1], int(sys.argv[2]))

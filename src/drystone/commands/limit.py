@@ -86,7 +86,7 @@ def limit(
         settings = NonAssociativeSettings(
             alpha=alpha, beta=beta, n_paths=paths or default_paths(model.assembly)
         )
-        with compiling("", quiet=quiet or as_json):
+        with compiling("", model.assembly.dimension, quiet=quiet or as_json):
             results = collapse_loads(
                 model, flows=FLOWS if flow is None else (flow.value,), settings=settings
             )

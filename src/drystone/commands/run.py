@@ -116,7 +116,8 @@ def run(
             options: dict[str, Any] = {"processes": threads, "as_json": as_json}
             options["quiet"] = quiet or as_json
             raise typer.Exit(run_directions(model, number, folder, asked, **options))
-        with compiling(engine or model.analysis.engine, quiet=quiet or as_json):
+        wanted = engine or model.analysis.engine
+        with compiling(wanted, model.assembly.dimension, quiet=quiet or as_json):
             beside = limits_beside(model)
             with ResultsDirectory(
                 folder,

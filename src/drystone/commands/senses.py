@@ -133,8 +133,9 @@ def _traced_one(name: str, model: Model, folder: Path, ask: Tracing) -> Sense:
     check_writable(folder)
     check_apart(ask.source, files_of(folder))
     stop = model.analysis.stop_multiplier
+    engine = ask.engine or model.analysis.engine
     with (
-        compiling(ask.engine or model.analysis.engine, quiet=ask.quiet),
+        compiling(engine, model.assembly.dimension, quiet=ask.quiet),
         ResultsDirectory(folder, beside=limits_beside(model)) as results,
         progress_for(f"{ask.source.stem}, {name}", stop, quiet=ask.quiet) as progress,
     ):
