@@ -129,9 +129,6 @@ def collapse_loads(
     equilibrium = Equilibrium.of(model.assembly, model.load, model.dead_loads, model.ties)
     if model.settlement is not None:
         return tuple(_without(equilibrium, flow, "failed", NO_LOAD) for flow in flows)
-    crushed = any(law.compressive_strength < np.inf for law in model.assembly.laws)
-    if crushed and model.assembly.dimension == 3:
-        return tuple(_without(equilibrium, flow, "failed", NOT_IN_SPACE) for flow in flows)
     bonds = equilibrium.cohesion.any() or equilibrium.tension.any()
     if model.load.turns_gravity and (bonds or equilibrium.untilted is not None):
         return tuple(_tilted(equilibrium, flow, settings) for flow in flows)
@@ -197,9 +194,6 @@ def default_paths(assembly: Assembly) -> int:
 
 
 NOT_SOLVED = "the program could not be solved: are blocks or strengths of extreme sizes?"
-NOT_IN_SPACE = (
-    "limit analysis has no joints in space that are crushed: leave compressive_strength out"
-)
 NO_LOAD = "supports move in this model, and no load grows: give a [load]"
 LOCKED = (
     "no finite multiplier: the joints' friction alone can carry any multiple of the load in this "

@@ -1,10 +1,16 @@
 """Joints that are crushed, in limit analysis: a largest normal force at every contact point.
 
-A joint of the plane carries a block of stress: with the width a = N / f_c t its resultant is no
-nearer to an edge than a / 2.  It is taken as a row of points, those at the ends with half the area
-of the others, of which each carries at most f_c times its area.  Their region of normal force and
-moment is a polygon around that of the block: the resultant comes nearer to the edge, by h^2 / 8a at
-most, h the distance of the points, and so multipliers are a little high.
+A joint carries a block of stress: with the width a = N / f_c t its resultant is no nearer to an
+edge than a / 2.  It is taken as many points, of which each carries at most f_c times its share of
+the area: what a stress does there, spread by functions that are linear between points, and one at
+their own.  Of any stress they keep force and moments, so that the region of these is a polyhedron
+around that of the block: the resultant comes nearer to the edge, by h^2 / 8a at most, h the
+distance of the points where the block ends, and so multipliers are a little high.
+
+In the plane the points are a row at equal distances.  In space every corner of the joint has a
+grid, in the quadrilateral between it, the middles of its two sides and the joint's middle; the
+points of a rectangle are at (1 - cos(k pi / n)) / 2 of its sides, so that h^2 / 8a is no more than
+(pi / n)^2 / 8 of them, however small a is.
 
 For the programs a largest force C is one contact point more, on no block and without friction: it
 carries what is left of C, which is not negative, and a row of its own holds the two together.
@@ -13,7 +19,6 @@ carries what is left of C, which is not negative, and a row of its own holds the
 from __future__ import annotations
 
 from dataclasses import fields, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,40 +29,76 @@ from drystone.limit.joints import ContactPoints
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: Points of a joint that may be crushed: its resultant is known to length^2 / 8192 a.
+#: Points of a joint of the plane that may be crushed: its resultant is known to length^2 / 8192 a.
 POINTS = 33
+#: Points along the side of a rectangle in space, two to a corner and one in the middle: the
+#: resultant is known to 1/208 of the side.
+ALONG = 17
+
+#: Strength of a point over the heaviest weight from which its rest has a unit of its own.
+LARGE = 100.0
+
+#: Of bilinear functions on a square, by its corners: integrals of the product of two.
+PRODUCTS = np.array([[4, 2, 1, 2], [2, 4, 2, 1], [1, 2, 4, 2], [2, 1, 2, 4]]) / 36.0
 
 
-def in_rows(points: ContactPoints) -> ContactPoints:
-    """The points of a plane, those of joints that may be crushed as rows of `POINTS` instead.
-
-    The two points of a joint follow each other.
-    """
+def spread(points: ContactPoints) -> ContactPoints:
+    """The points of a structure, those of joints that may be crushed as many instead."""
     crushed = np.isfinite(points.crushing)
-    if points.dimension == 3:  # joints there are taken as strong, where they matter: `collapse`
-        return replace(points, crushing=np.full(points.n_contacts, np.inf))
     if not crushed.any():
         return points
-    first = np.flatnonzero(crushed)[::2]
-    share = np.linspace(0.0, 1.0, POINTS)
-    part = np.full(POINTS, 1.0 / (POINTS - 1))
-    part[[0, -1]] *= 0.5
-    begin, end = points.position[first, None], points.position[first + 1, None]
-    position = (begin + share[:, None] * (end - begin)).reshape(-1, points.dimension)
-    area = 2.0 * points.area[first]
+    among = np.flatnonzero(crushed)
+    begins = np.flatnonzero(np.diff(points.joint[among], prepend=-1))
+    joints = np.split(among, begins[1:])
+    within = _row if points.dimension == 2 else _grid
+    found = [within(points.position[corners]) for corners in joints]
+    first = np.repeat(among[begins], [len(share) for _, share in found])
+    own = {key.name: getattr(points, key.name)[first] for key in fields(ContactPoints)}
+    own["position"] = np.concatenate([place for place, _ in found])
+    for name in ("area", "cohesion", "tension", "crushing"):
+        whole = np.add.reduceat(getattr(points, name)[among], begins)
+        own[name] = np.concatenate(
+            [total * share for total, (_, share) in zip(whole, found, strict=True)]
+        )
+    return ContactPoints(
+        **{name: np.concatenate((getattr(points, name)[~crushed], own[name])) for name in own}
+    )
 
-    def spread(name: str) -> Any:
-        own = getattr(points, name)
-        if name == "position":
-            more = position
-        elif name in ("area", "cohesion", "tension", "crushing"):
-            more = (own[first] / points.area[first] * area)[:, None] * part
-            more = more.ravel()
-        else:
-            more = np.repeat(own[first], POINTS, axis=0)
-        return np.concatenate((own[~crushed], more))
 
-    return ContactPoints(**{key.name: spread(key.name) for key in fields(ContactPoints)})
+def _row(ends: Array) -> tuple[Array, Array]:
+    """Points between two ends, and their shares of the length."""
+    begin, end = ends
+    place = begin + np.linspace(0.0, 1.0, POINTS)[:, None] * (end - begin)
+    share = np.full(POINTS, 1.0 / (POINTS - 1))
+    share[[0, -1]] *= 0.5
+    return place, share
+
+
+def _grid(corners: Array) -> tuple[Array, Array]:
+    """Points on a convex polygon with corners (n, 3), and their shares of its area."""
+    n, m = len(corners), ALONG // 2
+    along = 1.0 - np.cos(0.5 * np.pi * np.arange(m + 1) / m)
+    u, w = along[:, None, None], along[None, :, None]
+    after = 0.5 * (corners + np.roll(corners, -1, axis=0))
+    before, middle = np.roll(after, 1, axis=0), corners.mean(axis=0)
+    place = np.zeros((n * m * (m + 1) + 1, 3))
+    area = np.zeros(len(place))
+    i, j = np.meshgrid(np.arange(m + 1), np.arange(m + 1), indexing="ij")
+    for k in range(n):
+        # What lies on the line to the middle of the next side belongs to the next corner.
+        name = np.where(i < m, (k * m + i) * (m + 1) + j, (((k + 1) % n) * m + j) * (m + 1) + m)
+        name[m, m] = len(place) - 1
+        here = (1.0 - u) * (1.0 - w) * corners[k] + u * (1.0 - w) * after[k]
+        here = here + u * w * middle + (1.0 - u) * w * before[k]
+        place[name] = here
+        cell = [(slice(None, -1), slice(None, -1)), (slice(1, None), slice(None, -1))]
+        cell += [(slice(1, None), slice(1, None)), (slice(None, -1), slice(1, None))]
+        at = np.stack([here[part] for part in cell])
+        sides = np.roll(at, -1, axis=0) - at, np.roll(at, 1, axis=0) - at
+        size = np.linalg.norm(np.cross(*sides), axis=-1)
+        for part, value in zip(cell, np.einsum("ab,bij->aij", PRODUCTS, size), strict=True):
+            np.add.at(area, name[part], value)
+    return place, area / area.sum()
 
 
 def with_rests(points: ContactPoints, still: int) -> tuple[ContactPoints, IntArray]:
@@ -73,6 +114,7 @@ def with_rests(points: ContactPoints, still: int) -> tuple[ContactPoints, IntArr
         frame=points.frame[crushed],
         **dict.fromkeys(("area", "friction", "dilatancy", "cohesion", "tension"), nothing),
         crushing=np.full(n, np.inf),
+        joint=np.full(n, -1),
     )
     both = {
         key.name: np.concatenate((getattr(points, key.name), getattr(rest, key.name)))
@@ -82,10 +124,17 @@ def with_rests(points: ContactPoints, still: int) -> tuple[ContactPoints, IntArr
 
 
 def rows_of(points: ContactPoints, crushed: IntArray, force: float) -> tuple[csc_array, Array]:
-    """Rows that hold every such point and its rest together, and their dead load, scaled."""
+    """Rows that hold every such point and its rest together, and their dead load, scaled.
+
+    Of points that are stronger than `LARGE` the rest is measured in so much more: programs want
+    numbers of the order of one.
+    """
     n, dim = len(crushed), points.dimension
+    most = points.crushing[crushed] / force
+    unit = np.maximum(most / LARGE, 1.0)
     row = np.concatenate((np.arange(n), np.arange(n)))
     rest = points.n_contacts - n + np.arange(n)
     column = dim * np.concatenate((crushed, rest))
-    matrix = csc_array((np.ones(2 * n), (row, column)), shape=(n, points.n_contacts * dim))
-    return matrix, -points.crushing[crushed] / force
+    values = np.concatenate((1.0 / unit, np.ones(n)))
+    matrix = csc_array((values, (row, column)), shape=(n, points.n_contacts * dim))
+    return matrix, -most / unit

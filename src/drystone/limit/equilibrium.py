@@ -21,7 +21,7 @@ from scipy.sparse import csc_array, hstack, vstack
 
 from drystone.assembly import Assembly
 from drystone.geometry.motion import moments
-from drystone.limit.crushing import in_rows, rows_of, with_rests
+from drystone.limit.crushing import rows_of, spread, with_rests
 from drystone.limit.joints import ContactPoints, contact_points
 from drystone.limit.tied import rollers, with_ties
 from drystone.limit.tied import rows_of as tied_rows
@@ -65,7 +65,7 @@ class Equilibrium:
         ties: Sequence[Tie] = (),
     ) -> Equilibrium:
         """Set up the balance in the designed shape; all ``dead_loads`` act from the start."""
-        points = in_rows(contact_points(assembly))
+        points = spread(contact_points(assembly))
         n_drawn, ties = len(ties), (*ties, *rollers(assembly))
         points = with_ties(points, assembly, ties)
         tied = points

@@ -36,6 +36,7 @@ class ContactPoints:
     cohesion: Array  # (n_contacts,) N, of the point's share
     tension: Array  # (n_contacts,) N, likewise
     crushing: Array  # (n_contacts,) N, likewise; infinite where joints are not crushed
+    joint: IntArray  # (n_contacts,) row of the joint, whose corners go round; -1 of none
 
     @property
     def n_contacts(self) -> int:
@@ -93,6 +94,7 @@ def contact_points(assembly: Assembly, *, set_back: float | None = None) -> Cont
         cohesion=cohesion * area,
         tension=tension * area,
         crushing=crushing * area,
+        joint=row,
     )
 
 

@@ -42,6 +42,7 @@ def with_ties(points: ContactPoints, assembly: Assembly, ties: Sequence[Tie]) ->
         "frame": frame,
         **dict.fromkeys(("area", "friction", "dilatancy", "cohesion"), nothing),
         "crushing": np.full(n, np.inf),
+        "joint": np.full(n, -1),
     }
     first = ContactPoints(
         block_a=np.array([tie.start.row(assembly) for tie in ties]),
