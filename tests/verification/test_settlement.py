@@ -52,12 +52,17 @@ def point_of(model, row, point, pose):
     return (point + model.assembly.displacement_at(row, point, pose))[[0, -1]]
 
 
-@pytest.mark.parametrize("engine", EXACT)
-@pytest.mark.parametrize("space", [False, True])
+@pytest.mark.parametrize(
+    ("engine", "space"),
+    [
+        *((engine, False) for engine in EXACT),
+        ("equilibrium", True),
+        ("nscd", True),
+        pytest.param("distinct", True, marks=pytest.mark.slow),
+    ],
+)
 def test_block_on_a_turning_table(engine, space):
     """The moment is that of the weight about the centre; the block overturns at atan(b / h)."""
-    if space and engine == "distinct":
-        pytest.skip("cycles of space take minutes to be compiled; those of `nscd` stand for them")
     model = ds.extruded(table()) if space else table()
     curve = ds.pushover(model, engine=engine, keep_poses=True)
     centre, weight = model.assembly.centroid[1], model.assembly.weight[1]
@@ -106,12 +111,16 @@ def thrust(model, pose):
 
 
 @pytest.mark.parametrize("engine", EXACT)
-def test_frame_on_spreading_supports(engine):
-    model = leaning()
+@pytest.mark.parametrize("space", [False, True])
+def test_frame_on_spreading_supports(engine, space):
+    model = ds.extruded(leaning()) if space else leaning()
     curve = ds.pushover(model, engine=engine, keep_poses=True)
     assert curve.reason == "the supports have gone as far as asked"
     assert curve.control_displacement[-1] == pytest.approx(0.2, rel=1e-9)
-    for point, pose in list(zip(curve.points, curve.poses, strict=True))[3:]:
+    assert len(curve.points) > 10
+    for point, pose in zip(curve.points, curve.poses, strict=True):
+        if point.control_displacement < 1e-4:
+            continue  # joints still open
         assert point.reaction == pytest.approx(thrust(model, pose), rel=EXACT[engine])
 
 

@@ -132,7 +132,7 @@ def test_tie_on_a_rocking_block(case, engine):
     )
 
 
-@pytest.mark.parametrize("engine", ["equilibrium", "nscd"])
+@pytest.mark.parametrize("engine", EXACT)
 def test_tie_in_space(engine):
     model = ds.extruded(model_of((CASES["breaking"],)))
     curve = ds.pushover(model, engine=engine, keep_poses=True)
@@ -163,12 +163,26 @@ def corner(one):
     return low, (moment - centre[0] * WEIGHT) / (centre[1] * WEIGHT)
 
 
-def test_peak_is_where_the_tie_begins_to_yield():
-    """Steps end there to 1e-5 of the strength; the toe sinks by 1e-5 of the height."""
-    for name in ("yielding", "anchorage"):
-        curve = ds.pushover(model_of((CASES[name],)))
-        _, multiplier = corner(CASES[name])
-        assert curve.peak.load_multiplier == pytest.approx(multiplier, rel=1e-4)
+@pytest.mark.parametrize("name", ["yielding", "anchorage", "pretension"])
+@pytest.mark.parametrize("engine", ["equilibrium", "distinct"])
+@pytest.mark.parametrize("space", [False, True])
+def test_peak_is_where_the_tie_begins_to_yield(name, engine, space):
+    """Steps end there to 5e-5 of the strength; the toe sinks by 1e-5 of the height."""
+    if space and name == "anchorage":
+        pytest.skip("a strength is as good as another")
+    model = model_of((CASES[name],))
+    curve = ds.pushover(ds.extruded(model) if space else model, engine=engine, max_displacement=0.1)
+    _, multiplier = corner(CASES[name])
+    assert curve.peak.load_multiplier == pytest.approx(multiplier, rel=1e-4)
+
+
+@pytest.mark.parametrize("engine", ["equilibrium", "distinct"])
+def test_pretension_does_not_draw_a_block_along(engine):
+    """Weight and pretension come together: 500 N on a joint that holds 0.2 of 4 kN."""
+    model = model_of((CASES["pretension"],)).with_joint(friction_coefficient=0.2)
+    curve = ds.pushover(model, engine=engine, max_steps=1, keep_poses=True)
+    # Elastic: shear by 500 N / (1e9 Pa/m of 0.2 m2), and rocking on the joint's springs.
+    assert abs(curve.poses[0][1, 0]) < 5e-5
 
 
 def test_breaking_is_a_tooth_of_the_curve():

@@ -49,6 +49,7 @@ from drystone.kernels.explicit import Drive, FrozenContacts, Loads, Motion
 from drystone.kernels.law import N_HISTORY
 from drystone.kernels.residual import add_contact_forces
 from drystone.kernels.rows import OF_GAP, dof_of
+from drystone.kernels.ties import PRETENSION
 from drystone.solvers.tie_forces import TieForces
 from drystone.ties import Bars, TieState
 
@@ -81,6 +82,9 @@ NOISE = 5.0
 
 #: Margin of a bond at which a step ends for it: each try is a relaxation.
 AT_STRENGTH = 1e-3
+
+#: How many times nearer to its strength a step ends for a tie, whose force rest tells better.
+TIES_NEARER = 20.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -244,13 +248,18 @@ class Workspace:
 
     def load_gradually(self, before: LoadArrays | None) -> None:
         """Bring up the dead load from what it was ``before``, if anything, each part of it in
-        cycles enough for a wave to pass."""
-        whole = self.acting
+        cycles enough for a wave to pass.
+
+        Ties are drawn with the weight: before it, they would draw blocks along.
+        """
+        whole, drawn = self.acting, self.ties.value[:, PRETENSION].copy()
         for part in range(1, RAMP):
+            if before is None:
+                self.ties.value[:, PRETENSION] = part / RAMP * drawn
             self.acting = whole.scaled(part / RAMP, before)
             self.loads = self.loads._replace(dead=self.acting.dead)
             self.run(max(self.engine.settings.drive_cycles // CHUNKS, 1))
-        self.acting = whole
+        self.acting, self.ties.value[:, PRETENSION] = whole, drawn
         self.loads = self.loads._replace(dead=whole.dead)
 
     def drive(self, n_cycles: int, rate: float) -> float:
@@ -483,7 +492,7 @@ class DistinctEngine:
         self.detector = Detector(assembly)
         self.dof = dof_of(assembly.mass)
         self.strengths = Strengths(assembly)
-        refuse_yielding(assembly, self.name, curved=assembly.dimension == 2)
+        refuse_yielding(assembly, self.name, curved=True)
         try:
             self.laws = law_table(assembly)
         except ValueError as error:
@@ -503,7 +512,8 @@ class DistinctEngine:
         history = np.zeros((n_slots, N_HISTORY + assembly.dimension - 2))
         history[apart(slots, 1e-9 * self.size), joint_law.BROKEN] = 1.0  # open when built
         self.bars = Bars.of(assembly, problem.ties)
-        self.brittle = brittle(self.laws) or self.bars.breakable
+        self.brittle = brittle(self.laws)
+        self.gives_way = self.brittle or self.bars.give_way
         return DistinctState(
             pose=pose,
             velocity=assembly.no_motion() if velocity is None else np.array(velocity, float),
@@ -597,7 +607,7 @@ class DistinctEngine:
         """Cycles from `state`; see `Engine.step`."""
         if demand.settlement is not None:
             return self._follow_supports(state, demand.settlement)
-        if demand.increment is not None and self.brittle:
+        if demand.increment is not None and self.gives_way:
             return self._bond_steps(demand.increment).advance(state)
         if demand.increment is not None:
             return self._advance(state, demand.increment)
@@ -613,7 +623,7 @@ class DistinctEngine:
         self, state: DistinctState, amount: float
     ) -> tuple[DistinctState, StepReport]:
         """Move supports on by an amount, as far as bonds and ties allow."""
-        if self.brittle:
+        if self.gives_way:
             return self._bond_steps(amount, self._settle_on).advance(state)
         return self._settle_on(state, amount)
 
@@ -663,7 +673,7 @@ class DistinctEngine:
         slots = due[due < n_slots]
         if len(slots) < len(due):
             ties = self.bars.past(state.ties, due[due >= n_slots] - n_slots)
-            margin = np.concatenate((state.margin[:n_slots], ties.margin))
+            margin = np.concatenate((state.margin[:n_slots], TIES_NEARER * ties.margin))
             state = replace(state, ties=ties, margin=margin)
         history, margin = state.history.copy(), state.margin.copy()
         history[slots, joint_law.BROKEN], margin[slots] = 1.0, np.inf
@@ -831,12 +841,13 @@ class DistinctEngine:
         return judged, force
 
     def _margin(self, work: Workspace, contacts: JudgedContacts) -> Array:
-        """Of the bonds, by slots."""
+        """Of the bonds, by slots, and of the ties."""
         margin = np.full(len(work.slots.kind), np.inf)
         if self.brittle:
             slack = NOISE * self.settings.tolerance * self.scale
             margin[contacts.contacts.slot] = margins(contacts, slack)
-        return np.concatenate((margin, work.ties.ended(yields=False).margin))
+        ties = work.ties.ended(yields=not work.real_masses)
+        return np.concatenate((margin, TIES_NEARER * ties.margin))
 
     def _arrive(
         self,
@@ -850,7 +861,7 @@ class DistinctEngine:
         """The state at the end of the cycles, and its figures."""
         assembly, meter, pose = self.problem.assembly, work.meter, work.motion.pose
         acting = work.now
-        ties = work.ties.ended(yields=False, aged=work.real_masses)
+        ties = work.ties.ended(yields=not work.real_masses, aged=work.real_masses)
         acceleration = np.where(acting.fixed[:, None], 0.0, unbalanced / assembly.mass)
         increment = assembly.difference(pose, state.pose)
         new = DistinctState(
