@@ -52,6 +52,10 @@ class OnTwoPads:
         return UNIT_WEIGHT * self.width * self.height
 
     def trace(self, left, right, direction, step, **options):
+        model = self.model(left, right, direction)
+        return pushover(model, displacement_step=step, stop_multiplier=1e-3, **options)
+
+    def model(self, left, right, direction):
         b, e, h = self.width, self.pad, self.height
         pads = [
             Block(
@@ -63,7 +67,7 @@ class OnTwoPads:
             for name, x in (("left", 0.0), ("right", b - e))
         ]
         block = Block(id="block", vertices=rectangle(0.0, 0.0, b, h), unit_weight=UNIT_WEIGHT)
-        model = make_model(
+        return make_model(
             [*pads, block],
             joint=right,
             joint_between={frozenset({"left", "block"}): left},
@@ -72,7 +76,6 @@ class OnTwoPads:
             control_block="block",
             control_point=(0.5 * b, 0.5 * h),
         )
-        return pushover(model, displacement_step=step, stop_multiplier=1e-3, **options)
 
     def multipliers(self, turns, pull):
         """At rotations (n,), with ``pull(gap)`` what the left pad pulls with per area."""

@@ -29,8 +29,8 @@ class EngineError(Exception):
 
 
 def refuse_yielding(assembly: Assembly, engine: str, *, curved: bool = False) -> None:
-    """Raise `EngineError` for joints that not all engines have, in the plane alone; only for what
-    is ``curved``, where the engine has the others."""
+    """Raise `EngineError` for joints that not all engines have; only for what is ``curved``, where
+    the engine has the others."""
     names: dict[str, Callable[[JointLaw], bool]] = {
         "lose their bond over fracture energies": lambda law: law.softens,
         "lose friction": lambda law: law.residual_friction_coefficient is not None,
@@ -41,11 +41,13 @@ def refuse_yielding(assembly: Assembly, engine: str, *, curved: bool = False) ->
         if curved and what != "close hyperbolically":
             continue
         if any(map(has, assembly.laws)):
-            where = " in space" if assembly.dimension == 3 else ""
-            raise EngineError(
-                f"the {engine} engine has no joints that {what}{where}: the equilibrium engine has "
-                "them in the plane"
-            )
+            space = assembly.dimension == 3
+            where = " in space" if space else ""
+            if what == "close hyperbolically":
+                mend = "the equilibrium engine has them in the plane"
+            else:
+                mend = f"take the {'distinct' if space else 'equilibrium or the distinct'} engine"
+            raise EngineError(f"the {engine} engine has no joints that {what}{where}: {mend}")
 
 
 class UnstableError(EngineError):

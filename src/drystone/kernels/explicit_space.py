@@ -60,6 +60,7 @@ from drystone.kernels.law import (
     L_MU,
     L_TAN_PSI,
     L_TENSION,
+    L_YIELDS,
     OPEN,
     SHEAR,
     SLID,
@@ -69,6 +70,7 @@ from drystone.kernels.law import (
     opens,
 )  # fmt: skip
 from drystone.kernels.rotation import fill_turn, spin, turned
+from drystone.kernels.yielding_cycles import normal_in_cycle, shear_in_cycle
 
 Array = NDArray[np.float64]
 
@@ -219,8 +221,9 @@ def act_in_space(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_w
         rn = law[c, L_KN] * (history[c, DILATION] - gap)
         bonded = history[c, BROKEN] == 0.0
         held = bonded and bonds_hold and law[c, L_BOND] + law[c, L_TENSION] > 0.0
+        yields = law[c, L_YIELDS] != 0.0
         r1, r2 = history[c, SHEAR], history[c, SHEAR + 1]
-        if not held:
+        if not held and not yields:
             is_open, whole = opens(rn, gap, law[c, L_TENSION], bonded)
             if bonded and not whole:
                 history[c, BROKEN] = 1.0
@@ -254,7 +257,14 @@ def act_in_space(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_w
         trial_1 = r1 - ks * dt * (vx * tx + vy * ty + vz * tz)
         trial_2 = r2 - ks * dt * (vx * sx + vy * sy + vz * sz)
         r1, r2, now = trial_1, trial_2, STICKING
-        if not held:
+        if yields:
+            rn, taken = normal_in_cycle(law, history, c, gap)
+            size = np.sqrt(trial_1 * trial_1 + trial_2 * trial_2)
+            most, now, work = shear_in_cycle(law, history, c, rn, size)
+            friction_work += taken + work
+            share = most / size if most < size else 1.0
+            r1, r2 = share * trial_1, share * trial_2
+        elif not held:
             tan_psi = law[c, L_TAN_PSI] if history[c, SLID] < law[c, L_END] else 0.0
             bond = law[c, L_BOND] if bonded else 0.0
             rn, r1, r2, now, gamma = drag_along(
