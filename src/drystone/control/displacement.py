@@ -48,8 +48,8 @@ KINK = 0.1
 ALL_BUT = 0.98
 
 
-#: Times that the stop value is looked for where the chord meets it.
-CHORDS = 4
+#: Times that the stop value is looked for where the chord meets it, and where steps are dear.
+CHORDS, FEW_CHORDS = 4, 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,6 +81,8 @@ class DisplacementSettings:
     # a jump grows
     easy_iterations: int = 12  # of a step up to which increments grow
     hard_iterations: int = 12  # of a step beyond which they shrink
+    slow_iterations: int = 40  # of a step of a jump beyond which its time step does not grow
+    retried_after: int = 5  # steps of a jump after which a time step that failed is tried again
     static_inertia: float = 1e-3  # inertia over applied force of a step that is static again
     fall_motion: float = 25.0  # of a block, over the largest increment, in the parts of a jump in
     # which the control point is held back, after which the structure has collapsed
@@ -107,6 +109,8 @@ class _State:
     fallen: float = 0.0  # m, in those of them that held the control point back
     time_step: float = 0.0  # s, of a jump; 0 on the static path
     shortened: bool = False  # whether the last one failed with a longer one
+    too_long: float = math.inf  # s, time step of a jump that failed last
+    n_since: int = 0  # steps of the jump since then
     rested: float = 0.0  # s, time step with which the last jump seemed to be over; 0 once it was
     closing: float = math.inf  # m, of the joint that closes most under the dead load
     stage: int = FOLLOWING
@@ -133,19 +137,25 @@ class DisplacementControl:
             return Demand(
                 increment=state.increment,
                 over_fold=state.stage == CROSSING,
-                thorough=state.stage == CROSSING or not self._would_halve(state),
+                thorough=self._is_thorough(state),
             )
         # In a jump the control point creeps with an acceleration that does not depend on the step.
         s = self.settings
         share = min((state.time_step / s.time_step) ** 2, 50.0)
         creep = s.creep_share * s.displacement_step * share
-        thorough = not (s.smooth and state.time_step > 0.3 * s.time_step)
+        # What was not found at once with a longer step is looked for here: it is far.
+        soon = s.smooth and state.time_step > 0.3 * s.time_step
+        thorough = state.shortened or not soon
         return Demand(increment=creep, time_step=state.time_step, thorough=thorough)
 
-    def _would_halve(self, state: _State) -> bool:
-        """Whether a step that fails may soon be tried again with half of it."""
+    def _is_thorough(self, state: _State) -> bool:
+        """Whether a static step is worth all there is to find its end: not where one that fails is
+        tried again with half of it, nor where it would only pass what can be followed in motion."""
         s = self.settings
-        return s.smooth and state.increment > s.thorough_share * s.displacement_step
+        if not s.smooth:
+            return True
+        small = state.increment <= s.thorough_share * s.displacement_step
+        return small and state.stage != CROSSING
 
     def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
         """Try again with less where a step fails; else go on."""
@@ -217,7 +227,7 @@ class DisplacementControl:
                 return finer if finer > s.floor_share * s.displacement_step else None
             aim = (1.0 - 0.5 * s.refined_share) * s.stop_multiplier
             share = (state.last - aim) / (state.last - multiplier)
-            if state.n_shorter >= CHORDS:
+            if state.n_shorter >= (FEW_CHORDS if s.smooth else CHORDS):
                 share = 0.5 * share  # what is bent so much is found by halves
             finer = share * state.increment
             return finer if finer > 1e-3 * least else None
@@ -329,7 +339,9 @@ class DisplacementControl:
         if state.last == state.highest:
             floor = min(floor, 0.1 * state.closing)
         if state.time_step:
-            state = changed(state, time_step=0.5 * state.time_step, shortened=s.smooth)
+            if s.smooth:
+                state = changed(state, shortened=True, too_long=state.time_step, n_since=0)
+            state = changed(state, time_step=0.5 * state.time_step)
             if state.time_step < 1e-4 * s.time_step:
                 reason = f"a jump could not be followed to where it rests: {report.reason}"
                 if state.highest <= 0.0:
@@ -386,11 +398,15 @@ class DisplacementControl:
         s = self.settings
         if self._rests(state, report):
             increment = 4.0 * s.floor_share * s.displacement_step
-            return changed(state, time_step=0.0, rested=state.time_step, increment=increment)
-        if state.shortened:
+            state = changed(state, time_step=0.0, rested=state.time_step, increment=increment)
+            return changed(state, too_long=math.inf, n_since=0)
+        if state.shortened or (s.smooth and report.n_iterations > s.slow_iterations):
             return changed(state, shortened=False)  # what has just failed would fail again
+        longer, n_since = 1.5 * state.time_step, state.n_since + 1
+        if longer >= state.too_long and n_since < s.retried_after:
+            return changed(state, n_since=n_since)
         if report.motion < s.jump_motion * s.displacement_step:
-            return changed(state, time_step=1.5 * state.time_step)
+            return changed(state, time_step=longer, n_since=n_since)
         return state
 
     def _fallen(self, state: _State, report: StepReport) -> float:
