@@ -26,7 +26,24 @@ from drystone.kernels.contacts import (
     Slots,
 )
 from drystone.kernels.explicit import Drive, FrozenContacts, Loads, Motion
-from drystone.kernels.law import BROKEN, KN, KS, MU, N_HISTORY, N_LAW, SHEAR, SLIDING
+from drystone.kernels.law import (
+    BROKEN,
+    BY_SLIP,
+    COHESIVE,
+    CRUSHES,
+    DILATION,
+    KN,
+    KS,
+    LEAST_MU,
+    MU,
+    N_HISTORY,
+    N_LAW,
+    SHEAR,
+    SLID,
+    SLIDING,
+    SOFTENED,
+    YIELDS,
+)
 from drystone.kernels.rows import IN_SPACE
 from drystone.kernels.ties import Ties
 
@@ -363,3 +380,46 @@ class TestSliding:
         gained = (bench.motion.velocity[1, :3] - first) @ push
         assert gained == pytest.approx(1.0 * 400 * dt, rel=1e-9)
         assert np.linalg.norm(path[:2] - along * push[:2]) < 1e-12 * along
+
+
+class TestYielding:
+    @pytest.mark.parametrize("angle", [0.0, 55.0, 250.0])
+    def test_a_bond_softens_by_the_length_of_the_slip(self, angle):
+        """Drawn along its plane at a constant rate: |t| = mu n + c exp(-c k / G), against it."""
+        bench = Bench([[0.0, 0.0, -1.0], [0.0, 0.0, 0.5]], np.ones((2, 6)), fixed=(0, 1))
+        bench.touch([(VERTEX_B, (0.0, 0.0, -0.5), (0.0, 0.0, 1.0), (0, 0, 1.0), (1.0, 0, 0))])
+        cohesion, energy, normal = 50.0, 1e-2, 20.0
+        bench.laws[0, [YIELDS, COHESIVE, LEAST_MU, CRUSHES]] = 1.0, cohesion, 0.5, np.inf
+        bench.laws[0, BY_SLIP] = cohesion / energy
+        bench.history[:, BROKEN] = 0.0
+        bench.pack()
+        bench.motion.pose[1, 2] = -normal / 1e6
+        way = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
+        bench.motion.velocity[1, :2] = way
+        dt, n = 1e-6, 300
+        bench.cycle(n, dt)
+        bench.unpack()
+        slid = bench.history[0, SLID]
+        most = 0.5 * normal + cohesion * np.exp(-cohesion * slid / energy)
+        shear = np.array([bench.reaction[0, 1], bench.reaction[0, 2]])
+        assert bench.status[0] == SLIDING
+        # A cycle softens by what it slips under the strength that the last one left.
+        assert np.linalg.norm(shear) == pytest.approx(most, rel=1e-2)
+        assert shear == pytest.approx(-np.linalg.norm(shear) * way, rel=1e-9)
+        assert slid + np.linalg.norm(shear) / 1e6 == pytest.approx(n * dt, rel=1e-9)
+        assert bench.history[0, SOFTENED] == pytest.approx(cohesion / energy * slid)
+
+    def test_a_joint_that_is_crushed_stays_closed(self):
+        bench = Bench([[0.0, 0.0, -1.0], [0.0, 0.0, 0.5]], np.ones((2, 6)), fixed=(0, 1))
+        bench.touch([(VERTEX_B, (0.0, 0.0, -0.5), (0.0, 0.0, 1.0), (0, 0, 1.0), (1.0, 0, 0))])
+        bench.laws[0, [YIELDS, LEAST_MU, CRUSHES]] = 1.0, 0.5, 30.0
+        bench.pack()
+        bench.motion.pose[1, 2] = -50.0 / 1e6
+        bench.cycle(1, 1e-6)
+        bench.unpack()
+        assert bench.reaction[0, 0] == pytest.approx(30.0)
+        assert bench.history[0, DILATION] == pytest.approx(-20.0 / 1e6)
+        bench.motion.pose[1, 2] = -20.0 / 1e6
+        bench.cycle(1, 1e-6)
+        bench.unpack()
+        assert bench.reaction[0, 0] == pytest.approx(0.0, abs=1e-9)
