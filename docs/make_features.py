@@ -3,7 +3,8 @@
     python docs/make_features.py [--engine NAME ...]
 
 A small wall on a base is pushed for a few steps with one feature at a time, in the plane and in
-space.  What works is a dot, what an engine cannot do are the words with which it says so.
+space, or its base is moved.  What works is a dot, what an engine cannot do are the words with which
+it says so.
 """
 
 from __future__ import annotations
@@ -19,18 +20,19 @@ from drystone.modelfile.read import model_from_text
 
 PAGE = Path(__file__).with_name("features.md")
 WORKS = "●"
+TITLES = {2: "In the plane", 3: "In space"}
 STEPS = 3  # points after the first: enough for every part of a step to have been asked
 
 HEAD = """# What works where
 
 Made by running `docs/make_features.py`: a small wall on a base is pushed for three steps with one
-feature at a time.  A dot: it works; a number: the words with which it is refused, below the table.
-That a step is taken is not that its figures are right: these stand in
-[verification](verification.md) and in the pages of [loads](loads.md), [ties](ties.md) and
-[joints](joints.md).
+feature at a time, or its base is moved.  A dot: it works; a number: the words with which it is
+refused, below the table.  That a step is taken is not that its figures are right: these stand in
+[verification](verification.md) and in the pages of [loads](loads.md), [ties](ties.md),
+[settlements](settlements.md) and [joints](joints.md).
 """
 
-#: Blocks, and the height of the highest point, by dimension.
+#: Blocks, by dimension.
 BLOCKS = {
     2: """
 [[block]]
@@ -70,12 +72,20 @@ def vector(x: float, z: float, dimension: int) -> str:
 
 
 def text_of(
-    dimension: int, joint: dict[str, str] | None = None, load: str | None = None, more: str = ""
+    dimension: int,
+    joint: dict[str, str] | None = None,
+    load: str | None = None,
+    more: str = "",
+    block: str = "",
 ) -> str:
-    """A model file of the wall with more keys of its joint, another load, and other tables."""
+    """A model file of the wall with more keys of its joint, another load, and other tables.
+
+    With an empty ``load`` there is none; ``block`` are more keys of the highest one.
+    """
     law = {**JOINT, **(joint or {})}
     keys = [f"{key} = {value}" for key, value in law.items() if value]
     along = f"direction = {vector(1.0, 0.0, dimension)}"
+    given = load if load is not None else f'pattern = "mass"\n{along}'
     lines = [
         f"dimension = {dimension}",
         "thickness = 0.6" if dimension == 2 else "",
@@ -83,10 +93,9 @@ def text_of(
         "unit_weight = 20e3",
         "[joint]",
         *keys,
-        "[load]",
-        load if load is not None else f'pattern = "mass"\n{along}',
+        f"[load]\n{given}" if given else "",
     ]
-    return "\n".join(lines) + BLOCKS[dimension] + more
+    return "\n".join(lines) + BLOCKS[dimension] + block + more
 
 
 def patterns(dimension: int) -> dict[str, str]:
@@ -143,6 +152,24 @@ def joints(dimension: int) -> dict[str, str]:
     return found
 
 
+def supports(dimension: int) -> dict[str, str]:
+    """Models, by how supports move, or hold."""
+    moves = {
+        "settlement": f"direction = {vector(0.0, -1.0, dimension)}\nmax = 0.01",
+        "spreading": f"direction = {vector(1.0, 0.0, dimension)}\nmax = 0.01",
+        "rotation": f"centre = {vector(-1.0, 0.0, dimension)}\nmax = 1.0"
+        + ("\naxis = [0.0, 1.0, 0.0]" if dimension == 3 else ""),
+    }
+    found = {
+        f"supports that move: {name}": text_of(
+            dimension, load="", more=f'[settlement]\nblocks = ["base"]\n{keys}\n'
+        )
+        for name, keys in moves.items()
+    }
+    found["rollers"] = text_of(dimension, block='held = ["y", "turn"]\n')
+    return found
+
+
 def others(dimension: int) -> dict[str, str]:
     """Models, by what else there is."""
     high, ground = vector(-0.2, 0.5, dimension), vector(-1.0, 0.5, dimension)
@@ -167,6 +194,7 @@ def models(dimension: int) -> dict[str, str]:
         **patterns(dimension),
         **dead_loads(dimension),
         **joints(dimension),
+        **supports(dimension),
         **others(dimension),
     }
 
@@ -188,27 +216,50 @@ def in_limit_analysis(text: str, flow: str) -> str:
         found = ds.collapse_load(model, flow=flow)
     except (EngineError, ValueError) as error:
         return str(error)
-    return WORKS if found.load_multiplier is not None else found.reason
+    return WORKS if found.status == "finished" else found.reason
+
+
+FLOWS = {f"limit, {flow}": flow for flow in (ASSOCIATIVE, NON_ASSOCIATIVE)}
+
+
+def said(text: str, column: str) -> str:
+    """What an engine, or limit analysis, says to a model file in one line."""
+    if column in FLOWS:
+        words = in_limit_analysis(text, FLOWS[column])
+    else:
+        words = in_engine(text, column.strip("`"))
+    return " ".join(words.split())
 
 
 def table(dimension: int, engines: list[str]) -> list[str]:
     """The table of a dimension, in lines."""
-    flows = (ASSOCIATIVE, NON_ASSOCIATIVE)
-    heads = [f"`{name}`" for name in engines] + [f"limit, {flow}" for flow in flows]
-    lines = [f"| | {' | '.join(heads)} |", "|---" * (len(heads) + 1) + "|"]
+    columns = [f"`{name}`" for name in engines] + list(FLOWS)
+    lines = [f"| | {' | '.join(columns)} |", "|---" * (len(columns) + 1) + "|"]
     notes: dict[str, int] = {}
     for feature, text in models(dimension).items():
-        said = [in_engine(text, name) for name in engines]
-        said += [in_limit_analysis(text, flow) for flow in flows]
         cells = [
             word if word == WORKS else f"[{notes.setdefault(word, len(notes) + 1)}]"
-            for word in said
+            for word in (said(text, column) for column in columns)
         ]
         lines.append(f"| {feature} | {' | '.join(cells)} |")
         print(lines[-1], flush=True)
     lines.append("")
-    lines += [f"[{number}] {' '.join(word.split())}  " for word, number in notes.items()]
+    lines += [f"[{number}] {word}  " for word, number in notes.items()]
     return lines
+
+
+def told(page: str, title: str) -> dict[str, dict[str, str]]:
+    """What the page says under a title: by feature and column, a dot or words."""
+    part = page.split(f"## {title}\n")[1].split("\n## ")[0].splitlines()
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in part if line[:1] == "|"]
+    notes = dict(line.strip().split(" ", 1) for line in part if line[:1] == "[")
+    columns = rows[0][1:]
+    return {
+        row[0]: {
+            column: notes.get(cell, cell) for column, cell in zip(columns, row[1:], strict=True)
+        }
+        for row in rows[2:]
+    }
 
 
 def main() -> None:
@@ -217,7 +268,7 @@ def main() -> None:
     parser.add_argument("--engine", action="append", choices=engine_names())
     engines = parser.parse_args().engine or list(engine_names())
     lines = [HEAD]
-    for dimension, title in ((2, "In the plane"), (3, "In space")):
+    for dimension, title in TITLES.items():
         lines += [f"## {title}", "", *table(dimension, engines), ""]
     PAGE.write_text("\n".join(lines).rstrip() + "\n")
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -68,6 +70,29 @@ def test_limit_analysis(space):
     found = ds.collapse_load(model)
     assert found.load_multiplier == pytest.approx(0.3 / 0.9, rel=1e-7)
     assert found.tie_forces.shape == (1,)
+
+
+@pytest.mark.parametrize("flow", ["associative", "non-associative"])
+@pytest.mark.parametrize("held", [("turn",), ("y", "turn")])
+def test_limit_analysis_of_a_slender_block_that_cannot_turn(held, flow):
+    """Held as a couple it slides at 0.7, where it would overturn at 0.25; in space y is across."""
+    outline = np.array([[0.0, 0.0], [0.5, 0.0], [0.5, 2.0], [0.0, 2.0]])
+    base = np.array([[-1.0, -0.2], [2.0, -0.2], [2.0, 0.0], [-1.0, 0.0]])
+    model = ds.make_model(
+        [
+            ds.Block(id="base", vertices=base, unit_weight=2e4, support=True),
+            ds.Block(id="b", vertices=outline, unit_weight=2e4, held=("turn",)),
+        ],
+        joint=ds.JointLaw(friction_coefficient=0.7, normal_stiffness=1e9, shear_stiffness=1e9),
+        thickness=0.5,
+        load_direction=[1.0, 0.0],
+    )
+    if held != ("turn",):
+        solid = ds.extruded(model)
+        blocks = [replace(b, held=held if b.id == "b" else b.held) for b in solid.assembly.blocks]
+        model = ds.make_model(blocks, joint=solid.assembly.joint, load_direction=[1.0, 0.0, 0.0])
+    found = ds.collapse_load(model, flow=flow)
+    assert found.load_multiplier == pytest.approx(0.7, rel=1e-7)
 
 
 def test_through_the_file(tmp_path):

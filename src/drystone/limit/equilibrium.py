@@ -66,8 +66,9 @@ class Equilibrium:
     ) -> Equilibrium:
         """Set up the balance in the designed shape; all ``dead_loads`` act from the start."""
         points = spread(contact_points(assembly))
-        n_drawn, ties = len(ties), (*ties, *rollers(assembly))
-        points = with_ties(points, assembly, ties)
+        n_drawn, (held, lever) = len(ties), rollers(assembly)
+        ties = (*ties, *held)
+        points = with_ties(points, assembly, ties, np.append(np.ones(n_drawn), lever))
         tied = points
         still = int(np.flatnonzero(assembly.fixed)[0])
         points, crushed = with_rests(points, still)

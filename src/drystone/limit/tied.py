@@ -25,15 +25,24 @@ Array = NDArray[np.float64]
 #: Strength of what has none, such as springs, over the weight of all blocks.
 UNBOUNDED = 1e3
 
+#: How far off a bar is that holds a rotation, over the block's radius of gyration: its force is no
+#: more than the share of a billionth, and all but a couple.
+FAR = 1e9
 
-def with_ties(points: ContactPoints, assembly: Assembly, ties: Sequence[Tie]) -> ContactPoints:
-    """The contact points, then two for each tie: first the ones between blocks, then the others."""
+
+def with_ties(
+    points: ContactPoints, assembly: Assembly, ties: Sequence[Tie], lever: Array
+) -> ContactPoints:
+    """The contact points, then two for each tie: first the ones between blocks, then the others.
+
+    Forces of ties are measured in units that are one over the ``lever`` (n_ties,).
+    """
     n, dim = len(ties), points.dimension
     if n == 0:
         return points
     along = np.array([np.subtract(tie.end.point, tie.start.point) / tie.length for tie in ties])
     frame = np.zeros((n, dim, dim))
-    frame[:, 0] = along
+    frame[:, 0] = along / lever[:, None]
     nothing, still = np.zeros(n), np.full(n, int(np.flatnonzero(assembly.fixed)[0]))
     weight = float(assembly.weight[~assembly.fixed].sum())
     strength = np.array([min(tie.strength, UNBOUNDED * weight) for tie in ties])
@@ -60,16 +69,20 @@ def with_ties(points: ContactPoints, assembly: Assembly, ties: Sequence[Tie]) ->
     )
 
 
-def rollers(assembly: Assembly) -> tuple[Tie, ...]:
-    """Bars to the ground that hold what rollers hold, as designed."""
+def rollers(assembly: Assembly) -> tuple[tuple[Tie, ...], Array]:
+    """Bars to the ground that hold what rollers hold, as designed, and the lever of each.
+
+    A rotation is held by a bar so far off that it is as good as a couple: nearer by, it would hold
+    the block's motion along it as well.
+    """
     dim = assembly.dimension
-    found = []
+    found, levers = [], []
     for i, k in np.argwhere(assembly.held).tolist():
         axis, arm = np.zeros(dim), np.zeros(dim)
         if k < dim:
             axis[k] = 1.0
-        else:  # beside the centroid, so that it cannot turn there
-            axis[(k - dim + 1) % dim], arm[(k - dim + (2 if dim == 3 else 0)) % dim] = 1.0, 1.0
+        else:
+            axis[(k - dim + 1) % dim], arm[(k - dim + (2 if dim == 3 else 0)) % dim] = 1.0, FAR
         at = assembly.centroid[i] + arm * np.sqrt(assembly.mass[i, dim] / assembly.mass[i, 0])
         block = assembly.ids[i]
         found.append(
@@ -77,7 +90,8 @@ def rollers(assembly: Assembly) -> tuple[Tie, ...]:
                 start=TieEnd(block=block, point=at), end=TieEnd(point=at + axis), stiffness=1.0
             )
         )
-    return tuple(found)
+        levers.append(1.0 if k < dim else FAR)
+    return tuple(found), np.array(levers)
 
 
 def rows_of(ties: Sequence[Tie], points: ContactPoints, force: float) -> tuple[csc_array, Array]:
