@@ -57,7 +57,7 @@ def product(a, b):
 def test_central_variables_have_the_products_of_their_barrier(energy):
     rng = np.random.default_rng(7)
     n, joint = 40, joints_of(40, 0.6)
-    trial, inner = rng.normal(size=(n, 3)) * 10.0 ** rng.uniform(-1, 3, (n, 1)), np.zeros((n, 7))
+    trial, inner = rng.normal(size=(n, 3)) * 10.0 ** rng.uniform(-1, 3, (n, 1)), np.zeros((n, cones.N_INNER))
     cones.centre_contacts(joint, energy, True, trial, inner)
     for v, t in zip(inner, trial, strict=True):
         assert v[PN] - v[W] == pytest.approx(t[0], rel=1e-9)
@@ -77,7 +77,7 @@ def test_the_scaling_takes_slacks_to_impulses():
     """W D = W^-1 P, so that W^2 D = P, with W from its formula."""
     rng = np.random.default_rng(3)
     n, mu = 20, 0.7
-    inner, scaling = np.zeros((n, 7)), np.zeros((n, cones.N_SCALING))
+    inner, scaling = np.zeros((n, cones.N_INNER)), np.zeros((n, cones.N_SCALING))
     inner[:, PN], inner[:, W] = rng.uniform(0.1, 9.0, (2, n))
     for first, size in (((P1, P2), mu * inner[:, PN]), ((Z1, Z2), None)):
         angle, share = rng.uniform(0, 2 * np.pi, n), rng.uniform(0.0, 0.999, n)

@@ -41,13 +41,11 @@ def refuse_yielding(assembly: Assembly, engine: str, *, curved: bool = False) ->
         if curved and what != "close hyperbolically":
             continue
         if any(map(has, assembly.laws)):
-            space = assembly.dimension == 3
-            where = " in space" if space else ""
-            if what == "close hyperbolically":
-                mend = "the equilibrium engine has them in the plane"
-            else:
-                mend = f"take the {'distinct' if space else 'equilibrium or the distinct'} engine"
-            raise EngineError(f"the {engine} engine has no joints that {what}{where}: {mend}")
+            where = " in space" if assembly.dimension == 3 else ""
+            which = "equilibrium" if what == "close hyperbolically" else "equilibrium or the distinct"
+            raise EngineError(
+                f"the {engine} engine has no joints that {what}{where}: take the {which} engine"
+            )
 
 
 class UnstableError(EngineError):

@@ -34,7 +34,6 @@ from drystone.engines.base import (
     Problem,
     StepReport,
     UnstableError,
-    refuse_yielding,
 )
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
@@ -155,8 +154,6 @@ class EquilibriumEngine:
         #: Whether steps end where a bond or a tie gives way.
         self.brittle = brittle(laws) or self.bars.give_way
         self.strengths = Strengths(assembly)
-        if assembly.dimension == 3:
-            refuse_yielding(assembly, self.name)
         pose = assembly.rest_pose()
         pairs, gone = self.detector.pairs(pose), np.zeros(assembly.n_bodies, np.bool_)
         self._write_equations(pairs, gone)
@@ -351,53 +348,89 @@ class EquilibriumEngine:
         accuracy: Accuracy,
     ) -> StepSolution:
         equations = self.equations
-        if self.ties:
-            self.ties.begin(state.ties)
-        if isinstance(equations, ConeStep):
-            equations.begin(state.pose, state.slots, state.history, state.branch, h, pace)
-            guesses = [x]
-            if state.tangent is not None and demand.increment is not None:
-                guesses.append(demand.increment * state.tangent)
-            return cone_solution.solve(
-                equations,
-                guesses,
-                multiplier,
-                accuracy,
-                self.settings.space,
-                Before(
-                    calm=state.calm, unstable=state.unstable, held=state.held, slope=state.slope
-                ),
-                dynamic=demand.time_step > 0.0,
-                thorough=demand.thorough,
-            )
+        solve = self._once_in_space if isinstance(equations, ConeStep) else self._once_in_plane
+        last: StepSolution | None = None
 
-        def begin(held: Array | None) -> None:
+        def once(held: Array | None, branch: IntArray) -> StepSolution:
+            nonlocal last
             if self.ties:
                 self.ties.begin(state.ties)
-            equations.begin(state.pose, state.slots, state.history, state.branch, h, x, held)
-
-        def once(branch: IntArray) -> StepSolution:
-            return piecewise.solve(
-                equations,
-                self.interior,
-                pace,
-                x,
-                multiplier,
-                branch,
-                state.reaction,
-                accuracy,
-                self.settings.path,
-                whole=pace is None or demand.time_step > 0.0 or demand.over_fold,
-            )
+            from_here = replace(state, branch=branch)
+            last = solve(from_here, demand, pace, x, multiplier, h, accuracy, held, last)
+            return last
 
         if not self.strengths.any:
-            begin(None)
-            return once(state.branch)
+            return once(None, state.branch)
+        start = yielding.Beginning(state.history, state.slots.gap, state.branch, state.multiplier)
         heaviest = self.problem.assembly.heaviest_weight
-        return yielding.solve(
-            equations, self.strengths, state.history, state.slots.gap, state.branch,
-            state.multiplier, begin, once, SETTLED * heaviest,
-        )  # fmt: skip
+        return yielding.solve(equations, self.strengths, start, once, SETTLED * heaviest)
+
+    def _once_in_space(
+        self,
+        state: EquilibriumState,
+        demand: Demand,
+        pace: PointPace | None,
+        x: Array,
+        multiplier: float,
+        h: float,
+        accuracy: Accuracy,
+        held: Array | None,
+        last: StepSolution | None,
+    ) -> StepSolution:
+        """Solve a step with what joints hold, from the ``last`` solution of it, if any."""
+        equations = self.equations
+        assert isinstance(equations, ConeStep)
+        equations.begin(state.pose, state.slots, state.history, state.branch, h, pace, held)
+        guesses = [x]
+        if state.tangent is not None and demand.increment is not None:
+            guesses.append(demand.increment * state.tangent)
+        if last is not None:
+            guesses = [last.increment]
+            multiplier = multiplier if pace is None else last.multiplier
+        return cone_solution.solve(
+            equations,
+            guesses,
+            multiplier,
+            accuracy,
+            self.settings.space,
+            Before(
+                calm=state.calm or last is not None,
+                unstable=state.unstable,
+                held=state.held,
+                slope=state.slope,
+            ),
+            dynamic=demand.time_step > 0.0,
+            thorough=demand.thorough,
+        )
+
+    def _once_in_plane(
+        self,
+        state: EquilibriumState,
+        demand: Demand,
+        pace: PointPace | None,
+        x: Array,
+        multiplier: float,
+        h: float,
+        accuracy: Accuracy,
+        held: Array | None,
+        last: StepSolution | None,
+    ) -> StepSolution:
+        """The same, always from where the step starts."""
+        equations = self.equations
+        assert isinstance(equations, StaticStep)
+        equations.begin(state.pose, state.slots, state.history, state.branch, h, x, held)
+        return piecewise.solve(
+            equations,
+            self.interior,
+            pace,
+            x,
+            multiplier,
+            state.branch,
+            state.reaction,
+            accuracy,
+            self.settings.path,
+            whole=pace is None or demand.time_step > 0.0 or demand.over_fold,
+        )
 
     def _accuracy(self) -> Accuracy:
         """What steps are solved to; how far a block may move is for each to say."""

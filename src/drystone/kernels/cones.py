@@ -11,6 +11,11 @@ Without a barrier this is the joint law of `kernels.law`: zeta is |z|, k_s times
 and lifts the joint by dilatancy alone, c = k_n tan psi / k_s.  A contact that its bond holds is
 linear, r = T.  Changes are scaled as by Nesterov and Todd.
 
+Joints that pull by f, that have the room k for shear without pressure and are crushed at C (see
+`kernels.yielding`) are counted from the tension on, r_n' = r_n + f and C' = C + f:
+
+    r_n' = T_n' + w - v,    r_n' w = k_n e,    (C' - r_n') v = k_n e,    (mu r_n' + k, r_t) o ...
+
 Of steps in time the same is written in impulses: T_n = -h k_n (g + h u_n), T_t = c - P u_t for a
 contact that a spring P holds about c; h^2 k_n and P then stand for the stiffnesses.
 """
@@ -22,15 +27,18 @@ from numba import njit
 
 from drystone.kernels.contacts import BODY_A, BODY_B, PAIR, STIFF_N
 from drystone.kernels.rows import IN_SPACE
+from drystone.kernels.yielding import central_normal
 
 #: Columns of a contact's law: stiffnesses [N/m; kg], friction, what dilatancy lifts by over the
-#: shear that slid, whether a bond holds.
-KN, KS, MU, RAISE, HELD = range(5)
-N_JOINT = 5
+#: shear that slid, whether a bond holds; tension that the normal reaction is counted from, room
+#: for shear without pressure, and the reaction at which it is crushed, or zero [N].
+KN, KS, MU, RAISE, HELD, PULL, ROOM, CRUSH = range(8)
+N_JOINT = 8
 
-#: Columns of a contact's variables, and of their changes: reactions, slacks [N; N s].
-PN, P1, P2, W, ZETA, Z1, Z2 = 0, 1, 2, 3, 4, 5, 6
-N_INNER = 7
+#: Columns of a contact's variables, and of their changes: reactions, slacks, slack of crushing and
+#: what is left until then [N; N s].
+PN, P1, P2, W, ZETA, Z1, Z2, V, CAP = range(9)
+N_INNER = 9
 
 #: Columns of a contact's scaling: the factor of the cone's pair and its direction; the response
 #: A = [[nn, n1, n2], [t1, s11, s12], [t2, s12, s22]]; what is lacking, before A; rho.
@@ -60,16 +68,17 @@ def trial_impulses(problem, h, penalty, centre, relative, trial):
 
 
 @njit(cache=True, error_model="numpy")
-def _floor(mu, inner, c):
+def _floor(joint, inner, c):
     """Product that a contact's pair keeps where there is no barrier; see `LEAST`."""
     square = inner[c, Z1] * inner[c, Z1] + inner[c, Z2] * inner[c, Z2]
-    return 2.0 * LEAST * mu * inner[c, PN] * np.sqrt(square)
+    most = 2.0 * LEAST * joint[c, MU] * inner[c, PN] + 2.0 * LEAST * joint[c, ROOM]
+    return most * np.sqrt(square)
 
 
 @njit(cache=True, error_model="numpy")
-def _is_central(inner, c, mu, beta):
+def _is_central(inner, c, most, beta):
     """Whether a contact's pair lies well within its cones, for the product that it should have."""
-    most, zeta = mu * inner[c, PN], inner[c, ZETA]
+    zeta = inner[c, ZETA]
     square = inner[c, P1] * inner[c, P1] + inner[c, P2] * inner[c, P2]
     slid = inner[c, Z1] * inner[c, Z1] + inner[c, Z2] * inner[c, Z2]
     if not (square < most * most and slid < zeta * zeta and zeta > 0.0):
@@ -99,6 +108,19 @@ def _room_of_friction(most, size, beta):
     return room
 
 
+@njit(cache=True, error_model="numpy")
+def _centre_crushing(crush, trial, product, inner, c):
+    """Normal variables of a contact that may be crushed, for a product."""
+    r = central_normal(trial, crush, product)
+    inner[c, PN], inner[c, W] = r, product / r
+    if trial > 0.5 * crush:  # what is left is too little to be told from the reaction
+        inner[c, V] = max(trial - r + inner[c, W], product / crush)
+        inner[c, CAP] = product / inner[c, V]
+    else:
+        inner[c, CAP] = crush - r
+        inner[c, V] = product / inner[c, CAP]
+
+
 @njit(cache=True, error_model="numpy", nogil=True)
 def centre_contacts(joint, energy, everything, trial, inner):
     """Variables of contacts for their trial reactions and a barrier ``energy`` [J]: of those that
@@ -109,6 +131,7 @@ def centre_contacts(joint, energy, everything, trial, inner):
             if everything:
                 inner[c, PN], inner[c, P1], inner[c, P2], inner[c, W] = tn, t1, t2, 0.0
                 inner[c, ZETA], inner[c, Z1], inner[c, Z2] = 0.0, 0.0, 0.0
+                inner[c, V], inner[c, CAP] = 0.0, 0.0
             continue
         beta = 2.0 * joint[c, KS] * energy
         if everything:
@@ -116,9 +139,12 @@ def centre_contacts(joint, energy, everything, trial, inner):
             larger = 0.5 * (abs(tn) + np.sqrt(tn * tn + 4.0 * product))
             inner[c, PN] = larger if tn > 0.0 else product / larger
             inner[c, W] = product / inner[c, PN]
-        elif _is_central(inner, c, joint[c, MU], beta + _floor(joint[c, MU], inner, c)):
+            inner[c, V], inner[c, CAP] = 0.0, 0.0
+            if joint[c, CRUSH] > 0.0:
+                _centre_crushing(joint[c, CRUSH], tn, product, inner, c)
+        most, size = joint[c, MU] * inner[c, PN] + joint[c, ROOM], np.sqrt(t1 * t1 + t2 * t2)
+        if not everything and _is_central(inner, c, most, beta + _floor(joint, inner, c)):
             continue
-        most, size = joint[c, MU] * inner[c, PN], np.sqrt(t1 * t1 + t2 * t2)
         if most == 0.0:
             inner[c, P1], inner[c, P2], inner[c, ZETA] = 0.0, 0.0, 0.0
             inner[c, Z1], inner[c, Z2] = 0.0, 0.0
@@ -145,11 +171,15 @@ def scale(joint, inner, scaling):
             energy += pn * w / joint[c, KN]
             n += 1
             nn = pn / (pn + w)
-        if joint[c, HELD] == 0.0 and mu != 0.0:
+            if joint[c, CRUSH] > 0.0:
+                energy += inner[c, V] * inner[c, CAP] / joint[c, KN]
+                n += 1
+                nn = 1.0 / (1.0 + w / pn + inner[c, V] / inner[c, CAP])
+        if joint[c, HELD] == 0.0 and mu + joint[c, ROOM] != 0.0:
             zeta, z1, z2 = inner[c, ZETA], inner[c, Z1], inner[c, Z2]
-            most = mu * pn
+            most = mu * pn + joint[c, ROOM]
             dot = most * zeta - p1 * z1 - p2 * z2
-            energy += max(dot - _floor(mu, inner, c), 0.0) / (2.0 * ks)
+            energy += max(dot - _floor(joint, inner, c), 0.0) / (2.0 * ks)
             n += 1
             det_p, det_d = most * most - (p1 * p1 + p2 * p2), zeta * zeta - (z1 * z1 + z2 * z2)
             rp, rd = 1.0 / np.sqrt(det_p), 1.0 / np.sqrt(det_d)
@@ -208,12 +238,17 @@ def aim(joint, energy, second, trial, inner, change, scaling, reaction):
             if second:
                 lack -= change[c, PN] * change[c, W]
             b0, b1, b2 = trial[c, 0] + w - pn + lack / pn, 0.0, 0.0
-        if joint[c, HELD] == 0.0 and mu != 0.0:
+            if joint[c, CRUSH] > 0.0:
+                lack = joint[c, KN] * energy - inner[c, V] * inner[c, CAP]
+                if second:
+                    lack -= change[c, V] * change[c, CAP]
+                b0 -= inner[c, V] + lack / inner[c, CAP]
+        if joint[c, HELD] == 0.0 and mu + joint[c, ROOM] != 0.0:
             zeta, z1, z2 = inner[c, ZETA], inner[c, Z1], inner[c, Z2]
             eta, v0, v1, v2 = scaling[c, ETA], scaling[c, V0], scaling[c, V1], scaling[c, V2]
             back = 1.0 / eta
             l0, l1, l2 = _scaled(eta, v0, v1, v2, zeta, -z1, -z2)
-            floor = _floor(mu, inner, c)
+            floor = _floor(joint, inner, c)
             x0 = 2.0 * joint[c, KS] * energy + floor - (l0 * l0 + l1 * l1 + l2 * l2)
             x1, x2 = -2.0 * l0 * l1, -2.0 * l0 * l2
             if second:
@@ -235,6 +270,7 @@ def aim(joint, energy, second, trial, inner, change, scaling, reaction):
         scaling[c, B0], scaling[c, B1], scaling[c, B2] = b0, b1, b2
         s12 = scaling[c, S12]
         reaction[c, 0] = pn + scaling[c, NN] * b0 + scaling[c, N1] * b1 + scaling[c, N2] * b2
+        reaction[c, 0] -= joint[c, PULL]
         reaction[c, 1] = p1 + scaling[c, T1] * b0 + scaling[c, S11] * b1 + s12 * b2
         reaction[c, 2] = p2 + scaling[c, T2] * b0 + s12 * b1 + scaling[c, S22] * b2
 
@@ -287,14 +323,19 @@ def changes(joint, energy, second, relative, inner, scaling, change):
         dn = scaling[c, NN] * x0 + scaling[c, N1] * x1 + scaling[c, N2] * x2
         d1 = scaling[c, T1] * x0 + scaling[c, S11] * x1 + s12 * x2
         d2 = scaling[c, T2] * x0 + s12 * x1 + scaling[c, S22] * x2
-        dw, d_zeta, dz1, dz2 = 0.0, 0.0, 0.0, 0.0
+        dw, d_zeta, dz1, dz2, dv = 0.0, 0.0, 0.0, 0.0, 0.0
         if joint[c, HELD] == 0.0:
             pn, w = inner[c, PN], inner[c, W]
             lack = kn * energy - pn * w
             if second:
                 lack -= change[c, PN] * change[c, W]
             dw = (lack - w * dn) / pn
-            if mu == 0.0:
+            if joint[c, CRUSH] > 0.0:
+                lack = kn * energy - inner[c, V] * inner[c, CAP]
+                if second:
+                    lack -= change[c, V] * change[c, CAP]
+                dv = (lack + inner[c, V] * dn) / inner[c, CAP]
+            if mu + joint[c, ROOM] == 0.0:
                 d1, d2 = 0.0, 0.0
             else:
                 # W^-2 = (2 v v^T - diag(1, -1, -1)) / eta^2, with the direction reversed.
@@ -306,6 +347,8 @@ def changes(joint, energy, second, relative, inner, scaling, change):
                 dz2 = g * (d2 - v2 * along) - scaling[c, R2]
         change[c, PN], change[c, P1], change[c, P2], change[c, W] = dn, d1, d2, dw
         change[c, ZETA], change[c, Z1], change[c, Z2] = d_zeta, dz1, dz2
+        if joint[c, CRUSH] > 0.0:
+            change[c, V], change[c, CAP] = dv, -dn
 
 
 @njit(cache=True, error_model="numpy")
@@ -349,10 +392,16 @@ def length(joint, inner, change):
             far = -pn / dn
         if w + far * dw < 0.0:
             far = -w / dw
-        if mu > 0.0:
+        if joint[c, CRUSH] > 0.0:
+            if inner[c, V] + far * change[c, V] < 0.0:
+                far = -inner[c, V] / change[c, V]
+            if inner[c, CAP] + far * change[c, CAP] < 0.0:
+                far = -inner[c, CAP] / change[c, CAP]
+        if mu + joint[c, ROOM] > 0.0:
             p1, p2, d1, d2 = inner[c, P1], inner[c, P2], change[c, P1], change[c, P2]
-            if not _within(mu * pn, p1, p2, mu * dn, d1, d2, pairs):
-                pairs = min(pairs, _room(mu * pn, p1, p2, mu * dn, d1, d2))
+            most = mu * pn + joint[c, ROOM]
+            if not _within(most, p1, p2, mu * dn, d1, d2, pairs):
+                pairs = min(pairs, _room(most, p1, p2, mu * dn, d1, d2))
             p0, d0 = inner[c, ZETA], change[c, ZETA]
             p1, p2, d1, d2 = inner[c, Z1], inner[c, Z2], change[c, Z1], change[c, Z2]
             if not _within(p0, p1, p2, d0, d1, d2, pairs):
@@ -368,7 +417,7 @@ def turns_too_far(joint, far, inner, change):
         if joint[c, HELD] != 0.0:
             continue
         w1, w2, u1, u2 = inner[c, P1], inner[c, P2], inner[c, Z1], inner[c, Z2]
-        most = joint[c, MU] * (inner[c, PN] + far * change[c, PN])
+        most = joint[c, MU] * (inner[c, PN] + far * change[c, PN]) + joint[c, ROOM]
         p1, p2 = w1 + far * change[c, P1], w2 + far * change[c, P2]
         z1, z2 = u1 + far * change[c, Z1], u2 + far * change[c, Z2]
         zeta = inner[c, ZETA] + far * change[c, ZETA]
@@ -399,10 +448,15 @@ def energy_at(joint, far, inner, change):
         mu, pn = joint[c, MU], inner[c, PN] + far * change[c, PN]
         energy += pn * (inner[c, W] + far * change[c, W]) / joint[c, KN]
         n += 1
-        if mu > 0.0:
-            dot = mu * pn * (inner[c, ZETA] + far * change[c, ZETA])
+        if joint[c, CRUSH] > 0.0:
+            v, cap = inner[c, V] + far * change[c, V], inner[c, CAP] + far * change[c, CAP]
+            energy += v * cap / joint[c, KN]
+            n += 1
+        if mu + joint[c, ROOM] > 0.0:
+            most = mu * pn + joint[c, ROOM]
+            dot = most * (inner[c, ZETA] + far * change[c, ZETA])
             dot -= (inner[c, P1] + far * change[c, P1]) * (inner[c, Z1] + far * change[c, Z1])
             dot -= (inner[c, P2] + far * change[c, P2]) * (inner[c, Z2] + far * change[c, Z2])
-            energy += max(dot - _floor(mu, inner, c), 0.0) / (2.0 * joint[c, KS])
+            energy += max(dot - _floor(joint, inner, c), 0.0) / (2.0 * joint[c, KS])
             n += 1
     return energy / max(n, 1)

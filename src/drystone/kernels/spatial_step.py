@@ -64,6 +64,7 @@ from drystone.kernels.law import KN as LAW_KN
 from drystone.kernels.law import KS as LAW_KS
 from drystone.kernels.law import MU as LAW_MU
 from drystone.kernels.rotation import place_axes, spin
+from drystone.kernels.yielding import CRUSHED, TORN, along_joint
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -78,9 +79,12 @@ N_PLACE = 18
 Y, NOW, ARM_V, ARM_F = 0, 3, 12, 15
 N_NOW = 18
 
-#: Columns of its law: stiffnesses [N/m], friction, lift [N/m], bond and tensile force [N].
-KN, KS, MU, LIFT, BOND, TENSILE = range(6)
-N_LAW = 6
+#: Columns of its law: stiffnesses [N/m], friction, lift [N/m], bond and tensile force [N]; of
+#: joints that soften, are crushed or close hyperbolically what is added to the trial reaction, the
+#: tension that it is counted from, room for shear without pressure, and the reaction, so counted,
+#: at which the joint is crushed; that is zero of all others [N].  See `kernels.yielding`.
+KN, KS, MU, LIFT, BOND, TENSILE, SHIFT, PULL, ROOM, CRUSH = range(10)
+N_LAW = 10
 
 #: Of the sums that the stiffness of a pair is made from, where those begin that its contacts of
 #: either sense add to its geometric part, after the material part of 6 by 6.
@@ -142,6 +146,7 @@ def pack(slots, pairs, laws, history, closed, places):
         law_of[c, LIFT] = law_of[c, KN] * laws[law, TAN_PSI] if dilates else 0.0
         law_of[c, BOND], law_of[c, TENSILE] = laws[law, COHESION] * area, laws[law, TENSION] * area
         bonded = law_of[c, BOND] > 0.0 or law_of[c, TENSILE] > 0.0
+        law_of[c, SHIFT], law_of[c, PULL], law_of[c, ROOM], law_of[c, CRUSH] = 0.0, 0.0, 0.0, 0.0
         places.held[c] = 1.0 if bonded and history[k, BROKEN] == 0.0 else 0.0
         places.shear[c, 0], places.shear[c, 1] = history[k, SHEAR], history[k, SHEAR + 1]
     while last < of_pair.shape[0]:
@@ -221,7 +226,7 @@ def locate(which, start, law, shear, first, low, high, motion, turn, now, trial)
             for k in range(1, 3):
                 along = now[c, NOW + k] * x0 + now[c, NOW + 3 + k] * x1 + now[c, NOW + 6 + k] * x2
                 now[c, Y + k] -= ball * along
-        trial[c, 0] = -law[c, KN] * (start[c, GAP_0] + now[c, Y])
+        trial[c, 0] = law[c, SHIFT] - law[c, KN] * (start[c, GAP_0] + now[c, Y])
         trial[c, 1] = shear[c, 0] - law[c, KS] * now[c, Y + 1]
         trial[c, 2] = shear[c, 1] - law[c, KS] * now[c, Y + 2]
 
@@ -314,6 +319,51 @@ def sum_wrenches(begin, of_body, wrench, axes, force):
             force[i, 3 + d] = axes[i, 0, d] * m0 + axes[i, 1, d] * m1 + axes[i, 2, d] * m2
 
 
+@njit(cache=True)
+def _state_beyond(law, c, tn, size, hint):
+    """Branch of a contact of a joint that yields, and its normal reaction, from the tension on; it
+    stays in the branch ``hint`` where another is no nearer but by rounding."""
+    room, crush, was = law[c, ROOM], law[c, CRUSH], along_joint(hint)
+    state, normal = 0, tn
+    if tn <= 0.0 or (tn <= TIE * room and BONDED < hint <= CRUSHED):
+        if room == 0.0:
+            return OPEN, 0.0
+        state, normal = TORN, 0.0
+    elif tn > crush * (1.0 + TIE) or (tn >= crush * (1.0 - TIE) and hint > CRUSHED):
+        state, normal = CRUSHED, crush
+    most = law[c, MU] * normal + room
+    over, near = size - most, TIE * (size + most)
+    if over <= 0.0:
+        return state + (FORWARD if was == FORWARD and over >= -near else STICKING), normal
+    return state + (STICKING if was == STICKING and over <= near else FORWARD), normal
+
+
+@njit(cache=True)
+def _respond_beyond(law, trial, c, hint, reaction, response):
+    """`respond` of a contact of a joint that yields; its branch."""
+    t1, t2, mu = trial[c, 1], trial[c, 2], law[c, MU]
+    size = np.sqrt(t1 * t1 + t2 * t2)
+    branch, normal = _state_beyond(law, c, trial[c, 0], size, hint)
+    reaction[c, 0], reaction[c, 1], reaction[c, 2] = normal - law[c, PULL], 0.0, 0.0
+    if branch == OPEN:
+        return branch
+    nn = 0.0 if branch > BONDED else 1.0
+    response[c, 0, 0] = nn
+    if along_joint(branch) == STICKING:
+        reaction[c, 1], reaction[c, 2] = t1, t2
+        response[c, 1, 1], response[c, 2, 2] = 1.0, 1.0
+        return branch
+    most = mu * normal + law[c, ROOM]
+    e1, e2, share = 0.0, 0.0, 0.0
+    if size > 0.0:
+        e1, e2, share = t1 / size, t2 / size, most / size
+    reaction[c, 1], reaction[c, 2] = most * e1, most * e2
+    response[c, 1, 0], response[c, 2, 0] = mu * e1 * nn, mu * e2 * nn
+    response[c, 1, 1], response[c, 2, 2] = share * (1.0 - e1 * e1), share * (1.0 - e2 * e2)
+    response[c, 1, 2] = response[c, 2, 1] = -share * e1 * e2
+    return branch
+
+
 @njit(cache=True, nogil=True)
 def respond(law, held, trial, low, high, branch, reaction, response):
     """The joint law: reactions (n, 3) and their derivatives (n, 3, 3) by the trial reactions.
@@ -329,6 +379,9 @@ def respond(law, held, trial, low, high, branch, reaction, response):
             branch[c] = BONDED
             reaction[c, 0], reaction[c, 1], reaction[c, 2] = tn, t1, t2
             response[c, 0, 0], response[c, 1, 1], response[c, 2, 2] = 1.0, 1.0, 1.0
+            continue
+        if law[c, CRUSH] != 0.0:
+            branch[c] = _respond_beyond(law, trial, c, branch[c], reaction, response)
             continue
         ks, mu, lift = law[c, KS], law[c, MU], law[c, LIFT]
         size = np.sqrt(t1 * t1 + t2 * t2)
@@ -365,7 +418,15 @@ def age(which, law, trial, reaction, branch, count, history):
     for c in range(count):
         k = which[c, SLOT]
         history[k, SHEAR], history[k, SHEAR + 1] = reaction[c, 1], reaction[c, 2]
-        if branch[c] == FORWARD:
+        if law[c, CRUSH] != 0.0:
+            normal = reaction[c, 0] + law[c, PULL]
+            if branch[c] > CRUSHED:
+                history[k, DILATION] -= (trial[c, 0] - normal) / law[c, KN]
+            if along_joint(branch[c]) == FORWARD:
+                most = law[c, MU] * normal + law[c, ROOM]
+                slid = (np.hypot(trial[c, 1], trial[c, 2]) - most) / law[c, KS]
+                history[k, SLID] += slid
+        elif branch[c] == FORWARD:
             size = np.hypot(trial[c, 1], trial[c, 2])
             mu, lift = law[c, MU], law[c, LIFT]
             slid = (size - mu * trial[c, 0]) / (law[c, KS] + mu * lift)

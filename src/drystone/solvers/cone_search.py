@@ -183,7 +183,7 @@ class ConeSearch:
         again, least, since, stalled, recentred = 0, math.inf, 0, 0, 0
         for k in range(1, attempt.iterations + 1):
             energy = cones.scale(joint, inner, step.scaling[:n])
-            residual = step.balance(step.inner)
+            residual = step.balance(step.inside)
             if not math.isfinite(energy + residual):
                 return False
             if energy <= 0.5 * least:
@@ -205,7 +205,7 @@ class ConeSearch:
                     return False
                 self._centre(attempt, settings.recentred_barrier, unit)
                 energy = cones.scale(joint, inner, step.scaling[:n])
-                step.balance(step.inner)
+                step.balance(step.inside)
                 step.damping[:] = 0.0
                 stalled, recentred, least, since = 0, recentred + 1, math.inf, k
             length = self._descend(attempt, energy)
@@ -231,7 +231,7 @@ class ConeSearch:
         """Whether the joint law itself leaves nothing unbalanced here; else all is as before."""
         if self.newton(0):
             return True
-        self.step.balance(self.step.inner)
+        self.step.balance(self.step.inside)
         return False
 
     def _probe(self) -> bool:
@@ -243,7 +243,7 @@ class ConeSearch:
             return True
         step.come_back(place)
         step.damping[:] = damping
-        step.balance(step.inner)
+        step.balance(step.inside)
         return False
 
     def _descend(self, attempt: Attempt, energy: float) -> float:
@@ -253,7 +253,7 @@ class ConeSearch:
         joint, inner, change = step.joint[:n], step.inner[:n], step.change[:n]
         cones.responses(step.scaling[:n], step.response[:n])
         self.iterations += 1
-        if not step.factorise(step.inner, attempt.least_damping):
+        if not step.factorise(step.inside, attempt.least_damping):
             return math.nan
         missing = step.missing
         by_multiplier = self._direction(0.0, missing, second=False)

@@ -22,10 +22,14 @@ from drystone.kernels import cones, lu_numeric, lu_symbolic, path, spatial_step,
 from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import (
     BOND,
+    CRUSH,
     FRICTION,
     LIFT,
     NONE,
     PAIR,
+    PULL,
+    ROOM,
+    SHIFT,
     STIFF_N,
     STIFF_T,
     TENSILE,
@@ -36,12 +40,12 @@ from drystone.kernels.contacts import (
     Slots,
 )
 from drystone.kernels.forces import Tangent
-from drystone.kernels.law import N_HISTORY
+from drystone.kernels.law import H_CRUSH, H_KN, H_MU, H_PULL, H_ROOM, H_SHIFT, N_HELD, N_HISTORY
 from drystone.kernels.rotation import all_axes, difference
 from drystone.kernels.spatial_step import Places, Y
 from drystone.solvers.linear_step import Pace
 from drystone.solvers.shared_lu import SharedLU
-from drystone.solvers.static_step import Constants
+from drystone.solvers.static_step import Constants, Ended
 from drystone.solvers.tie_forces import JoinedTies
 from drystone.threads import team
 
@@ -133,6 +137,9 @@ class ConeStep:
         self.dead, self.anchored = loads.dead, 0.0
         self.spring = 0.0
         self.pace: Pace | None = None
+        self.holding, self.origin = np.zeros((0, N_HELD)), np.arange(n_slots)
+        self.history: Array | None = None
+        self.drawn = np.zeros((n_slots, 3))
         self.multiplier, self.residual = 0.0, np.inf
 
     # The step.
@@ -145,8 +152,12 @@ class ConeStep:
         branch: IntArray,
         h: float,
         pace: Pace | None,
+        held: Array | None = None,
     ) -> None:
-        """Start a step of size ``h`` [s] from rest in ``pose``, with contacts and their past."""
+        """Start a step of size ``h`` [s] from rest in ``pose``, with contacts and their past.
+
+        ``held`` (n_slots, N_HELD) is what joints hold in it that are not dry, see `kernels.law`.
+        """
         constants = self.constants
         assembly = constants.detector.assembly
         self.pose, self.inertia_factor, self.pace = pose, 1.0 / h**2, pace
@@ -167,7 +178,29 @@ class ConeStep:
         joint[:n, cones.MU] = law[:, spatial_step.MU]
         joint[:n, cones.RAISE] = law[:, spatial_step.LIFT] / law[:, spatial_step.KS]
         joint[:n, cones.HELD] = self.places.held[:n]
+        joint[:n, cones.PULL :] = 0.0
+        self.origin[:], self.history = np.arange(len(self.origin)), None
+        self.holding = self.holding[:0] if held is None else held
+        if held is not None:
+            self._hold(held)
         all_axes(pose, assembly.axes, self.turn, self.axes_0)
+
+    def _hold(self, held: Array) -> None:
+        """Take on what joints hold that are not dry, (n_slots, N_HELD)."""
+        used = self.places.which[: self.n, 0]
+        yields = self.constants.laws[self.pairs.law_of_slot[used], joint_law.YIELDS] != 0.0
+        rows = np.flatnonzero(yields)
+        slot = used[rows]
+        now, area = held[slot], self.known.size[slot]
+        law, joint = self.places.law, self.joint
+        law[rows, spatial_step.KN] = joint[rows, cones.KN] = now[:, H_KN] * area
+        law[rows, spatial_step.MU] = joint[rows, cones.MU] = now[:, H_MU]
+        law[rows, spatial_step.SHIFT] = now[:, H_SHIFT] * area
+        law[rows, spatial_step.PULL] = joint[rows, cones.PULL] = now[:, H_PULL] * area
+        law[rows, spatial_step.ROOM] = joint[rows, cones.ROOM] = now[:, H_ROOM] * area
+        crush = now[:, H_CRUSH] * area
+        law[rows, spatial_step.CRUSH] = crush
+        joint[rows, cones.CRUSH] = np.where(np.isfinite(crush), crush, 0.0)
 
     def meet(self, slight: float) -> bool:
         """Take on the contacts of pairs that have come to press each other elsewhere than followed.
@@ -180,12 +213,14 @@ class ConeStep:
         detector, pairs, n = self.constants.detector, self.pairs, self.n
         self._find()
         stiffness = self.constants.laws[pairs.law_of_slot, joint_law.KN] * self.found.size
-        overlap = np.where(self.found.kind == NONE, 0.0, np.maximum(-self.found.gap, 0.0))
+        closed = -self.found.gap
+        if len(self.holding):
+            closed = closed - self._crushed()[pairs.of_slot]
+        overlap = np.where(self.found.kind == NONE, 0.0, np.maximum(closed, 0.0))
         # Faces that lie on each other part and meet by rounding.
         pressed = np.bincount(pairs.of_slot, stiffness * overlap, pairs.n_pairs)
-        carried = np.bincount(
-            self.places.which[:n, PAIR], self.reaction[:n, 0], minlength=pairs.n_pairs
-        )
+        pushes = np.maximum(self.reaction[:n, 0], 0.0)
+        carried = np.bincount(self.places.which[:n, PAIR], pushes, minlength=pairs.n_pairs)
         # What bonds hold together has not come to meet.
         held = np.bincount(self.places.which[:n, PAIR], self.places.held[:n], pairs.n_pairs)
         anew = ((pressed > slight + 2.0 * carried) & (held == 0.0))[pairs.of_slot]
@@ -199,10 +234,29 @@ class ConeStep:
         history[anew], branch[anew] = 0.0, joint_law.OPEN
         history[anew, joint_law.BROKEN] = 1.0
         detector.follow(pairs, self.pose, self.known, self.slots)
-        inertia = self.inertia_factor
-        self.begin(self.pose, self.slots, history, branch, 1.0, self.pace)
+        inertia, origin = self.inertia_factor, np.where(anew, -1, self.origin)
+        held = self._of_new(anew) if len(self.holding) else None
+        self.begin(self.pose, self.slots, history, branch, 1.0, self.pace, held)
         self.inertia_factor = inertia
+        self.origin[:] = origin
         return True
+
+    def _of_new(self, anew: NDArray[np.bool_]) -> Array:
+        """What joints hold, (n_slots, N_HELD), once some contacts of them are new."""
+        held, laws = self.holding.copy(), self.constants.laws[self.pairs.law_of_slot[anew]]
+        held[anew] = 0.0
+        held[anew, H_KN], held[anew, H_MU] = laws[:, joint_law.KN], laws[:, joint_law.MU]
+        held[anew, H_CRUSH] = np.where(
+            laws[:, joint_law.CRUSHES] > 0.0, laws[:, joint_law.CRUSHES], np.inf
+        )
+        return held
+
+    def _crushed(self) -> Array:
+        """Closure [m] that the contacts of each pair, (n_pairs,), have been crushed by at most."""
+        crushed = np.zeros(self.pairs.n_pairs)
+        closure = -self._aged()[:, joint_law.DILATION]
+        np.maximum.at(crushed, self.pairs.of_slot, closure)
+        return crushed
 
     def set_out(self, x: Array, multiplier: float) -> None:
         """Go to increments (n, 6) from where the step starts."""
@@ -239,6 +293,16 @@ class ConeStep:
         return self.pace.missing(self.x) if self.pace else 0.0
 
     # Equations.
+
+    @property
+    def inside(self) -> Array:
+        """Reactions (n_slots, 3 or more) of the variables of the interior [N]."""
+        if not len(self.holding):
+            return self.inner
+        n = self.n
+        self.drawn[:n] = self.inner[:n, :3]
+        self.drawn[:n, 0] -= self.joint[:n, cones.PULL]
+        return self.drawn
 
     def respond(self) -> None:
         """Reactions of the joint law, and their derivatives."""
@@ -372,13 +436,34 @@ class ConeStep:
     def finish(self) -> Array:
         """Find the contacts where the blocks are now, into `found`, and follow the known ones
         there, into `slots`; the history of these, (n_slots, N_HISTORY + 1)."""
-        detector, n = self.constants.detector, self.n
-        detector.follow(self.pairs, self._find(), self.known, self.slots)
-        history = self.history_before.copy()
+        self.constants.detector.follow(self.pairs, self._find(), self.known, self.slots)
+        return self._aged() if self.history is None else self.history
+
+    def _aged(self) -> Array:
+        """History of contacts where the step is, (n_slots, N_HISTORY + 1)."""
+        history, places = self.history_before.copy(), self.places
         spatial_step.age(
-            self.places.which, self.places.law, self.trial, self.reaction, self.branch, n, history
+            places.which, places.law, self.trial, self.reaction, self.branch, self.n, history
         )
         return history
+
+    def ended(self) -> Ended:
+        """What the strengths of joints are to follow from; see `solvers.yielding`."""
+        n, before = self.n, self.history_before
+        used = self.places.which[:n, 0]
+        self.history = self._aged()
+        gap = np.full(len(before), np.inf)
+        gap[used] = self.places.start[:n, spatial_step.GAP_0] + self.now[:n, Y]
+        gap[used] += before[used, joint_law.DILATION]
+        return Ended(
+            origin=self.origin,
+            before=before,
+            after=self.history,
+            gap=gap,
+            held=self.holding,
+            normal=self.by_slot(self.reaction)[:, 0],
+            area=np.where(self.known.kind != NONE, self.known.size, 0.0),
+        )
 
     def _find(self) -> Array:
         """Find the contacts where the blocks are now, into `found`, unless they have been; their
@@ -407,6 +492,8 @@ class ConeStep:
         table[:, STIFF_N], table[:, STIFF_T] = law[:, spatial_step.KN], law[:, spatial_step.KS]
         table[:, FRICTION], table[:, LIFT] = law[:, spatial_step.MU], law[:, spatial_step.LIFT]
         table[:, BOND], table[:, TENSILE] = law[:, spatial_step.BOND], law[:, spatial_step.TENSILE]
+        table[:, SHIFT], table[:, PULL] = law[:, spatial_step.SHIFT], law[:, spatial_step.PULL]
+        table[:, ROOM], table[:, CRUSH] = law[:, spatial_step.ROOM], law[:, spatial_step.CRUSH]
         table[:, TRIAL_N], table[:, TRIAL_T] = self.trial[:n, 0], self.trial[:n, 1]
         used = which[:, 0]
         gap = self.places.start[:n, spatial_step.GAP_0] + self.now[:n, Y]

@@ -7,6 +7,7 @@ Those of `solvers.linear_step`, with gaps and gradients in the places at the end
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +43,18 @@ class Constants:
     laws: Array  # (n_laws, N_LAW)
     thickness: float  # m
     loads: Loads
+
+
+class Ended(NamedTuple):
+    """What a solution of a step has led to, of all slots; see `solvers.yielding`."""
+
+    origin: IntArray  # (n_slots,) slots where the step started; -1 has none
+    before: Array  # (n_slots, N_HISTORY + dim - 2), of slots without one
+    after: Array  # likewise, at the end
+    gap: Array  # (n_slots,) m
+    held: Array  # (n_slots, N_HELD) what they were solved with
+    normal: Array  # (n_slots,) N
+    area: Array  # (n_slots,) m2
 
 
 class StaticStep(LinearStep):
@@ -157,6 +170,18 @@ class StaticStep(LinearStep):
     def bends(self, changes: int) -> Array:
         """Share of the step and multiplier at the changes of the path followed last, (n, 2)."""
         return self.frame.bends[: min(changes, BENDS)]
+
+    def ended(self) -> Ended:
+        """What the strengths of joints are to follow from; its `after` is the step's history."""
+        return Ended(
+            origin=self.origin,
+            before=self.history_before,
+            after=self.history,
+            gap=self.slots.gap,
+            held=self.start.held,
+            normal=self.reaction[:, 0],
+            area=self.start.size * self.constants.thickness,
+        )
 
     def remember(self) -> None:
         """Make sliding that has ended on the path part of the step's history."""

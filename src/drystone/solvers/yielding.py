@@ -11,15 +11,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.strengths import Reached, Strengths, difference
+from drystone.kernels.contacts import Pairs
 from drystone.kernels.law import H_ROOM
 from drystone.kernels.yielding import BONDED, CRUSHED, OPEN, STICKING, TORN
 from drystone.solvers.piecewise import StepSolution
-from drystone.solvers.static_step import StaticStep
+from drystone.solvers.static_step import Ended
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -31,15 +33,33 @@ LEAST_SHARE, MOST_SHARE = 0.3, 10.0
 MOST_SOLUTIONS = 60
 
 
+class YieldingStep(Protocol):
+    """Equations of a step, of either dimension, as far as strengths follow from them."""
+
+    @property
+    def pairs(self) -> Pairs:
+        """Those of its slots."""
+        ...
+
+    def ended(self) -> Ended:
+        """What the solution last evaluated has led to; its `after` is the step's history."""
+        ...
+
+
+class Beginning(NamedTuple):
+    """Where a step starts."""
+
+    history: Array  # (n_slots, N_HISTORY + dim - 2)
+    gap: Array  # (n_slots,) m
+    branch: IntArray  # (n_slots,)
+    multiplier: float
+
+
 def solve(
-    step: StaticStep,
+    step: YieldingStep,
     strengths: Strengths,
-    history: Array,
-    gap: Array,
-    branch: IntArray,
-    multiplier: float,
-    begin: Callable[[Array], None],
-    once: Callable[[IntArray], StepSolution],
+    start: Beginning,
+    once: Callable[[Array, IntArray], StepSolution],
     tolerance: float,
 ) -> StepSolution:
     """Solve a step; its equations are left evaluated at the solution, with its history.
@@ -50,38 +70,34 @@ def solve(
         The equations.
     strengths
         Of the joints.
-    history, gap, branch
-        Where the step starts, (n_slots, N_HISTORY), (n_slots,) [m] and (n_slots,).
-    multiplier
+    start
         Where the step starts.
-    begin
-        Begins the step with what contacts hold, (n_slots, N_HELD).
     once
-        Solves it from the branches (n_slots,).
+        Begins the step with what contacts hold (n_slots, N_HELD), and solves it from the branches
+        (n_slots,).
     tolerance
         Force [N] by which what contacts hold may still change.
     """
-    law = step.pairs.law_of_slot
-    now = strengths.first(history, gap)
+    law, history = step.pairs.law_of_slot, start.history
+    now = strengths.first(history, start.gap)
     held, iterations = strengths.held(law, history, now), 0
     first: StepSolution | None = None
     relaxation = _Relaxation(strengths, law)
     for _ in range(MOST_SOLUTIONS):
-        begin(held)
-        solved = once(_fitting(branch, held))
+        solved = once(held, _fitting(start.branch, held))
         iterations += solved.n_iterations
         solved = replace(solved, n_iterations=iterations)
         if solved.reason:
             return solved
         first = first or solved
-        origin = step.origin
-        before = np.where((origin >= 0)[:, None], history[origin], step.history_before)
-        then = strengths.reached(law, before, step.history, step.slots.gap)
+        end = step.ended()
+        origin = end.origin
+        before = np.where((origin >= 0)[:, None], history[origin], end.before)
+        then = strengths.reached(law, before, end.after, end.gap)
         after = strengths.held(law, before, then)
-        area = step.start.size * step.constants.thickness
-        if difference(after, step.start.held, step.reaction[:, 0], area) <= tolerance:
-            strengths.write(law, then, step.history)
-            return replace(solved, excess=_hidden(first, solved, multiplier))
+        if difference(after, end.held, end.normal, end.area) <= tolerance:
+            strengths.write(law, then, end.after)
+            return replace(solved, excess=_hidden(first, solved, start.multiplier))
         now = relaxation.next(now, then, origin)
         held = strengths.held(law, history, now)
     return replace(solved, reason="joints do not come to rest as they soften")
