@@ -36,7 +36,7 @@ _OfGroups = tuple[BoolArray, BoolArray, int]
 
 #: Contact points that a quadrilateral joint in space may have; of the plane, where points between
 #: the ends matter to joints that are crushed; and what there are where nothing is said.
-POINTS_KNOWN = {2: tuple(range(2, 65)), 3: (4, 9, 16)}
+POINTS_KNOWN = {2: tuple(range(2, 65)), 3: (4, 9, 16, *(n * n for n in range(5, 34, 2)))}
 POINTS = {2: 2, 3: 4}
 
 
@@ -209,7 +209,7 @@ class Assembly:
     joint: JointLaw
     corner: Corner
     joint_between: Mapping[frozenset[str], JointLaw] = field(default_factory=dict)
-    points: int  # contact points on an interface, in space on one of four corners: 4, 9 or 16
+    points: int  # contact points on an interface, in space on one of four corners
     up: Array  # (dim,) unit vector against gravity
 
     # Derived from the above, also in a copy by `dataclasses.replace`.

@@ -58,7 +58,7 @@ class TestOverlap:
         if area > 1e-6:  # a centroid is as precise as rounding over the area
             assert (cx, cy) == pytest.approx(centroid, abs=1e-8)
 
-    @pytest.mark.parametrize("points", [4, 9, 16])
+    @pytest.mark.parametrize("points", [4, 9, 16, 25, 81])
     @pytest.mark.parametrize("seed", range(20))
     def test_points_have_the_area_and_its_centre(self, seed, points):
         """Their weights are positive, and a uniform pressure has no moment about the centroid."""
@@ -73,9 +73,10 @@ class TestOverlap:
         near, short = overlap.CLIP * width, overlap.MERGE * width
         overlap.name_corners(corner, name, half, count, q, len(q), p, len(p), near)
         count = overlap.merge_corners(corner, name, half, count, short, near)
-        n = overlap.n_spread(count, points, 100)
-        assert n == {4: count, 9: 2 * count + 1, 16: 4 * count}[points]
-        point, mark, weight = np.zeros((100, 2)), np.zeros((100, 4), np.int64), np.zeros(100)
+        n = overlap.n_spread(count, points, 200)
+        net = {25: 6 * count + 1, 81: 20 * count + 1}
+        assert n == {4: count, 9: 2 * count + 1, 16: 4 * count, **net}[points]
+        point, mark, weight = np.zeros((200, 2)), np.zeros((200, 4), np.int64), np.zeros(200)
         overlap.spread(corner, name, half, count, *centroid, n, point, mark, weight)
         overlap.scale(point, n, *centroid, area, weight)
         assert weight[:n].min() > 0.0
@@ -100,6 +101,28 @@ class TestOverlap:
         assert w @ r / mean == pytest.approx(strength, abs=6e-3)  # digits of the table
         assert w @ r**2 / (2 / 3) == pytest.approx(stiffness, abs=3e-3)
         assert w @ arm[:, 0] ** 2 / (1 / 3) == pytest.approx(bending, abs=3e-3)
+
+
+    @pytest.mark.parametrize("n", [5, 7])
+    def test_a_square_has_a_grid_with_the_weights_of_the_trapezium_rule(self, n):
+        scene = flush(2.0, 2.0, points=n * n)
+        slots = scene.find()
+        k = used(slots)
+        rule = np.full(n, 2.0 / (n - 1))
+        rule[[0, -1]] /= 2.0
+        place = np.linspace(-1.0, 1.0, n)
+        expected = {
+            (round(x, 9), round(y, 9)): v * w
+            for x, v in zip(place, rule, strict=True)
+            for y, w in zip(place, rule, strict=True)
+        }
+        arms = slots.arm_a[k, :2]
+        found = {
+            (round(x, 9) + 0.0, round(y, 9) + 0.0): w
+            for (x, y), w in zip(arms, slots.size[k], strict=True)
+        }
+        assert found == pytest.approx(expected, rel=1e-12)
+        assert len({tuple(f) for f in slots.feature[k]}) == n * n
 
 
 class TestFlush:

@@ -229,7 +229,8 @@ def _depth_problems(
     found = []
     dimension = blocks[0].dimension if blocks else 2
     if points is not None and points not in POINTS_KNOWN[dimension]:
-        known = "from 2 to 64 in the plane" if dimension == 2 else "4, 9 or 16"
+        in_space = "4, 9, 16 or the square of an odd number from 5 to 33"
+        known = "from 2 to 64 in the plane" if dimension == 2 else in_space
         found.append(f"contact.points: must be {known}, it is {points}")
     if blocks and blocks[0].dimension == 3:
         if thickness is not None:

@@ -129,6 +129,9 @@ from drystone.kernels.separation import best_edges, best_face, nearest_edges
 #: Edges count where they separate the parts by this share of their size more than faces do.
 MARGIN = 1e-2
 
+#: Numbers of points between the ends of a side are less.
+ON_SIDES = 64
+
 #: An incident face with a cosine below this to the reference face is seen edge on.
 EDGE_ON = 0.05
 
@@ -184,7 +187,7 @@ def slots_of(shapes: Shapes, points: int, part_a: IntArray, part_b: IntArray) ->
     """How many contact points each pair of parts may have, (n_pairs,).
 
     Overlaps have at most as many corners as both faces have.  With 9 points per quadrilateral there
-    is room for those of any overlap; with 16 for 16, or 9 of a polygon with many corners.
+    is room for those of any overlap; with more for as many, or fewer of a polygon with many corners.
     """
     corners = np.maximum.reduceat(np.diff(shapes.ring), shapes.first[:-1, 1])
     most = corners[part_a] + corners[part_b]
@@ -336,7 +339,7 @@ def _features(ring, corner, face_p, face_q, mark, i, n, m, n_vertices, n_edges):
     if type_ == INNER:
         if number == 0:
             return faces + face_p, faces + face_q
-        type_, plus = number - 1, between + 3
+        type_, plus = (number - 1) % 3, (1 + (number - 1) // 3) * (between + ON_SIDES)
     if type_ == VERTEX_Q:
         return plus + faces + face_p, _vertex(ring, corner, face_q, of_q, True)
     if type_ == VERTEX_P:
@@ -500,8 +503,9 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
     reference, incident = np.empty((most, 2)), np.empty((most, 2))
     room = 2 * most + 8
     polygon, name = np.empty((2, room, 2)), np.empty((2, room, 4), np.int64)
-    point, mark = np.empty((4 * room, 2)), np.empty((4 * room, 4), np.int64)
-    weight, work, t1, t2 = np.empty(4 * room), np.empty((5, 3)), np.empty(3), np.empty(3)
+    largest = max(4 * room, points)
+    point, mark = np.empty((largest, 2)), np.empty((largest, 4), np.int64)
+    weight, work, t1, t2 = np.empty(largest), np.empty((5, 3)), np.empty(3), np.empty(3)
     n_pairs, n_slots = of_pair.shape[0], which.shape[0]
     for i in range(n_pairs):
         begin = of_pair[i, FIRST]
@@ -607,7 +611,7 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
 def find(shapes, pose, world, pairs, reach, points, slots):
     """Fill the slots of all pairs in poses (n, 7); ``reach`` [m] is the largest gap watched.
 
-    ``points`` is 4, 9 or 16 per quadrilateral overlap.  What the slots hold before says which faces
+    ``points`` is 4, 16 or the square of an odd number per quadrilateral overlap.  What the slots hold before says which faces
     were used last, and is otherwise of no account.
     """
     which, value = slots

@@ -304,11 +304,60 @@ def _named(name, k, type_, of_p, of_q, number):
 @njit(cache=True)
 def n_spread(count, points, room):
     """How many points `spread` makes of a polygon; never more than ``room``."""
-    if count >= 3 and points >= 16 and 4 * count <= room:
+    if count >= 3 and points == 16 and 4 * count <= room:
         return 4 * count
-    if count >= 3 and points >= 9 and 2 * count + 1 <= room:
-        return 2 * count + 1
+    if count < 3 or points < 9:
+        return min(count, room)
+    for k in range((int(np.sqrt(points) + 0.5) - 1) // 2, 0, -1):
+        if count * k * (k + 1) + 1 <= room:
+            return count * k * (k + 1) + 1
     return min(count, room)
+
+
+@njit(cache=True)
+def _node(count, k, i, p, q):
+    """Number of the point p steps on and q back from corner i, in a net of k steps; see `spread`."""
+    if p == k and q == k:
+        return count * k * (k + 1)
+    if q == k:
+        i, p, q = (i - 1) % count, k, p
+    return (i * k + q) * (k + 1) + p
+
+
+@njit(cache=True)
+def _spread_net(corner, name, half, count, cx, cy, k, point, mark, weight):
+    """Points of a polygon in a net with k steps from corners to middles of sides; see `spread`."""
+    for i in range(count):
+        before, after = (i - 1) % count, (i + 1) % count
+        for q in range(k):
+            for p in range(k + 1):
+                s, t, at = p / k, q / k, _node(count, k, i, p, q)
+                for c in range(2):
+                    here, centre = corner[half, i, c], cx if c == 0 else cy
+                    on = 0.5 * (here + corner[half, after, c])
+                    back = 0.5 * (here + corner[half, before, c])
+                    point[at, c] = (1.0 - t) * ((1.0 - s) * here + s * on)
+                    point[at, c] += t * ((1.0 - s) * back + s * centre)
+                of_p, of_q = name[half, i, OF_P], name[half, i, OF_Q]
+                if p == 0 and q == 0:
+                    _named(mark, at, name[half, i, TYPE], of_p, of_q, 0)
+                elif q == 0:
+                    number = 0 if p == k else 2 + p
+                    _named(mark, at, ON_SIDE, name[half, i, LEAVES], -1, number)
+                elif p == 0:
+                    _named(mark, at, ON_SIDE, name[half, before, LEAVES], -1, 2 + 2 * k - q)
+                else:
+                    number = 1 + name[half, i, TYPE] + 3 * ((p - 1) * k + q)
+                    _named(mark, at, INNER, of_p, of_q, number)
+    last = count * k * (k + 1)
+    point[last, 0], point[last, 1] = cx, cy
+    _named(mark, last, INNER, -1, -1, 0)
+    for i in range(count):
+        for q in range(k):
+            for p in range(k):
+                first, second = _node(count, k, i, p, q), _node(count, k, i, p + 1, q)
+                third, fourth = _node(count, k, i, p + 1, q + 1), _node(count, k, i, p, q + 1)
+                _share(point, weight, first, second, third, fourth)
 
 
 @njit(cache=True)
@@ -319,8 +368,18 @@ def spread(corner, name, half, count, cx, cy, n_points, point, mark, weight):
     - ``2 count + 1`` points: corners, middles, centroid; each of those quadrilaterals goes to its
       four corners by bilinear shape functions (square: 1/16, 1/8, 1/4 of the area);
     - ``4 count``: corners, thirds of sides, and a third of the way from the centroid to each
-      corner: cells at corners, at sides and one within (square: 1/36, 1/18, 1/9).
+      corner: cells at corners, at sides and one within (square: 1/36, 1/18, 1/9);
+    - ``count k (k + 1) + 1``, k > 1: the first kind, each quadrilateral cut into a net of k by k
+      (square: a grid, with the weights of the trapezium's rule).
     """
+    if n_points > 4 * count:
+        k = 2
+        while count * k * (k + 1) + 1 < n_points:
+            k += 1
+        for i in range(n_points):
+            weight[i] = 0.0
+        _spread_net(corner, name, half, count, cx, cy, k, point, mark, weight)
+        return
     for i in range(count):
         point[i, 0], point[i, 1] = corner[half, i, 0], corner[half, i, 1]
         for c in range(3):
