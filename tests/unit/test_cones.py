@@ -7,6 +7,8 @@ import pytest
 
 from drystone.kernels import cones
 from drystone.kernels.cones import (
+    CAP,
+    CRUSH,
     ETA,
     KN,
     KS,
@@ -15,12 +17,14 @@ from drystone.kernels.cones import (
     P2,
     PN,
     RAISE,
+    ROOM,
     V0,
     V1,
     V2,
     Z1,
     Z2,
     ZETA,
+    V,
     W,
 )
 from drystone.kernels.contacts import (
@@ -57,7 +61,10 @@ def product(a, b):
 def test_central_variables_have_the_products_of_their_barrier(energy):
     rng = np.random.default_rng(7)
     n, joint = 40, joints_of(40, 0.6)
-    trial, inner = rng.normal(size=(n, 3)) * 10.0 ** rng.uniform(-1, 3, (n, 1)), np.zeros((n, cones.N_INNER))
+    trial, inner = (
+        rng.normal(size=(n, 3)) * 10.0 ** rng.uniform(-1, 3, (n, 1)),
+        np.zeros((n, cones.N_INNER)),
+    )
     cones.centre_contacts(joint, energy, True, trial, inner)
     for v, t in zip(inner, trial, strict=True):
         assert v[PN] - v[W] == pytest.approx(t[0], rel=1e-9)
@@ -71,6 +78,75 @@ def test_central_variables_have_the_products_of_their_barrier(energy):
         assert product(pair, slack) == pytest.approx(expected, abs=scale, rel=1e-6)
         assert np.hypot(v[P1], v[P2]) < pair[0]
         assert np.hypot(v[Z1], v[Z2]) < slack[0]
+
+
+def yielding_joints(n):
+    """Joints that may be crushed and have room for shear; the last third only the latter."""
+    joint = joints_of(n, 0.6)
+    joint[:, ROOM], joint[:, CRUSH] = 40.0, np.where(np.arange(n) < 2 * n // 3, 150.0, 0.0)
+    joint[::4, MU] = 0.0
+    return joint
+
+
+@pytest.mark.parametrize("energy", [1e-6, 1e-2, 10.0])
+def test_central_variables_of_joints_that_yield(energy):
+    rng = np.random.default_rng(17)
+    n, joint = 60, yielding_joints(60)
+    trial = rng.normal(size=(n, 3)) * 10.0 ** rng.uniform(-1, 3, (n, 1))
+    inner, wanted = np.zeros((n, cones.N_INNER)), H * H * STIFFNESS * energy
+    cones.centre_contacts(joint, energy, True, trial, inner)
+    scaling = np.zeros((n, cones.N_SCALING))
+    assert cones.scale(joint, inner, scaling) == pytest.approx(energy, rel=1e-5)
+    for v, t, law in zip(inner, trial, joint, strict=True):
+        assert v[PN] - v[W] + v[V] == pytest.approx(t[0], rel=1e-9, abs=1e-9)
+        assert v[PN] * v[W] == pytest.approx(wanted, rel=1e-9)
+        if law[CRUSH] > 0.0:
+            assert v[CAP] * v[V] == pytest.approx(wanted, rel=1e-9)
+            # Where it is crushed, what is left is below the rounding of the reaction.
+            assert v[CAP] + v[PN] == pytest.approx(law[CRUSH], rel=1e-9)
+        most = law[MU] * v[PN] + law[ROOM]
+        pair, slack = np.array([most, v[P1], v[P2]]), np.array([v[ZETA], -v[Z1], -v[Z2]])
+        scale = 1e-11 * np.abs(pair).max() * np.abs(slack).max()
+        least = 2.0 * cones.LEAST * most * np.hypot(t[1], t[2])
+        assert product(pair, slack) == pytest.approx(
+            (2.0 * PENALTY * energy + least, 0.0, 0.0), abs=scale, rel=1e-6
+        )
+        # The room that friction leaves is found to 1e-14 of itself, high barriers make it large.
+        assert v[[P1, P2]] + v[[Z1, Z2]] == pytest.approx(t[1:], rel=1e-9, abs=1e-10 * most)
+
+
+@pytest.mark.parametrize("second", [False, True])
+def test_changes_solve_the_equations_of_joints_that_yield_linearised(second):
+    """A full step leaves of each product what is of second order, less what was known of it."""
+    rng = np.random.default_rng(18)
+    n, joint, energy = 60, yielding_joints(60), 1e-3
+    trial, inner = 300.0 * rng.normal(size=(n, 3)), np.zeros((n, cones.N_INNER))
+    cones.centre_contacts(joint, 1e-2, True, trial, inner)
+    trial += rng.normal(size=(n, 3))  # moved on since
+    scaling, reaction = np.zeros((n, cones.N_SCALING)), np.zeros((n, 3))
+    before, relative = cones.scale(joint, inner, scaling), 1e-5 * rng.normal(size=(n, 3))
+    change, first = np.zeros_like(inner), np.zeros_like(inner)
+    for again in (False, True)[: 1 + second]:
+        first[:] = change
+        cones.aim(joint, energy, again, trial, inner, change, scaling, reaction)
+        cones.changes(joint, energy, again, relative, inner, scaling, change)
+    capped = joint[:, CRUSH] > 0.0
+    there = trial - relative * joint[:, [KN, KS, KS]]
+    moved = inner + change
+    assert moved[:, PN] - moved[:, W] + moved[:, V] == pytest.approx(there[:, 0], abs=1e-8)
+    assert moved[:, [P1, P2]] + moved[:, [Z1, Z2]] == pytest.approx(there[:, 1:], abs=1e-7)
+    assert change[capped, CAP] == pytest.approx(-change[capped, PN], rel=1e-12)
+    for one, other, of in ((PN, W, slice(None)), (CAP, V, capped)):
+        v, d, e = inner[of], change[of], first[of]
+        left = v[:, one] * v[:, other] + d[:, one] * v[:, other] + v[:, one] * d[:, other]
+        left += e[:, one] * e[:, other] * second
+        assert left == pytest.approx(joint[of, KN] * energy, rel=1e-6)
+    # How far the nearest factor lets go, and the energy where nothing has gone.
+    far, _ = cones.length(joint, inner, change)
+    ratio = inner[:, [PN, W]] / -change[:, [PN, W]]
+    ends = np.append(ratio.ravel(), (inner[capped] / -change[capped])[:, [V, CAP]].ravel())
+    assert far == pytest.approx(min(1.0, ends[ends > 0.0].min()), rel=1e-12)
+    assert cones.energy_at(joint, 0.0, inner, change) == pytest.approx(before, rel=1e-9)
 
 
 def test_the_scaling_takes_slacks_to_impulses():

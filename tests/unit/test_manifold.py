@@ -102,7 +102,6 @@ class TestOverlap:
         assert w @ r**2 / (2 / 3) == pytest.approx(stiffness, abs=3e-3)
         assert w @ arm[:, 0] ** 2 / (1 / 3) == pytest.approx(bending, abs=3e-3)
 
-
     @pytest.mark.parametrize("n", [5, 7])
     def test_a_square_has_a_grid_with_the_weights_of_the_trapezium_rule(self, n):
         scene = flush(2.0, 2.0, points=n * n)

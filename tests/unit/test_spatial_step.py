@@ -6,12 +6,22 @@ import numpy as np
 import pytest
 
 from drystone.kernels import spatial_step
-from drystone.kernels.law import BONDED, FORWARD, OPEN, STICKING
+from drystone.kernels.law import (
+    BONDED,
+    DILATION,
+    FORWARD,
+    N_HISTORY,
+    OPEN,
+    SHEAR,
+    SLID,
+    STICKING,
+)
 from drystone.kernels.spatial_step import (
     ARM_V,
     AXES,
     BALL,
     BOND,
+    CRUSH,
     FROM_F,
     GAP_0,
     KN,
@@ -20,9 +30,13 @@ from drystone.kernels.spatial_step import (
     MU,
     NOW,
     POINT,
+    PULL,
+    ROOM,
+    SHIFT,
     SIDE,
     Y,
 )
+from drystone.kernels.yielding import CRUSHED, TORN
 
 pytestmark = pytest.mark.kernels
 
@@ -239,3 +253,67 @@ def respond(heap):
     spatial_step.respond(
         heap.law, heap.held, heap.trial, 0, heap.n, heap.branch, heap.reaction, heap.response
     )
+
+
+def yielding(heap):
+    """Joints that pull, that are sheared without pressure, and that are crushed; one has only the
+    tip of its cone."""
+    law = heap.law
+    law[:, MU], law[:, SHIFT], law[:, PULL], law[:, ROOM], law[:, CRUSH] = 0.6, 0.3, 0.3, 0.2, 1.0
+    law[0, ROOM], law[1, CRUSH] = 0.0, np.inf
+
+
+def test_joints_that_yield_have_the_clipped_law_and_its_derivatives():
+    heap, rng = Heap(7), np.random.default_rng(9)
+    yielding(heap)
+    law, seen, h = heap.law, set(), 1e-6
+    for _ in range(20):
+        trial, found = rng.normal(size=(heap.n, 3)), []
+        for k in range(3):
+            sides = []
+            for step in (h, -h):
+                heap.trial[:] = trial
+                heap.trial[:, k] += step
+                heap.branch[:] = OPEN
+                respond(heap)
+                sides.append((heap.reaction.copy(), heap.branch.copy()))
+            assert np.array_equal(sides[0][1], sides[1][1])
+            found.append((sides[0][0] - sides[1][0]) / (2.0 * h))
+        heap.trial[:] = trial
+        respond(heap)
+        # As of dry joints; shear that is near nothing under room for some turns faster.
+        assert heap.response == pytest.approx(np.stack(found, axis=-1), abs=1e-6)
+        normal = np.clip(trial[:, 0], 0.0, law[:, CRUSH])
+        size = np.hypot(trial[:, 1], trial[:, 2])
+        share = np.minimum(1.0, (law[:, MU] * normal + law[:, ROOM]) / size)
+        expected = np.column_stack((normal - law[:, PULL], share[:, None] * trial[:, 1:]))
+        assert heap.reaction == pytest.approx(expected, abs=1e-12)
+        seen |= set(heap.branch)
+    along = {STICKING, FORWARD}
+    assert seen == {OPEN} | along | {TORN + b for b in along} | {CRUSHED + b for b in along}
+
+
+def test_what_yields_ages():
+    """Beyond the law's end trial reactions become sliding, and closure that is kept."""
+    heap, rng = Heap(7), np.random.default_rng(10)
+    yielding(heap)
+    heap.trial[:] = 2.0 * rng.normal(size=(heap.n, 3))
+    respond(heap)
+    history = np.zeros((heap.n, N_HISTORY + 1))
+    spatial_step.age(heap.which, heap.law, heap.trial, heap.reaction, heap.branch, heap.n, history)
+    law, beyond = heap.law, heap.trial - heap.reaction
+    crushed = np.maximum(heap.trial[:, 0] - law[:, CRUSH], 0.0)
+    assert crushed.max() > 0.0
+    assert history[:, DILATION] == pytest.approx(-crushed / law[:, KN], abs=1e-15)
+    slid = np.where(heap.branch == OPEN, 0.0, np.hypot(*beyond[:, 1:].T) / law[:, KS])
+    assert history[:, SLID] == pytest.approx(slid, abs=1e-14)
+    assert history[:, SHEAR : SHEAR + 2] == pytest.approx(heap.reaction[:, 1:], abs=0.0)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_the_stiffness_of_joints_that_yield_is_the_derivative_of_the_forces(seed):
+    heap = Heap(seed)
+    yielding(heap)
+    heap.move(0.05 * heap.rng.normal(size=(N, 6)))
+    assert len(set(heap.branch)) > 2
+    assert heap.stiffness() == pytest.approx(heap.differences(), abs=1e-8)

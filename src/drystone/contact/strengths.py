@@ -115,7 +115,9 @@ class Strengths:
     def _tangent(self, law: IntArray, curved: BoolArray, gap: Array, held: Array) -> None:
         """Of joints that close hyperbolically, the tangent where they have come to."""
         limit, kn = self.closure[law][curved], held[curved, H_KN]
-        share = np.clip(np.nan_to_num(-gap[curved], posinf=0.0) / limit, 0.0, NEARLY_SHUT)
+        share = np.clip(
+            np.nan_to_num(-gap[curved], posinf=0.0, neginf=0.0) / limit, 0.0, NEARLY_SHUT
+        )
         slope = kn / (1.0 - share) ** 2
         held[curved, H_KN] = slope
         held[curved, H_SHIFT] += kn * limit * share / (1.0 - share) - slope * limit * share

@@ -187,7 +187,7 @@ def slots_of(shapes: Shapes, points: int, part_a: IntArray, part_b: IntArray) ->
     """How many contact points each pair of parts may have, (n_pairs,).
 
     Overlaps have at most as many corners as both faces have.  With 9 points per quadrilateral there
-    is room for those of any overlap; with more for as many, or fewer of a polygon with many corners.
+    is room for those of any overlap; with more for as many, fewer of a polygon with many corners.
     """
     corners = np.maximum.reduceat(np.diff(shapes.ring), shapes.first[:-1, 1])
     most = corners[part_a] + corners[part_b]
@@ -611,8 +611,8 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
 def find(shapes, pose, world, pairs, reach, points, slots):
     """Fill the slots of all pairs in poses (n, 7); ``reach`` [m] is the largest gap watched.
 
-    ``points`` is 4, 16 or the square of an odd number per quadrilateral overlap.  What the slots hold before says which faces
-    were used last, and is otherwise of no account.
+    ``points`` is 4, 16 or the square of an odd number per quadrilateral overlap.  What the slots
+    hold before says which faces were used last, and is otherwise of no account.
     """
     which, value = slots
     place(shapes, pose, world)

@@ -316,7 +316,7 @@ def n_spread(count, points, room):
 
 @njit(cache=True)
 def _node(count, k, i, p, q):
-    """Number of the point p steps on and q back from corner i, in a net of k steps; see `spread`."""
+    """Number of the point p steps on and q back from corner i, in a net of k steps."""
     if p == k and q == k:
         return count * k * (k + 1)
     if q == k:

@@ -235,8 +235,8 @@ class ConeStep:
         history[anew, joint_law.BROKEN] = 1.0
         detector.follow(pairs, self.pose, self.known, self.slots)
         inertia, origin = self.inertia_factor, np.where(anew, -1, self.origin)
-        held = self._of_new(anew) if len(self.holding) else None
-        self.begin(self.pose, self.slots, history, branch, 1.0, self.pace, held)
+        holding = self._of_new(anew) if len(self.holding) else None
+        self.begin(self.pose, self.slots, history, branch, 1.0, self.pace, holding)
         self.inertia_factor = inertia
         self.origin[:] = origin
         return True
