@@ -42,7 +42,9 @@ def refuse_yielding(assembly: Assembly, engine: str, *, curved: bool = False) ->
             continue
         if any(map(has, assembly.laws)):
             where = " in space" if assembly.dimension == 3 else ""
-            which = "equilibrium" if what == "close hyperbolically" else "equilibrium or the distinct"
+            which = (
+                "equilibrium" if what == "close hyperbolically" else "equilibrium or the distinct"
+            )
             raise EngineError(
                 f"the {engine} engine has no joints that {what}{where}: take the {which} engine"
             )
