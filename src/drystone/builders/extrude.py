@@ -25,7 +25,7 @@ def extruded(model: Model, *, points: int = 4) -> Model:
     Parameters
     ----------
     points
-        Contact points on a quadrilateral interface: 4, 9 or 16.
+        Contact points on a quadrilateral interface, see `make_model`.
 
     Raises
     ------

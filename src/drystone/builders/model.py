@@ -90,7 +90,7 @@ def make_model(
         How corners are treated for contact; sharp by default.
     points
         Contact points on a joint: in the plane 2 to 64, and 2 where nothing is said; in space, on
-        one of four corners, 4, 9 or 16, and 4.
+        one of four corners, 4, 9, 16 or the square of an odd number from 5 to 33, and 4.
     control_block, control_point, control_direction
         See `choose_control_point`.
     source, sha256
