@@ -15,33 +15,21 @@ from drystone.assessment.methods import (
 )
 from drystone.assessment.methods.base import Assessment, LimitState, Method, Settings, Spectra
 
+_MODULES = (
+    ntc2018_local,
+    ntc2009_local,
+    ntc2018_global,
+    ec8_n2,
+    en1998_3_2025_rocking,
+    asce41,
+    rocking,
+)
+
 #: Methods by the name that a model file gives them.
-METHODS: dict[str, Method] = {
-    module.NAME: module.assess
-    for module in (
-        ntc2018_local,
-        ntc2009_local,
-        ntc2018_global,
-        ec8_n2,
-        en1998_3_2025_rocking,
-        asce41,
-        rocking,
-    )
-}
+METHODS: dict[str, Method] = {module.NAME: module.assess for module in _MODULES}
 
 #: Limit states by method, the mildest first.
-STATES: dict[str, tuple[str, ...]] = {
-    module.NAME: module.STATES
-    for module in (
-        ntc2018_local,
-        ntc2009_local,
-        ntc2018_global,
-        ec8_n2,
-        en1998_3_2025_rocking,
-        asce41,
-        rocking,
-    )
-}
+STATES: dict[str, tuple[str, ...]] = {module.NAME: module.STATES for module in _MODULES}
 
 __all__ = ["METHODS", "STATES", "Assessment", "LimitState", "Method", "Settings", "assess"]
 

@@ -11,7 +11,7 @@ from drystone.assembly import GRAVITY
 from drystone.assessment.bilinear import Bilinear, bilinear, drop_point
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, positive
-from drystone.assessment.methods import local
+from drystone.assessment.methods import common
 from drystone.assessment.methods.base import (
     Assessment,
     LimitState,
@@ -266,7 +266,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
     AssessmentError
         Where mu_strength exceeds mu_max (7-32): the strength falls too fast for the method.
     """
-    c = local.read(capacity, settings)
+    c = capacity.read_as(settings.reading)
     given, verified, notes = spectra_of(spectra, STATES, REFERENCE, settings)
     check_on_the_ground(given.values(), NAME)
     curve = idealised(c)
@@ -312,8 +312,8 @@ def _answer(
             "elastic_period": curve.period,
             "strength_ratio": found[0].details["strength_ratio"],
         },
-        assumptions=local.assumptions(capacity, used) + notes + tuple(said),
-        uncertain=local.uncertain(capacity, used, *UNCERTAIN),
+        assumptions=common.assumptions(capacity, used) + notes + tuple(said),
+        uncertain=common.uncertain(capacity, used, found, *UNCERTAIN),
         weighs_most="the acceptance displacements, which are the user's",
     )
 

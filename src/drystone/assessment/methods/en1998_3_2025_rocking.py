@@ -11,19 +11,9 @@ from typing import NamedTuple
 
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, not_negative, positive
-from drystone.assessment.methods import local
-from drystone.assessment.methods.base import (
-    Assessment,
-    LimitState,
-    Settings,
-    Spectra,
-    spectra_of,
-)
-from drystone.assessment.methods.ground import (
-    RETURN_PERIOD_UNCERTAIN,
-    bearable,
-    return_period_borne,
-)
+from drystone.assessment.methods import common, local
+from drystone.assessment.methods.base import Assessment, LimitState, Settings, Spectra, spectra_of
+from drystone.assessment.methods.ground import bearable, of_the_ground
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum, damping_factor
 from drystone.assessment.spectra.floor import FloorSpectrum
 
@@ -107,10 +97,7 @@ def _activation(
         limit_period=t0,
         damping=REFERENCE_DAMPING,
         acceleration_demand=demand(spectrum),
-        ground_acceleration_capacity=borne,
-        ground_acceleration_demand=spectrum.ground_acceleration,
-        return_period_demand=spectrum.return_period,
-        return_period_capacity=return_period_borne(spectrum, borne),
+        **of_the_ground(spectrum, borne),
         satisfied=demand(spectrum) <= limit,
         verified=verified,
         governed_by="activation",
@@ -131,7 +118,7 @@ def _ultimate(
     The demand of the result holds gamma_Sd, the limit d_LS is as it is; d_LS/gamma_Rd is beside it.
     """
     own = SHARES[name] * local.collapse(capacity, settings)
-    d, why = local.limit(capacity, settings, name, own)
+    d, why = common.limit(capacity, settings, name, own)
     a = local.acceleration(capacity, d, bool(settings.straight_capacity))
     period, damping = limit_period(d, a), settings.damping[name]
 
@@ -149,10 +136,7 @@ def _ultimate(
         damping=damping,
         displacement_demand=asked,
         control_displacement_demand=capacity.control_at(asked),
-        ground_acceleration_capacity=borne,
-        ground_acceleration_demand=spectrum.ground_acceleration,
-        return_period_demand=spectrum.return_period,
-        return_period_capacity=return_period_borne(spectrum, borne),
+        **of_the_ground(spectrum, borne),
         satisfied=asked <= d / factors.resistance,
         verified=verified,
         governed_by=why or f"{SHARES[name]:g} of the collapse displacement",
@@ -172,7 +156,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
     AssessmentError
         Without gamma_Sd, knowledge level, the strength of blocks, damping, or a collapse.
     """
-    c = local.read(capacity, settings)
+    c = capacity.read_as(settings.reading)
     factors = _factors(settings)
     given, verified, notes = spectra_of(spectra, STATES, REFERENCE, settings)
     owed = settings.limit_states or ((REFERENCE,) if REFERENCE in given else verified)
@@ -204,9 +188,9 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         confidence_factor=None,
         spectra=given,
         quantities={"resistance_factor": factors.resistance, "demand_factor": factors.demand},
-        assumptions=local.assumptions(c, used) + notes + _said(left_out, settings),
-        uncertain=local.uncertain(c, used, *_uncertain(found, used)),
-        weighs_most=local.weight(
+        assumptions=common.assumptions(c, used) + notes + _said(left_out, settings),
+        uncertain=common.uncertain(c, used, found, *_uncertain(used)),
+        weighs_most=common.weight(
             c, "damping and gamma_Sd, whose values in the standard are not known here"
         ),
     )
@@ -222,13 +206,11 @@ def _said(left_out: list[str], settings: Settings) -> tuple[str, ...]:
     return tuple(said)
 
 
-def _uncertain(found: list[LimitState], used: tuple[Spectrum, ...]) -> tuple[str, ...]:
+def _uncertain(used: tuple[Spectrum, ...]) -> tuple[str, ...]:
     said = list(UNCERTAIN)
     if any(isinstance(s, FloorSpectrum) for s in used):
         said.append(
             "EN 1998-3:2025 (11.44), (11.45): the floor spectrum of Circ. 7/2019 C7.2.3 stands for "
             "that of the standard."
         )
-    if any(state.return_period_capacity is not None for state in found):
-        said.append(RETURN_PERIOD_UNCERTAIN)
     return tuple(said)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -106,6 +107,22 @@ def return_period_borne(spectrum: Spectrum, acceleration: float | None) -> float
     if years is None or power is None or acceleration is None:
         return None
     return years * math.pow(acceleration / spectrum.ground_acceleration, power)
+
+
+def of_the_ground(spectrum: Spectrum, borne: float | None) -> dict[str, Any]:
+    """Ground accelerations [m/s2] and return periods [years] of a `LimitState`, by its keys.
+
+    Parameters
+    ----------
+    borne
+        The bearable a_g [m/s2].
+    """
+    return {
+        "ground_acceleration_capacity": borne,
+        "ground_acceleration_demand": spectrum.ground_acceleration,
+        "return_period_demand": spectrum.return_period,
+        "return_period_capacity": return_period_borne(spectrum, borne),
+    }
 
 
 #: For results that hold `return_period_borne`.

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from drystone.assessment.capacity import READINGS, Capacity
+from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.methods.base import Settings
-from drystone.assessment.spectra.base import Spectrum
 
 
-def read(capacity: Capacity, settings: Settings) -> Capacity:
-    """The capacity in the reading of the settings."""
-    return capacity.read_as(settings.reading)
+def is_linear(settings: Settings) -> bool:
+    """Whether the activation multiplier alone counts; `AssessmentError` for other kinematics."""
+    if settings.kinematics not in ("linear", "nonlinear"):
+        raise AssessmentError(
+            f'kinematics "{settings.kinematics}" is not known: "linear" or "nonlinear"'
+        )
+    return settings.kinematics == "linear"
 
 
 def confidence_factor(settings: Settings) -> float:
@@ -40,15 +41,6 @@ def collapse(capacity: Capacity, settings: Settings) -> float:
     return end
 
 
-def limit(capacity: Capacity, settings: Settings, state: str, own: float) -> tuple[float, str]:
-    """d_LS [m] as the lesser of the code's own and of what fails locally; and which it was."""
-    given = settings.displacement_limits.get(state)
-    if given is None:
-        return own, ""
-    local = capacity.spectral_at(positive(given, f"the displacement limit of {state}"))
-    return (local, "local displacement limit") if local < own else (own, "")
-
-
 def acceleration(capacity: Capacity, displacement: float, straight: bool) -> float:
     """a* [m/s2] at d* [m], of the curve or of the straight line a0 (1 - d/d0)."""
     if straight:
@@ -65,26 +57,6 @@ def acceleration(capacity: Capacity, displacement: float, straight: bool) -> flo
     return value
 
 
-def assumptions(capacity: Capacity, spectra: Sequence[Spectrum]) -> tuple[str, ...]:
-    """Sentences of capacity and spectra, each once."""
-    said = [
-        *capacity.notes,
-        f"Reading {capacity.reading}: {READINGS[capacity.reading]}.",
-    ]
-    if capacity.reading == "energy" and capacity.kinetic_factor is None:
-        said.append(
-            "The kinetic energy is that of the bodies' centroids along the load alone: what they "
-            "turn and rise is left out, so that one body alone counts as a third too stiff."
-        )
-    if capacity.collapse_extrapolated:
-        said.append(
-            "The collapse displacement lies beyond the last point of the curve: it is "
-            "extrapolated along a straight line."
-        )
-    said += [note for spectrum in spectra for note in spectrum.notes]
-    return tuple(dict.fromkeys(said))
-
-
 def collapse_assumption() -> str:
     """What d0 stands on."""
     return (
@@ -92,29 +64,3 @@ def collapse_assumption() -> str:
         "collapse may be in it, no ties, neighbours' friction or arches that are lost before "
         "(Circ. 7/2019 C8.7.1.2.1.6)."
     )
-
-
-def uncertain(capacity: Capacity, spectra: Sequence[Spectrum], *own: str) -> tuple[str, ...]:
-    """Sentences on what is uncertain, each once."""
-    said = list(own)
-    if capacity.reading == "literal_ec8":
-        said.append(
-            "Reading literal_ec8: displacements and verdict depend on where the control point is."
-        )
-    said += [note for spectrum in spectra for note in spectrum.uncertain]
-    return tuple(dict.fromkeys(said))
-
-
-def weight(capacity: Capacity, *first: str) -> str:
-    """The assumption of most weight, the end of a sentence."""
-    for words in first:
-        if words:
-            return words
-    if capacity.collapse_extrapolated:
-        return "the collapse displacement is extrapolated beyond the traced curve"
-    if capacity.reading == "base_shear" and capacity.participating_mass_ratio < 0.95:
-        return (
-            f"which blocks count as one body (e* = {capacity.participating_mass_ratio:.3f}; "
-            "accelerations go with 1/e*)"
-        )
-    return "only actions that last to the collapse are in the curve"

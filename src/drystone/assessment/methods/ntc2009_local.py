@@ -9,20 +9,9 @@ import math
 from collections.abc import Mapping
 
 from drystone.assessment.capacity import Capacity
-from drystone.assessment.errors import AssessmentError
-from drystone.assessment.methods import local
-from drystone.assessment.methods.base import (
-    Assessment,
-    LimitState,
-    Settings,
-    Spectra,
-    spectra_of,
-)
-from drystone.assessment.methods.ground import (
-    RETURN_PERIOD_UNCERTAIN,
-    bearable,
-    return_period_borne,
-)
+from drystone.assessment.methods import common, local
+from drystone.assessment.methods.base import Assessment, LimitState, Settings, Spectra, spectra_of
+from drystone.assessment.methods.ground import bearable, of_the_ground
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
 from drystone.assessment.spectra.floor import FloorSpectrum
 
@@ -84,10 +73,7 @@ def _by_acceleration(
         limit_acceleration=a0,
         damping=REFERENCE_DAMPING,
         acceleration_demand=demand,
-        ground_acceleration_capacity=borne,
-        ground_acceleration_demand=spectrum.ground_acceleration,
-        return_period_demand=spectrum.return_period,
-        return_period_capacity=return_period_borne(spectrum, borne),
+        **of_the_ground(spectrum, borne),
         satisfied=a0 >= demand,
         verified=verified,
         governed_by="activation" if name == "SLD" else "activation times q = 2",
@@ -100,7 +86,7 @@ def _by_displacement(
 ) -> LimitState:
     """SLV: d_u* against the demand at the secant period of d_s* = 0.4 d_u*, C8A.4.2.3."""
     own = ULTIMATE_SHARE * local.collapse(capacity, settings)
-    d, why = local.limit(capacity, settings, "SLV", own)
+    d, why = common.limit(capacity, settings, "SLV", own)
     at = SECANT_SHARE * d
     straight = settings.straight_capacity is not False
     factor = local.confidence_factor(settings)
@@ -117,10 +103,7 @@ def _by_displacement(
         damping=REFERENCE_DAMPING,
         displacement_demand=demand,
         control_displacement_demand=capacity.control_at(demand),
-        ground_acceleration_capacity=borne,
-        ground_acceleration_demand=spectrum.ground_acceleration,
-        return_period_demand=spectrum.return_period,
-        return_period_capacity=return_period_borne(spectrum, borne),
+        **of_the_ground(spectrum, borne),
         satisfied=demand <= d,
         verified=verified,
         governed_by=why or f"{ULTIMATE_SHARE:g} of the collapse displacement",
@@ -141,13 +124,9 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
     AssessmentError
         Without a confidence factor, or, in the non-linear analysis, without a collapse.
     """
-    if settings.kinematics not in ("linear", "nonlinear"):
-        raise AssessmentError(
-            f'kinematics "{settings.kinematics}" is not known: "linear" or "nonlinear"'
-        )
-    c = local.read(capacity, settings)
+    linear = local.is_linear(settings)
+    c = capacity.read_as(settings.reading)
     factor = local.confidence_factor(settings)
-    linear = settings.kinematics == "linear"
     given, verified, notes = spectra_of(spectra, STATES, REFERENCE, settings)
     found = []
     for name, spectrum in given.items():
@@ -165,9 +144,9 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         activation_acceleration=c.activation_acceleration / factor,
         confidence_factor=factor,
         spectra=given,
-        assumptions=local.assumptions(c, used) + notes + _said(settings, given, linear),
-        uncertain=local.uncertain(c, used, UNCERTAIN, *_uncertain(found)),
-        weighs_most=local.weight(c, "the linear check with q = 2" if linear else ""),
+        assumptions=common.assumptions(c, used) + notes + _said(settings, given, linear),
+        uncertain=common.uncertain(c, used, found, UNCERTAIN),
+        weighs_most=common.weight(c, "the linear check with q = 2" if linear else ""),
     )
 
 
@@ -182,9 +161,3 @@ def _said(settings: Settings, given: Mapping[str, Spectrum], linear: bool) -> tu
     if any(s.site_specific for s in given.values()):
         said.append("The spectrum of the site is read at T_s alone, as the rules of 2009 have it.")
     return tuple(said)
-
-
-def _uncertain(found: list[LimitState]) -> tuple[str, ...]:
-    if any(state.return_period_capacity is not None for state in found):
-        return (RETURN_PERIOD_UNCERTAIN,)
-    return ()

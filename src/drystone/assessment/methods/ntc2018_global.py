@@ -8,30 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drystone.assessment.bilinear import (
-    RESIDUAL,
-    SECANT_SHARE,
-    Bilinear,
-    bilinear,
-    drop_point,
-    initial_stiffness,
-)
+from drystone.assessment.bilinear import SECANT_SHARE, Bilinear, bilinear, initial_stiffness
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError
-from drystone.assessment.methods import local
-from drystone.assessment.methods.base import (
-    Assessment,
-    LimitState,
-    Settings,
-    Spectra,
-    spectra_of,
-)
-from drystone.assessment.methods.ground import (
-    RETURN_PERIOD_UNCERTAIN,
-    bearable,
-    return_period_borne,
-    summit,
-)
+from drystone.assessment.methods import common, in_plane
+from drystone.assessment.methods.base import Assessment, LimitState, Settings, Spectra, spectra_of
+from drystone.assessment.methods.ground import bearable, of_the_ground, summit
 from drystone.assessment.methods.inelastic import check_on_the_ground, target
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
 
@@ -47,6 +29,10 @@ MOST_STRENGTH_RATIO = {"SLV": 3.0, "SLC": 4.0}
 
 #: k of (C7.3.10) by capacity of dissipation.
 DISSIPATION = {"high": 1.0, "moderate": 0.66, "low": 0.33}
+
+UNCERTAIN = (
+    "NTC 2018 7.3.4.2: the groups of force distributions were not checked against a source.",
+)
 
 #: Displacements at which procedure B looks for its intersection.
 N_POINTS = 32
@@ -180,20 +166,6 @@ def _falling_zero(value: Callable[[float], float], low: float, high: float) -> f
             low = middle
 
 
-def collapse_limit(capacity: Capacity, settings: Settings) -> tuple[float, str]:
-    """d_SLC [m], d*: 80 per cent of the peak left, or a drift limit met before, C8.7.1.3.1."""
-    d, a = capacity.spectral_displacement, capacity.spectral_acceleration
-    given = settings.displacement_limits.get("SLC")
-    try:
-        own = drop_point(d, a, RESIDUAL["eighty_percent"])
-    except AssessmentError:
-        if given is None or capacity.spectral_at(given) > d[-1]:
-            raise
-        return capacity.spectral_at(given), "drift limit"
-    limit, why = local.limit(capacity, settings, "SLC", own)
-    return limit, "drift limit" if why else "80 per cent of the peak"
-
-
 def limit_displacements(
     curve: Bilinear, ultimate: float, capacity: Capacity, settings: Settings
 ) -> dict[str, float]:
@@ -202,14 +174,14 @@ def limit_displacements(
     The SLD of a building with several piers may be less: the displacement at which all of them have
     met their strength is the user's limit.
     """
-    damage, _ = local.limit(capacity, settings, "SLD", curve.yield_displacement)
+    damage, _ = common.limit(capacity, settings, "SLD", curve.yield_displacement)
     own = {
         "SLO": OPERATION_SHARE * damage,
         "SLD": damage,
         "SLV": LIFE_SHARE * ultimate,
         "SLC": ultimate,
     }
-    return {name: local.limit(capacity, settings, name, d)[0] for name, d in own.items()}
+    return in_plane.limits(capacity, settings, own)
 
 
 def _state(
@@ -241,10 +213,7 @@ def _state(
         damping=procedure.damping(limit),
         displacement_demand=demand,
         control_displacement_demand=None if demand is None else capacity.control_at(demand),
-        ground_acceleration_capacity=borne,
-        ground_acceleration_demand=spectrum.ground_acceleration,
-        return_period_demand=spectrum.return_period,
-        return_period_capacity=return_period_borne(spectrum, borne),
+        **of_the_ground(spectrum, borne),
         satisfied=(
             demand is not None
             and demand <= limit
@@ -299,10 +268,10 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         Where the curve is not past 80 per cent of its peak and no drift limit is given, or has no
         elastic branch.
     """
-    c = local.read(capacity, settings)
+    c = capacity.read_as(settings.reading)
     given, verified, notes = spectra_of(spectra, STATES, REFERENCE, settings)
     check_on_the_ground(given.values(), NAME)
-    ultimate, why = collapse_limit(c, settings)
+    ultimate, why = in_plane.ultimate(c, settings, "SLC", "drift limit")
     share = settings.secant_share or SECANT_SHARE
     curve = bilinear(
         c.spectral_displacement,
@@ -317,31 +286,18 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         _state(name, limits[name], c, curve, procedure, spectrum, name in verified)
         for name, spectrum in given.items()
     ]
-    used = tuple(given.values())
-    reference = next((s for s in found if s.name == REFERENCE), found[0])
-    return Assessment(
+    top = c.spectral_acceleration.max()
+    return in_plane.answer(
+        c,
+        settings,
+        given,
+        found,
+        curve,
         method=NAME,
-        capacity=c,
-        settings=settings,
-        limit_states=tuple(found),
-        reference_state=REFERENCE,
-        activation_acceleration=c.activation_acceleration,
-        confidence_factor=None,
-        spectra=given,
-        bilinear=curve,
-        quantities={
-            "elastic_period": curve.period,
-            "strength_ratio": reference.details["strength_ratio"],
-            "ductility_demand": reference.details["ductility_demand"],
-            "residual_strength_ratio": c.acceleration_at(ultimate) / c.spectral_acceleration.max(),
-        },
-        assumptions=local.assumptions(c, used) + notes + (said, *_said(settings, why, share)),
-        uncertain=local.uncertain(c, used, *_uncertain(found)),
-        weighs_most=local.weight(
-            c,
-            f"the bilinear, which yields at {curve.yield_displacement:.4g} m (other rules give "
-            "other periods T*)",
-        ),
+        reference=REFERENCE,
+        residual=c.acceleration_at(ultimate) / top,
+        said=(*notes, said, *_said(settings, why, share)),
+        uncertain=UNCERTAIN,
     )
 
 
@@ -354,18 +310,4 @@ def _said(settings: Settings, why: str, share: float) -> tuple[str, ...]:
     ]
     if "SLC" not in settings.displacement_limits:
         said.append("No drift limit of piers was given: the residual strength alone sets the SLC.")
-    if settings.confidence_factor is not None:
-        said.append(
-            "The confidence factor divides strengths of materials in the model, not the curve: it "
-            "is not applied here."
-        )
     return tuple(said)
-
-
-def _uncertain(found: list[LimitState]) -> tuple[str, ...]:
-    said: tuple[str, ...] = (
-        "NTC 2018 7.3.4.2: the groups of force distributions were not checked against a source.",
-    )
-    if any(state.return_period_capacity is not None for state in found):
-        said += (RETURN_PERIOD_UNCERTAIN,)
-    return said

@@ -14,19 +14,9 @@ import numpy as np
 
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, not_negative
-from drystone.assessment.methods import local
-from drystone.assessment.methods.base import (
-    Assessment,
-    LimitState,
-    Settings,
-    Spectra,
-    spectra_of,
-)
-from drystone.assessment.methods.ground import (
-    RETURN_PERIOD_UNCERTAIN,
-    bearable,
-    return_period_borne,
-)
+from drystone.assessment.methods import common, local
+from drystone.assessment.methods.base import Assessment, LimitState, Settings, Spectra, spectra_of
+from drystone.assessment.methods.ground import bearable, of_the_ground
 from drystone.assessment.spectra.base import (
     REFERENCE_DAMPING,
     Spectrum,
@@ -124,10 +114,7 @@ def activation_state(
         limit_period=t0,
         damping=REFERENCE_DAMPING,
         acceleration_demand=demand,
-        ground_acceleration_capacity=borne,
-        ground_acceleration_demand=spectrum.ground_acceleration,
-        return_period_demand=spectrum.return_period,
-        return_period_capacity=return_period_borne(spectrum, borne),
+        **of_the_ground(spectrum, borne),
         satisfied=a0 >= demand,
         verified=verified,
         governed_by="activation",
@@ -146,7 +133,7 @@ def _ultimate_state(
     """SLV or SLC by the non-linear kinematic analysis, C8.7.1.2.1.8."""
     rule, factor = RULES[name], local.confidence_factor(settings)
     own = rule.share * local.collapse(capacity, settings)
-    d, why = local.limit(capacity, settings, name, own)
+    d, why = common.limit(capacity, settings, name, own)
     lost = sudden_loss(capacity) if name == "SLV" and not settings.straight_capacity else None
     if lost is not None and lost < d:
         d, why = lost, "sudden loss of more than half the strength"
@@ -170,10 +157,7 @@ def _ultimate_state(
         damping=rule.damping,
         displacement_demand=demand,
         control_displacement_demand=capacity.control_at(demand),
-        ground_acceleration_capacity=borne,
-        ground_acceleration_demand=spectrum.ground_acceleration,
-        return_period_demand=spectrum.return_period,
-        return_period_capacity=return_period_borne(spectrum, borne),
+        **of_the_ground(spectrum, borne),
         satisfied=borne is None or borne >= spectrum.ground_acceleration,
         verified=verified,
         governed_by=governed,
@@ -204,10 +188,7 @@ def _linear_state(
         limit_period=settings.elastic_period,
         damping=REFERENCE_DAMPING,
         acceleration_demand=activation_demand(spectrum, settings.elastic_period),
-        ground_acceleration_capacity=borne,
-        ground_acceleration_demand=spectrum.ground_acceleration,
-        return_period_demand=spectrum.return_period,
-        return_period_capacity=return_period_borne(spectrum, borne),
+        **of_the_ground(spectrum, borne),
         satisfied=borne is None or borne >= spectrum.ground_acceleration,
         verified=verified,
         governed_by="activation times q = 2",
@@ -226,15 +207,11 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
     AssessmentError
         Without a confidence factor, or, in the non-linear analysis, without a collapse.
     """
-    if settings.kinematics not in ("linear", "nonlinear"):
-        raise AssessmentError(
-            f'kinematics "{settings.kinematics}" is not known: "linear" or "nonlinear"'
-        )
+    linear = local.is_linear(settings)
     if settings.elastic_period is not None:
         not_negative(settings.elastic_period, "elastic_period")
-    c = local.read(capacity, settings)
+    c = capacity.read_as(settings.reading)
     factor = local.confidence_factor(settings)
-    linear = settings.kinematics == "linear"
     states = STATES[:2] if linear else STATES
     given, verified, notes = spectra_of(spectra, states, REFERENCE, settings)
     first = given.get("SLD") or next(iter(given.values()))
@@ -263,9 +240,9 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
             "linear_ground_acceleration": activation and BEHAVIOUR_FACTOR * activation,
             "elastic_period": settings.elastic_period,
         },
-        assumptions=local.assumptions(c, used) + notes + _said(c, settings, given, linear),
-        uncertain=local.uncertain(c, used, *_uncertain(c, found)),
-        weighs_most=local.weight(c, _weight(found, linear)),
+        assumptions=common.assumptions(c, used) + notes + _said(c, settings, given, linear),
+        uncertain=common.uncertain(c, used, found, *_uncertain(c)),
+        weighs_most=common.weight(c, _weight(found, linear)),
     )
 
 
@@ -305,22 +282,19 @@ def _said(
     return tuple(said)
 
 
-def _uncertain(capacity: Capacity, found: list[LimitState]) -> tuple[str, ...]:
-    said: tuple[str, ...] = ()
-    if capacity.reading != "base_shear":
-        said += (
-            f"Reading {capacity.reading}: Circ. 7/2019 (C8.7.1.3) divides by e*, which is the "
-            "reading base_shear.",
-        )
-    if any(state.return_period_capacity is not None for state in found):
-        said += (RETURN_PERIOD_UNCERTAIN,)
-    return said
+def _uncertain(capacity: Capacity) -> tuple[str, ...]:
+    if capacity.reading == "base_shear":
+        return ()
+    return (
+        f"Reading {capacity.reading}: Circ. 7/2019 (C8.7.1.3) divides by e*, which is the reading "
+        "base_shear.",
+    )
 
 
 def _weight(found: list[LimitState], linear: bool) -> str:
     if linear:
         return "the simplified q = 2 in place of displacements"
     for state in found:
-        if state.governed_by == "local displacement limit" and state.verified:
+        if state.governed_by == common.LOCAL and state.verified:
             return f"the displacement limit given for {state.name}"
     return ""

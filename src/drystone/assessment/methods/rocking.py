@@ -8,7 +8,7 @@ from typing import Any
 from drystone.assembly import GRAVITY
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError
-from drystone.assessment.methods import local
+from drystone.assessment.methods import common, local
 from drystone.assessment.methods.base import Assessment, LimitState, Settings, Spectra
 from drystone.assessment.rocking.block import RockingBlock, equivalent_block
 from drystone.assessment.rocking.motion import MechanismRocker, respond
@@ -83,7 +83,7 @@ def _states(
     peak = sum(fact["peak_acceleration"] for fact in facts) / len(facts)
     states = []
     for name in STATES:
-        d, why = local.limit(capacity, settings, name, SHARES[name] * end)
+        d, why = common.limit(capacity, settings, name, SHARES[name] * end)
         states.append(
             LimitState(
                 name=name,
@@ -170,8 +170,8 @@ def assess(capacity: Capacity, spectra: Spectra | None, settings: Settings) -> A
             "pulses": pulses,
             "records": records,
         },
-        assumptions=local.assumptions(c, ()) + _said(settings, c),
-        uncertain=local.uncertain(c, (), *UNCERTAIN),
+        assumptions=common.assumptions(c, ()) + _said(settings, c),
+        uncertain=common.uncertain(c, (), states, *UNCERTAIN),
         weighs_most=_weight(settings),
     )
 

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from drystone.assembly import GRAVITY
 from drystone.assessment.errors import AssessmentError, positive
-from drystone.assessment.spectra.shape import Shape, checked_acceleration, checked_ground
-
-Array = NDArray[np.float64]
+from drystone.assessment.spectra.shape import (
+    Shape,
+    ShapedSpectrum,
+    checked_acceleration,
+    checked_ground,
+)
 
 GROUNDS = ("A", "B", "C", "D", "E")
 
@@ -79,10 +79,12 @@ def limit_state_spectra(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ec8Spectrum:
-    """Elastic spectrum of EN 1998-1:2004 3.2.2.2, above T_E of Annex A."""
+class Ec8Spectrum(ShapedSpectrum):
+    """Elastic spectrum of EN 1998-1:2004 3.2.2.2, above T_E of Annex A, of a_g = gamma_I a_gR.
 
-    ground_acceleration: float  # m/s2, a_g = gamma_I a_gR on ground A
+    Nothing else moves with a_g.
+    """
+
     spectrum_type: int  # 1, or 2 where surface-wave magnitudes do not exceed 5.5
     ground: str  # "A" to "E"
     return_period: float | None = None  # years
@@ -155,11 +157,6 @@ class Ec8Spectrum:
         return self.shape.corner
 
     @property
-    def site_specific(self) -> bool:
-        """Never: it is a code's formula."""
-        return False
-
-    @property
     def return_period_exponent(self) -> float:
         """T_R goes with a_g to this power."""
         return HAZARD_EXPONENT
@@ -201,20 +198,3 @@ class Ec8Spectrum:
             long_period=long_period,
             ground_period=ground_period,
         )
-
-    @property
-    def nodes(self) -> Array:
-        """Periods where the formula changes [s]."""
-        return self.shape.nodes
-
-    def sa(self, period: ArrayLike, damping: float) -> Array:
-        """S_e [m/s2], (3.2) to (3.5), in the shape of ``period`` [s]; damping is a ratio."""
-        return self.shape.sa(period, damping)
-
-    def sd(self, period: ArrayLike, damping: float) -> Array:
-        """S_De [m], (3.7), (A.1) and (A.2), in the shape of ``period`` [s]."""
-        return self.shape.sd(period, damping)
-
-    def scaled(self, ground_acceleration: float) -> Ec8Spectrum:
-        """The spectrum of another a_g [m/s2]: nothing else moves."""
-        return replace(self, ground_acceleration=float(ground_acceleration))

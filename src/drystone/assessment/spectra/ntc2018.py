@@ -5,17 +5,19 @@ The hazard grid is not part of this: a_g, F_0 and T_C* of a site and a return pe
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from drystone.assembly import GRAVITY
 from drystone.assessment.errors import AssessmentError, positive
-from drystone.assessment.spectra.shape import Shape, checked_acceleration, checked_ground
-
-Array = NDArray[np.float64]
+from drystone.assessment.spectra.shape import (
+    Shape,
+    ShapedSpectrum,
+    checked_acceleration,
+    checked_ground,
+)
 
 SOILS = ("A", "B", "C", "D", "E")
 
@@ -76,10 +78,12 @@ def return_period(life: float, state: str | float) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class NtcSpectrum:
-    """Elastic spectrum of NTC 2018 3.2.3.2.1 and 3.2.3.2.3; S_S and T_D move with a_g."""
+class NtcSpectrum(ShapedSpectrum):
+    """Elastic spectrum of NTC 2018 3.2.3.2.1 and 3.2.3.2.3.
 
-    ground_acceleration: float  # m/s2, a_g on rock
+    S_S and T_D move with a_g, F_0 and T_C* do not.
+    """
+
     amplification: float  # F_0
     reference_corner: float  # s, T_C*
     soil: str  # "A" to "E"
@@ -119,11 +123,6 @@ class NtcSpectrum:
     def corner_period(self) -> float:
         """T_C = C_C T_C* [s], [3.2.5]."""
         return self.corner_factor * self.reference_corner
-
-    @property
-    def site_specific(self) -> bool:
-        """Never: it is a code's formula."""
-        return False
 
     @property
     def return_period_exponent(self) -> float:
@@ -182,20 +181,3 @@ class NtcSpectrum:
             long_period=long_period,
             ground_period=ground_period,
         )
-
-    @property
-    def nodes(self) -> Array:
-        """Periods where the formula changes [s]."""
-        return self.shape.nodes
-
-    def sa(self, period: ArrayLike, damping: float) -> Array:
-        """S_e [m/s2], [3.2.2], in the shape of ``period`` [s]; damping is a ratio."""
-        return self.shape.sa(period, damping)
-
-    def sd(self, period: ArrayLike, damping: float) -> Array:
-        """S_De [m], [3.2.10] to [3.2.12], in the shape of ``period`` [s]."""
-        return self.shape.sd(period, damping)
-
-    def scaled(self, ground_acceleration: float) -> NtcSpectrum:
-        """The spectrum of another a_g [m/s2] with the same F_0 and T_C*; S_S and T_D move."""
-        return replace(self, ground_acceleration=float(ground_acceleration))

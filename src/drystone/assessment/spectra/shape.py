@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -82,6 +84,40 @@ class Shape:
         plateau = eta * self.amplification
         share = (t - self.long_period) / (self.ground_period - self.long_period)
         return ground * (plateau + (1.0 - plateau) * min(share, 1.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShapedSpectrum(ABC):
+    """What the spectra of both codes have in common: a `Spectrum` but for its own factors."""
+
+    ground_acceleration: float  # m/s2, a_g on rock, which is ground A
+
+    @property
+    @abstractmethod
+    def shape(self) -> Shape:
+        """The corners at this ground acceleration."""
+
+    @property
+    def site_specific(self) -> bool:
+        """Never: it is a code's formula."""
+        return False
+
+    @property
+    def nodes(self) -> Array:
+        """Periods where the formula changes [s]."""
+        return self.shape.nodes
+
+    def sa(self, period: ArrayLike, damping: float) -> Array:
+        """S_e [m/s2] in the shape of ``period`` [s]; damping is a ratio."""
+        return self.shape.sa(period, damping)
+
+    def sd(self, period: ArrayLike, damping: float) -> Array:
+        """S_De [m] in the shape of ``period`` [s]; damping is a ratio."""
+        return self.shape.sd(period, damping)
+
+    def scaled(self, ground_acceleration: float) -> Self:
+        """The spectrum of another a_g [m/s2]; what the code ties to a_g moves with it."""
+        return replace(self, ground_acceleration=float(ground_acceleration))
 
 
 def checked_ground(name: str, known: tuple[str, ...]) -> str:
