@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assessment.errors import AssessmentError, positive
-from drystone.assessment.spectra.table import UNITS, read_columns
+from drystone.assessment.columns import checked_columns, read_columns, unit_of
+from drystone.assessment.errors import positive
 
 Array = NDArray[np.float64]
 
@@ -25,20 +25,7 @@ class Record:
     name: str = "record"
 
     def __post_init__(self) -> None:
-        t = np.ascontiguousarray(self.time, dtype=np.float64)
-        a = np.ascontiguousarray(self.acceleration, dtype=np.float64)
-        if t.ndim != 1 or t.shape != a.shape or len(t) < 2:
-            raise AssessmentError(f"{self.name}: two points or more, a time and a value each")
-        wrong = ~(np.isfinite(t) & np.isfinite(a))
-        if wrong.any():
-            raise AssessmentError(
-                f"{self.name}: point {int(np.argmax(wrong)) + 1} is not finite; remove or mend it"
-            )
-        if (np.diff(t) <= 0.0).any():
-            i = int(np.argmax(np.diff(t) <= 0.0))
-            raise AssessmentError(
-                f"{self.name}: times do not grow, {t[i + 1]:g} s comes after {t[i]:g} s; sort them"
-            )
+        t, a = checked_columns(self.time, self.acceleration, self.name, "time")
         object.__setattr__(self, "time", t)
         object.__setattr__(self, "acceleration", a)
 
@@ -72,9 +59,8 @@ def read_record(path: str | Path, *, unit: str) -> Record:
         Where the file is missing or is no record: names the line and what would mend it.
     """
     name = f'record "{Path(path).name}"'
-    if unit not in UNITS:
-        raise AssessmentError(f'{name}: the unit "{unit}" is not known; say "g" or "m/s2"')
+    factor = unit_of(unit, name)
     time, value = read_columns(path, HEADER, name)
-    record = Record(time=time, acceleration=value * UNITS[unit], name=name)
+    record = Record(time=time, acceleration=value * factor, name=name)
     positive(record.peak_acceleration, f"{name}: the largest acceleration")
     return record

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -11,13 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drystone.assembly import GRAVITY
+from drystone.assessment.columns import checked_columns, read_columns, unit_of
 from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.spectra.base import damping_factor, periods
 
 Array = NDArray[np.float64]
-
-#: Accelerations of a file in m/s2 by the unit that is said.
-UNITS = {"g": GRAVITY, "m/s2": 1.0}
 
 HEADER = ("T", "Se")
 
@@ -42,25 +39,11 @@ class TableSpectrum:
     label: str = "spectrum from a table"
 
     def __post_init__(self) -> None:
-        t = np.ascontiguousarray(self.table_period, dtype=np.float64)
-        a = np.ascontiguousarray(self.table_acceleration, dtype=np.float64)
-        if t.ndim != 1 or t.shape != a.shape or len(t) < 2:
-            raise AssessmentError(f"{self.label}: two points or more, a period and a value each")
-        wrong = ~(np.isfinite(t) & np.isfinite(a))
-        if wrong.any():
-            raise AssessmentError(
-                f"{self.label}: point {int(np.argmax(wrong)) + 1} is not finite; remove or mend it"
-            )
+        t, a = checked_columns(self.table_period, self.table_acceleration, self.label, "period")
         if t[0] != 0.0:
             raise AssessmentError(
                 f"{self.label}: the first period is {t[0]:g} s; begin with T = 0, the acceleration "
                 "of the ground"
-            )
-        if (np.diff(t) <= 0.0).any():
-            i = int(np.argmax(np.diff(t) <= 0.0))
-            raise AssessmentError(
-                f"{self.label}: periods do not grow, {t[i + 1]:g} s comes after {t[i]:g} s; sort "
-                "them and keep each once"
             )
         if a[0] <= 0.0 or (a < 0.0).any():
             i = int(np.argmin(a))
@@ -168,17 +151,16 @@ def read_spectrum(
         Where the file is missing or is no spectrum: names the line and what would mend it.
     """
     name = f'spectrum "{Path(path).name}"'
-    if unit not in UNITS:
-        raise AssessmentError(f'{name}: the unit "{unit}" is not known; say "g" or "m/s2"')
+    factor = unit_of(unit, name)
     period, value = read_columns(path, HEADER, name)
-    if value[0] * UNITS[unit] > MOST * GRAVITY:
+    if value[0] * factor > MOST * GRAVITY:
         raise AssessmentError(
             f"{name}: the ground acceleration S_e(0) is {value[0]:g} {unit}, more than "
             f"{MOST:g} g: look at the unit of the table"
         )
     return TableSpectrum(
         table_period=period,
-        table_acceleration=value * UNITS[unit],
+        table_acceleration=value * factor,
         table_damping=damping,
         soil_factor=soil_factor,
         corner=corner_period,
@@ -186,35 +168,3 @@ def read_spectrum(
         return_period=return_period,
         label=name,
     )
-
-
-def read_columns(path: str | Path, header: tuple[str, str], name: str) -> tuple[Array, Array]:
-    """Two columns (n,), (n,) of numbers from a CSV file with a header; ``name`` is for errors."""
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise AssessmentError(f"{name} cannot be read: {error}") from error
-    rows = [
-        (number, [cell.strip() for cell in row])
-        for number, row in enumerate(csv.reader(text.splitlines()), start=1)
-        if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
-    ]
-    if not rows or tuple(rows[0][1]) != header:
-        found = ",".join(rows[0][1]) if rows else "nothing"
-        raise AssessmentError(
-            f'{name}: the first line is "{found}"; write the header "{",".join(header)}", commas '
-            "between columns and points in numbers"
-        )
-    values = []
-    for number, row in rows[1:]:
-        try:
-            first, second = (float(cell) for cell in row)
-        except ValueError:
-            raise AssessmentError(
-                f'{name}, line {number}: "{",".join(row)}" is not two numbers'
-            ) from None
-        values.append((first, second))
-    if len(values) < 2:
-        raise AssessmentError(f"{name} has {len(values)} points; two or more are needed")
-    columns = np.array(values, dtype=np.float64)
-    return np.ascontiguousarray(columns[:, 0]), np.ascontiguousarray(columns[:, 1])
