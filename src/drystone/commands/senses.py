@@ -8,15 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drystone.commands.outcome import INTERRUPTED, fail
+from drystone.export.senses import FORWARD, OPPOSITE, OPPOSITE_FOLDER
 
 if TYPE_CHECKING:
     from drystone.assessment.verdict import Verdict
     from drystone.curve import CapacityCurve
     from drystone.model import Model
 
-#: Names of the senses in files, and the folder of the second one in that of the first.
-FORWARD, OPPOSITE = "along the load", "against the load"
-FOLDER = "opposite"
 #: Figures of a capacity that stand in files also where there is no verdict; the last one by d*.
 FIGURES = (
     "activation_multiplier",
@@ -82,7 +80,7 @@ def traced(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
     both = True if model.assessment is None else model.assessment.values.get("opposite", True)
     if ask.one_sense or not both:
         return [first]
-    return [first, _traced_opposite(model, folder / FOLDER, ask)]
+    return [first, _traced_opposite(model, folder / OPPOSITE_FOLDER, ask)]
 
 
 def worst(senses: Sequence[Sense]) -> Sense:
@@ -116,8 +114,8 @@ def _of_folder(source: Path, amended: Callable[[Model], Model], out: Path | None
         return _judged(name, model, results.curve, out or source)
 
     senses = [read(source, FORWARD)]
-    if (source / FOLDER).is_dir():
-        senses.append(read(source / FOLDER, OPPOSITE))
+    if (source / OPPOSITE_FOLDER).is_dir():
+        senses.append(read(source / OPPOSITE_FOLDER, OPPOSITE))
     return senses
 
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from drystone.assessment.spectra.base import Spectrum
 from drystone.curve import CapacityCurve
 from drystone.document.facts import NOTHING
 from drystone.export.folder import OutputError
-from drystone.viewer.folder import FORWARD, OPPOSITE, OPPOSITE_FOLDER, Folder
+from drystone.export.senses import FORWARD, OPPOSITE, OPPOSITE_FOLDER
+from drystone.viewer.folder import Folder
 
 #: Damping [ratio] of a spectrum that no limit state says otherwise of.
 DAMPING = 0.05
@@ -136,8 +136,3 @@ def _spectra(folder: Folder) -> dict[str, Spectrum]:
     if found is None:
         return {}
     return dict(found) if isinstance(found, Mapping) else {"": found}
-
-
-def default_path(folder: Path) -> Path:
-    """Where the report of a folder is written."""
-    return folder / "report.html"

@@ -18,8 +18,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: Largest number of a rounded value; -32768 is left out.
-LARGEST = 32767
 #: How hard deflate tries: 9 takes thrice as long for a hundredth less.
 LEVEL = 6
 KINDS = {"f4": 4, "i2": 2, "u1": 1, "u2": 2, "u4": 4}

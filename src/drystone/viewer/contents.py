@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -29,7 +28,7 @@ from drystone.contact.forces import ContactForces
 from drystone.curve import DYNAMIC, CapacityCurve
 from drystone.export.directory import RESULTS
 from drystone.export.hdf5 import ResultsReader
-from drystone.export.results import Results, load_results
+from drystone.export.results import Results
 from drystone.export.summary import package_version, plain
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.motion import turns
@@ -141,11 +140,6 @@ def contents_of_model(model: Model) -> Contents:
         "macro_blocks": {},
     }
     return Contents(header=plain(header), pack=pack)
-
-
-def read_contents(folder: Path, **options: Any) -> Contents:
-    """`contents_of_folder` of a folder; raises `OutputError` where it cannot be read."""
-    return contents_of_folder(load_results(folder), **options)
 
 
 def marks_of(curve: CapacityCurve) -> list[Mark]:

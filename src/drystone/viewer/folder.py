@@ -10,12 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from drystone.export.directory import ASSESSMENT
 from drystone.export.results import Results, load_results
+from drystone.export.senses import FORWARD, OPPOSITE, OPPOSITE_FOLDER
 from drystone.viewer.contents import Contents, Mark, contents_of_folder
 
-ASSESSMENT = "assessment.json"
-#: Senses of the load in an assessment, and the folder of the second one in that of the first.
-FORWARD, OPPOSITE, OPPOSITE_FOLDER = "along the load", "against the load", "opposite"
 #: What marks of limit states are called in the header of a page.
 LIMIT = "limit"
 
