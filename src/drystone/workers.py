@@ -43,6 +43,8 @@ def in_processes(
     ------
     Exception
         Whatever a call raised, of several the first in time.
+    WorkerError
+        A process ended by itself, or what a call gave cannot be sent.
     """
     results: list[Any] = [None] * len(calls)
     todo = iter(range(len(calls)))
@@ -100,6 +102,17 @@ def _next(came: SimpleQueue[Any]) -> Any:
             return came.get(timeout=0.2)
 
 
+class WorkerError(Exception):
+    """A process ended by itself, or what it has to say cannot be sent; the message says which."""
+
+
+def _ended(code: int) -> WorkerError:
+    return WorkerError(
+        f"a process that shared the work ended with status {code}: see what it wrote; where memory "
+        "was short, take fewer at a time"
+    )
+
+
 class _Worker:
     """A process, and the thread that waits for what it returns."""
 
@@ -126,8 +139,9 @@ class _Worker:
         try:
             how, value = pickle.load(self._process.stdout)
         except (EOFError, pickle.UnpicklingError):
-            code = self._process.wait()
-            how, value = "raised", RuntimeError(f"a process ended with status {code}")
+            how, value = "raised", _ended(self._process.wait())
+        except Exception as error:  # or the parent would wait for ever
+            how, value = "raised", WorkerError(f"what a process gave cannot be read: {error!r}")
         self._busy = False
         self._came.put((self, number, how, value))
 
@@ -163,12 +177,20 @@ def _serve(requests: BinaryIO, replies: BinaryIO) -> None:
         except BaseException as error:
             reply = "raised", error
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
-        try:
-            message = pickle.dumps(reply)
-        except Exception as error:
-            message = pickle.dumps(("raised", RuntimeError(f"{error}: {reply[1]!r}")))
-        replies.write(message)
+        replies.write(_message(reply))
         replies.flush()
+
+
+def _message(reply: tuple[str, Any]) -> bytes:
+    """A reply as bytes that its reader understands; what cannot be sent becomes an error."""
+    try:
+        message = pickle.dumps(reply)
+        if reply[0] == "raised":
+            pickle.loads(message)  # an exception may not be made again of its arguments
+    except Exception as error:
+        text = f"{type(reply[1]).__name__}: {reply[1]}"
+        return pickle.dumps(("raised", WorkerError(f"{text} (not sent as it is: {error})")))
+    return message
 
 
 def _interrupt(number: int, frame: object) -> None:
@@ -177,6 +199,8 @@ def _interrupt(number: int, frame: object) -> None:
 
 
 if __name__ == "__main__":
+    from drystone import workers  # its classes are those that the parent knows
+
     replies = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what is printed by accident is no reply
-    _serve(sys.stdin.buffer, replies)
+    workers._serve(sys.stdin.buffer, replies)

@@ -339,6 +339,13 @@ def test_folder_that_cannot_be_made(tmp_path):
         ResultsDirectory("/proc/results")  # no one may write there, root neither
 
 
+def test_no_folder_is_made_before_the_first_point(tmp_path, monkeypatch):
+    """Several analyses that write beside each other would remove each other's."""
+    monkeypatch.setattr(Path, "mkdir", None)
+    ResultsDirectory(tmp_path / "all" / "one")
+    assert not list(tmp_path.iterdir())
+
+
 def test_full_disk_is_a_sentence(tmp_path, model, curve, monkeypatch):
     results = ResultsDirectory(tmp_path)
 

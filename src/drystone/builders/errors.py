@@ -19,6 +19,9 @@ class ModelError(Exception):
         self.problems: list[str] = list(problems)
         super().__init__(*self.problems)
 
+    def __reduce__(self) -> tuple[type[ModelError], tuple[list[str]]]:
+        return type(self), (self.problems,)  # between processes, too
+
     def __str__(self) -> str:
         lines = self.problems[:MAX_LISTED]
         unlisted = len(self.problems) - len(lines)

@@ -72,10 +72,11 @@ def sentences(error: Exception) -> list[str] | None:
     from drystone.builders.errors import ModelError
     from drystone.engines.base import EngineError
     from drystone.export.folder import OutputError
+    from drystone.workers import WorkerError
 
     if isinstance(error, ModelError):
         return error.problems
-    if isinstance(error, AssessmentError | EngineError | OutputError):
+    if isinstance(error, AssessmentError | EngineError | OutputError | WorkerError):
         return [str(error)]
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""

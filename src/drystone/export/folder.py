@@ -99,26 +99,26 @@ def _taken(folder: Path) -> OutputError:
 
 
 def check_writable(path: Path) -> None:
-    """Raise `OutputError` unless files can be made in folder ``path``; leaves nothing behind."""
-    if path.exists() and not path.is_dir():
-        raise OutputError(f"{path} is a file, not a folder: choose another folder for the results")
-    made: list[Path] = []
+    """Raise `OutputError` unless files can be made in folder ``path``; leaves nothing behind.
+
+    Where it is missing, the nearest of its parents is asked.  No folder is made: processes that
+    write beside each other would remove each other's.
+    """
     try:
-        for folder in reversed([path, *path.parents]):
-            if not folder.exists():
-                folder.mkdir()
-                made.append(folder)
-        handle, name = tempfile.mkstemp(dir=path)
+        if path.exists() and not path.is_dir():
+            raise OutputError(
+                f"{path} is a file, not a folder: choose another folder for the results"
+            )
+        there = next(folder for folder in (path, *path.parents) if folder.exists())
+        handle, name = tempfile.mkstemp(dir=there)
         os.close(handle)
         os.unlink(name)
-        FolderLock(path).release()
+        if there == path:
+            FolderLock(path).release()
     except OSError as error:
         raise OutputError(
             f"the folder of results {path} cannot be written ({error.strerror}): choose another one"
         ) from None
-    finally:
-        for folder in reversed(made):
-            folder.rmdir()
 
 
 def check_apart(source: Path | str | None, files: Iterable[Path]) -> None:

@@ -1,0 +1,49 @@
+"""Work shared by processes: results in their order, errors as they were raised."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+from drystone.builders import ModelError
+from drystone.engines.distinct import RunAwayError
+from drystone.workers import WorkerError, _message, in_processes
+
+
+def test_results_come_in_the_order_of_the_calls():
+    told = []
+    calls = [("builtins:pow", (2, k)) for k in range(5)]
+    assert in_processes(calls, 2, lambda k, value: told.append((k, value))) == [1, 2, 4, 8, 16]
+    assert sorted(told) == [(k, 2**k) for k in range(5)]
+
+
+def test_an_error_comes_as_it_was_raised():
+    with pytest.raises(ZeroDivisionError):
+        in_processes([("builtins:divmod", (1, 0)), ("builtins:pow", (2, 3))], 2)
+
+
+def test_a_process_that_ends_is_told():
+    """Its status, and no wait for what will never come."""
+    with pytest.raises(WorkerError, match="status 7"):
+        in_processes([("os:_exit", (7,))], 1)
+
+
+@pytest.mark.parametrize("problems", [["one"], ["block a: wrong", "block b: wrong"]])
+def test_problems_of_a_model_stay_sentences(problems):
+    """They cross from one process to another, one or several."""
+    error = pickle.loads(pickle.dumps(ModelError(problems)))
+    assert type(error) is ModelError
+    assert error.problems == problems
+    assert str(error) == "\n".join(problems)
+
+
+def test_what_cannot_be_sent_is_told():
+    """A result that is no data, and an exception that is not made again of its arguments."""
+    with pytest.raises(WorkerError, match="TextIOWrapper"):
+        in_processes([("os:fdopen", (0,))], 1)
+    how, error = pickle.loads(_message(("raised", RunAwayError("high", np.zeros(2)))))
+    assert how == "raised"
+    with pytest.raises(WorkerError, match='RunAwayError: the block "high" runs away'):
+        raise error
