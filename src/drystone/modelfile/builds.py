@@ -30,6 +30,10 @@ Count = Annotated[int, Field(ge=0, le=10_000)]
 Unit = Annotated[list[Length], Field(min_length=2, max_length=2)]
 Lengths = Annotated[list[Length], Field(min_length=1, max_length=10_000)]
 Points = list[Annotated[list[Coordinate], Field(min_length=2, max_length=2)]]
+#: The same with what an error says of a key that is missing.
+Metres = Annotated[Length, Field(description="in m")]
+Number = Annotated[Count, Field(description="a whole number")]
+WholeUnit = Annotated[Unit, Field(description="[length, height] of a whole unit in metres")]
 BondName = Literal["running", "stack", "header", "english", "flemish"]
 Curve = Literal["circular", "pointed", "elliptic"]
 
@@ -82,12 +86,18 @@ def _deep(value: float | None, info: ValidationInfo) -> float | None:
 Deep = Annotated[Length | None, AfterValidator(_deep)]
 
 
+class _OfSpace(BuildSection):
+    """What is of three dimensions alone."""
+
+    deep: ClassVar[str] = ""
+
+
 class OpeningSection(Section):
     """An opening of a panel."""
 
     at: Zero = Field(description="in m, from the beginning of the wall")
-    width: Length = Field(description="in m")
-    height: Length = Field(description="in m")
+    width: Metres
+    height: Metres
     sill: Zero = 0.0
     lintel: Count = 1  # courses
     bearing: Zero | None = None  # m
@@ -105,9 +115,9 @@ class PanelSection(BuildSection):
 
     deep: ClassVar[str] = "thickness"
     kind: Literal["panel"]
-    length: Length = Field(description="in m")
-    height: Length = Field(description="in m")
-    unit: Unit = Field(description="[length, height] of a whole unit in metres")
+    length: Metres
+    height: Metres
+    unit: WholeUnit
     thickness: Deep = None
     leaves: Count = 1
     bond: BondName = "running"
@@ -115,12 +125,11 @@ class PanelSection(BuildSection):
     openings: list[OpeningSection] = []
 
 
-class PlanSection(BuildSection):
+class PlanSection(_OfSpace):
     """[[build]] kind = "plan" """
 
-    deep: ClassVar[str] = ""
     kind: Literal["plan"]
-    unit: Unit = Field(description="[length, height] of a whole unit in metres")
+    unit: WholeUnit
     thickness: Length = Field(description="of the walls, in m")
     height: Length = Field(description="of a storey, in m")
     rectangle: Unit | None = None
@@ -138,9 +147,9 @@ class ColumnSection(BuildSection):
     """[[build]] kind = "column" """
 
     kind: Literal["column"]
-    width: Length = Field(description="in m")
-    height: Length = Field(description="in m")
-    n_blocks: Count = Field(description="a whole number")
+    width: Metres
+    height: Metres
+    n_blocks: Number
     depth: Deep = None
 
 
@@ -155,29 +164,27 @@ class StackSection(BuildSection):
     depths: Annotated[Lengths | None, AfterValidator(_deep)] = None
 
 
-class DrumColumnSection(BuildSection):
+class DrumColumnSection(_OfSpace):
     """[[build]] kind = "drum_column" """
 
-    deep: ClassVar[str] = ""
     kind: Literal["drum_column"]
-    diameter: Length = Field(description="in m")
-    height: Length = Field(description="in m")
-    drums: Count = Field(description="a whole number")
+    diameter: Metres
+    height: Metres
+    drums: Number
     top_diameter: Length | None = None
     sides: Count = 16
     plinth: Unit | None = None
     capital: Unit | None = None
 
 
-class TowerSection(BuildSection):
+class TowerSection(_OfSpace):
     """[[build]] kind = "tower" """
 
-    deep: ClassVar[str] = ""
     kind: Literal["tower"]
-    width: Length = Field(description="in m")
-    thickness: Length = Field(description="in m")
-    height: Length = Field(description="in m")
-    unit: Unit = Field(description="[length, height] of a whole unit in metres")
+    width: Metres
+    thickness: Metres
+    height: Metres
+    unit: WholeUnit
     shape: Literal["round", "square"] = "round"
     openings: Count = 0
     opening: Unit | None = None
@@ -201,8 +208,8 @@ class ButtressSection(BuildSection):
     kind: Literal["buttress"]
     foot: Length = Field(description="its width at the ground, in m")
     top: Length = Field(description="its width at the top, in m")
-    height: Length = Field(description="in m")
-    unit: Unit = Field(description="[length, height] of a whole unit in metres")
+    height: Metres
+    unit: WholeUnit
     depth: Deep = None
     bond: BondName = "running"
 
@@ -231,10 +238,10 @@ class PortalSection(_Curved):
     """[[build]] kind = "portal" """
 
     kind: Literal["portal"]
-    span: Length = Field(description="in m")
-    pier_width: Length = Field(description="in m")
-    pier_height: Length = Field(description="in m")
-    unit: Unit = Field(description="[length, height] of a whole unit in metres")
+    span: Metres
+    pier_width: Metres
+    pier_height: Metres
+    unit: WholeUnit
     shape: Literal["circular", "pointed", "elliptic", "lintel"] = "circular"  # type: ignore[assignment]
     depth: Deep = None
 
@@ -244,11 +251,11 @@ class BridgeSection(_Curved):
 
     kind: Literal["bridge"]
     spans: Lengths = Field(description="of each arch, in m, as in spans = [4.0, 4.0]")
-    pier_width: Length = Field(description="in m")
-    pier_height: Length = Field(description="in m")
-    abutment_width: Length = Field(description="in m")
+    pier_width: Metres
+    pier_height: Metres
+    abutment_width: Metres
     cover: Length = Field(description="of masonry over the highest crown, in m")
-    unit: Unit = Field(description="[length, height] of a whole unit in metres")
+    unit: WholeUnit
     depth: Deep = None
 
 
@@ -265,27 +272,25 @@ class BarrelVaultSection(_Curved):
     abutments: bool = False
 
 
-class GroinVaultSection(BuildSection):
+class GroinVaultSection(_OfSpace):
     """[[build]] kind = "groin_vault" """
 
-    deep: ClassVar[str] = ""
     kind: Literal["groin_vault"]
-    span: Length = Field(description="in m")
-    thickness: Length = Field(description="in m")
+    span: Metres
+    thickness: Metres
     voussoirs: Count = Field(description="of a barrel, an odd number")
     unit: Length = Field(description="length of a stone along a web, in m")
     edge: Length | None = None
     mitred: bool = False
 
 
-class DomeSection(BuildSection):
+class DomeSection(_OfSpace):
     """[[build]] kind = "dome" """
 
-    deep: ClassVar[str] = ""
     kind: Literal["dome"]
     span: Length = Field(description="diameter of the intrados, in m")
-    thickness: Length = Field(description="in m")
-    rings: Count = Field(description="a whole number")
+    thickness: Metres
+    rings: Number
     sectors: Count = Field(description="stones of a ring")
     rise: Length | None = None
     shape: Curve = "circular"
@@ -299,7 +304,7 @@ class SpiralSection(BuildSection):
     kind: Literal["spiral"]
     core: Length = Field(description="radius where it begins, in m")
     pitch: Length = Field(description="by which it grows in a turn, in m")
-    turns: Count = Field(description="a whole number")
+    turns: Number
     stones: Count = Field(description="of a turn")
     sunk: Zero = 0.0
     depth: Deep = None
@@ -309,8 +314,8 @@ class RubbleSection(BuildSection):
     """[[build]] kind = "rubble" """
 
     kind: Literal["rubble"]
-    length: Length = Field(description="in m")
-    height: Length = Field(description="in m")
+    length: Metres
+    height: Metres
     stone: Unit = Field(description="[length, height] of a stone in metres")
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = Field(description="a whole number")
     relaxed: Annotated[int, Field(ge=0, le=100)] = 1
