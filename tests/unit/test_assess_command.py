@@ -10,7 +10,6 @@ from xml.etree import ElementTree
 import h5py
 import numpy as np
 import pytest
-from rigid_walls import HEIGHT, WIDTH, evenly, wall_in_courses
 from typer.testing import CliRunner
 
 import drystone as ds
@@ -20,6 +19,8 @@ from drystone.assessment.spectra.ntc2018 import NtcSpectrum
 from drystone.cli import app
 from drystone.modelfile import write_model
 from drystone.site import Site
+from rigid_walls import HEIGHT, WIDTH, evenly, wall_in_courses
+from sites import TABLES
 
 NTC = {"ag": 0.172, "F0": 2.458, "TC_star": 0.285, "soil": "B", "topography": "T1"}
 FLAGS = (
@@ -27,19 +28,6 @@ FLAGS = (
     *("--ag", "0.172", "--F0", "2.458", "--TC-star", "0.285", "--soil", "B"),
     *("--topography", "T1"),
 )
-TABLES = """
-[site]
-code = "ntc2018"
-ag = 0.172
-F0 = 2.458
-TC_star = 0.285
-soil = "B"
-topography = "T1"
-
-[assessment]
-method = "ntc2018-local"
-confidence_factor = 1.35
-"""
 #: What scripts rely on.
 KEYS = {
     "method",

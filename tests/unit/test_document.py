@@ -19,24 +19,11 @@ from drystone.document.judged import Judged
 from drystone.document.report import render
 from drystone.document.words import words
 from drystone.viewer.folder import Folder
+from sites import TABLES
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 DATE = datetime(2024, 5, 6, 7, 8, tzinfo=UTC)
-#: The site of the worked examples of NTC 2018: soil B, S_S = 1.2.
-TABLES = """
-[site]
-code = "ntc2018"
-ag = 0.172
-F0 = 2.458
-TC_star = 0.285
-soil = "B"
-topography = "T1"
-
-[assessment]
-method = "ntc2018-local"
-confidence_factor = 1.35
-"""
 
 
 @pytest.fixture(scope="module")

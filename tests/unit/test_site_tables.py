@@ -21,16 +21,8 @@ from drystone.assessment.spectra.ntc2018 import NtcSpectrum
 from drystone.modelfile import ModelError, read_model, write_model
 from drystone.modelfile.assessing import AssessmentSection, State
 from drystone.site import AssessmentInput, Site
+from sites import SITE
 
-NTC = """
-[site]
-code = "ntc2018"
-ag = 0.172
-F0 = 2.458
-TC_star = 0.285
-soil = "B"
-topography = "T1"
-"""
 OF_SLD = """
 [site.SLD]
 ag = 0.07
@@ -56,7 +48,7 @@ def read(tmp_path: Path, text: str, name: str = "model.toml"):
 
 
 def test_what_a_file_says_is_kept_as_it_says_it(tmp_path):
-    model = read(tmp_path, NTC + OF_SLD + ASSESSMENT)
+    model = read(tmp_path, SITE + OF_SLD + ASSESSMENT)
     assert model.site.code == "ntc2018" and model.site.values["ag"] == 0.172
     assert model.site.states == {"SLD": {"ag": 0.07, "F0": 2.5, "TC_star": 0.27}}
     assert model.site.folder == str(tmp_path)
@@ -67,7 +59,7 @@ def test_what_a_file_says_is_kept_as_it_says_it(tmp_path):
 
 def test_they_are_written_back_and_the_files_they_name_are_found_from_elsewhere(tmp_path):
     (tmp_path / "other").mkdir()
-    model = read(tmp_path, NTC + OF_SLD + ASSESSMENT)
+    model = read(tmp_path, SITE + OF_SLD + ASSESSMENT)
     for name in ("again.toml", "again.json"):
         path = tmp_path / "other" / name
         write_model(model, path)
@@ -78,7 +70,7 @@ def test_they_are_written_back_and_the_files_they_name_are_found_from_elsewhere(
 
 
 def test_a_varied_model_keeps_them_and_no_curve_depends_on_them(tmp_path):
-    model = read(tmp_path, NTC)
+    model = read(tmp_path, SITE)
     varied = model.with_joint(friction_coefficient=0.5)
     assert varied.site == model.site
     moved = replace(varied, site=None)
@@ -111,7 +103,7 @@ def test_wrong_keys_are_told_with_their_place_and_mend(tmp_path, text, said):
 
 class TestSpectra:
     def test_one_motion_serves_for_every_state(self, tmp_path):
-        spectrum = spectra_of_site(read(tmp_path, NTC).site)
+        spectrum = spectra_of_site(read(tmp_path, SITE).site)
         expected = NtcSpectrum(
             ground_acceleration=0.172 * GRAVITY,
             amplification=2.458,
@@ -122,7 +114,7 @@ class TestSpectra:
         assert spectrum == expected
 
     def test_states_take_from_the_site_what_they_leave_out(self, tmp_path):
-        spectra = spectra_of_site(read(tmp_path, NTC + OF_SLD).site)
+        spectra = spectra_of_site(read(tmp_path, SITE + OF_SLD).site)
         assert sorted(spectra) == ["SD", "SLD", "SLV"]  # the site's own is that of 475 years
         assert spectra["SLD"].ground_acceleration == pytest.approx(0.07 * GRAVITY)
         assert spectra["SLD"].soil == "B" and spectra["SLV"].ground_acceleration > 1.6
@@ -188,7 +180,7 @@ class TestSpectra:
 
     def test_a_height_lifts_it(self, tmp_path):
         floor = "[site.floor]\nheight = 6.0\nbuilding_height = 9.0\nstoreys = 3\ndamping = 5.0\n"
-        spectrum = spectra_of_site(read(tmp_path, NTC + floor).site)
+        spectrum = spectra_of_site(read(tmp_path, SITE + floor).site)
         assert isinstance(spectrum, FloorSpectrum)
         # T_1 = 0.05 9^0.75 = 0.2598 s, gamma_1 = 9/7, psi_1 = 2/3.
         mode = spectrum.modes[0]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from functools import cache
 from pathlib import Path
 
@@ -17,8 +16,6 @@ from drystone.assessment.mechanism import course_of, initial_shape, reduced
 from drystone.cli import app
 from drystone.modelfile import write_model
 from drystone.site import Site
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
 from rigid_walls import evenly, wall_in_courses
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
