@@ -295,7 +295,7 @@ def test_control_c_leaves_a_valid_folder(tmp_path):
     assert b"Traceback" not in err
 
 
-ODD_TITLES = ["$a_$", "costs $5 and $x_2$", "a\0b", "\x1b[31mred\x07", "\u5899", "\\$", "x" * 5000]
+ODD_TITLES = ["$a_$", "costs $5 and $x_2$", "a\0b \x1b[31mred\x07", "\u5899 \\$", "x" * 5000]
 
 
 @pytest.mark.parametrize("title", ODD_TITLES)

@@ -26,6 +26,7 @@ from drystone.solvers.interior import InteriorPoint
 from drystone.solvers.linear_step import PointPace
 from drystone.solvers.piecewise import Accuracy, PathSettings, StepSolution
 from drystone.solvers.static_step import StaticStep
+from interpreted import fewer
 
 pytestmark = pytest.mark.kernels
 
@@ -316,12 +317,16 @@ def same_contacts(taken):
     return np.array_equal(taken.step.known.feature, taken.state.slots.feature)
 
 
+#: Random structures of each law.
+SEEDS = fewer(12, 4)
+
+
 class TestRandomAssemblies:
     @pytest.mark.parametrize("whole", [True, False], ids=["implicit law", "path"])
     @pytest.mark.parametrize("law", LAWS)
     def test_a_step_is_in_equilibrium_by_the_law(self, law, whole):
         seen, solved, tried, bent = Counter(), 0, 0, 0
-        for seed in range(12):
+        for seed in range(SEEDS):
             model = random_model(seed, **LAWS[law])
             for engine, state, increment, guess in states_of(model, seed):
                 taken = take(engine, state, increment, guess=guess, whole=whole)
@@ -334,11 +339,11 @@ class TestRandomAssemblies:
         # The others meet a place where the path turns back.
         assert solved >= 0.6 * tried
         # Where all is glued no contact changes: bonds hold while a step is solved.
-        few = 0 if law == "glued" else 3
+        few, many = 0 if law == "glued" else SEEDS // 4, 100 * SEEDS // 12
         assert bent >= few
-        assert seen[joint_law.OPEN] >= 100
+        assert seen[joint_law.OPEN] >= many
         assert seen[joint_law.FORWARD] + seen[joint_law.BACKWARD] >= few
-        assert seen[joint_law.BONDED if "cohesion" in LAWS[law] else joint_law.STICKING] >= 100
+        assert seen[joint_law.BONDED if "cohesion" in LAWS[law] else joint_law.STICKING] >= many
 
     @pytest.mark.compiled
     @pytest.mark.parametrize("whole", [True, False], ids=["implicit law", "path"])
@@ -357,7 +362,7 @@ class TestRandomAssemblies:
 
     def test_an_equilibrium_is_found_short_of_where_the_path_turns_back(self):
         turned = 0
-        for seed in range(12):
+        for seed in range(SEEDS):
             for engine, state, increment, _ in states_of(random_model(seed), seed):
                 solved = take(engine, state, increment, whole=False).solved
                 for _ in range(3):  # where gradients change over the step, so does the place
@@ -376,7 +381,7 @@ class TestRandomAssemblies:
                         assert 0.5 * (1.0 - part) < missing < 1.1 * (1.0 - part)
                     else:
                         assert there.turn == pytest.approx((1.0 / part, multiplier), rel=1e-3)
-        assert turned >= 5
+        assert turned >= 5 * SEEDS // 12
 
 
 def solve_for(function, value, low, high):

@@ -193,7 +193,7 @@ def check_equilibrium(model, max_steps):
 
 
 @given(model=models)
-@settings(max_examples=300)
+@settings(max_examples=120)
 def test_equilibrium(model):
     check_equilibrium(model, MAX_STEPS)
 

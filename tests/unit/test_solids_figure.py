@@ -109,7 +109,7 @@ def heap(seed: int, n: int = 12) -> Assembly:
     return Assembly.build(blocks, joint=solids.joint(0.6))
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_every_pixel_shows_what_a_ray_meets_first(seed):
     """Also where boxes overlap.  At the rim of a face a pixel may go either way by rounding: as
     random boxes have theirs nowhere near a pixel's centre, none does."""

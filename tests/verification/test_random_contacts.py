@@ -29,7 +29,7 @@ class TestRandomPairs:
     def test_gaps_equal_brute_force(self, block):
         """Each is the distance of its point from its plane, and the smallest that of the solids."""
         seen = set()
-        for scene, slots in in_contact(100, 100 * block):
+        for scene, slots in in_contact(50, 100 * block):
             shapes, value = scene.shapes, slots.value
             for i in used(slots):
                 b_is_v = slots.kind[i] == VERTEX_B
