@@ -73,6 +73,16 @@ def test_a_block_on_a_crushed_corner(flow):
     assert -1e-8 <= multiplier(model, flow) - exact <= 2.0 * np.sqrt(2.0) * NEARER * B / H
 
 
+def test_a_tilted_block_presses_its_edge_less():
+    """a = W cos(alpha) / f_c t: tan(alpha) = (B - a) / H."""
+    a = 0.1
+    weight = solids.UNIT_WEIGHT * B * D * H
+    model = block(0.0, law(weight / (a * D)))
+    model = model.with_load(ds.TiltPattern(direction=np.array([1.0, 0.0, 0.0])))
+    exact = brentq(lambda slope: slope - (B - a / np.sqrt(1.0 + slope**2)) / H, 0.0, 1.0)
+    assert 0.0 <= multiplier(model) - exact <= 2.0 * NEARER * B / H
+
+
 @pytest.mark.parametrize("flow", FLOWS)
 @pytest.mark.parametrize("angle", [0.0, 20.0, 90.0])
 def test_strong_joints_are_dry(angle, flow):
