@@ -191,6 +191,16 @@ def test_a_crushed_toe():
     assert other.peak.load_multiplier < 0.99 * (case.width / case.height)
 
 
+@pytest.mark.slow
+def test_a_wall_in_mortar():
+    """In its plane it does in space what it does there: waves soften joints alike."""
+    plane = plane_laws.mortar_wall(**plane_laws.STRENGTHS)
+    options = {"engine": "distinct", "displacement_step": 5e-5, "max_displacement": 3.5e-4}
+    one, other = ds.pushover(plane, **options), ds.pushover(ds.extruded(plane), **options)
+    assert one.peak.load_multiplier > 0.8  # 0.53 dry
+    assert other.peak.load_multiplier == pytest.approx(one.peak.load_multiplier, rel=1e-3)
+
+
 def test_hyperbolic_closure_is_refused():
     law = joint(0.6, 1e9, greatest_closure=1e-3)
     with pytest.raises(ds.EngineError, match="close hyperbolically in space"):
