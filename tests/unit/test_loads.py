@@ -359,7 +359,8 @@ class TestDirections:
         arguments = ["run", str(tmp_path / "model.toml"), "--directions", "both", "--out", str(out)]
         result = CliRunner().invoke(app, arguments)
         assert result.exit_code == 2, result.output
-        assert result.output.count("does not stand under its own weight") == 1
+        said = result.output.count("does not stand under its own weight")
+        assert said == 1, (result.output, result.exception)
         assert not out.exists()
 
 
