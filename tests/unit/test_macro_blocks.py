@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rigid_walls import HEIGHT, WIDTH, curve_of, evenly, point_at, turning, wall_in_courses
 
 import drystone as ds
 from drystone.assessment.errors import AssessmentError
@@ -24,6 +23,7 @@ from drystone.assessment.mechanism import (
     tangent_shape,
 )
 from drystone.assessment.mechanism.field import VelocityField, across, chord
+from rigid_walls import HEIGHT, WIDTH, curve_of, evenly, point_at, turning, wall_in_courses
 
 ALPHA = np.arctan(WIDTH / HEIGHT)
 ANGLES = np.concatenate((np.linspace(1e-6, 2e-3, 5), np.linspace(4e-3, 0.99 * ALPHA, 60)))
