@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+
+from numba.core.caching import IndexDataCacheFile
+
 from drystone.kernels.cache import STAMP, discard_outdated
 
 
@@ -39,3 +43,28 @@ def test_a_folder_that_cannot_be_written_is_left_alone(tmp_path):
     source.write_text("text\n")
     discard_outdated(tmp_path / "missing", [source])
     assert not (tmp_path / "missing" / STAMP).exists()
+
+
+def test_processes_side_by_side_do_not_take_each_others_code(tmp_path, monkeypatch):
+    """Both have seen an empty list; the later writer of the list is not that of the code."""
+    process = {"first": 11, "second": 12}
+
+    def cache(name):
+        monkeypatch.setattr(os, "getpid", lambda: process[name])
+        return IndexDataCacheFile(str(tmp_path), "kernel", "source")
+
+    write = IndexDataCacheFile._save_data
+
+    def second_comes_between(self, name, data):
+        monkeypatch.setattr(IndexDataCacheFile, "_save_data", write)
+        other = cache("second")
+        monkeypatch.setattr(other, "_load_index", dict)
+        other.save("integers", "code for integers")
+        monkeypatch.undo()
+        write(self, name, data)
+
+    monkeypatch.setattr(IndexDataCacheFile, "_save_data", second_comes_between)
+    cache("first").save("floats", "code for floats")
+    found = IndexDataCacheFile(str(tmp_path), "kernel", "source")
+    assert found.load("integers") == "code for integers"
+    assert found.load("floats") is None  # and is compiled again

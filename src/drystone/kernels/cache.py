@@ -2,6 +2,11 @@
 
 The compiler notices when the file of a kernel changes, but not when one that it calls does, in
 another file.  So all of them go when any of their sources has changed.
+
+Nor does it see to processes that compile side by side, as for several directions of the load: two
+that save one kernel for different types at once would both call its code by the next free number,
+and the one that wins the list of what there is may lose the file.  So names of files end with the
+process that wrote them; what is lost is compiled again.
 """
 
 from __future__ import annotations
@@ -12,9 +17,10 @@ import stat
 import tempfile
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from numba.core import config
-from numba.core.caching import CompileResultCacheImpl
+from numba.core.caching import CompileResultCacheImpl, IndexDataCacheFile
 
 #: What a user should know of it; None where the compiler finds a place by itself.
 note: str | None = None
@@ -29,6 +35,7 @@ def provide() -> None:
     It refuses to compile at all where it finds no place for them.
     """
     global note
+    IndexDataCacheFile._data_name = _name_by_process
     try:
         folder = Path(CompileResultCacheImpl(provide).locator.get_cache_path())
     except RuntimeError:
@@ -54,6 +61,12 @@ def discard_outdated(folder: Path, sources: list[Path]) -> None:
         for compiled in folder.glob("*.nb[ic]"):
             compiled.unlink(missing_ok=True)
         stamp.write_text(digest.hexdigest())
+
+
+def _name_by_process(cache: Any, number: int) -> str:
+    """File of a kernel's compiled code that no other process writes."""
+    base, ending = os.path.splitext(cache._data_name_pattern.format(number=number))
+    return f"{base}-{os.getpid()}{ending}"
 
 
 def _own_folder() -> Path:
