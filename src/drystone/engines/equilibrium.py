@@ -106,6 +106,7 @@ class EquilibriumState:
     ties: TieState
     settled: float = 0.0  # m or rad, by which supports have moved
     last_settled: float = 0.0  # in the last step
+    kept: IntArray | None = None  # (n_pairs,) steps for which features stay; of the plane
     # Of space:
     slope: float = np.nan  # 1/m, of the curve
     tangent: Array | None = None  # (n, n_dof) per m of the control displacement
@@ -419,6 +420,7 @@ class EquilibriumEngine:
         equations = self.equations
         assert isinstance(equations, StaticStep)
         equations.begin(state.pose, state.slots, state.history, state.branch, h, x, held)
+        equations.kept[:] = 0 if state.kept is None else state.kept
         return piecewise.solve(
             equations,
             self.interior,
@@ -506,6 +508,7 @@ class EquilibriumEngine:
             last_increment=np.where(gone[:, None], 0.0, state.last_increment),
             tangent=None if gone.any() else state.tangent,
             gone=gone,
+            kept=None,
         )
 
     def _write_equations(self, pairs: Pairs, gone: BoolArray) -> None:
@@ -596,6 +599,7 @@ class EquilibriumEngine:
     ) -> tuple[EquilibriumState, StepReport]:
         """The state that a step has led to, and its figures."""
         judged, then = self._ended(state)
+        equations = self.equations
         increment = demand.settlement if demand.increment is None else demand.increment
         slots = self.equations.found.copied()
         source = self.detector.predecessors(state.pairs, self.equations.known, slots)
@@ -626,6 +630,7 @@ class EquilibriumEngine:
             last_settled=demand.settlement or 0.0,
             slope=solved.slope,
             tangent=solved.tangent,
+            kept=None if isinstance(equations, ConeStep) else equations.kept.copy(),
             unstable=solved.unstable,
             held=solved.held > 0.0,
             calm=bool(np.array_equal(then.branch, state.branch)),

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.kernels import narrow, path
+from drystone.kernels.contacts import EDGE_A
 from drystone.solvers.interior import InteriorPoint
 from drystone.solvers.linear_step import Pace
 from drystone.solvers.static_step import StaticStep
@@ -81,6 +82,8 @@ class PathSettings:
     change_effort: int = 1_500_000
     #: Times that other features of contacts are found where a step ends, and it is solved again.
     max_rounds: int = 3
+    #: Steps for which a pair of many blocks keeps features that take turns with others.
+    keep_steps: int = 8
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -166,7 +169,8 @@ def _correct(
     """Follow the pieces with gradients of the ``geometry`` (n, n_dof), renew these, and again."""
     x, start = step.given.copy(), multiplier
     follows = pace is not None or bool(step.given.any())
-    rounds, reason, count = 0, "", 0
+    features = _Features(step, accuracy, settings)
+    reason, count = "", 0
     shape: _Shape | None = _Shape()
     for count in range(1, settings.max_iterations + 1):
         walk = _Walk(step, interior, pace, geometry, accuracy, settings, count, whole=whole)
@@ -194,9 +198,8 @@ def _correct(
         if step.residual > enough or short > accuracy.lag:
             continue
         step.find(x)
-        if rounds == settings.max_rounds or not _features_change(step, accuracy):
+        if not features.change():
             break
-        rounds += 1
         step.follow(step.found)
         step.evaluate(x, multiplier)
     else:
@@ -213,9 +216,52 @@ def _correct(
     )
 
 
-def _features_change(step: StaticStep, accuracy: Accuracy) -> bool:
-    """Whether contacts that press are found with other features than the step has followed."""
-    return bool(narrow.changed_contacts(step.slots, step.found, accuracy.depth))
+class _Features:
+    """Of the contacts that press: whether those found where a step ends are those it followed.
+
+    With either of two sets blocks may end where they have the other: two corners that hardly pass
+    each other have one contact or two.  Of many blocks, the features of a pair therefore change
+    once in a step, and back once, and then stay for some steps: to try the others again costs a
+    solution each time, and moves blocks to and fro that would come to rest.
+    """
+
+    def __init__(self, step: StaticStep, accuracy: Accuracy, settings: PathSettings) -> None:
+        self.step, self.depth = step, accuracy.depth
+        self.rounds, self.settings = 0, settings
+        self.many = len(step.pose) >= settings.many_blocks
+        self.before = step.kept.copy()
+        #: Times that the features of a pair have changed, (n_pairs,).
+        self.changes = np.where(step.kept > 0, 2, 0)
+
+    def change(self) -> bool:
+        """Whether the step is to be solved again, with the features found."""
+        was, now = self.step.slots, self.step.found
+        if not narrow.changed_contacts(was, now, self.depth):
+            self.step.kept[:] = 0
+            return False
+        if self.many:
+            return self._change_some()
+        self.rounds += 1
+        return self.rounds <= self.settings.max_rounds
+
+    def _change_some(self) -> bool:
+        """Likewise; contacts found of pairs whose features stay are made those followed."""
+        step = self.step
+        of_slot, was, now = step.pairs.of_slot, step.slots, step.found
+        others = (was.which[:, :EDGE_A] != now.which[:, :EDGE_A]).any(axis=1)
+        others &= np.abs(np.minimum(was.gap, 0.0) - np.minimum(now.gap, 0.0)) > self.depth
+        change = np.zeros(len(step.kept), np.bool_)
+        change[of_slot[others]] = True
+        keep = change & (self.changes >= 2)
+        steps = np.where(self.before > 0, self.before - 1, self.settings.keep_steps)
+        step.kept[:] = np.where(keep, steps, 0)
+        rows = keep[of_slot]
+        for mine, theirs in zip(now, was, strict=True):
+            mine[rows] = theirs[rows]
+        change &= ~keep
+        self.changes[change] += 1
+        self.rounds += 1
+        return bool(change.any()) and self.rounds <= self.settings.max_rounds
 
 
 def _enough(step: StaticStep, moved: float, accuracy: Accuracy) -> float:

@@ -79,6 +79,8 @@ class StaticStep(LinearStep):
             held=np.zeros((0, N_HELD)),
         )
         self.origin = np.arange(n_slots)  # slots where the step started; -1 has none
+        #: Steps in which a pair yet keeps the features that it has, (n_pairs,).
+        self.kept = np.zeros(pairs.n_pairs, np.int64)
 
     def begin(
         self,
