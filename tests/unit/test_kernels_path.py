@@ -90,6 +90,7 @@ def take(engine, state, increment, *, guess=None, whole=True, **options):
         sliding_rounding=0.0,
         coarsest=tolerance,
         depth=1e-12,
+        slight=0.0,
         farthest=0.3 * engine.detector.reach,
     )
     solved = piecewise.solve(

@@ -12,6 +12,7 @@ pytestmark = pytest.mark.kernels
 
 #: Far more than `depth`, what may be told apart [m].
 PRESSED = -1e-3
+SLIGHT = 1e-7
 
 
 def slots(*kinds: int) -> Slots:
@@ -35,7 +36,7 @@ class Step:
         """A step from these contacts: those that it ends with, and how often it was solved."""
         accuracy = Accuracy(
             tolerance=1e-6, rounding=0.0, sliding_rounding=0.0, coarsest=1.0, depth=1e-12,
-            farthest=1.0,
+            slight=SLIGHT, farthest=1.0,
         )  # fmt: skip
         self.slots, solutions = start, 1
         self.found = detect(start).copied()
@@ -107,3 +108,13 @@ def test_features_found_agree_again_and_are_not_kept_any_longer():
     ended, _ = step.solve(slots(VERTEX_B, VERTEX_A), turns)
     step.solve(ended, lambda followed: followed)
     assert not step.kept.any()
+
+
+@pytest.mark.parametrize(("apart", "solutions"), [(0.5 * SLIGHT, 1), (2.0 * SLIGHT, 2)])
+def test_features_that_hardly_change_a_gap_stay(apart, solutions):
+    found = slots(VERTEX_A)
+    found.gap[:] -= apart
+    ended, n = Step(MANY, 1).solve(slots(VERTEX_B), lambda _: found)
+    assert n == solutions
+    assert ended.kind[0] == (VERTEX_B if solutions == 1 else VERTEX_A)
+    assert Step(FEW, 1).solve(slots(VERTEX_B), lambda _: found)[1] == 2

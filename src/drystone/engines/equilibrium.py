@@ -445,6 +445,7 @@ class EquilibriumEngine:
             sliding_rounding=rounding * self._stiffest(joint_law.KS),
             coarsest=self.residual_limit * scale,
             depth=max(1e-3 * tolerance / stiffest, self.rounding),
+            slight=1e-6 * self.problem.assembly.smallest_extent,
             farthest=np.inf,
         )
 

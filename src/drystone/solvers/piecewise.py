@@ -52,6 +52,7 @@ class Accuracy:
     coarsest: float  # N, largest unbalanced force that may be left to rounding
     lag: float = 1e-12  # m, what may be missing of the increment
     depth: float  # m, penetration too small to tell two contacts apart
+    slight: float  # m, by which a gap may change with other features, of many blocks
     farthest: float  # m, motion of a block over which the step has failed
 
 
@@ -222,11 +223,12 @@ class _Features:
     With either of two sets blocks may end where they have the other: two corners that hardly pass
     each other have one contact or two.  Of many blocks, the features of a pair therefore change
     once in a step, and back once, and then stay for some steps: to try the others again costs a
-    solution each time, and moves blocks to and fro that would come to rest.
+    solution each time, and moves blocks to and fro that would come to rest.  Features that hardly
+    change a gap stay as well.
     """
 
     def __init__(self, step: StaticStep, accuracy: Accuracy, settings: PathSettings) -> None:
-        self.step, self.depth = step, accuracy.depth
+        self.step, self.depth, self.slight = step, accuracy.depth, accuracy.slight
         self.rounds, self.settings = 0, settings
         self.many = len(step.pose) >= settings.many_blocks
         self.before = step.kept.copy()
@@ -248,14 +250,16 @@ class _Features:
         """Likewise; contacts found of pairs whose features stay are made those followed."""
         step = self.step
         of_slot, was, now = step.pairs.of_slot, step.slots, step.found
+        apart = np.abs(np.minimum(was.gap, 0.0) - np.minimum(now.gap, 0.0))
         others = (was.which[:, :EDGE_A] != now.which[:, :EDGE_A]).any(axis=1)
-        others &= np.abs(np.minimum(was.gap, 0.0) - np.minimum(now.gap, 0.0)) > self.depth
-        change = np.zeros(len(step.kept), np.bool_)
-        change[of_slot[others]] = True
+        others &= np.minimum(was.gap, now.gap) <= -self.depth
+        stay, change = np.zeros((2, len(step.kept)), np.bool_)
+        stay[of_slot[others]] = True
+        change[of_slot[others & (apart > self.slight)]] = True
         keep = change & (self.changes >= 2)
         steps = np.where(self.before > 0, self.before - 1, self.settings.keep_steps)
         step.kept[:] = np.where(keep, steps, 0)
-        rows = keep[of_slot]
+        rows = (keep | (stay & ~change))[of_slot]
         for mine, theirs in zip(now, was, strict=True):
             mine[rows] = theirs[rows]
         change &= ~keep
