@@ -52,7 +52,7 @@ def turns(followed: Slots) -> Slots:
     return slots(NONE if followed.kind[0] == VERTEX_B else VERTEX_B, VERTEX_A)
 
 
-FEW, MANY = PathSettings().many_blocks - 1, PathSettings().many_blocks
+FEW, MANY = PathSettings().keep_blocks - 1, PathSettings().keep_blocks
 
 
 def test_features_that_agree_are_solved_for_once():

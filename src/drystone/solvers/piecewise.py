@@ -83,8 +83,10 @@ class PathSettings:
     change_effort: int = 1_500_000
     #: Times that other features of contacts are found where a step ends, and it is solved again.
     max_rounds: int = 3
-    #: Steps for which a pair of many blocks keeps features that take turns with others.
+    #: Steps for which a pair keeps features that take turns with others, and blocks from which on
+    #: it does.
     keep_steps: int = 8
+    keep_blocks: int = 300
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -230,7 +232,7 @@ class _Features:
     def __init__(self, step: StaticStep, accuracy: Accuracy, settings: PathSettings) -> None:
         self.step, self.depth, self.slight = step, accuracy.depth, accuracy.slight
         self.rounds, self.settings = 0, settings
-        self.many = len(step.pose) >= settings.many_blocks
+        self.many = len(step.pose) >= settings.keep_blocks
         self.before = step.kept.copy()
         #: Times that the features of a pair have changed, (n_pairs,).
         self.changes = np.where(step.kept > 0, 2, 0)
