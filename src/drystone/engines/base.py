@@ -28,25 +28,21 @@ class EngineError(Exception):
     """The engine cannot do what the model or the control asks; the message is for the user."""
 
 
-def refuse_yielding(assembly: Assembly, engine: str, *, curved: bool = False) -> None:
-    """Raise `EngineError` for joints that not all engines have; only for what is ``curved``, where
-    the engine has the others."""
-    names: dict[str, Callable[[JointLaw], bool]] = {
-        "lose their bond over fracture energies": lambda law: law.softens,
-        "lose friction": lambda law: law.residual_friction_coefficient is not None,
-        "are crushed": lambda law: law.compressive_strength < math.inf,
-        "close hyperbolically": lambda law: law.greatest_closure < math.inf,
-    }
-    for what, has in names.items():
-        if curved and what != "close hyperbolically":
-            continue
-        if any(map(has, assembly.laws)):
+def refuse_yielding(assembly: Assembly, engine: str) -> None:
+    """Raise `EngineError` for joints that an engine has not, and name those that have them."""
+    both, alone = ("equilibrium", "distinct"), ("equilibrium",)
+    joints: list[tuple[str, tuple[str, ...], Callable[[JointLaw], bool]]] = [
+        ("lose their bond over fracture energies", both, lambda law: law.softens),
+        ("lose friction", both, lambda law: law.residual_friction_coefficient is not None),
+        ("are crushed", both, lambda law: law.compressive_strength < math.inf),
+        ("close hyperbolically", alone, lambda law: law.greatest_closure < math.inf),
+    ]
+    for what, engines, has in joints:
+        if engine not in engines and any(map(has, assembly.laws)):
             where = " in space" if assembly.dimension == 3 else ""
-            which = (
-                "equilibrium" if what == "close hyperbolically" else "equilibrium or the distinct"
-            )
             raise EngineError(
-                f"the {engine} engine has no joints that {what}{where}: take the {which} engine"
+                f"the {engine} engine has no joints that {what}{where}: take the "
+                f"{' or the '.join(engines)} engine"
             )
 
 

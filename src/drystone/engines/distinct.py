@@ -492,7 +492,7 @@ class DistinctEngine:
         self.detector = Detector(assembly)
         self.dof = dof_of(assembly.mass)
         self.strengths = Strengths(assembly)
-        refuse_yielding(assembly, self.name, curved=True)
+        refuse_yielding(assembly, self.name)
         try:
             self.laws = law_table(assembly)
         except ValueError as error:

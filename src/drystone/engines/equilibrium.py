@@ -116,6 +116,19 @@ class EquilibriumState:
     acted: ActedContacts | None = None
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Step:
+    """What a step begins with and is to reach, whatever its joints hold."""
+
+    state: EquilibriumState
+    demand: Demand
+    pace: PointPace | None
+    guess: Array  # (n, n_dof) m, rad
+    multiplier: float
+    h: float  # s
+    accuracy: Accuracy
+
+
 class EquilibriumEngine:
     """See the module's text."""
 
@@ -316,7 +329,16 @@ class EquilibriumEngine:
         given[:] = self._given(state, demand)
         x = np.where(np.any(given, axis=1, keepdims=True), given, x)
         accuracy = changed(self.accuracy, farthest=farthest)
-        solved = self._solve(state, demand, pace, x, multiplier, h, accuracy)
+        step = _Step(
+            state=state,
+            demand=demand,
+            pace=pace,
+            guess=x,
+            multiplier=multiplier,
+            h=h,
+            accuracy=accuracy,
+        )
+        solved = self._solve(step)
         if solved.reason == piecewise.TOO_STIFF:
             raise EngineError(solved.reason)  # no smaller step would do
         if solved.reason:
@@ -338,17 +360,8 @@ class EquilibriumEngine:
             )
         return new, outcome
 
-    def _solve(
-        self,
-        state: EquilibriumState,
-        demand: Demand,
-        pace: PointPace | None,
-        x: Array,
-        multiplier: float,
-        h: float,
-        accuracy: Accuracy,
-    ) -> StepSolution:
-        equations = self.equations
+    def _solve(self, step: _Step) -> StepSolution:
+        equations, state = self.equations, step.state
         solve = self._once_in_space if isinstance(equations, ConeStep) else self._once_in_plane
         last: StepSolution | None = None
 
@@ -356,8 +369,8 @@ class EquilibriumEngine:
             nonlocal last
             if self.ties:
                 self.ties.begin(state.ties)
-            from_here = replace(state, branch=branch)
-            last = solve(from_here, demand, pace, x, multiplier, h, accuracy, held, last)
+            from_here = replace(step, state=replace(state, branch=branch))
+            last = solve(from_here, held, last)
             return last
 
         if not self.strengths.any:
@@ -367,22 +380,13 @@ class EquilibriumEngine:
         return yielding.solve(equations, self.strengths, start, once, SETTLED * heaviest)
 
     def _once_in_space(
-        self,
-        state: EquilibriumState,
-        demand: Demand,
-        pace: PointPace | None,
-        x: Array,
-        multiplier: float,
-        h: float,
-        accuracy: Accuracy,
-        held: Array | None,
-        last: StepSolution | None,
+        self, step: _Step, held: Array | None, last: StepSolution | None
     ) -> StepSolution:
         """Solve a step with what joints hold, from the ``last`` solution of it, if any."""
-        equations = self.equations
+        equations, state, demand, pace = self.equations, step.state, step.demand, step.pace
         assert isinstance(equations, ConeStep)
-        equations.begin(state.pose, state.slots, state.history, state.branch, h, pace, held)
-        guesses = [x]
+        equations.begin(state.pose, state.slots, state.history, state.branch, step.h, pace, held)
+        guesses, multiplier = [step.guess], step.multiplier
         if state.tangent is not None and demand.increment is not None:
             guesses.append(demand.increment * state.tangent)
         if last is not None:
@@ -392,7 +396,7 @@ class EquilibriumEngine:
             equations,
             guesses,
             multiplier,
-            accuracy,
+            step.accuracy,
             self.settings.space,
             Before(
                 calm=state.calm or last is not None,
@@ -405,31 +409,23 @@ class EquilibriumEngine:
         )
 
     def _once_in_plane(
-        self,
-        state: EquilibriumState,
-        demand: Demand,
-        pace: PointPace | None,
-        x: Array,
-        multiplier: float,
-        h: float,
-        accuracy: Accuracy,
-        held: Array | None,
-        last: StepSolution | None,
+        self, step: _Step, held: Array | None, last: StepSolution | None
     ) -> StepSolution:
         """The same, always from where the step starts."""
-        equations = self.equations
+        equations, state, demand, pace = self.equations, step.state, step.demand, step.pace
         assert isinstance(equations, StaticStep)
-        equations.begin(state.pose, state.slots, state.history, state.branch, h, x, held)
+        x = step.guess
+        equations.begin(state.pose, state.slots, state.history, state.branch, step.h, x, held)
         equations.kept[:] = 0 if state.kept is None else state.kept
         return piecewise.solve(
             equations,
             self.interior,
             pace,
             x,
-            multiplier,
+            step.multiplier,
             state.branch,
             state.reaction,
-            accuracy,
+            step.accuracy,
             self.settings.path,
             whole=pace is None or demand.time_step > 0.0 or demand.over_fold,
         )
