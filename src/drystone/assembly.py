@@ -327,6 +327,11 @@ class Assembly:
         """Blocks that never move."""
         return int(np.count_nonzero(self.fixed))
 
+    @cached_property
+    def on_rollers(self) -> bool:
+        """Whether rollers hold anything."""
+        return bool(self.held.any())
+
     @property
     def n_dof(self) -> int:
         """Degrees of freedom of one block."""

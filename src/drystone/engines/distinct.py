@@ -484,7 +484,7 @@ class DistinctEngine:
     ) -> DistinctState:
         """A state in given poses (n, n_pose) and velocities (n, n_dof), as they are."""
         assembly = problem.assembly
-        if assembly.held.any():
+        if assembly.on_rollers:
             raise EngineError(
                 "the distinct engine has no rollers: take the equilibrium or the nscd engine"
             )

@@ -324,19 +324,15 @@ class EquilibriumEngine:
         state = self._refresh(state)
         pace = self._pace(state, demand)
         h = demand.time_step or self.settings.static_time_step
-        x, multiplier = self._predict(state, demand, pace)
-        given = self.equations.given
-        given[:] = self._given(state, demand)
-        x = np.where(np.any(given, axis=1, keepdims=True), given, x)
-        accuracy = changed(self.accuracy, farthest=farthest)
+        guess, multiplier = self._predict(state, demand, pace)
         step = _Step(
             state=state,
             demand=demand,
             pace=pace,
-            guess=x,
+            guess=self._move_supports(state, demand, guess),
             multiplier=multiplier,
             h=h,
-            accuracy=accuracy,
+            accuracy=changed(self.accuracy, farthest=farthest),
         )
         solved = self._solve(step)
         if solved.reason == piecewise.TOO_STIFF:
@@ -369,8 +365,7 @@ class EquilibriumEngine:
             nonlocal last
             if self.ties:
                 self.ties.begin(state.ties)
-            from_here = replace(step, state=replace(state, branch=branch))
-            last = solve(from_here, held, last)
+            last = solve(step, held, branch, last)
             return last
 
         if not self.strengths.any:
@@ -380,12 +375,12 @@ class EquilibriumEngine:
         return yielding.solve(equations, self.strengths, start, once, SETTLED * heaviest)
 
     def _once_in_space(
-        self, step: _Step, held: Array | None, last: StepSolution | None
+        self, step: _Step, held: Array | None, branch: IntArray, last: StepSolution | None
     ) -> StepSolution:
         """Solve a step with what joints hold, from the ``last`` solution of it, if any."""
         equations, state, demand, pace = self.equations, step.state, step.demand, step.pace
         assert isinstance(equations, ConeStep)
-        equations.begin(state.pose, state.slots, state.history, state.branch, step.h, pace, held)
+        equations.begin(state.pose, state.slots, state.history, branch, step.h, pace, held)
         guesses, multiplier = [step.guess], step.multiplier
         if state.tangent is not None and demand.increment is not None:
             guesses.append(demand.increment * state.tangent)
@@ -409,13 +404,13 @@ class EquilibriumEngine:
         )
 
     def _once_in_plane(
-        self, step: _Step, held: Array | None, last: StepSolution | None
+        self, step: _Step, held: Array | None, branch: IntArray, last: StepSolution | None
     ) -> StepSolution:
         """The same, always from where the step starts."""
         equations, state, demand, pace = self.equations, step.state, step.demand, step.pace
         assert isinstance(equations, StaticStep)
         x = step.guess
-        equations.begin(state.pose, state.slots, state.history, state.branch, step.h, x, held)
+        equations.begin(state.pose, state.slots, state.history, branch, step.h, x, held)
         equations.kept[:] = 0 if state.kept is None else state.kept
         return piecewise.solve(
             equations,
@@ -423,7 +418,7 @@ class EquilibriumEngine:
             pace,
             x,
             step.multiplier,
-            state.branch,
+            branch,
             state.reaction,
             step.accuracy,
             self.settings.path,
@@ -548,8 +543,11 @@ class EquilibriumEngine:
         )
 
     def _axes_of(self, block: int, pose: Array) -> Array:
-        """Principal axes of a block in a pose, (dim, dim) in columns."""
+        """Principal axes of a block in a pose, (dim, dim) in columns; in the plane as designed,
+        as no one asks for them."""
         designed = self.problem.assembly.axes[block]
+        if len(designed) == 2:
+            return designed
         turned = motion.turned(designed.T, np.repeat(pose[block, None], len(designed), axis=0))
         return np.ascontiguousarray(turned.T)
 
@@ -560,15 +558,14 @@ class EquilibriumEngine:
 
         The last increments go on, turned with the blocks, where they moved the same way.
         """
-        nothing = self.problem.assembly.no_motion()
         if demand.settlement is not None:
             return self._follow_supports(state, demand.settlement), 0.0
         if pace is None:
             assert demand.multiplier is not None
-            return nothing, demand.multiplier
+            return self.problem.assembly.no_motion(), demand.multiplier
         moved = pace.increment - pace.missing(state.last_increment)
         if moved * pace.increment <= 0.0:
-            return nothing, state.multiplier
+            return self.problem.assembly.no_motion(), state.multiplier
         share = pace.increment / moved
         guess = share * state.last_increment
         if guess.shape[1] == 6:
@@ -577,13 +574,18 @@ class EquilibriumEngine:
         way[:] = motion.turned(way, 0.5 * (1.0 + share) * state.last_increment)
         return guess, state.multiplier
 
-    def _given(self, state: EquilibriumState, demand: Demand) -> Array:
-        """Increments (n, n_dof) of supports that move."""
-        problem = self.problem
-        if problem.settlement is None or not demand.settlement:
-            return problem.assembly.no_motion()
+    def _move_supports(self, state: EquilibriumState, demand: Demand, guess: Array) -> Array:
+        """Give the equations the increments (n, n_dof) of supports that move; the guess with
+        them."""
+        problem, given = self.problem, self.equations.given
+        if problem.settlement is None:
+            return guess  # and given is nothing, from the start
+        given[:] = 0.0
+        if not demand.settlement:
+            return guess
         amount = state.settled + demand.settlement
-        return problem.settlement.increment(problem.assembly, state.pose, amount)
+        given[:] = problem.settlement.increment(problem.assembly, state.pose, amount)
+        return np.where(np.any(given, axis=1, keepdims=True), given, guess)
 
     def _follow_supports(self, state: EquilibriumState, amount: float) -> Array:
         """The last increments go on as the supports do."""
@@ -596,7 +598,7 @@ class EquilibriumEngine:
     ) -> tuple[EquilibriumState, StepReport]:
         """The state that a step has led to, and its figures."""
         judged, then = self._ended(state)
-        equations = self.equations
+        flat = self.equations if isinstance(self.equations, StaticStep) else None
         increment = demand.settlement if demand.increment is None else demand.increment
         slots = self.equations.found.copied()
         source = self.detector.predecessors(state.pairs, self.equations.known, slots)
@@ -627,10 +629,10 @@ class EquilibriumEngine:
             last_settled=demand.settlement or 0.0,
             slope=solved.slope,
             tangent=solved.tangent,
-            kept=None if isinstance(equations, ConeStep) else equations.kept.copy(),
+            kept=flat.kept.copy() if flat else None,
             unstable=solved.unstable,
             held=solved.held > 0.0,
-            calm=bool(np.array_equal(then.branch, state.branch)),
+            calm=flat is None and bool(np.array_equal(then.branch, state.branch)),
             acted=then.acted,
         )
         outcome = self._report(new, judged, solved.n_iterations, h)
@@ -654,7 +656,7 @@ class EquilibriumEngine:
         the state that it started from."""
         equations = self.equations
         if not isinstance(equations, ConeStep):
-            return equations.judged(), replace(
+            return equations.judged(), changed(
                 state,
                 slots=equations.known,
                 history=equations.history,
@@ -662,14 +664,14 @@ class EquilibriumEngine:
                 branch=equations.branch,
             )
         history = equations.finish()
-        ended = replace(
+        ended = changed(
             state,
             slots=equations.slots.copied(),
             history=history,
             reaction=equations.by_slot(equations.reaction),
             branch=equations.by_slot(equations.branch),
         )
-        return equations.judged(history), replace(ended, acted=self._acted(ended))
+        return equations.judged(history), changed(ended, acted=self._acted(ended))
 
     def _lost(self, source: IntArray, then: EquilibriumState) -> float:
         """Shear that no contact goes on with, over the heaviest weight; in space."""

@@ -101,13 +101,13 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     ``loads`` are those near where it ended.
     """
     assembly, multiplier, slots = problem.assembly, outcome.multiplier, outcome.slots
-    mass = np.where(assembly.held, 0.0, loads.mass)
+    mass = np.where(assembly.held, 0.0, loads.mass) if assembly.on_rollers else loads.mass
     carried, inertia, fastest, kinetic, work, push, strokes, resistance = kernels.sum_blocks(
         outcome.increment, outcome.acceleration, outcome.velocity, outcome.contact_force,
         outcome.certificate.held, loads.dead, loads.pattern, mass, loads.fixed,
         loads.along, multiplier,
     )  # fmt: skip
-    if assembly.held.any():  # what seems to be their inertia is what rollers carry
+    if assembly.on_rollers:  # what seems to be their inertia is what rollers carry
         borne = np.where(assembly.held, loads.mass * outcome.acceleration, 0.0)
         carried += float((borne[:, : len(loads.along)] @ loads.along).sum())
     counts = np.zeros(3, np.int64)

@@ -233,9 +233,10 @@ class _Features:
         self.step, self.depth, self.slight = step, accuracy.depth, accuracy.slight
         self.rounds, self.settings = 0, settings
         self.many = len(step.pose) >= settings.keep_blocks
-        self.before = step.kept.copy()
-        #: Times that the features of a pair have changed, (n_pairs,).
-        self.changes = np.where(step.kept > 0, 2, 0)
+        if self.many:
+            self.before = step.kept.copy()
+            #: Times that the features of a pair have changed, (n_pairs,).
+            self.changes = np.where(step.kept > 0, 2, 0)
 
     def change(self) -> bool:
         """Whether the step is to be solved again, with the features found."""

@@ -34,6 +34,9 @@ STATUS_OF[[joint_law.FORWARD, joint_law.BACKWARD]] = SLIDING
 STATUS_OF[CRUSHED + joint_law.STICKING] = STICKING
 STATUS_OF[[CRUSHED + joint_law.FORWARD, CRUSHED + joint_law.BACKWARD]] = SLIDING
 
+#: What joints hold where all of them are dry.
+DRY = np.zeros((0, N_HELD))
+
 
 @dataclass(frozen=True, kw_only=True)
 class Constants:
@@ -76,9 +79,10 @@ class StaticStep(LinearStep):
             size=np.zeros(n_slots),
             rows=np.zeros((n_slots, dim, 2 * n_dof)),
             closed=np.zeros(n_slots, np.bool_),
-            held=np.zeros((0, N_HELD)),
+            held=DRY,
         )
-        self.origin = np.arange(n_slots)  # slots where the step started; -1 has none
+        self.all_slots = np.arange(n_slots)
+        self.origin = self.all_slots.copy()  # slots where the step started; -1 has none
         #: Steps in which a pair yet keeps the features that it has, (n_pairs,).
         self.kept = np.zeros(pairs.n_pairs, np.int64)
 
@@ -100,8 +104,8 @@ class StaticStep(LinearStep):
         hold in it that are not dry, see `kernels.law`.
         """
         self.pose = pose
-        self.origin[:] = np.arange(len(self.origin))
-        self.start = self.start._replace(held=np.zeros((0, N_HELD)) if held is None else held)
+        self.origin[:] = self.all_slots
+        self.start = Start(*self.start[:3], held=DRY if held is None else held)
         self.inertia_factor = 1.0 / h**2
         for mine, theirs in zip(self.known, slots, strict=True):
             mine[:] = theirs

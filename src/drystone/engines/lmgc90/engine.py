@@ -142,7 +142,7 @@ class Lmgc90Engine:
             The structure does not stand.
         """
         assembly = problem.assembly
-        if assembly.held.any():
+        if assembly.on_rollers:
             raise EngineError(
                 "the lmgc90 engine has no rollers: take the equilibrium or the nscd engine"
             )
