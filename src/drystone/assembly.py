@@ -139,8 +139,10 @@ class Block:
 
     def with_vertices(self, vertices: Array) -> Block:
         """The block with its vertices elsewhere, (n, dim) [m]."""
+        if not self.parts:
+            return replace(self, vertices=vertices)
         last = np.cumsum([len(part.vertices) for part in self.parts])[:-1]
-        parts = zip(self.parts, np.split(vertices, last), strict=True) if self.parts else ()
+        parts = zip(self.parts, np.split(vertices, last), strict=True)
         moved = tuple(Part(own, part.faces) for part, own in parts)
         return replace(self, vertices=vertices, parts=moved)
 

@@ -170,7 +170,8 @@ class EquilibriumEngine:
         self.strengths = Strengths(assembly)
         pose = assembly.rest_pose()
         pairs, gone = self.detector.pairs(pose), np.zeros(assembly.n_bodies, np.bool_)
-        self._write_equations(pairs, gone)
+        self._take_loads(gone)
+        self._write_equations(pairs)
         self.accuracy = self._accuracy()
         slots = self.detector.find(pairs, pose)
         state = EquilibriumState(
@@ -189,7 +190,8 @@ class EquilibriumEngine:
         )
         state, outcome = self._settle(state)
         for self.stage in problem.stages[1:]:
-            self._write_equations(state.pairs, state.gone)
+            self._take_loads(state.gone)
+            self._write_equations(state.pairs)
             state, outcome = self._settle(state)
         return state, outcome
 
@@ -470,7 +472,9 @@ class EquilibriumEngine:
         if self.detector.outdated(state.pairs, state.pose):
             state = self._paired(state, state.gone)
         if self.equations.pairs is not state.pairs:
-            self._write_equations(state.pairs, state.gone)
+            if state.gone is not self.gone:
+                self._take_loads(state.gone)
+            self._write_equations(state.pairs)
         return state
 
     def _paired(self, state: EquilibriumState, gone: BoolArray) -> EquilibriumState:
@@ -503,7 +507,9 @@ class EquilibriumEngine:
             kept=None,
         )
 
-    def _write_equations(self, pairs: Pairs, gone: BoolArray) -> None:
+    def _take_loads(self, gone: BoolArray) -> None:
+        """What the equations are written with, up to the stage, but for blocks that are gone."""
+        self.gone = gone
         loads = self.loads = LoadArrays.of(self.problem, gone, self.stage)
         ties = TieForces(self.bars, self.problem.assembly, gone) if self.bars.n_ties else None
         self.ties = ties
@@ -521,6 +527,8 @@ class EquilibriumEngine:
                 ties=ties,
             ),
         )
+
+    def _write_equations(self, pairs: Pairs) -> None:
         self.equations: ConeStep | StaticStep
         if self.problem.assembly.dimension == 3:
             self.equations = ConeStep(self.constants, pairs)

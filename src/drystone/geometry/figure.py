@@ -43,7 +43,6 @@ class Figure:
             whole = solid.mass_properties(vertices, faces)
             pieces = tuple(solid_parts.convex_parts(vertices, faces))
             return _of_solid(pieces, whole)
-        polygon.check_outline(vertices)
         pieces = tuple(Part(outline) for outline in outline_parts.convex_outlines(vertices))
         return _of_outline(pieces, polygon.mass_properties(vertices))
 

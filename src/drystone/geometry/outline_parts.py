@@ -27,7 +27,8 @@ def convex_outlines(vertices: Array) -> list[Array]:
     corner, whichever leaves the fewest of them and is shortest.  Given vertices keep their
     coordinates; a cut may end on an edge.  Raises `GeometryError`.
     """
-    check_outline(vertices)
+    if check_outline(vertices):
+        return [vertices]
     whole = signed_area(vertices)
     near = DEGENERATE * float(np.ptp(vertices, axis=0).max())
     todo, parts = [_Piece(vertices, np.zeros(len(vertices), bool))], []

@@ -56,16 +56,18 @@ def check_convex(vertices: Array) -> None:
         )
 
 
-def check_outline(vertices: Array) -> None:
+def check_outline(vertices: Array) -> bool:
     """Raise `GeometryError` unless these make a counter-clockwise outline, concave or not, that
-    neither crosses nor touches itself."""
+    neither crosses nor touches itself; returns whether it is convex."""
     angle = _checked_turns(vertices)
     if np.any(np.abs(angle) > np.pi - DEGENERATE):
         i = (int(np.argmax(np.abs(angle))) + 1) % len(vertices)
         x, y = vertices[i]
         raise GeometryError(f"the outline turns back at vertex {i + 1} ({x:g}, {y:g}): remove it")
-    if np.any(angle < -_rounding(vertices)):
+    convex = not np.any(angle < -_rounding(vertices))
+    if not convex:
         _check_simple(vertices)
+    return convex
 
 
 def reflex_corners(vertices: Array) -> NDArray[np.bool_]:
