@@ -42,10 +42,10 @@ class JudgedContacts(NamedTuple):
         return cls(
             contacts=contacts,
             gap=gap - history[:, joint_law.DILATION],
-            slip=np.zeros_like(shear_before),
+            slip=np.zeros(shear_before.shape),
             reaction=reaction,
             shear_before=shear_before,
-            whole=np.where(history[:, joint_law.BROKEN] == 0.0, 1.0, 0.0),
+            whole=(history[:, joint_law.BROKEN] == 0.0).astype(float),
         )
 
     @classmethod

@@ -80,7 +80,7 @@ class PointPace:
 
     def gradient(self, x: Array) -> Array:
         """See `Pace.gradient`."""
-        gradient = np.zeros_like(x)
+        gradient = np.zeros(x.shape)
         at = self.arm, x[self.body], self.axis, self.axes
         gradient[self.body] = motion.gradient_of_advance(*at)
         return gradient
