@@ -216,3 +216,88 @@ def test_a_good_direction_lets_go_of_what_a_pivot_holds_by_far_too_much():
     interior._move(np.zeros_like(interior.step.force), 1.0)
     let_go = [settings.less * settings.most_damping, settings.less * 1e4, 0.0]
     assert held[1:4].tolist() == let_go
+
+
+class Linear:
+    """Two blocks, one on the other, with a stiffness of one's own [1/s2, times the mass] in place
+    of what joints give: (2, 2), of the block that is eliminated first, and of the other."""
+
+    def __init__(self, monkeypatch, stiffness, *, force=1.0):
+        problem = problem_of(stack((1.0, 0.5), (1.0, 0.5)))
+        engine = EquilibriumEngine()
+        engine._settle = lambda state: (state, None)
+        state, _ = engine.start(problem)
+        self.interior, self.step = engine.interior, engine.interior.step
+        self.step.count, self.x = 0, np.zeros_like(state.pose)
+        self.step.inertia_factor = 0.0
+        free = np.flatnonzero(~problem.assembly.fixed)
+        self.bodies = [int(i) for i in self.step.structure.order if i in free]
+        self.mass = self.step.loads.mass
+        #: Both blocks have the same mass, so that these are the modes times it.
+        assert np.allclose(self.mass[self.bodies[0]], self.mass[self.bodies[1]])
+        self.stiffness, self.force = np.array(stiffness), force
+        monkeypatch.setattr(self.interior, "_assemble", self.assemble)
+
+    def assemble(self, x, multiplier=0.0, geometry=None):
+        step, (first, second), k = self.step, self.bodies, self.stiffness
+        mass = np.diag(self.mass[first])
+        tangent = step.tangent
+        tangent.diagonal[:], tangent.upper[:], tangent.lower[:] = 0.0, 0.0, 0.0
+        tangent.diagonal[first], tangent.diagonal[second] = k[0, 0] * mass, k[1, 1] * mass
+        pairs = step.pairs
+        (pair,) = np.flatnonzero(np.isin(pairs.a, self.bodies) & np.isin(pairs.b, self.bodies))
+        ahead = pairs.a[pair] == first
+        tangent.upper[pair] = (k[0, 1] if ahead else k[1, 0]) * mass
+        tangent.lower[pair] = (k[1, 0] if ahead else k[0, 1]) * mass
+        step.force[:] = 0.0
+        step.force[self.bodies] = self.force - self.mass[first] * (k @ x[self.bodies])
+        step.residual = float(np.abs(step.force).max())
+        return 1.0
+
+    def at(self):
+        return self.x, 0.0, self.x.copy(), 1.0, 1e-6
+
+
+#: Eigenvalues 600 and 1e6, though the first pivot is -1e6: b^2 = 6e8 + 1e6 (2e6 + 600).
+B = np.sqrt(6e8 + 1e6 * (2e6 + 600.0))
+UNSYMMETRIC = [[-1e6, B], [-B, 2e6 + 600.0]]
+
+
+def test_bodies_stand_whose_unsymmetric_tangent_has_a_negative_pivot(monkeypatch):
+    """Held by what makes it positive, 1e6 and more, they hardly move: by 600 over that each time."""
+    assert np.linalg.eigvals(UNSYMMETRIC).real == pytest.approx([600.0, 1e6], rel=1e-6)
+    case = Linear(monkeypatch, UNSYMMETRIC)
+    assert not case.interior._come_to_rest(*case.at())
+    assert case.interior._stand(*case.at())
+    mass = case.mass[case.bodies[0]]
+    expected = np.linalg.solve(UNSYMMETRIC, np.ones((2, 3)) / mass)
+    np.testing.assert_allclose(case.x[case.bodies], expected, rtol=1e-6)
+    assert not case.step.damping.any()
+
+
+@pytest.mark.parametrize(
+    "stiffness",
+    [
+        [[-1e3, 0.0], [0.0, 1e5]],  # one mode of three motions grows
+        [[-40.0, 0.0], [0.0, -4e3]],  # two do: the determinant of the whole is positive
+    ],
+)
+def test_bodies_that_fall_do_not_stand(monkeypatch, stiffness):
+    case = Linear(monkeypatch, stiffness)
+    case.x[case.bodies] = 1e-3
+    before = case.x.copy()
+    case.assemble(case.x)
+    assert not case.interior._keeps()
+    assert not case.interior._stand(*case.at())
+    assert np.array_equal(case.x, before)
+
+
+def test_only_bodies_that_do_not_stand_are_held(monkeypatch):
+    case = Linear(monkeypatch, UNSYMMETRIC)
+    nothing = np.zeros_like(case.x)
+    for standing in (False, True):
+        case.interior.standing[case.bodies[0]] = standing
+        case.assemble(case.x)
+        case.step.damping[:] = 0.0
+        assert case.interior.factorise(None, nothing)
+        assert case.step.damping.max() == 0.0 if standing else case.step.damping.max() > 1e6

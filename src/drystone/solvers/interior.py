@@ -86,6 +86,8 @@ class InteriorSettings:
     few_loose: float = 0.1
     rings: int = 8
     max_rest: int = 100
+    #: Iterations in which they stand without being held, where they do.
+    max_free: int = 6
     #: Times that they did not before the step counts as lost: they fall.
     max_unrested: int = 3
     #: Unbalanced force over that of the energy, above which the barrier waits for the bodies held.
@@ -102,7 +104,9 @@ class InteriorPoint:
         self.inner = np.zeros((n_slots, joint_law.N_INNER))
         self.change = np.zeros((n_slots, joint_law.N_CHANGE))
         self.offset = np.zeros_like(step.reaction)
-        self.unrested = 0  # times in this descent that loose bodies did not come to rest
+        #: Of this descent: times that loose bodies did not come to rest, and bodies (n,) that stand
+        #: though their pivots say that they do not.
+        self.unrested, self.standing = 0, np.zeros(len(step.damping), np.bool_)
         dead = np.abs(translations(step.loads.dead)[~step.loads.fixed]).max(axis=1)
         self.block_weight = float(dead.mean())
 
@@ -187,8 +191,11 @@ class InteriorPoint:
         n = len(part.rows)
         within.inner[:n] = self.inner[part.rows]
         moved = x[part.bodies]
-        rested = within._come_to_rest(moved, multiplier, geometry[part.bodies], energy, unrest)
-        self.unrested += not rested
+        at = moved, multiplier, geometry[part.bodies], energy, unrest
+        if not within._come_to_rest(*at):
+            stand = within._stand(*at)
+            self.standing |= loose & stand
+            self.unrested += not stand
         self.inner[part.rows] = within.inner[:n]
         step.contacts.table[part.rows] = part.step.contacts.table[:n]
         step.damping[part.bodies] = part.step.damping
@@ -216,6 +223,67 @@ class InteriorPoint:
                 return False
             self._hold(body)
         return False
+
+    def _stand(
+        self, x: Array, multiplier: float, geometry: Array, energy: float, unrest: float
+    ) -> bool:
+        """Bring the bodies to rest by Newton's method, which holds none; whether they stand there.
+
+        Friction makes the tangent unsymmetric: bodies stand of which not all pivots are positive.
+        What these need to be so is far more than they have of stiffness, so that bodies which are
+        held as much hardly move.
+        """
+        step, settings = self.step, self.settings
+        columns, n = step.frame.columns[:1], step.count
+        before = x.copy(), self.inner[:n].copy(), step.contacts.table[:n].copy()
+        for _ in range(settings.max_free):
+            self._assemble(x, multiplier, geometry)
+            if not self._keeps():
+                break
+            if step.residual <= 0.1 * unrest:
+                return True
+            _, room, _, _, _ = self._direction(columns, 0.0, None, energy, second=False)
+            length = min(1.0, (1.0 - settings.margin) * room)
+            if length <= settings.shortest:
+                break
+            self._move(x, length)
+        x[:], self.inner[:n], step.contacts.table[:n] = before
+        return False
+
+    def _keeps(self) -> bool:
+        """Whether the bodies would keep where they are: without damping, no real mode grows.
+
+        The determinant changes its sign at every damping that holds just one mode more.  Leaves the
+        factors those without damping.
+        """
+        step, settings = self.step, self.settings
+        diagonal, nothing = step.tangent.diagonal.copy(), step.frame.columns[0]
+        damping = settings.most_damping
+        while True:
+            step.tangent.diagonal[:] = diagonal
+            step.damping[:] = damping
+            if not step.factorise(None, nothing, 0.0) or not step.stable:
+                return False
+            if damping == 0.0:
+                return True
+            damping = damping * settings.less if damping > settings.least_damping else 0.0
+
+    def factorise(self, pace: Pace | None, gradient: Array) -> bool:
+        """Factorise the tangent with what holds loose bodies, but those that stand by themselves.
+
+        False if it is singular.
+        """
+        step, least = self.step, self.settings.least_damping
+        if not self.standing.any():
+            return step.factorise(pace, gradient, least)
+        diagonal = step.tangent.diagonal.copy()
+        if not step.factorise(pace, gradient, least):
+            return False
+        if (step.damping[~self.standing] > 0.0).any():
+            return True
+        step.tangent.diagonal[:] = diagonal
+        step.damping[:] = 0.0
+        return step.factorise(pace, gradient, 0.0)
 
     def _told(self, x: Array, multiplier: float, geometry: Array, tolerance: float) -> bool:
         """Choose the branches; whether they leave nothing unbalanced."""
@@ -268,6 +336,7 @@ class Descent:
         self.x, self.multiplier, self.geometry = x, multiplier, geometry
         self.pace, self.gradient = pace, gradient
         self.iterations = interior.unrested = 0
+        interior.standing[:] = False
         self.near = self.sure = False  # whether the energy is so low that the branches may tell
         if step.count == 0:
             return
@@ -312,7 +381,7 @@ class Descent:
                 if self.pace and interior.unrested == settings.max_unrested:
                     return False
                 interior._assemble(*at)
-            if not step.factorise(self.pace, self.gradient, settings.least_damping):
+            if not interior.factorise(self.pace, self.gradient):
                 return False
             if not self._descend(energy, unrest):
                 break
