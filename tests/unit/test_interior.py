@@ -264,7 +264,7 @@ UNSYMMETRIC = [[-1e6, B], [-B, 2e6 + 600.0]]
 
 
 def test_bodies_stand_whose_unsymmetric_tangent_has_a_negative_pivot(monkeypatch):
-    """Held by what makes it positive, 1e6 and more, they hardly move: by 600 over that each time."""
+    """Held by what makes it positive, 1e6 and more, they hardly move: 600 over that each time."""
     assert np.linalg.eigvals(UNSYMMETRIC).real == pytest.approx([600.0, 1e6], rel=1e-6)
     case = Linear(monkeypatch, UNSYMMETRIC)
     assert not case.interior._come_to_rest(*case.at())
