@@ -234,8 +234,9 @@ class InteriorPoint:
         held as much hardly move.
         """
         step, settings = self.step, self.settings
-        columns, n = step.frame.columns[:1], step.count
-        before = x.copy(), self.inner[:n].copy(), step.contacts.table[:n].copy()
+        columns = step.frame.columns[:1]
+        arrays = x, self.inner, step.contacts.table, step.damping
+        before = [array.copy() for array in arrays]
         for _ in range(settings.max_free):
             self._assemble(x, multiplier, geometry)
             if not self._keeps():
@@ -247,7 +248,8 @@ class InteriorPoint:
             if length <= settings.shortest:
                 break
             self._move(x, length)
-        x[:], self.inner[:n], step.contacts.table[:n] = before
+        for array, was in zip(arrays, before, strict=True):
+            array[:] = was
         return False
 
     def _keeps(self) -> bool:
