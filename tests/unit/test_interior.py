@@ -24,7 +24,7 @@ from drystone.kernels.contacts import (
     TRIAL_T,
     Contacts,
 )
-from drystone.solvers.interior import InteriorPoint
+from drystone.solvers.interior import Descent, InteriorPoint
 
 pytestmark = pytest.mark.kernels
 
@@ -186,6 +186,36 @@ def test_a_step_from_the_interior_ends_where_the_path_leads(number, monkeypatch)
             np.testing.assert_allclose(leapt.pose, followed.pose, atol=1e-8)
         state = followed
     assert compared >= 8
+
+
+@pytest.mark.compiled
+def test_newtons_method_does_without_an_interior_that_leads_nowhere(monkeypatch):
+    """From where the step starts: the descent has moved blocks, branches and trial reactions."""
+
+    def lose(descent, tolerance, *, early=False):
+        was = run(descent, tolerance, early=early)
+        lost.append(was)
+        return False
+
+    run, lost = Descent.run, []
+    engine = EquilibriumEngine()
+    state, _ = engine.start(problem_of(published_wall(2)))
+    compared = 0
+    for _ in range(12):
+        demand = Demand(increment=2e-4, over_fold=True)
+        followed, by_path = engine.step(state, demand)
+        with monkeypatch.context() as patch:
+            within = replace(engine.settings.path, worth=0, many_blocks=0)
+            patch.setattr(engine, "settings", replace(engine.settings, path=within))
+            patch.setattr(Descent, "run", lose)
+            _, by_newton = engine.step(state, demand)
+        assert by_path.converged
+        if by_newton.converged and by_path.turn is None:
+            compared += 1
+            assert by_newton.static_multiplier == pytest.approx(by_path.static_multiplier, rel=1e-6)
+        state = followed
+    assert any(lost)
+    assert compared >= 6
 
 
 def test_a_stack_settles_in_one_long_step():

@@ -11,6 +11,10 @@ back, as much as it takes to make every direction one that the structure would t
 the barrier waits until they have come to rest.  So blocks slide and fall to where they find hold.
 While they are few, they do so apart from the rest: it costs the whole next to nothing.
 
+What says that a body hangs is a pivot that is negative.  The tangent of friction is unsymmetric,
+and bodies may stand of which that is so: those that do not come to rest while they are held, but do
+by Newton's method, where no mode grows, are held no more.
+
 The unknowns approach the solution as near as tells the branches; `solvers.piecewise` does the rest.
 """
 

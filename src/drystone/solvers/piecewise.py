@@ -355,13 +355,12 @@ class _Walk:
                 return end, at
             self._set_out()
             (x[:], table[:]), step.branch[:] = before, branch
-        told, multiplier = descent.run(self.accuracy.tolerance), descent.multiplier
-        if not told and self.pace:
-            return path.LOST, multiplier
-        if not told:
-            # Blocks that hardly touch, and fall: Newton's method does without the interior.
-            step.move_trial(start - x)
-            x[:], step.branch[:] = start, branch
+        if descent.run(self.accuracy.tolerance):
+            return self._land(x, descent.multiplier, self.settings.max_leaps)
+        # Blocks that hardly touch, and fall, or jam where the barrier is yet high: Newton's method
+        # does without the interior.
+        step.move_trial(start - x)
+        x[:], step.branch[:] = start, branch
         return self._land(x, multiplier, self.settings.max_leaps)
 
     def _land(self, x: Array, multiplier: float, leaps: int) -> tuple[int, float]:
