@@ -52,6 +52,10 @@ ALL_BUT = 0.98
 CHORDS, FEW_CHORDS = 4, 2
 
 
+#: Steps since one failed, where none has.
+LONG_AGO = 1_000_000
+
+
 @dataclass(frozen=True, kw_only=True)
 class DisplacementSettings:
     """Settings of the pacing."""
@@ -82,6 +86,7 @@ class DisplacementSettings:
     easy_iterations: int = 12  # of a step up to which increments grow
     hard_iterations: int = 12  # of a step beyond which they shrink
     slow_iterations: int = 40  # of a step of a jump beyond which its time step does not grow
+    grown_after: int = 3  # steps after which increments grow again, of which one failed
     retried_after: int = 5  # steps of a jump after which a time step that failed is tried again
     static_inertia: float = 1e-3  # inertia over applied force of a step that is static again
     fall_motion: float = 25.0  # of a block, over the largest increment, in the parts of a jump in
@@ -110,7 +115,7 @@ class _State:
     time_step: float = 0.0  # s, of a jump; 0 on the static path
     shortened: bool = False  # whether the last one failed with a longer one
     too_long: float = math.inf  # s, time step of a jump that failed last
-    n_since: int = 0  # steps of the jump since then
+    n_since: int = LONG_AGO  # steps since one failed
     rested: float = 0.0  # s, time step with which the last jump seemed to be over; 0 once it was
     closing: float = math.inf  # m, of the joint that closes most under the dead load
     stage: int = FOLLOWING
@@ -353,8 +358,9 @@ class DisplacementControl:
         elif state.stage == CROSSING:
             # A jump that seemed to be over was not: something moves slowly yet.
             time_step = max(s.time_step, 1.5 * state.rested)
-            state = changed(state, stage=FOLLOWING, time_step=time_step)
+            state = changed(state, stage=FOLLOWING, time_step=time_step, n_since=LONG_AGO)
         else:
+            state = changed(state, n_since=0)
             share = report.turn[0] if report.turn else 0.5
             nearer = (0.98 * share if share < 0.9 else 0.6) * state.increment
             if nearer >= floor:
@@ -374,10 +380,11 @@ class DisplacementControl:
             scale = self._growth(state, report)
         else:
             scale = 1.0 if report.n_iterations <= s.hard_iterations else 0.7
-        if s.smooth and state.stage == NEARING:
+        n_since = state.n_since + 1
+        if s.smooth and n_since < s.grown_after:
             scale = min(scale, 1.0)  # what has just failed would fail again
         increment = min(scale * state.increment, s.displacement_step)
-        return changed(state, increment=increment, stage=FOLLOWING, rested=0.0)
+        return changed(state, increment=increment, stage=FOLLOWING, rested=0.0, n_since=n_since)
 
     def _growth(self, state: _State, report: StepReport) -> float:
         """Of increments where steps are easy: the less, the rougher the way through them was."""
@@ -399,7 +406,7 @@ class DisplacementControl:
         if self._rests(state, report):
             increment = 4.0 * s.floor_share * s.displacement_step
             state = changed(state, time_step=0.0, rested=state.time_step, increment=increment)
-            return changed(state, too_long=math.inf, n_since=0)
+            return changed(state, too_long=math.inf, n_since=LONG_AGO)
         if state.shortened or (s.smooth and report.n_iterations > s.slow_iterations):
             return changed(state, shortened=False)  # what has just failed would fail again
         longer, n_since = 1.5 * state.time_step, state.n_since + 1

@@ -166,7 +166,13 @@ class _Solver:
             if self.search.newton(s.warm_iterations, patience=s.warm_patience, gain=s.warm_gain):
                 return True
         most = s.max_iterations if thorough else s.few_iterations
-        first = Attempt(barrier=s.low, by_residual=True, iterations=most)
+        first = Attempt(
+            barrier=s.low,
+            by_residual=True,
+            iterations=most,
+            falls=s.fall.times,
+            soon=follows and not thorough,
+        )
         step.set_out(guess, multiplier)
         if self.search.interior(first):
             return True

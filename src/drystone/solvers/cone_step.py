@@ -9,6 +9,7 @@ with reactions, gaps and gradients where the step ends; see `kernels.spatial_ste
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from typing import NamedTuple, TypeVar
@@ -23,6 +24,7 @@ from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import (
     BOND,
     CRUSH,
+    FIRST,
     FRICTION,
     LIFT,
     NONE,
@@ -43,7 +45,7 @@ from drystone.kernels.forces import Tangent
 from drystone.kernels.law import H_CRUSH, H_KN, H_MU, H_PULL, H_ROOM, H_SHIFT, N_HELD, N_HISTORY
 from drystone.kernels.rotation import all_axes, difference
 from drystone.kernels.spatial_step import Places, Y
-from drystone.solvers.linear_step import Pace
+from drystone.solvers.linear_step import Pace, with_neighbours
 from drystone.solvers.shared_lu import SharedLU
 from drystone.solvers.static_step import Constants, Ended
 from drystone.solvers.tie_forces import JoinedTies
@@ -51,6 +53,7 @@ from drystone.threads import team
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 Number = TypeVar("Number", np.float64, np.int64)
 
 
@@ -136,6 +139,7 @@ class ConeStep:
         )
         self.dead, self.anchored = loads.dead, 0.0
         self.spring = 0.0
+        self.n_due = 1  # columns of the frame that the next solution is to fill
         self.pace: Pace | None = None
         self.holding, self.origin = np.zeros((0, N_HELD)), np.arange(n_slots)
         self.history: Array | None = None
@@ -292,6 +296,39 @@ class ConeStep:
         """What is missing of the pacing displacement [m]."""
         return self.pace.missing(self.x) if self.pace else 0.0
 
+    def part(self, bodies: BoolArray, rings: int) -> ConeStep | None:
+        """The same step of some bodies (n,) and rings of their neighbours, from where it is, with
+        what is around them fixed; None where none of them moves.
+
+        The multiplier is given in it, and the body that paces the step stays where it is.
+        """
+        constants, pairs = self.constants, self.pairs
+        free = with_neighbours(bodies, pairs.a, pairs.b, rings) & ~self.loads.fixed
+        if self.pace is not None:
+            free[self.pace.body] = False
+        if not free.any() or self.anchored:
+            return None
+        chosen = np.flatnonzero(free[pairs.a] | free[pairs.b])
+        slots = np.flatnonzero(np.isin(pairs.of_slot, chosen))
+        n_slots = np.bincount(pairs.of_slot, minlength=pairs.n_pairs)[chosen]
+        loads = replace(self.loads, fixed=~free, mass=np.where(free[:, None], self.loads.mass, 0.0))
+        step = ConeStep(
+            replace(constants, loads=loads),
+            Pairs.of(pairs.which[chosen, :FIRST].T, n_slots, pairs.pose),
+        )
+        step.begin(
+            self.pose,
+            Slots._make(field[slots] for field in self.known),
+            self.history_before[slots],
+            self.by_slot(self.branch)[slots],
+            1.0,
+            None,
+            self.holding[slots] if len(self.holding) else None,
+        )
+        step.inertia_factor = self.inertia_factor
+        step.set_out(self.x, self.multiplier)
+        return step
+
     # Equations.
 
     @property
@@ -353,20 +390,22 @@ class ConeStep:
         self.spring = step.stiffen(
             self.tangent.diagonal, c.mass, self.inertia_factor, self.damping, body, frame.axis
         )
+        self.n_due = 1
         pivot = self.lu.factorise(self.tangent, c.mass, self.damping, least_damping)
         frame.sign[0] = np.sign(pivot)
         if pivot == 0.0 or self.pace is None:
             return bool(pivot != 0.0)
-        columns = frame.columns
-        columns[1] = frame.load
-        np.multiply(self.spring, frame.axis, out=columns[2])
-        lu_numeric.solve(self.structure, self.factors, columns[1:])
+        frame.columns[1] = frame.load
+        np.multiply(self.spring, frame.axis, out=frame.columns[2])
+        self.n_due = 3
         return True
 
     def solve(self, missing: float) -> float:
         """Direction in the first column, from the forces there, and of the multiplier."""
         columns = self.frame.columns
-        lu_numeric.solve(self.structure, self.factors, columns[:1])
+        # What borders the matrix is solved for beside the first direction: factors are read once.
+        lu_numeric.solve(self.structure, self.factors, columns[: self.n_due])
+        self.n_due = 1
         return path.border(self.frame, columns[0], missing) if self.pace else 0.0
 
     @property

@@ -298,11 +298,7 @@ class LinearStep:
         fixed: a copy."""
         contacts = self.contacts.of(slice(self.count))
         a, b = contacts.which[:, BODY_A], contacts.which[:, BODY_B]
-        free = bodies.copy()
-        for _ in range(rings):
-            near = free[a] | free[b]
-            free[a[near]] = free[b[near]] = True
-        free &= ~self.loads.fixed
+        free = with_neighbours(bodies, a, b, rings) & ~self.loads.fixed
         rows = np.flatnonzero(free[a] | free[b])
         among = np.unique(np.concatenate((a[rows], b[rows])))
         number = np.zeros(len(free), np.int64)
@@ -340,6 +336,15 @@ class LinearStep:
             step.pulls = self.pulls[among]
             step.tie_stiffness = joined.halved(self.tie_stiffness, of_ties, within)
         return Part(step=step, bodies=among, rows=rows)
+
+
+def with_neighbours(bodies: BoolArray, a: IntArray, b: IntArray, rings: int) -> BoolArray:
+    """Bodies (n,), and as many rings of their neighbours along pairs ``a``, ``b`` (n_pairs,)."""
+    free = bodies.copy()
+    for _ in range(rings):
+        near = free[a] | free[b]
+        free[a[near]] = free[b[near]] = True
+    return free
 
 
 @dataclass(frozen=True, kw_only=True)
