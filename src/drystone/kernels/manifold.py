@@ -123,6 +123,7 @@ from drystone.kernels.overlap import (
     widened,
     width_of,
 )
+from drystone.kernels.rims import meet_rims
 from drystone.kernels.rotation import place_axes
 from drystone.kernels.separation import best_edges, best_face, nearest_edges
 
@@ -474,7 +475,6 @@ def _evaluate_all(centroid, radius_a, radius_b, turn, pose, which, value, begin,
     """Evaluate the slots from ``begin`` to ``stop``; the least gap."""
     least = np.inf
     for k in range(begin, stop):
-        value[k, BALL_3] = radius_b if which[k, KIND] == VERTEX_B else radius_a
         _evaluate(centroid, radius_a + radius_b, turn, pose, which, value, k, a, b)
         least = min(least, value[k, GAP])
     return least
@@ -561,6 +561,10 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
                 face_p, face_q, part_p, p_is_a, points, begin, end, which, value, reference,
                 incident, polygon, name, point, mark, weight, t1, t2,
             )  # fmt: skip
+            meet_rims(
+                ring, corner, local, plane, edge, turn, vertex, normal, a, b, radius[p],
+                radius[q], begin, stop, which, value, work[2:],
+            )  # fmt: skip
             least = _evaluate_all(
                 centroid, radius[p], radius[q], turn, pose, which, value, begin, stop, a, b
             )
@@ -587,6 +591,10 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
                     of_part, face_p, face_q, p if p_is_a else q, p_is_a, points, begin, end, which,
                     value, reference, incident, polygon, name, point, mark, weight, t1, t2,
                 )  # fmt: skip
+                meet_rims(
+                    ring, corner, local, plane, edge, turn, vertex, normal, a, b, radius[p],
+                    radius[q], begin, stop, which, value, work[2:],
+                )  # fmt: skip
                 least = _evaluate_all(
                     centroid, radius[p], radius[q], turn, pose, which, value, begin, stop, a, b
                 )
@@ -598,7 +606,7 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
                     local, edge, plane, extent, turn, a, begin, (edge_a, edge_b),
                     (face_a, face_b), which, value, work[0], work[1],
                 )  # fmt: skip
-                stop = begin + 1
+                stop, value[begin, BALL_3] = begin + 1, radius[q]
                 _evaluate_all(
                     centroid, radius[p], radius[q], turn, pose, which, value, begin, stop, a, b
                 )
