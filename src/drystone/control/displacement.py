@@ -73,6 +73,10 @@ class DisplacementSettings:
     crest_share: float = 5e-3  # of the peak, by which the way through a step may lie above it
     drive_share: float = 2e-2  # of the peak, by which that may lie above both ends elsewhere
     bend_share: float = 2e-3  # of the peak, that the curve may bend within a step
+    swerve_share: float = 0.1  # of their motion, by which blocks may leave in a step the direction
+    # in which it begins, where the curve bends by more than
+    swerve_bend: float = 1e-4  # of the peak, and the step is more than
+    swerve_step: float = 0.06  # of the largest
     smooth: bool = False  # whether curves bend all along, so that steps grow by how much they do
     thorough_share: float = (
         0.02  # increment over the largest, up to which such steps are worth more
@@ -249,7 +253,21 @@ class DisplacementControl:
         hidden = bend > s.bend_share * scale
         if hidden and least < share * state.increment < ALL_BUT * state.increment:
             return share * state.increment
-        return None
+        return self._straighter(state, report, scale)
+
+    def _straighter(self, state: _State, report: StepReport, scale: float) -> float | None:
+        """A smaller increment where joints have changed within the step which way the blocks go.
+
+        Its end does not tell when: a step knows only where it starts and ends, and blocks may have
+        gone all of it the way in which they end.  What they are off by they remain.
+        """
+        s = self.settings
+        if report.swerve is None or report.bend is None:
+            return None
+        least = s.swerve_step * s.displacement_step
+        if report.swerve <= s.swerve_share or report.bend[0] <= s.swerve_bend * scale:
+            return None
+        return max(0.25 * state.increment, least) if state.increment > 1.01 * least else None
 
     def _nearer(
         self, state: _State, report: StepReport, scale: float, least: float

@@ -129,6 +129,9 @@ class StepReport:
     turn: tuple[float, float] | None = None
     excess: tuple[float, float] | None = None
     bend: tuple[float, float] | None = None
+    #: Of engines that know which way the blocks set out: how far from there the step has taken the
+    #: one that it took farthest from it, over the farthest motion of all.
+    swerve: float | None = None
     #: Of engines that move through a step: by how much the multiplier on the way, inertia and all,
     #: exceeded both its ends.  Where the curve has no peak it fades with the step.
     crest: float | None = None

@@ -654,6 +654,7 @@ class EquilibriumEngine:
             turn=solved.turn,
             excess=solved.excess,
             bend=solved.bend,
+            swerve=solved.swerve,
             dynamic=outcome.inertia_ratio > self.settings.inertia_limit,
             unstable=solved.unstable,
             lost_shear=self._lost(source, then),

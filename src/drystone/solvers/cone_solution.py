@@ -343,6 +343,12 @@ class _Solver:
         self._return(at)
         return judged
 
+    def swerve(self, straight: Array) -> float:
+        """See `StepSolution`; ``straight`` (n, n_dof) goes along the tangent."""
+        step, farthest = self.step, self.step.constants.detector.farthest
+        moved = farthest(step.x)
+        return farthest(step.x - straight) / moved if moved > 0.0 else 0.0
+
     def room(self, increment: float) -> float:
         """Motion [m] up to which an equilibrium is beside another."""
         s, size = self.settings.stability, self.step.constants.detector.assembly.smallest_extent
@@ -392,7 +398,8 @@ def solve(
     step
         The equations.
     guesses
-        Increments (n, n_dof) near which the step may end, at least one.
+        Increments (n, n_dof) near which the step may end, at least one; the second is that along
+        the tangent where the step starts.
     multiplier
         Where the step starts; without a pace, the one that is asked for.
     accuracy, settings, before
@@ -427,6 +434,7 @@ def solve(
         turn=turn,
         excess=shape[0] if not reason else None,
         bend=shape[1] if not reason else None,
+        swerve=solver.swerve(guesses[1]) if follows and len(guesses) > 1 else None,
         slope=end,
         tangent=judged.tangent if judged else None,
         held=held,

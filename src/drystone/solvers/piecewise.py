@@ -102,6 +102,9 @@ class StepSolution:
     #: its chord, each with the share of the step where it does so most.
     excess: tuple[float, float] | None = None
     bend: tuple[float, float] | None = None
+    #: How far from the tangent at its start a step has taken the block that it took farthest, over
+    #: the farthest motion of all; in space.
+    swerve: float | None = None
     slope: float = np.nan  # 1/m, of the curve at the end; in space
     tangent: Array | None = None  # (n, n_dof) per m of the pacing displacement, in space
     held: float = 0.0  # 1/s2, times the mass, by which inertia held the blocks more than asked for
