@@ -38,9 +38,14 @@ def test_a_wall_of_solids_has_the_curve_of_the_plane(wall, engine):
 
 @pytest.mark.parametrize("wall", [1, 2, 3])
 def test_equilibrium_has_the_curve_of_the_plane_to_its_end(wall):
-    """Peaks to 0.1 %, ends to 3 %; the branch to a median of 0.1 % of the peak as far as a sixth
-    of its end, where nothing has jumped, and of 0.3 % in all: after a jump of wall 1 at 0.11 m both
-    go on along branches that are 0.2 to 0.4 % apart.
+    """Peaks to 0.1 %, ends to 1 %; the branch to a median of 0.02 % of the peak as far as a sixth
+    of its end, and of 0.2 % in all.
+
+    What is left is steps: those of the plane follow every change of the joints within them, those
+    of space know their ends.  Of wall 2, with steps of 1/2, 1/4 and 1/8 nowhere taken again, the
+    median fell from 0.64 to 0.27, 0.07 and 0.05 %.  At the snaps both differ by more, as they come
+    0.01 m apart: what holds a block there is a force of a few newtons that fades by one per
+    millimetre.
     """
     plane = ds.published_wall(wall)
     flat = ds.pushover(plane, engine="equilibrium")
@@ -53,6 +58,6 @@ def test_equilibrium_has_the_curve_of_the_plane_to_its_end(wall):
     (x, y), (other_x, other_y) = static_points(flat), static_points(solid)
     places = np.linspace(2e-3, min(x.max(), other_x.max()), 400)
     off = np.abs(np.interp(places, x, y) - np.interp(places, other_x, other_y))
-    assert np.median(off) <= 3e-3 * peak
-    assert np.median(off[places < x.max() / 6.0]) <= 1e-3 * peak
-    assert solid.ultimate_displacement == pytest.approx(flat.ultimate_displacement, rel=0.03)
+    assert np.median(off) <= 2e-3 * peak
+    assert np.median(off[places < x.max() / 6.0]) <= 2e-4 * peak
+    assert solid.ultimate_displacement == pytest.approx(flat.ultimate_displacement, rel=0.01)

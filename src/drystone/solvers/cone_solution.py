@@ -343,11 +343,11 @@ class _Solver:
         self._return(at)
         return judged
 
-    def swerve(self, straight: Array) -> float:
-        """See `StepSolution`; ``straight`` (n, n_dof) goes along the tangent."""
+    def swerve(self, guesses: Sequence[Array]) -> float | None:
+        """See `StepSolution`; the second guess is along the tangent."""
         step, farthest = self.step, self.step.constants.detector.farthest
         moved = farthest(step.x)
-        return farthest(step.x - straight) / moved if moved > 0.0 else 0.0
+        return farthest(step.x - guesses[1]) / moved if len(guesses) > 1 and moved > 0.0 else None
 
     def room(self, increment: float) -> float:
         """Motion [m] up to which an equilibrium is beside another."""
@@ -398,8 +398,7 @@ def solve(
     step
         The equations.
     guesses
-        Increments (n, n_dof) near which the step may end, at least one; the second is that along
-        the tangent where the step starts.
+        Increments (n, n_dof) near which the step may end; the second along the tangent, if any.
     multiplier
         Where the step starts; without a pace, the one that is asked for.
     accuracy, settings, before
@@ -434,7 +433,7 @@ def solve(
         turn=turn,
         excess=shape[0] if not reason else None,
         bend=shape[1] if not reason else None,
-        swerve=solver.swerve(guesses[1]) if follows and len(guesses) > 1 else None,
+        swerve=solver.swerve(guesses) if follows else None,
         slope=end,
         tangent=judged.tangent if judged else None,
         held=held,
