@@ -43,9 +43,8 @@ def test_equilibrium_has_the_curve_of_the_plane_to_its_end(wall):
 
     What is left is steps: those of the plane follow every change of the joints within them, those
     of space know their ends.  Of wall 2, with steps of 1/2, 1/4 and 1/8 nowhere taken again, the
-    median fell from 0.64 to 0.27, 0.07 and 0.05 %.  At the snaps both differ by more, as they come
-    0.01 m apart: what holds a block there is a force of a few newtons that fades by one per
-    millimetre.
+    median fell from 0.64 to 0.27, 0.07 and 0.05 %.  At the snaps both differ by more, as these do
+    not come at the same place.
     """
     plane = ds.published_wall(wall)
     flat = ds.pushover(plane, engine="equilibrium")
