@@ -75,7 +75,7 @@ class DisplacementSettings:
     bend_share: float = 2e-3  # of the peak, that the curve may bend within a step
     swerve_share: float = 0.1  # of their motion, by which blocks may leave in a step the direction
     # in which it begins, where the curve bends by more than
-    swerve_bend: float = 3e-5  # of the peak, and the step is more than
+    swerve_bend: float = 1e-4  # of the peak, and the step is more than
     swerve_step: float = 0.06  # of the largest
     smooth: bool = False  # whether curves bend all along, so that steps grow by how much they do
     thorough_share: float = (

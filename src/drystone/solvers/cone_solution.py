@@ -171,7 +171,7 @@ class _Solver:
             by_residual=True,
             iterations=most,
             falls=s.fall.times,
-            soon=follows and not thorough,
+            soon=not thorough,
         )
         step.set_out(guess, multiplier)
         if self.search.interior(first):
