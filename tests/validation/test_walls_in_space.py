@@ -22,10 +22,14 @@ def test_a_wall_of_solids_has_the_curve_of_the_plane(wall, engine):
     """Peaks to 0.2 %, the median over the branch to 0.3 % of the peak.
 
     Joints have the same areas and points that lie as far out; the rest is steps.  Where a jump
-    leads one curve to another branch than the other, only what lies before it is compared.
+    leads one curve to another branch than the other, only what lies before it is compared.  Of
+    wall 2 in `nscd` the steps are half as long: where joints change which way blocks go, the median
+    is 0.35 % with steps of 1 mm and 0.22 % with these.
     """
     plane = ds.published_wall(wall)
     options = {"max_displacement": 0.35 if wall == 1 else 0.5}
+    if (wall, engine) == (2, "nscd"):
+        options["displacement_step"] = 5e-4
     flat = ds.pushover(plane, engine=engine, **options)
     solid = ds.pushover(ds.extruded(plane), engine=engine, **options)
     peak = flat.peak.load_multiplier
