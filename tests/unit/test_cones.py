@@ -142,11 +142,30 @@ def test_changes_solve_the_equations_of_joints_that_yield_linearised(second):
         left += e[:, one] * e[:, other] * second
         assert left == pytest.approx(joint[of, KN] * energy, rel=1e-6)
     # How far the nearest factor lets go, and the energy where nothing has gone.
-    far, _ = cones.length(joint, inner, change)
-    ratio = inner[:, [PN, W]] / -change[:, [PN, W]]
-    ends = np.append(ratio.ravel(), (inner[capped] / -change[capped])[:, [V, CAP]].ravel())
+    far, _ = cones.length(joint, inner, change, 0.0)
+    ratio = (1.0 - cones.KEPT) * inner[:, [PN, W]] / -change[:, [PN, W]]
+    crushing = (1.0 - cones.KEPT) * (inner[capped] / -change[capped])[:, [V, CAP]]
+    ends = np.append(ratio.ravel(), crushing.ravel())
     assert far == pytest.approx(min(1.0, ends[ends > 0.0].min()), rel=1e-12)
     assert cones.energy_at(joint, 0.0, inner, change) == pytest.approx(before, rel=1e-9)
+
+
+def test_normal_reactions_leave_their_cones_by_the_leeway_and_are_put_back():
+    joint, energy = joints_of(2, np.full(2, 0.5)), 1e-3
+    trial = np.array([[5.0, 0.0, 0.0], [-5.0, 0.0, 0.0]])
+    inner, change = np.zeros((2, cones.N_INNER)), np.zeros((2, cones.N_INNER))
+    cones.centre_contacts(joint, energy, True, trial, inner)
+    beyond = np.sqrt(joint[:, cones.KN] * energy)
+    for c, of in ((0, PN), (1, W)):
+        change[:] = 0.0
+        change[c, of] = -4.0 * (inner[c, of] + beyond[c])
+        far, _ = cones.length(joint, inner, change, energy)
+        least = cones.KEPT * inner[c, of] - beyond[c]
+        assert far == pytest.approx((least - inner[c, of]) / change[c, of], rel=1e-12)
+        moved = inner + far * change
+        assert moved[c, of] < 0.0
+        cones.centre_contacts(joint, energy, False, trial, moved)
+        assert moved[:, [PN, W]] == pytest.approx(inner[:, [PN, W]], rel=1e-9)
 
 
 def test_the_scaling_takes_slacks_to_impulses():

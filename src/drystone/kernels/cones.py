@@ -45,8 +45,11 @@ N_INNER = 9
 ETA, V0, V1, V2, NN, N1, N2, T1, T2, S11, S12, S22, B0, B1, B2, R0, R1, R2 = range(18)
 N_SCALING = 18
 
-#: A pair this near to the ends of its cones, over the middle between them, is put back there.
-CENTRAL = 1e-2
+#: A pair this near to the ends of its cones, over the middle between them, is put back there; and
+#: the product of a normal reaction and its slack, over what it should be.
+CENTRAL, CENTRAL_NORMAL = 1e-2, 1e-3
+#: What a normal reaction and its slack keep of what they are in an iteration.
+KEPT = 1e-2
 #: Room that a pair keeps of its cones, over their size: with less, what slides far is lost in
 #: rounding.  Reactions are wrong by no more than that where the barrier is none, and exact once the
 #: law itself is asked.
@@ -87,6 +90,16 @@ def _is_central(inner, c, most, beta):
 
 
 @njit(cache=True, error_model="numpy")
+def _is_central_normal(joint, inner, c, product):
+    """Whether a contact's normal reaction and slack are so, for the product that they should have;
+    those of contacts that may be crushed never leave their cones."""
+    if joint[c, CRUSH] > 0.0:
+        return True
+    pn, w = inner[c, PN], inner[c, W]
+    return pn > 0.0 and w > 0.0 and pn * w >= CENTRAL_NORMAL * product
+
+
+@njit(cache=True, error_model="numpy")
 def _room_of_friction(most, size, beta):
     """The room s in (0, m] that friction leaves: (T - m + s) s (2 m - s) = beta (m - s)."""
     low, high, room = 0.0, most, min(most, max(most - size, beta / (size + most + beta / most)))
@@ -124,7 +137,7 @@ def _centre_crushing(crush, trial, product, inner, c):
 @njit(cache=True, error_model="numpy", nogil=True)
 def centre_contacts(joint, energy, everything, trial, inner):
     """Variables of contacts for their trial reactions and a barrier ``energy`` [J]: of those that
-    lie too near to the end of their cones, or of all."""
+    lie too near to the ends of their cones or outside, or of all."""
     for c in range(joint.shape[0]):
         tn, t1, t2 = trial[c, 0], trial[c, 1], trial[c, 2]
         if joint[c, HELD] != 0.0:
@@ -134,8 +147,8 @@ def centre_contacts(joint, energy, everything, trial, inner):
                 inner[c, V], inner[c, CAP] = 0.0, 0.0
             continue
         beta = 2.0 * joint[c, KS] * energy
-        if everything:
-            product = joint[c, KN] * energy
+        product = joint[c, KN] * energy
+        if everything or not _is_central_normal(joint, inner, c, product):
             larger = 0.5 * (abs(tn) + np.sqrt(tn * tn + 4.0 * product))
             inner[c, PN] = larger if tn > 0.0 else product / larger
             inner[c, W] = product / inner[c, PN]
@@ -379,25 +392,28 @@ def _within(p0, p1, p2, d0, d1, d2, far):
 
 
 @njit(cache=True, error_model="numpy")
-def length(joint, inner, change):
+def length(joint, inner, change, leeway):
     """How far all contacts may go along their changes, at most 1, by their normal reactions; and by
-    their pairs as well."""
+    their pairs as well.
+
+    Normal reactions and slacks may leave their cones by what a barrier ``leeway`` [J] makes of them
+    in the middle, sqrt(k_n e): `centre_contacts` then puts them back.
+    """
     far, pairs = 1.0, 1.0
     for c in range(inner.shape[0]):
         if joint[c, HELD] != 0.0:
             continue
         mu, pn, dn = joint[c, MU], inner[c, PN], change[c, PN]
         w, dw = inner[c, W], change[c, W]
-        if pn + far * dn < 0.0:
-            far = -pn / dn
-        if w + far * dw < 0.0:
-            far = -w / dw
         if joint[c, CRUSH] > 0.0:
-            if inner[c, V] + far * change[c, V] < 0.0:
-                far = -inner[c, V] / change[c, V]
-            if inner[c, CAP] + far * change[c, CAP] < 0.0:
-                far = -inner[c, CAP] / change[c, CAP]
-        if mu + joint[c, ROOM] > 0.0:
+            far = _up_to(inner[c, V], change[c, V], 0.0, far)
+            far = _up_to(inner[c, CAP], change[c, CAP], 0.0, far)
+            beyond = 0.0
+        else:
+            beyond = np.sqrt(joint[c, KN] * leeway)
+        far = _up_to(pn, dn, beyond, far)
+        far = _up_to(w, dw, beyond, far)
+        if mu + joint[c, ROOM] > 0.0 and pn + far * dn > 0.0:
             p1, p2, d1, d2 = inner[c, P1], inner[c, P2], change[c, P1], change[c, P2]
             most = mu * pn + joint[c, ROOM]
             if not _within(most, p1, p2, mu * dn, d1, d2, pairs):
@@ -410,9 +426,19 @@ def length(joint, inner, change):
 
 
 @njit(cache=True, error_model="numpy")
-def turns_too_far(joint, far, inner, change):
+def _up_to(value, change, beyond, far):
+    """``far``, or as far as a positive value keeps its share or gets ``beyond`` zero by no more."""
+    least = KEPT * value - beyond
+    return (least - value) / change if value + far * change < least else far
+
+
+@njit(cache=True, error_model="numpy")
+def turns_too_far(joint, far, inner, change, leeway):
     """Whether a contact leaves its cone by so much, ``far`` along its changes, that it cannot be
-    put back by turning: see `TURN`."""
+    put back by turning: see `TURN`.
+
+    Forces that a barrier ``leeway`` [J] makes fuzzy, up to sqrt(k_s e), may turn any way.
+    """
     for c in range(inner.shape[0]):
         if joint[c, HELD] != 0.0:
             continue
@@ -424,16 +450,20 @@ def turns_too_far(joint, far, inner, change):
         size, slid = p1 * p1 + p2 * p2, z1 * z1 + z2 * z2
         if size < most * most and slid < zeta * zeta and most > 0.0 and zeta > 0.0:
             continue
-        if most < OPENING * (inner[c, W] + far * change[c, W]):
+        if most <= 0.0 or most < OPENING * (inner[c, W] + far * change[c, W]):
             continue
         size, slid = np.sqrt(size), np.sqrt(slid)
         was, slid_was = np.sqrt(w1 * w1 + w2 * w2), np.sqrt(u1 * u1 + u2 * u2)
+        fuzzy = np.sqrt(joint[c, KS] * leeway)
+        if max(most, size, slid, abs(zeta)) < fuzzy:
+            continue
         # What has slid by little may stick again at once.
-        if size > 2.0 * most or (slid_was > most and slid < 0.1 * slid_was):
+        little = max(most, fuzzy)
+        if size > 2.0 * most + fuzzy or (slid_was > little and slid < 0.1 * slid_was):
             return True
-        if size > 0.3 * most and p1 * w1 + p2 * w2 < TURN * size * was:
+        if size > max(0.3 * most, fuzzy) and p1 * w1 + p2 * w2 < TURN * size * was:
             return True
-        if slid > most and z1 * u1 + z2 * u2 < TURN * slid * slid_was:
+        if slid > little and z1 * u1 + z2 * u2 < TURN * slid * slid_was:
             return True
     return False
 

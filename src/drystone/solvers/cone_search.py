@@ -38,11 +38,11 @@ class ConeSettings:
     """
 
     #: First barrier of the first attempt, and of the second, which takes no second order.
-    low: float = 1e-2
+    low: float = 1e-3
     high: float = 1.0
     #: More of the former, over the square of what is unbalanced where it begins, and at most: with
     #: less, contacts that are far from what they will be cut the way to nothing.
-    unbalanced: float = 0.03
+    unbalanced: float = 0.003
     most_unbalanced: float = 3.0
     #: More of the latter, over the work of a block's weight along the increment.
     reach: float = 0.05
@@ -57,20 +57,24 @@ class ConeSettings:
     #: barrier there.
     short: float = 0.2
     stalled: int = 4
-    recentred: int = 8
+    recentred: int = 4
     recentred_barrier: float = 1e-3
-    #: Of the way to where the interior ends.
-    share: float = 0.99
+    #: Leeway of the predictor, over the barrier that it sets out from, and of the step, over the
+    #: one that it goes to: by what normal reactions may leave their cones, and what may turn; see
+    #: `kernels.cones`.
+    predictor_leeway: float = 0.1
+    leeway: float = 1.0
+    turning_leeway: float = 10.0
     #: Part of the predictor from which on its second order counts.
     far_enough: float = 0.5
     #: Energy and unbalanced force at which the branches may be told, and energy below which there
     #: is nothing more to be found.
-    enough: float = 1e-11
+    enough: float = 1e-10
     residual: float = 1e-6
     least: float = 1e-24
     #: Iterations after which Newton's method is tried, where the unbalanced force is no more than
     #: that; how many of its own it has, and by how much it must gain in how many.
-    probe: int = 8
+    probe: int = 16
     calm: float = 0.05
     probe_iterations: int = 6
     probe_gain: float = 10.0
@@ -301,12 +305,15 @@ class ConeSearch:
         if step.pace is not None and not step.stable:
             step.damping[:] = np.maximum(settings.more * step.damping, settings.damping)
             return 1.0 if step.damping[0] < settings.most_damping else math.nan
-        far = self._length()
+        ahead = settings.predictor_leeway * energy
+        far = self._length(ahead, ahead)
         reachable = cones.energy_at(joint, far, inner, change)
         share = min(max((reachable / energy) ** 3, 1e-3), 0.8) if energy > 0.0 else 0.0
         second = attempt.second and far >= settings.far_enough
         by_multiplier = self._direction(share * energy, missing, second=second)
-        far = self._turning(min(1.0, settings.share * self._length()))
+        ahead = share * energy
+        far = self._length(settings.leeway * ahead, settings.turning_leeway * ahead)
+        far = self._turning(far)
         if not math.isfinite(by_multiplier) or not far > 0.0:
             return math.nan
         if far > 0.9:
@@ -341,11 +348,11 @@ class ConeSearch:
         step.by_contacts(go)
         return by_multiplier
 
-    def _length(self) -> float:
-        """How far all may go: pairs may leave their cones where they can be put back."""
+    def _length(self, leeway: float, turning: float) -> float:
+        """How far all may go: contacts may leave their cones where they can be put back."""
         step, n = self.step, self.step.n
         joint, inner, change = step.joint[:n], step.inner[:n], step.change[:n]
-        far, least = cones.length(joint, inner, change)
-        while far > least and cones.turns_too_far(joint, far, inner, change):
+        far, least = cones.length(joint, inner, change, leeway)
+        while far > least and cones.turns_too_far(joint, far, inner, change, turning):
             far *= 0.8
         return float(max(far, least))

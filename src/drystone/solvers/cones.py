@@ -24,8 +24,8 @@ Array = NDArray[np.float64]
 
 #: Barrier to begin with, over what an impulse of usual size stores in its joint.
 FIRST = 1e-2
-#: Of the way to where the interior ends, and the least of it that is worth going on with.
-SHARE, LEAST = 0.99, 1e-4
+#: The least part of an iteration that is worth going on with.
+LEAST = 1e-4
 #: The products of the changes count where the step without a barrier gets so far.
 FAR_ENOUGH = 0.5
 #: Barrier over the first at which the branches can be told apart; how many iterations there are.
@@ -102,7 +102,7 @@ class Interior:
         reachable = kernels.energy_at(joint, far, self.inner, self.change)
         share = min(max((reachable / self.energy) ** 3, 1e-3), 0.8)
         moved = self._solve(share * self.energy, second=far >= FAR_ENOUGH)
-        far = min(1.0, SHARE * self._length())
+        far = self._length()
         self.inner += far * self.change
         self.velocity += far * moved
         self._renew()
@@ -112,8 +112,9 @@ class Interior:
 
     def _length(self) -> float:
         """How far all may go: pairs may leave their cones where they can be put back."""
-        far, least = kernels.length(self.joint, self.inner, self.change)
-        while far > least and kernels.turns_too_far(self.joint, far, self.inner, self.change):
+        joint, inner, change = self.joint, self.inner, self.change
+        far, least = kernels.length(joint, inner, change, 0.0)
+        while far > least and kernels.turns_too_far(joint, far, inner, change, 0.0):
             far *= 0.8
         return float(max(far, least))
 
