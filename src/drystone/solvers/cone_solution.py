@@ -176,15 +176,13 @@ class _Solver:
         step.set_out(guess, multiplier)
         if self.search.interior(first):
             return True
-        if not thorough:
-            return False
+        if follows or not thorough:
+            return False  # what is not found so is followed in motion
         step.set_out(guess, multiplier)
         if self.search.interior(
             replace(first, least_damping=self.settings.stability.least_damping)
         ):
             return True
-        if follows:
-            return False  # what is not found so is followed in motion
         step.set_out(step.given.copy(), multiplier)
         return self.search.interior(
             Attempt(
