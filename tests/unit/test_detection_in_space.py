@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+import buildings
 import drystone as ds
 from drystone.assembly import Assembly, Block, Corner
 from drystone.contact.detection import Detector
+from drystone.frame import Frame
 from drystone.geometry import solid
+from drystone.kernels.contacts import NONE, A, B
 from drystone.kernels.law import MU
 from solids import box, joint, leaf, one_block, turned
 
@@ -93,3 +96,20 @@ def test_packed_contacts_balance_and_weigh_by_their_area():
     np.testing.assert_allclose(contacts.rows[:, 1:3], contacts.rows[:, 3:5], atol=0.0)
     assert contacts.table[:, 0].sum() == pytest.approx(1e9 * 0.24)
     assert contacts.table[:, 1].sum() == pytest.approx(5e8 * 0.24)
+
+
+@pytest.mark.compiled
+def test_no_contact_is_without_a_joint():
+    """Two stones of a dome, apart, whose faces overlap in a triangle; one of its corners has no
+    share of the area, and without stiffness no step is solved."""
+    drawn = buildings.dome().assembly
+    assembly = Frame.of(drawn).assembly(drawn)
+    detector, pose = Detector(assembly), assembly.rest_pose()
+    pose[19] = 0.008857, 0.044211, 0.001658, 0.999577, -0.011035, 0.024977, 0.010043
+    pose[30] = 0.020606, 0.053465, 0.008265, 0.99945, -0.013373, 0.02818, 0.011282
+    pairs = detector.pairs(pose)
+    slots = detector.find(pairs, pose)
+    used = slots.kind != NONE
+    assert np.all(slots.size[used] > 0.0)
+    of = pairs.which[pairs.of_slot]
+    assert np.count_nonzero(used & (of[:, A] == 19) & (of[:, B] == 30)) == 2

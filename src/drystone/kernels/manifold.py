@@ -361,6 +361,8 @@ def _write_points(
     for i in range(n_points):
         if k >= end:
             break
+        if weight[i] == 0.0:  # no joint behind it
+            continue
         type_ = mark[i, TYPE]
         swapped = type_ == VERTEX_P
         carrier = face_q if swapped else face_p
