@@ -158,7 +158,7 @@ class _Solver:
     ) -> bool:
         """An equilibrium from a guess, or be it from far; whether there is one.
 
-        Less is tried where a step ``follows`` a curve, least where it is not ``thorough``.
+        There is one attempt where a step is paced, a short one where it is not ``thorough``.
         """
         step, s = self.step, self.settings.cones
         if warm:
@@ -176,8 +176,8 @@ class _Solver:
         step.set_out(guess, multiplier)
         if self.search.interior(first):
             return True
-        if follows or not thorough:
-            return False  # what is not found so is followed in motion
+        if follows or not thorough or step.pace is not None:
+            return False  # what is not found so is tried in motion, or shorter
         step.set_out(guess, multiplier)
         if self.search.interior(
             replace(first, least_damping=self.settings.stability.least_damping)
