@@ -110,7 +110,7 @@ class Start(NamedTuple):
     held: Array  # (n_slots, N_HELD), see `kernels.law`; (0, N_HELD) where all joints are dry
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def pack(slots, pairs, laws, thickness, contacts):
     """Fill ``contacts`` from the slots in use, but for what the last step did; their number."""
     count = pack_laws(slots, pairs, laws, thickness, contacts)
@@ -122,7 +122,7 @@ def pack(slots, pairs, laws, thickness, contacts):
     return count
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def pack_laws(slots, pairs, laws, thickness, contacts):
     """The same but for the gradients, in both dimensions; in space ``thickness`` is one."""
     meets, value = slots
@@ -145,7 +145,7 @@ def pack_laws(slots, pairs, laws, thickness, contacts):
     return count
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def joint_forces(
     slots, pairs, laws, thickness, start, history_before, increment, contacts, force, branch,
     reaction, history,
@@ -248,7 +248,7 @@ def joint_forces(
     return count
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def move_trial(which, rows, table, count, motion):
     """Trial reactions where the blocks have moved on by ``motion`` (n, n_dof), to first order."""
     for c in range(count):
@@ -258,7 +258,7 @@ def move_trial(which, rows, table, count, motion):
         table[c, TRIAL_T] -= table[c, STIFF_T] * along(rows, c, MEASURED, motion, a, b)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def geometric_stiffness(slots, contacts, count, reaction, tangent):
     """Fill ``tangent`` with what turning contacts, at held reactions, add to that of minus forces.
 
@@ -290,7 +290,7 @@ def geometric_stiffness(slots, contacts, count, reaction, tangent):
         add_blocks(hess, which[c, BODY_A], which[c, BODY_B], which[c, PAIR], diagonal, upper, lower)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_blocks(hess, a, b, p, diagonal, upper, lower):
     """Add a contact of pair p, by the motions of both bodies, to the blocks of a matrix."""
     for i in range(N_DOF):
@@ -301,7 +301,7 @@ def add_blocks(hess, a, b, p, diagonal, upper, lower):
             lower[p, i, j] += hess[N_DOF + i, j]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def assemble(contacts, count, pairs, response, geometric, motion, force, tangent):
     """Forces of all contacts that respond as given, and the tangent of minus them.
 

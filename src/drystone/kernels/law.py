@@ -127,13 +127,13 @@ W, P, Q, NEAR, FAR, V, CAP, D_TRIAL_N, D_TRIAL_T = 2, 3, 4, 5, 6, 7, 8, 9, 10
 N_INNER, N_CHANGE = 9, 11
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def slide(rn, rt, stiffness, friction, lift):
     """How far a joint has slid under trial reactions beyond the cone, shear taken positive [m]."""
     return (rt - friction * rn) / (stiffness + friction * lift)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def branch_of(table, c, hint):
     """Branch of the law for the trial reactions of a row of the table."""
     rn = table[c, TRIAL_N]
@@ -155,7 +155,7 @@ def branch_of(table, c, hint):
     return STICKING if over <= 0.0 else sliding
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def reactions(table, c, branch):
     """Normal and tangential reaction [N] in a branch of the law, and the sliding in it [m]."""
     rn = table[c, TRIAL_N]
@@ -175,7 +175,7 @@ def reactions(table, c, branch):
     return rn - pull, sign * mu * rn + sign * room, gamma
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def respond(which, table, count, branch, response):
     """Fill reactions and their derivatives by the trial reactions, (n_slots, N_RESPONSE)."""
     for c in range(count):
@@ -196,12 +196,12 @@ def respond(which, table, count, branch, response):
         response[c, TN], response[c, TT] = tn, tt
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def distance(table, c, now, rate_n, rate_t, whole):
     """How far along the direction a contact leaves its branch, and for which one."""
     if now > BONDED or (table[c, ROOM] > 0.0 and now != BONDED):
         return distance_beyond(table, c, now, rate_n, rate_t, whole)
-    nearest, following = _distance_of_dry(table, c, now, rate_n, rate_t, whole)
+    nearest, following = distance_of_dry(table, c, now, rate_n, rate_t, whole)
     crush = crushing(table, c)
     if crush < np.inf and OPEN < now < BONDED and rate_n > 0.0:
         far = max(crush - table[c, TRIAL_N], 0.0) / rate_n
@@ -210,8 +210,17 @@ def distance(table, c, now, rate_n, rate_t, whole):
     return nearest, following
 
 
-@njit(cache=True)
-def _distance_of_dry(table, c, now, rate_n, rate_t, whole):
+@njit(cache=True, error_model="numpy")
+def all_dry(table, count):
+    """Whether no contact softens or may be crushed."""
+    beyond = 0
+    for c in range(count):
+        beyond += table[c, ROOM] > 0.0 or table[c, CRUSH] > 0.0
+    return beyond == 0
+
+
+@njit(cache=True, error_model="numpy")
+def distance_of_dry(table, c, now, rate_n, rate_t, whole):
     rn, rt = table[c, TRIAL_N], table[c, TRIAL_T]
     kt, mu, lift = table[c, STIFF_T], table[c, FRICTION], table[c, LIFT]
     nearest = np.inf
@@ -250,7 +259,7 @@ def _distance_of_dry(table, c, now, rate_n, rate_t, whole):
     return nearest, following
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def landing(table, c, now):
     """Branch of the law for trial reactions.
 
@@ -270,7 +279,7 @@ def landing(table, c, now):
     return STICKING if sense(now) * rt < 0.0 else sliding
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def change(table, rows, c, before, after, u, v, k):
     """Fill u (2 n_dof,) and v[k, 0] with the u and v by whose product the matrix changes with the
     branch of contact c."""
@@ -295,7 +304,7 @@ def change(table, rows, c, before, after, u, v, k):
         v[k, 0, i] = slid / along
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def commit(table, c, before):
     """Make the sliding of a contact part of its history, where it sticks or opens; and forget
     the shear of one that was open."""
@@ -318,7 +327,7 @@ def commit(table, c, before):
         table[c, PLASTIC] += gamma
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def joint_law_violation(table, gap, slip, reaction, shear_before, whole):
     """Largest distances [N] of reactions from those that the joint law gives.
 
@@ -381,7 +390,7 @@ def joint_law_violation(table, gap, slip, reaction, shear_before, whole):
     return normal, tangential, cone
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def remember(which, table, count, history_before):
     """Sliding that has ended becomes part of what contacts bring along (n_slots, N_HISTORY)."""
     for c in range(count):
@@ -394,7 +403,7 @@ def remember(which, table, count, history_before):
         table[c, PLASTIC] = 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def inherit(source, history, reaction, branch, new_history, new_reaction, new_branch):
     """Fill what slots have from those that they go on in, ``source``; -1 marks contacts that are
     new: open, without shear, and never bonded."""
@@ -558,7 +567,7 @@ def choose(contacts, count, inner, branch):
             branch[k] += CRUSHED
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def local_impulse(bn, bt, cnn, wnt, wtt, mu):
     """Impulses of one contact for itself [N s]: see `kernels.nlgs` for its equations.
 
@@ -585,7 +594,7 @@ def local_impulse(bn, bt, cnn, wnt, wtt, mu):
     return pn, pt
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _sliding(angle, a1, a2, m11, m12, m21, m22):
     """Of the sliding velocity a + M t for friction along t, at an angle: its part across t, how
     that goes with the angle, and its part along t."""
@@ -595,7 +604,7 @@ def _sliding(angle, a1, a2, m11, m12, m21, m22):
     return c * v2 - s * v1, c * (m22 * c - m21 * s) - s * (m12 * c - m11 * s) - along, along
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _sliding_angle(start, a1, a2, m11, m12, m21, m22):
     """Angle of the friction that opposes sliding, and whether there is one: see `_sliding`.
 
@@ -628,7 +637,7 @@ def _sliding_angle(start, a1, a2, m11, m12, m21, m22):
     return start, False
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def local_impulse_in_space(bn, b1, b2, w, cnn, mu, p):
     """Fill ``p`` (3,) with the impulses of one contact for itself [N s]; see `local_impulse`.
 
@@ -669,7 +678,7 @@ def local_impulse_in_space(bn, b1, b2, w, cnn, mu, p):
         p[1], p[2] = mu * p[0] * c, mu * p[0] * s
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def held_impulse(pn, pt, mu, held):
     """Impulses of trial ones [N s], and their branch; one that is ``held`` sticks anyway."""
     if pn <= 0.0:
@@ -680,7 +689,7 @@ def held_impulse(pn, pt, mu, held):
     return pn, pt, STICKING
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def impulse_in(branch, pn, pt, mu):
     """Impulses [N s] in a branch, for trial ones."""
     if branch == OPEN:
@@ -690,7 +699,7 @@ def impulse_in(branch, pn, pt, mu):
     return pn, pt
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def branch_of_impulse(pn, pt, mu):
     """The branch that impulses lie on."""
     limit = mu * pn
@@ -701,7 +710,7 @@ def branch_of_impulse(pn, pt, mu):
     return FORWARD if pt > 0.0 else BACKWARD
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def held_impulse_in_space(pn, p1, p2, mu, held):
     """`held_impulse` with two tangential ones; what slides has the branch SLIDING."""
     if pn <= 0.0:
@@ -713,7 +722,7 @@ def held_impulse_in_space(pn, p1, p2, mu, held):
     return pn, p1, p2, STICKING
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def status_of(pairs, laws, reaction, status):
     """Fill what slots are called in results (n_slots,) by their reactions (n_slots, dim) [N]."""
     pair, of_pair = pairs.of_slot, pairs.which
@@ -728,7 +737,7 @@ def status_of(pairs, laws, reaction, status):
             status[k] = SLIDING if np.sqrt(square) >= limit else STICKING
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def opens(rn, gap, tension, whole):
     """Whether a contact is open in a cycle, and whether its bond is ``whole`` still.
 
@@ -740,7 +749,7 @@ def opens(rn, gap, tension, whole):
     return not whole or tension == 0.0, whole
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def drag(rn, rt, bond, kn, ks, mu, tan_psi):
     """Reactions [N] of trial ones in a cycle, the contact's status then, and how far it slid [m].
 
@@ -756,7 +765,7 @@ def drag(rn, rt, bond, kn, ks, mu, tan_psi):
     return rn, mu * rn if rt > 0.0 else -mu * rn, SLIDING, gamma
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def drag_along(rn, r1, r2, bond, kn, ks, mu, tan_psi):
     """As `drag`, for two tangential components: the joint slides against the trial shear."""
     trial = np.sqrt(r1 * r1 + r2 * r2)

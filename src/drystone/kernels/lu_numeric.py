@@ -235,36 +235,6 @@ def assemble(structure, s, diagonal, upper, lower, factors):
         c = fronts[c, SIBLING]
 
 
-def factorise(
-    structure: Structure,
-    diagonal: Array,
-    upper: Array,
-    lower: Array,
-    factors: Factors,
-    mass: Array,
-    damping: Array,
-    least: float,
-) -> float:
-    """Factorise the matrix of the blocks ``diagonal`` (n, n_dof, n_dof), ``upper`` (n_pairs, n_dof,
-    n_dof) in the rows of a and columns of b, and ``lower`` in the rows of b and columns of a.
-
-    Where ``least`` is positive, bodies whose pivots have a negative determinant are held: to the
-    diagonal of the pivot their ``mass`` (n, n_dof) is added ``least`` times, or twice as often as
-    makes the determinant positive.  ``damping`` (n,) counts how often.
-
-    Returns the smallest pivot over the largest entry of its column in the body's own block, at most
-    1, with the sign of the determinant; 0, with the factors unusable, for singular matrices and
-    such as hold NaN.
-    """
-    last = structure.fronts[-1]
-    blocks = diagonal, upper, lower
-    n_fronts = len(structure.fronts) - 1
-    pivot = factorise_fronts(
-        structure, 0, n_fronts, last[UPDATE], *blocks, factors, mass, damping, least
-    )
-    return float(pivot)
-
-
 @njit(cache=True, error_model="numpy", nogil=True)
 def factorise_fronts(
     structure, low, high, scratch_at, diagonal, upper, lower, factors, mass, damping, least
@@ -324,6 +294,26 @@ def factorise_fronts(
             (q, nd * w, q),
         )  # fmt: skip
     return sign * smallest
+
+
+@njit(cache=True, error_model="numpy")
+def factorise(structure, diagonal, upper, lower, factors, mass, damping, least):
+    """Factorise the matrix of the blocks ``diagonal`` (n, n_dof, n_dof), ``upper`` (n_pairs, n_dof,
+    n_dof) in the rows of a and columns of b, and ``lower`` in the rows of b and columns of a.
+
+    Where ``least`` is positive, bodies whose pivots have a negative determinant are held: to the
+    diagonal of the pivot their ``mass`` (n, n_dof) is added ``least`` times, or twice as often as
+    makes the determinant positive.  ``damping`` (n,) counts how often.
+
+    Returns the smallest pivot over the largest entry of its column in the body's own block, at most
+    1, with the sign of the determinant; 0, with the factors unusable, for singular matrices and
+    such as hold NaN.
+    """
+    n_fronts = structure.fronts.shape[0] - 1
+    scratch_at = structure.fronts[n_fronts, UPDATE]
+    return factorise_fronts(
+        structure, 0, n_fronts, scratch_at, diagonal, upper, lower, factors, mass, damping, least
+    )
 
 
 @njit(cache=True, error_model="numpy")
@@ -403,8 +393,10 @@ def solve(structure, factors, rhs):
                 else:
                     for d in range(nd):
                         left = panels[rows + (k + d) * m : rows + (k + d) * m + k]
+                        rest = t[d]
                         for j in range(k):
-                            t[d] -= left[j] * y[j]
+                            rest -= left[j] * y[j]
+                        t[d] = rest
                 for d in range(nd):
                     y[k + d] = 0.0
                     for e in range(nd):

@@ -20,7 +20,7 @@ from drystone.kernels.contacts import (
 )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def sum_blocks(
     increment, acceleration, velocity, contact, held, dead, pattern, mass, fixed, direction,
     multiplier,
@@ -84,7 +84,7 @@ def sum_blocks(
     return carried, inertia, np.sqrt(fastest), kinetic, abs(work), push, strokes, resistance
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def count_contacts(slots, status, counts):
     """Count the contacts of each status into ``counts`` (3,); returns the deepest overlap [m]."""
     which, value = slots
@@ -97,7 +97,7 @@ def count_contacts(slots, status, counts):
     return deepest
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def contact_points(slots, pairs, centroid, radius, pose, used, position):
     """Fill ``position`` (n_contacts, dim) [m] of the slots ``used``, in the poses (n, n_pose)."""
     (which, value), pair, of_pair = slots, pairs.of_slot, pairs.which
@@ -116,7 +116,7 @@ def contact_points(slots, pairs, centroid, radius, pose, used, position):
             position[row, d] = place + reach * value[k, NORMAL + d]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def farthest(increment, extent):
     """Largest bound on the displacement of any point of a block [m] for increments (n, n_dof)."""
     most = 0.0
@@ -134,7 +134,7 @@ def farthest(increment, extent):
     return most
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def mark_loose(pairs, slots, reaction, fixed, part):
     """Whether a body hangs on to none that is ``fixed`` (n,), be it through others.
 
@@ -166,7 +166,7 @@ def mark_loose(pairs, slots, reaction, fixed, part):
     return loose
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def left_behind(source, shear):
     """Sum of the sizes of tangential reactions (n, dim - 1) that no slot has for its ``source``.
 

@@ -104,7 +104,7 @@ class World(NamedTuple):
     turn: Array  # (n, 2) sine and 1 - cosine of each body's rotation
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def place(bodies, pose, world):
     """World coordinates of all core vertices and edge tangents in the given poses."""
     for part in range(bodies.of_part.shape[0]):
@@ -130,7 +130,7 @@ def place(bodies, pose, world):
             world.tangent[v, 1] = s * tx + c * ty
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _best_edge(offset, vertex, tangent, a, b):
     """Edge of a whose outward normal separates a and b most, and that separation [m]."""
     best = -np.inf
@@ -150,7 +150,7 @@ def _best_edge(offset, vertex, tangent, a, b):
     return edge, best
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _most_opposed(offset, tangent, edge, b):
     """Edge of b whose tangent is most opposed to that of ``edge``."""
     best = np.inf
@@ -163,7 +163,7 @@ def _most_opposed(offset, tangent, edge, b):
     return found
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _nearly_as_opposed(first, end, tangent, edge, found):
     """The edge beside ``found`` that is the more opposed to ``edge``, and its share of the length.
 
@@ -183,7 +183,7 @@ def _nearly_as_opposed(first, end, tangent, edge, found):
     return beside, 0.5 * (1.0 - away) ** 2 if away < 1.0 else 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _overlap(length, setback, vertex, tangent, ea, eb, a1, b1):
     """Half of what faces itself of the edges ``ea`` and ``eb``, which end at a1 and b1 [m]."""
     start = max(_along(vertex, tangent, ea, b1) - setback[eb, 1], -setback[ea, 0])
@@ -191,14 +191,14 @@ def _overlap(length, setback, vertex, tangent, ea, eb, a1, b1):
     return max(0.5 * (end - start), LEAST_SHARE * min(length[ea], length[eb]))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _along(vertex, tangent, edge, v):
     """Coordinate of a vertex along an edge, from the edge's start [m]."""
     x = (vertex[v, 0] - vertex[edge, 0]) * tangent[edge, 0]
     return x + (vertex[v, 1] - vertex[edge, 1]) * tangent[edge, 1]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _end(length, vertex, tangent, radii, ea, eb, va, vb, reference_is_a):
     """Kind and features of the contact at one end of the interface of edges ``ea`` and ``eb``.
 
@@ -233,7 +233,7 @@ def _end(length, vertex, tangent, radii, ea, eb, va, vb, reference_is_a):
 
 
 # Many: arrays one by one, for records that are handed on count references at every pair.
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _interface(
     offset, following, length, setback, radii, vertex, tangent, p, q, reach, which, value, k, points
 ):
@@ -297,14 +297,14 @@ def _interface(
         value[slot, INSIDE] = (s0 - start - (end - start) * j * share) / (s0 - s1)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _turned(turn, body, x, y):
     """What the rotation of a body adds to a vector of it."""
     sine, versine = turn[body, 0], turn[body, 1]
     return -versine * x - sine * y, sine * x - versine * y
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _measure(bodies, pose, world, pairs, slots):
     """Everything else about the contacts of all slots, whose features are given."""
     # Fields read once: in the loop each reading would count references.
@@ -366,7 +366,7 @@ def _measure(bodies, pose, world, pairs, slots):
         value[k, ARM_B], value[k, ARM_B + 1] = bx, by
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def find_contacts(bodies, pose, world, pairs, reach, slots):
     """Fill the slots of all pairs in the given poses; ``reach`` [m] is the largest gap watched."""
     place(bodies, pose, world)
@@ -388,7 +388,7 @@ def find_contacts(bodies, pose, world, pairs, reach, slots):
             which[k, KIND] = NONE
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def follow_contacts(bodies, pose, world, pairs, known, slots):
     """Fill the slots in new poses with the features that ``known`` slots have.
 
@@ -404,7 +404,7 @@ def follow_contacts(bodies, pose, world, pairs, known, slots):
     _measure(bodies, pose, world, pairs, slots)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def changed_contacts(before, after, depth):
     """Number of contacts that press more than ``depth`` [m] and are not the same in both."""
     was, now = before.value, after.value
@@ -424,7 +424,7 @@ def changed_contacts(before, after, depth):
     return changed
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def find_predecessors(pairs, previous, slots, source):
     """For every slot, the slot of the same pair whose history it goes on with, or -1.
 

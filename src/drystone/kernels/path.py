@@ -34,14 +34,23 @@ from drystone.kernels.contacts import (
 from drystone.kernels.law import (
     OPEN,
     STICKING,
+    all_dry,
     change,
     commit,
     distance,
+    distance_of_dry,
     landing,
 )  # fmt: skip
 from drystone.kernels.lu_numeric import solve
 from drystone.kernels.rows import MEASURED, OF_GAP, along
-from drystone.kernels.yielding import along_joint, friction_in, held_normal, sense
+from drystone.kernels.yielding import (
+    BACKWARD,
+    FORWARD,
+    along_joint,
+    friction_in,
+    held_normal,
+    sense,
+)
 
 #: How a path ends: where it should; before it, as it turns back; at a change after which the
 #: matrix must be made anew; after too many changes; where there is no direction; with more
@@ -75,7 +84,7 @@ class Frame(NamedTuple):
     bends: Array  # (n_bends, 2) share of the step and multiplier at every change
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _dot(first, second):
     total = 0.0
     for i in range(first.shape[0]):
@@ -84,7 +93,7 @@ def _dot(first, second):
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def border(frame, x, lag):
     """From K'^-1 rhs to the solution of K dx - F dl = rhs, g . dx = lag, in place; returns dl.
 
@@ -106,14 +115,23 @@ def border(frame, x, lag):
     return change
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _rates(table, rows, c, field, a, b):
     """Rates of the trial reactions of contact c along a field of the bodies' motion."""
     gap, slip = along(rows, c, OF_GAP, field, a, b), along(rows, c, MEASURED, field, a, b)
     return -table[c, STIFF_N] * gap, -table[c, STIFF_T] * slip
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
+def _sliding_back(table, c, now, rate_n, rate_t):
+    """How fast a sliding contact goes on along its branch, negative where it goes back [m]."""
+    if now <= BACKWARD:
+        sign = 1.0 if now == FORWARD else -1.0
+        return (sign * rate_t - table[c, FRICTION] * rate_n) / table[c, STIFF_T]
+    return sense(now) * rate_t / table[c, STIFF_T]
+
+
+@njit(cache=True, error_model="numpy")
 def _ahead(contacts, count, direction, branch, whole):
     """How many contacts would change on the way along the direction."""
     which, rows, table = contacts
@@ -133,7 +151,7 @@ def _ahead(contacts, count, direction, branch, whole):
     return changed
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _leap(contacts, count, direction, branch):
     """Take all contacts to the end of the direction and to the branches they have there."""
     which, rows, table = contacts
@@ -146,7 +164,7 @@ def _leap(contacts, count, direction, branch):
         branch[which[c, SLOT]] = landing(table, c, branch[which[c, SLOT]])
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _keep_slow(contacts, count, branch):
     """Make sliding back that was too slow to end a part of the history."""
     table, which = contacts.table, contacts.which
@@ -159,8 +177,8 @@ def _keep_slow(contacts, count, branch):
                 commit(table, c, now)
 
 
-@njit(cache=True, inline="always")
-def _next_change(contacts, count, branch, direction, ahead, whole, last, left_behind, rate):
+@njit(cache=True, error_model="numpy", inline="always")
+def _next_change(contacts, count, branch, direction, ahead, whole, dry, last, left_behind, rate):
     """The first contact that leaves its branch along the direction, which ``rate`` is filled for.
 
     The contact ``last`` does not go back to the branch it has ``left_behind``.  Returns how far
@@ -180,9 +198,8 @@ def _next_change(contacts, count, branch, direction, ahead, whole, last, left_be
         rate_t *= ahead
         rate[c, 0], rate[c, 1] = rate_n, rate_t
         now = branch[which[c, SLOT]]
-        sign = 0.0 if whole else sense(now)
-        if sign != 0.0:
-            speed = (sign * rate_t - friction_in(table, c, now) * rate_n) / table[c, STIFF_T]
+        if not whole and now > STICKING:
+            speed = _sliding_back(table, c, now, rate_n, rate_t)
             if speed < slowest:
                 slowest = speed
                 chosen = c
@@ -190,7 +207,10 @@ def _next_change(contacts, count, branch, direction, ahead, whole, last, left_be
                 nearest, back = 0.0, True
         if back:
             continue
-        far, other = distance(table, c, now, rate_n, rate_t, whole)
+        if dry:
+            far, other = distance_of_dry(table, c, now, rate_n, rate_t, whole)
+        else:
+            far, other = distance(table, c, now, rate_n, rate_t, whole)
         if c == last and other == left_behind:
             continue
         if far < nearest:
@@ -200,7 +220,7 @@ def _next_change(contacts, count, branch, direction, ahead, whole, last, left_be
     return nearest, chosen, following
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, error_model="numpy", inline="always")
 def _add_change(structure, factors, frame, paced, contacts, chosen, before, following, new):
     """Take the change of a contact's branch into the matrix, as number ``new`` since it was made.
 
@@ -232,7 +252,7 @@ def _add_change(structure, factors, frame, paced, contacts, chosen, before, foll
     return pivots[new]
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, error_model="numpy", inline="always")
 def _first_direction(structure, factors, frame, paced, force, lag, spring):
     """Fill the first direction; returns how the multiplier changes along it, NaN for none."""
     columns = frame.columns[:3] if paced else frame.columns[:1]
@@ -246,7 +266,7 @@ def _first_direction(structure, factors, frame, paced, force, lag, spring):
     return border(frame, columns[0], lag) if paced else 0.0
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, error_model="numpy", inline="always")
 def _go(direction, length, x, rate, share, table, count):
     """Move increments and trial reactions along."""
     for i in range(x.shape[0]):
@@ -258,7 +278,7 @@ def _go(direction, length, x, rate, share, table, count):
 
 
 # Many: what is unknown, what it starts from, and when to stop.
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def follow_path(
     structure, factors, frame, paced, whole, contacts, count, branch, force, lag, spring, x,
     multiplier, left, changes, patience, worth, leap,
@@ -312,12 +332,12 @@ def follow_path(
             _leap(contacts, count, direction, branch)
             _go(direction, 1.0, x, rate, 0.0, table, 0)
             return MANY, multiplier + by_direction, left, changes
-    ahead = frame.sense[0]
+    ahead, dry = frame.sense[0], all_dry(table, count)
     new, last = -1, -1  # change since the factorisation, and the contact that has changed
     before = OPEN
     while True:
         nearest, chosen, following = _next_change(
-            contacts, count, branch, direction, ahead, whole, last, before, rate
+            contacts, count, branch, direction, ahead, whole, dry, last, before, rate
         )
         arrives = ahead > 0.0 and nearest >= 1.0
         length = 1.0 if arrives else nearest
@@ -360,7 +380,7 @@ def follow_path(
             frame.sense[0] = ahead
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, error_model="numpy", inline="always")
 def _bend(frame, contacts, chosen, new, scale, direction, by_direction):
     """Turn the direction by the latest change, over what is left of it; see `_add_change`."""
     which, w = contacts.which, frame.changes[new]

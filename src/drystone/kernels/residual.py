@@ -9,7 +9,7 @@ from drystone.kernels.contacts import BODY_A, BODY_B
 from drystone.kernels.rows import IN_PLANE, IN_SPACE, add_reaction
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def unbalanced_force(force, inertia, extent, fixed):
     """Largest force, or moment over block size, that is not balanced on a movable block [N].
 
@@ -34,7 +34,7 @@ def unbalanced_force(force, inertia, extent, fixed):
     return worst
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_contact_forces(contacts, reaction, force):
     """Add H^T r to ``force`` (n, n_dof) on all bodies, fixed ones included."""
     which, rows, _ = contacts
@@ -46,7 +46,7 @@ def add_contact_forces(contacts, reaction, force):
             add_reaction(IN_PLANE, rows, c, reaction, c, a, b, force)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def mark_held(contacts, reaction, held):
     """Set ``held`` (n,) for bodies on which a contact acts."""
     which = contacts.which

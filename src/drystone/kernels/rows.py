@@ -41,7 +41,7 @@ def dof_of(field):
     return IN_PLANE if field.shape[1] == len(IN_PLANE) else IN_SPACE
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def gradients(value, k, rows, c):
     """Gradients of gap and slip of slot k into the rows of contact c; see `kernels.narrow`."""
     nx = value[k, NORMAL]
@@ -61,7 +61,7 @@ def gradients(value, k, rows, c):
     rows[c, OF_SLIP, 5] = -q * (ny * value[k, ARM_B + 1] + nx * value[k, ARM_B]) + value[k, ROLL_B]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def slot_rows(slots, rows):
     """Gradients of gap and slip of all slots in use, (n_slots, dim, 2 n_dof)."""
     which, value = slots
@@ -70,7 +70,7 @@ def slot_rows(slots, rows):
             gradients(value, k, rows, k)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def slip(kind, value, k, a, b, increment):
     """Sliding distance of b over a along the tangent since the start of the step [m].
 
@@ -118,7 +118,7 @@ def slip(kind, value, k, a, b, increment):
     return rolled - radii * swept
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def second_derivatives(kind, value, k, rn, rt, hess):
     """Add -(r_n hess(g) + r_t hess(s)) to the 6 x 6 ``hess``, in the order (a, b)."""
     nx = value[k, NORMAL]
@@ -174,7 +174,7 @@ def second_derivatives(kind, value, k, rn, rt, hess):
     hess[5, 5] += rn * n_b + rt * value[k, RATIO] * t_b
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def along(rows, c, row, field, a, b):
     """A row of contact c, times the motion of its bodies a and b."""
     total = 0.0
@@ -183,7 +183,7 @@ def along(rows, c, row, field, a, b):
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_force(rows, c, rn, rt, a, b, force):
     """Add what the reactions of contact c do to its bodies a and b to ``force`` (n, n_dof)."""
     for i in range(N_DOF):
@@ -191,7 +191,7 @@ def add_force(rows, c, rn, rt, a, b, force):
         force[b, i] += rn * rows[c, OF_GAP, N_DOF + i] + rt * rows[c, OF_SLIP, N_DOF + i]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_reaction(dof, rows, c, reaction, k, a, b, force):
     """Add what row k of ``reaction`` (n, dim), at contact c, does to its bodies a and b to
     ``force`` (n, n_dof); ``dof`` is `IN_PLANE` or `IN_SPACE`.

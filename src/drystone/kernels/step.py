@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def unbalance(contact, dead, pattern, multiplier, mass, x, inertia_factor, extent, fixed, force):
     """Fill ``force`` (n, n_dof) with what is left of all forces on each block, zero on fixed ones.
 
@@ -30,7 +30,7 @@ def unbalance(contact, dead, pattern, multiplier, mass, x, inertia_factor, exten
     return worst
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def stiffen(diagonal, mass, inertia_factor, damping, body, axis):
     """Add inertia to the diagonal blocks and a spring along ``axis`` (n, n_dof) to one of them.
 

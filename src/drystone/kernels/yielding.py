@@ -42,13 +42,13 @@ N_BRANCHES = CRUSHED + BACKWARD + 1
 TIE = 1e-8
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def crushing(table, c):
     """The normal reaction, from the tension on, at which a contact is crushed; or infinity."""
     return table[c, CRUSH] if table[c, CRUSH] > 0.0 else np.inf
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def along_joint(branch):
     """The branch as far as it is about shear: that of a joint that is neither torn nor crushed."""
     if branch > CRUSHED:
@@ -56,14 +56,14 @@ def along_joint(branch):
     return branch - TORN if branch > BONDED else branch
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def sense(branch):
     """1 and -1 where a contact slides under positive and under negative shear, else 0."""
     now = along_joint(branch)
     return 1.0 if now == FORWARD else (-1.0 if now == BACKWARD else 0.0)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def held_normal(table, c, branch):
     """The normal reaction, from the tension on, in a branch without dilatancy."""
     if branch > CRUSHED:
@@ -71,19 +71,19 @@ def held_normal(table, c, branch):
     return 0.0 if branch > BONDED else table[c, TRIAL_N]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def friction_in(table, c, branch):
     """How the largest shear goes with the normal trial reaction in a branch."""
     return 0.0 if branch > BONDED else table[c, FRICTION]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def yields(table, c):
     """Whether the trial reactions of a contact are for `branch_beyond`."""
     return table[c, ROOM] > 0.0 or table[c, TRIAL_N] > crushing(table, c) * (1.0 - TIE)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def branch_beyond(table, c, hint):
     """Branch for trial reactions of a contact that `yields`; ``hint`` is the one it came from."""
     rn, rt, crush = table[c, TRIAL_N], table[c, TRIAL_T], crushing(table, c)
@@ -101,7 +101,7 @@ def branch_beyond(table, c, hint):
     return state + (STICKING if over <= 0.0 else sliding)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def reactions_beyond(table, c, branch):
     """Reactions, the normal one from the tension on, and the sliding of torn and crushed ones."""
     normal, rt, sign = held_normal(table, c, branch), table[c, TRIAL_T], sense(branch)
@@ -111,7 +111,7 @@ def reactions_beyond(table, c, branch):
     return normal, sign * most, (sign * rt - most) / table[c, STIFF_T]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def distance_beyond(table, c, now, rate_n, rate_t, whole):
     """How far along the direction a contact leaves its branch, and for which one; see
     `law.distance`."""
@@ -149,7 +149,7 @@ def distance_beyond(table, c, now, rate_n, rate_t, whole):
     return nearest, following
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def landing_beyond(table, c, now):
     """`law.landing` of a contact that `yields`."""
     there, was = branch_beyond(table, c, OPEN), along_joint(now)
@@ -159,7 +159,7 @@ def landing_beyond(table, c, now):
     return there
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def change_beyond(table, rows, c, before, after, u, v, k):
     """`law.change` of a contact that comes from or goes to a torn or crushed branch."""
     kn, kt, mu = table[c, STIFF_N], table[c, STIFF_T], table[c, FRICTION]

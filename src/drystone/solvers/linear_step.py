@@ -281,7 +281,7 @@ class LinearStep:
         pivot = lu_numeric.factorise(
             self.structure, *self.tangent, self.factors, c.mass, self.damping, least_damping
         )
-        frame.sign[0] = np.sign(pivot)
+        frame.sign[0] = (pivot > 0.0) - (pivot < 0.0)
         return abs(pivot) > SINGULAR
 
     @property
