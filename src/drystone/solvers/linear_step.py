@@ -8,6 +8,7 @@ for the tangent, `kernels.path` for what borders it.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -281,7 +282,7 @@ class LinearStep:
         pivot = lu_numeric.factorise(
             self.structure, *self.tangent, self.factors, c.mass, self.damping, least_damping
         )
-        frame.sign[0] = (pivot > 0.0) - (pivot < 0.0)
+        frame.sign[0] = math.copysign(1.0, pivot) if pivot else 0.0
         return abs(pivot) > SINGULAR
 
     @property
