@@ -35,6 +35,19 @@ OPTIONS: dict[str, Any] = {
 OPTIMAL, INFEASIBLE, UNBOUNDED, FAILED = "optimal", "infeasible", "unbounded", "failed"
 
 
+def _silent_solver() -> Any:
+    """HiGHS with its output off from the first on: from 1.16 it prints its name as it is made, by
+    the first thing that it does then, into what may be read as JSON."""
+    import highspy
+
+    class Silent(highspy.Highs):
+        def enableCallbacks(self) -> None:
+            self.setOptionValue("output_flag", False)
+            super().enableCallbacks()
+
+    return Silent()
+
+
 @dataclass(frozen=True, kw_only=True)
 class Answer:
     """What came of one program."""
@@ -94,7 +107,7 @@ class ForceProgram:
         lp.a_matrix_.start_ = matrix.indptr
         lp.a_matrix_.index_ = matrix.indices
         lp.a_matrix_.value_ = matrix.data
-        self._solver: Any = highspy.Highs()
+        self._solver = _silent_solver()
         for option, value in OPTIONS.items():
             self._solver.setOptionValue(option, value)
         self._solver.passModel(lp)
