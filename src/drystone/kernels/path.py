@@ -47,7 +47,6 @@ from drystone.kernels.yielding import (
     BACKWARD,
     FORWARD,
     along_joint,
-    friction_in,
     held_normal,
     sense,
 )
@@ -143,9 +142,8 @@ def _ahead(contacts, count, direction, branch, whole):
         now = branch[which[c, SLOT]]
         far, _ = distance(table, c, now, rate_n, rate_t, whole)
         back = 0.0
-        sign = 0.0 if whole else sense(now)
-        if sign != 0.0:
-            back = (sign * rate_t - friction_in(table, c, now) * rate_n) / table[c, STIFF_T]
+        if not whole and now > STICKING:
+            back = _sliding_back(table, c, now, rate_n, rate_t)
         if far < 1.0 or back < -SLOW_BACK:
             changed += 1
     return changed
