@@ -41,6 +41,8 @@ from drystone.curve import (
 from drystone.engines import make_engine
 from drystone.engines.base import Engine, EngineError, Problem, StepReport
 from drystone.engines.framed import FramedEngine, framed
+from drystone.event_log import EventLog
+from drystone.events import named
 from drystone.frame import Frame
 from drystone.kernels.compilation import Compilation
 from drystone.model import REMOVE, STOP, Analysis, Model
@@ -164,7 +166,11 @@ class _Run:
     contacts: list[Any] = field(default_factory=list)
     ties: list[TieState] = field(default_factory=list)
     left: list[BlockLeft] = field(default_factory=list)
+    log: EventLog = field(init=False)
     settlement: float = 0.0  # m, of the control point before the load
+
+    def __post_init__(self) -> None:
+        self.log = EventLog(self.model)
 
     def traced(self, control: Control) -> tuple[str, str]:
         """Trace the curve; status and reason of its end.  Without a point, errors are raised."""
@@ -216,16 +222,24 @@ class _Run:
                 plausibility.check(report, multiplier, partial(solver.contacts, new))
                 fallen = _fallen(state, new)
                 state = new
-                self._add(report, state, demand.time_step, decision)
+                collapsed = self._add(report, state, demand.time_step, decision, fallen)
                 self.left += [BlockLeft.at(self.points[-1], model.assembly.ids[i]) for i in fallen]
-                decision = _after_loss(model, fallen, decision)
+                decision = _after_loss(model, fallen, collapsed, decision)
         return ("finished" if decision.finished else "stopped"), decision.reason
 
-    def _add(self, report: StepReport, state: Any, time_step: float, decision: Decision) -> None:
+    def _add(
+        self,
+        report: StepReport,
+        state: Any,
+        time_step: float,
+        decision: Decision,
+        left: Sequence[int] = (),
+    ) -> list[int]:
+        """Keep a point, and tell it; rows of the blocks that have collapsed since the last one."""
         point = _point(len(self.points), report, time_step, decision)
         needed = self.recorder is not None or (self.keep_contacts and not self.later)
         touching = self.solver.contacts(state) if needed else None
-        self._add_ties(state)
+        carried = self._add_ties(state)
         if self.recorder is not None and touching is not None:  # first: no more than is kept
             self.recorder.point(point, state.pose, touching)
         self.points.append(point)
@@ -236,15 +250,21 @@ class _Run:
         if self.progress is not None:
             self.progress(point)
 
-    def _add_ties(self, state: Any) -> None:
+        def contacts() -> ContactForces:
+            return self.solver.contacts(state) if touching is None else touching
+
+        return self.log.add(point, state.pose, contacts, ties=carried, left=left)
+
+    def _add_ties(self, state: Any) -> TieState | None:
         ask = getattr(self.solver, "ties_of", None) if self.model.ties else None
         if ask is None:
-            return
-        now = ask(state)
+            return None
+        now: TieState = ask(state)
         self.ties.append(now)
         tell = getattr(self.recorder, "ties", None)
         if tell is not None:
             tell(now)
+        return now
 
     def finished(self, status: str, reason: str, seconds: float, compiling: float) -> CapacityCurve:
         """What was traced, told to the recorder; its seconds include those of compiling."""
@@ -259,6 +279,7 @@ class _Run:
             stop_multiplier=self.model.analysis.stop_multiplier,
             settlement=self.settlement,
             blocks_left=tuple(self.left),
+            events=self.log.end(),
             wall_time=seconds - compiling,
             compile_time=compiling,
             poses=np.array(self.poses) if self.keep_poses else None,
@@ -297,12 +318,19 @@ def _fallen(before: Any, after: Any) -> list[int]:
     return [int(i) for i in np.flatnonzero(gone & ~before.gone)]
 
 
-def _after_loss(model: Model, fallen: list[int], decision: Decision) -> Decision:
-    """Whether the analysis goes on without the blocks that have left."""
+def _after_loss(
+    model: Model, fallen: list[int], collapsed: list[int], decision: Decision
+) -> Decision:
+    """Whether the analysis goes on after blocks have left, or have collapsed."""
+    ids = model.assembly.ids
+    lost = [ids[i] for i in collapsed if ids[i] not in model.parts_that_may_fall]
     if model.control_point.block in fallen:
         reason = "the control point has left the structure with its block"
-    elif fallen and model.analysis.falling == STOP:
-        reason = f'the analysis ends where a block leaves, as [analysis] falling = "{STOP}" asks'
+    elif lost and model.analysis.falling == STOP:
+        reason = (
+            f"{named(lost, 'block')} {'has' if len(lost) == 1 else 'have'} collapsed: the analysis "
+            f'ends there, as [analysis] falling = "{STOP}" asks'
+        )
     else:
         return decision
     # A curve that is complete stays so.

@@ -345,17 +345,20 @@ class Assembly:
         return float(self.weight[~self.fixed].max())
 
     @cached_property
-    def smallest_extent(self) -> float:
-        """Smallest side of a movable block's bounding box [m]; in space, however it is turned, the
+    def extents(self) -> Array:
+        """Smallest side of each block's bounding box [m], (n,); in space, however it is turned, the
         least distance of a face from what lies farthest behind it."""
         if self.dimension == 3:
-            figures = zip(self.figures, self.fixed, strict=True)
-            return min(figure.least_depth for figure, fixed in figures if not fixed)
-        outlines = [block.vertices for block in self.blocks if not block.support]
-        first = np.cumsum([0, *(len(outline) for outline in outlines[:-1])])
-        vertices = np.vstack(outlines)
+            return np.array([figure.least_depth for figure in self.figures])
+        first = np.cumsum([0, *(len(block.vertices) for block in self.blocks[:-1])])
+        vertices = np.vstack([block.vertices for block in self.blocks])
         sides = np.maximum.reduceat(vertices, first) - np.minimum.reduceat(vertices, first)
-        return float(sides.min())
+        return sides.min(axis=1)
+
+    @cached_property
+    def smallest_extent(self) -> float:
+        """The least of `extents` among movable blocks [m]."""
+        return float(self.extents[~self.fixed].min())
 
     @cached_property
     def ids(self) -> tuple[str, ...]:

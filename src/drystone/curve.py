@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from html import escape
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, overload
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.forces import ContactForces
+from drystone.events import PRINTED, Event, first_collapse
 from drystone.ties import STATES, TieState
 
 if TYPE_CHECKING:
@@ -30,9 +31,6 @@ STATIC, DYNAMIC = "static", "dynamic"
 #: Share of the highest multiplier below which a curve has passed its peak; local drops, where a
 #: block comes loose, are smaller as a rule.
 PASSED = 0.99
-
-#: Decimals of a control displacement in metres that sentences show at most.
-PRINTED = 7
 
 #: Strategy of curves that supports pace which move.
 SETTLEMENT = "settlement"
@@ -134,6 +132,16 @@ class TieRecord:
             margin=np.full(n, np.inf),
         )
 
+    def until(self, n: int) -> TieRecord:
+        """That of the first ``n`` points."""
+        rows = slice(n)
+        return replace(
+            self,
+            force=self.force[rows],
+            elongation=self.elongation[rows],
+            branch=self.branch[rows],
+        )
+
     def state(self, point: int, tie: int | str) -> str:
         """What a tie does at a point: "slack", "elastic", "yielding" or "broken"."""
         column = self.names.index(tie) if isinstance(tie, str) else tie
@@ -193,11 +201,13 @@ class CapacityCurve:
     stop_multiplier: float
     wall_time: float  # s, without `compile_time`
     blocks_left: tuple[BlockLeft, ...] = ()  # in the order in which they went
+    events: tuple[Event, ...] = ()  # in the order of the curve
     settlement: float = 0.0  # m, of the control point under the structure's own weight alone
     compile_time: float = 0.0  # s, of kernels that were needed for the first time on this machine
     poses: Array | None = None  # (n_points, n, n_pose), as in `motion`; None where not kept
     contacts: Sequence[ContactForces] | None = None  # likewise
     ties: TieRecord | None = None  # None where there are none
+    ended_by: Event | None = None  # of a curve that was cut off there, see `until`
 
     def column(self, name: str) -> NDArray[Any]:
         """One quantity over all points, (n_points,); the names are the fields of `CurvePoint`."""
@@ -336,11 +346,39 @@ class CapacityCurve:
         return None
 
     @property
-    def highest_of_all(self) -> float:
-        """Highest static multiplier of the whole structure, before any block has left."""
-        first = min((block.step for block in self.blocks_left), default=len(self.points))
-        whole = self.points[: first + 1]
-        return max((p.load_multiplier for p in whole if p.status == STATIC), default=0.0)
+    def first_collapse(self) -> Event | None:
+        """The first event in which a part of the structure collapses; None where none does."""
+        return first_collapse(self.events)
+
+    @property
+    def capacity(self) -> CurvePoint:
+        """The static point of highest load multiplier before a part of the structure collapses.
+
+        It is the `peak` where no part does, or where the peak comes before.
+        """
+        first = self.first_collapse
+        return self.peak if first is None else self.until(first).peak
+
+    @property
+    def rises_after_collapse(self) -> bool:
+        """Whether what is left after a part has collapsed bears more than the whole did before."""
+        return self.peak.load_multiplier > self.capacity.load_multiplier
+
+    def until(self, event: Event) -> CapacityCurve:
+        """The curve up to the last point at rest before an event."""
+        n = event.step + 1
+        return replace(
+            self,
+            points=self.points[:n],
+            poses=None if self.poses is None else self.poses[:n],
+            contacts=None if self.contacts is None else self.contacts[:n],
+            ties=None if self.ties is None else self.ties.until(n),
+            blocks_left=tuple(b for b in self.blocks_left if b.step <= event.step),
+            events=tuple(e for e in self.events if e.step < event.step),
+            status=FINISHED,
+            reason=str(event),
+            ended_by=event,
+        )
 
     def gone(self, ids: Sequence[str], step: int) -> NDArray[np.bool_]:
         """Which of the blocks named have left after a step, (n,)."""
@@ -358,7 +396,14 @@ class CapacityCurve:
         if self.points:
             peak, ultimate = self.peak, self.ultimate_displacement
             last = self.points[-1].control_displacement
-            facts["peak"] = f"{peak.load_multiplier:.4f} at {peak.control_displacement:.4g} m"
+            if self.rises_after_collapse:
+                whole = self.capacity
+                facts["capacity"] = (
+                    f"{whole.load_multiplier:.4f} at {whole.control_displacement:.4g} m"
+                )
+            # Of a curve that stopped before it came down, no peak is known.
+            name = "peak" if self.peak_passed else "highest so far"
+            facts[name] = f"{peak.load_multiplier:.4f} at {peak.control_displacement:.4g} m"
             facts["end"] = f"{last if ultimate is None else ultimate:.4g} m"
         return {**facts, "status": self.status, "reason": self.reason}
 

@@ -20,7 +20,7 @@ from drystone.ties import Tie
 
 Array = NDArray[np.float64]
 
-#: What becomes of an analysis where a block has left the structure.
+#: What becomes of an analysis where a part of the structure collapses.
 REMOVE, STOP = "remove", "stop"
 
 
@@ -35,7 +35,9 @@ class Analysis:
     strategy: str = "displacement"  # or "published"
     stop_multiplier: float = 0.01  # load multiplier under which the curve ends, after the peak
     ground: float | None = None  # m; None: the supports' lowest point, see `Problem.level`
-    falling: str = REMOVE  # or `STOP`: what to do where a block has left the structure
+    falling: str = REMOVE  # take out blocks that leave and go on, or `STOP` where a part collapses
+    event_share: float = 0.5  # of its smallest extent, by which a block that moves by itself has
+    # collapsed; see `event_log`
     max_penetration: float = 0.05  # of two blocks, over the smallest block: the published walls'
     # joints close by up to 0.01, and with 0.05 the block has another shape than the drawn one
     options: Mapping[str, float] = field(default_factory=dict)
@@ -101,6 +103,18 @@ class Model:
     def load_shown(self) -> Array | None:
         """The same for pictures; None where supports move instead."""
         return None if self.settlement is not None else self.load_along
+
+    @property
+    def parts_that_may_fall(self) -> frozenset[str]:
+        """Ids of the blocks whose fall is no limit, as [assessment] says: by id or by group."""
+        values = {} if self.assessment is None else self.assessment.values
+        names = values.get("parts_that_may_fall", ())
+        ids, groups = self.assembly.ids, self.assembly.groups
+        return frozenset(
+            member
+            for name in names
+            for member in ([ids[i] for i in groups[name]] if name in groups else [name])
+        )
 
     @property
     def source(self) -> str | None:
@@ -205,6 +219,7 @@ class Model:
         stop_multiplier: float | None = None,
         ground: float | None = None,
         falling: str | None = None,
+        event_share: float | None = None,
         max_penetration: float | None = None,
         **options: float | None,
     ) -> Model:
@@ -212,7 +227,7 @@ class Model:
 
         Parameters
         ----------
-        engine, strategy, stop_multiplier, ground, falling, max_penetration
+        engine, strategy, stop_multiplier, ground, falling, event_share, max_penetration
             As in `Analysis`; what is left out stays.
         options
             Settings by name, beside those there are; None takes one out.
@@ -225,6 +240,7 @@ class Model:
             stop_multiplier=now.stop_multiplier if stop_multiplier is None else stop_multiplier,
             ground=now.ground if ground is None else ground,
             falling=now.falling if falling is None else falling,
+            event_share=now.event_share if event_share is None else event_share,
             max_penetration=now.max_penetration if max_penetration is None else max_penetration,
             options={name: value for name, value in merged.items() if value is not None},
         )

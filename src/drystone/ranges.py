@@ -94,6 +94,7 @@ RANGES = {
     "at_rest": Range(least=0.0, most=10.0),
     "stop_multiplier": Range(least=1e-9, most=1e6),
     "ground": Range(least=-1e8, most=1e8, unit="m"),
+    "event_share": Range(least=1e-3, most=1e3),
     "max_penetration": Range(least=1e-6, most=10.0),
     "increment": Range(least=1e-9, most=1e3),
     "overshoot": Range(least=1.0, most=100.0),

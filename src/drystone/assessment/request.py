@@ -18,7 +18,7 @@ from drystone.assessment.site import spectra_of_site
 from drystone.site import AssessmentInput, Site
 
 #: Keys of [assessment] that are not for methods.
-OWN = ("grouping", "opposite", "record", "pulse")
+OWN = ("grouping", "opposite", "parts_that_may_fall", "record", "pulse")
 
 
 @dataclass(frozen=True, kw_only=True)

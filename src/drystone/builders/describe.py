@@ -60,6 +60,11 @@ def model_to_dict(model: Model) -> dict[str, Any]:
         **({} if analysis.falling == REMOVE else {"falling": analysis.falling}),
         **(
             {}
+            if analysis.event_share == Analysis.event_share
+            else {"event_share": float(analysis.event_share)}
+        ),
+        **(
+            {}
             if analysis.max_penetration == Analysis.max_penetration
             else {"max_penetration": float(analysis.max_penetration)}
         ),

@@ -176,6 +176,7 @@ def _analysis(section: AnalysisSection) -> Analysis:
         stop_multiplier=section.stop_multiplier,
         ground=section.ground,
         falling=section.falling,
+        event_share=section.event_share,
         max_penetration=section.max_penetration,
         options=section.options,
     )

@@ -1,0 +1,127 @@
+"""Events along a capacity curve: what a structure lost on the way, and when.
+
+A curve alone does not tell that a stone fell while the rest went on carrying.  An event does: its
+kind, the last state at rest before it, the blocks that moved and how far.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import asdict, dataclass
+from enum import StrEnum
+from typing import Any
+
+#: Names of blocks or ties that a sentence lists.
+FEW = 4
+
+#: Decimals of a control displacement in metres that sentences show at most.
+PRINTED = 7
+
+
+class EventKind(StrEnum):
+    """What happened."""
+
+    LOSS_OF_EQUILIBRIUM = "loss_of_equilibrium"  # the structure moves by itself: the first jump
+    BLOCK_FALLEN = "block_fallen"
+    BLOCK_DISPLACED = "block_displaced"  # moved by itself to rest elsewhere
+    TIE_YIELDED = "tie_yielded"
+    TIE_BROKEN = "tie_broken"
+    SUPPORT_LOST = "support_lost"  # a support that bore the structure bears nothing any more
+
+
+class Outcome(StrEnum):
+    """Where the blocks of an event are after it."""
+
+    AT_REST = "at_rest"
+    HANGING = "hanging"  # on ties, without a contact
+    LEFT = "left"  # no part of the structure any more
+    IN_MOTION = "in_motion"  # the curve ends before they rest
+
+
+#: Events in which a part of the structure collapses: they limit its capacity.
+COLLAPSES = (EventKind.BLOCK_FALLEN, EventKind.BLOCK_DISPLACED)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Event:
+    """One event.  Of blocks that move, the place is the last point at rest before they do."""
+
+    kind: EventKind
+    step: int  # of the point at that place
+    control_displacement: float  # m
+    load_multiplier: float
+    blocks: tuple[str, ...] = ()  # ids: of those that moved, or that ties join, or of supports
+    motion: float = 0.0  # m, farthest motion of a centroid among them; 0 of ties and supports
+    ties: tuple[str, ...] = ()  # names
+    outcome: Outcome | None = None  # of blocks that moved
+
+    @property
+    def is_collapse(self) -> bool:
+        """Whether blocks fall or move by themselves by more than the share asked."""
+        return self.kind in COLLAPSES
+
+    def limits(self, may_fall: Collection[str] = ()) -> bool:
+        """Whether the event ends the capacity of a structure that may lose the blocks named."""
+        return self.is_collapse and not set(self.blocks) <= set(may_fall)
+
+    @property
+    def place(self) -> str:
+        """Multiplier and control displacement for people."""
+        displacement = round(self.control_displacement, PRINTED) + 0.0
+        return f"at {displacement:.4g} m, multiplier {self.load_multiplier:.4f}"
+
+    @property
+    def what(self) -> str:
+        """What happened, as a clause."""
+        blocks = named(self.blocks, "block")
+        several = len(self.blocks) != 1
+        far = f"by up to {self.motion:.3g} m" if several else f"by {self.motion:.3g} m"
+        match self.kind:
+            case EventKind.LOSS_OF_EQUILIBRIUM:
+                return f"the structure moves by itself, {far}"
+            case EventKind.BLOCK_FALLEN:
+                return f"{blocks} {'fall' if several else 'falls'} {far}{self._after}"
+            case EventKind.BLOCK_DISPLACED:
+                alone = "move by themselves" if several else "moves by itself"
+                return f"{blocks} {alone} {far}"
+            case EventKind.TIE_YIELDED:
+                return f"{named(self.ties, 'tie')} {'yield' if len(self.ties) != 1 else 'yields'}"
+            case EventKind.TIE_BROKEN:
+                return f"{named(self.ties, 'tie')} {'break' if len(self.ties) != 1 else 'breaks'}"
+            case EventKind.SUPPORT_LOST:
+                supports = named(self.blocks, "support")
+                return f"nothing rests on {supports} any more"
+
+    @property
+    def _after(self) -> str:
+        several = len(self.blocks) != 1
+        match self.outcome:
+            case Outcome.HANGING:
+                return f" and {'hang' if several else 'hangs'} on ties without a contact"
+            case Outcome.LEFT:
+                return f" and {'leave' if several else 'leaves'} the structure"
+            case _:
+                return ""
+
+    def __str__(self) -> str:
+        return f"{self.place}: {self.what}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """For files: plain values, kinds by their names."""
+        found = asdict(self)
+        return {**found, "kind": str(self.kind), "outcome": self.outcome and str(self.outcome)}
+
+
+def named(names: Sequence[str], noun: str) -> str:
+    """One name, or a number and some of the names: 'the block "a"', '3 blocks ("a", "b", ...)'."""
+    quoted = ", ".join(f'"{name}"' for name in names[:FEW])
+    if len(names) == 1:
+        return f"the {noun} {quoted}"
+    more = ", ..." if len(names) > FEW else ""
+    return f"{len(names)} {noun}s ({quoted}{more})"
+
+
+def first_collapse(events: Iterable[Event], may_fall: Collection[str] = ()) -> Event | None:
+    """The first event that ends the capacity of the structure, see `Event.limits`."""
+    limiting = (event for event in events if event.limits(may_fall))
+    return min(limiting, key=lambda event: event.step, default=None)
