@@ -364,6 +364,14 @@ class CapacityCurve:
         """Whether what is left after a part has collapsed bears more than the whole did before."""
         return self.peak.load_multiplier > self.capacity.load_multiplier
 
+    @property
+    def name_of_peak(self) -> str:
+        """What the point of highest multiplier is: no peak before the curve comes down from it, and
+        none of the structure where a part of that has collapsed before."""
+        if self.rises_after_collapse:
+            return "highest of what is left"
+        return "peak" if self.peak_passed else "highest so far"
+
     def until(self, event: Event) -> CapacityCurve:
         """The curve up to the last point at rest before an event."""
         n = event.step + 1
@@ -401,9 +409,9 @@ class CapacityCurve:
                 facts["capacity"] = (
                     f"{whole.load_multiplier:.4f} at {whole.control_displacement:.4g} m"
                 )
-            # Of a curve that stopped before it came down, no peak is known.
-            name = "peak" if self.peak_passed else "highest so far"
-            facts[name] = f"{peak.load_multiplier:.4f} at {peak.control_displacement:.4g} m"
+            facts[self.name_of_peak] = (
+                f"{peak.load_multiplier:.4f} at {peak.control_displacement:.4g} m"
+            )
             facts["end"] = f"{last if ultimate is None else ultimate:.4g} m"
         return {**facts, "status": self.status, "reason": self.reason}
 

@@ -16,7 +16,11 @@ from drystone.commands.outcome import emit, exit_code, fail, outcome, tell
 if TYPE_CHECKING:
     from drystone.curve import CapacityCurve
     from drystone.limit import Beside
+    from drystone.model import Model
 
+
+#: Events that are told on the terminal.
+MOST_EVENTS = 6
 
 EngineName = Annotated[
     str | None,
@@ -145,13 +149,32 @@ def run(
             fail(exit_code(curve.status), [reason], as_json=as_json, status=curve.status)
         if curve.status != "finished":
             tell([f"{curve.status}: {curve.reason}"])
-        warning = beside.warning(curve.highest_of_all)
-        tell([warning] if warning else [])
+        tell(remarks(curve, model, beside))
         if as_json:
             emit({**(results.summary or {}), "directory": str(folder)})
         else:
             typer.echo(report(printable(model.title), curve, folder, beside))
     raise typer.Exit(exit_code(curve.status))
+
+
+def remarks(curve: CapacityCurve, model: Model, beside: Beside) -> list[str]:
+    """Sentences on what a reader of the peak alone would miss."""
+    found = []
+    first, capacity = curve.first_collapse, curve.capacity
+    if first is not None and curve.rises_after_collapse:
+        found.append(
+            f"the highest multiplier, {curve.peak.load_multiplier:.4f}, is that of what is left "
+            f"after {first.what} ({first.place}): the capacity of the whole structure is "
+            f"{capacity.load_multiplier:.4f}"
+        )
+    control = model.assembly.ids[model.control_point.block]
+    if first is not None and control not in first.blocks and curve.points[-1].step > first.step:
+        found.append(
+            f'the control point, on the block "{control}", does not take part where '
+            f"{first.what} ({first.place}): its displacement does not show that collapse"
+        )
+    warning = beside.warning(capacity.load_multiplier)
+    return found + [warning] * (warning is not None)
 
 
 def report(title: str, curve: CapacityCurve, folder: Path, beside: Beside) -> str:
@@ -166,17 +189,31 @@ def report(title: str, curve: CapacityCurve, folder: Path, beside: Beside) -> st
         if ultimate is not None
         else f"not reached; the curve ends at {curve.points[-1].control_displacement:.4f} m"
     )
-    highest = "peak multiplier" if curve.peak_passed else "highest so far"
+    highest = curve.name_of_peak.replace("peak", "peak multiplier")
+    whole = curve.capacity
+    capacity = (
+        "capacity",
+        f"{whole.load_multiplier:.4f} at {whole.control_displacement:.5f} m, before a part "
+        "collapses",
+    )
     rows = (
+        *[capacity] * curve.rises_after_collapse,
         (highest, f"{peak.load_multiplier:.4f} at {peak.control_displacement:.5f} m"),
         ("limit analysis", _limits(beside)),
         ("ultimate displacement", end),
-        *[("without", f'"{b.block}", from {b.displacement_text} on') for b in curve.blocks_left],
+        *event_rows(curve),
         ("points", f"{len(curve.points)}, largest residual {curve.residual.max():.1e}"),
         ("time", f"{curve.wall_time:.1f} s ({curve.engine}, {curve.strategy})"),
         ("results", f"{folder}/"),
     )
     return "\n".join([title, *(f"  {name:<22} {printable(value)}" for name, value in rows)])
+
+
+def event_rows(curve: CapacityCurve) -> list[tuple[str, str]]:
+    """The first few events, a row each."""
+    rows = [("event", str(event)) for event in curve.events[:MOST_EVENTS]]
+    more = len(curve.events) - len(rows)
+    return rows + [("", f"and {more} more, see summary.json")] * (more > 0)
 
 
 def _settling(title: str, curve: CapacityCurve, folder: Path) -> str:
@@ -189,6 +226,7 @@ def _settling(title: str, curve: CapacityCurve, folder: Path) -> str:
         ("reaction at first", f"{reaction[0]:.6g}"),
         ("least reaction", f"{reaction[least]:.6g} at {at[least]:.5g}"),
         ("reaction at last", f"{reaction[-1]:.6g} at {at[-1]:.5g}"),
+        *event_rows(curve),
         ("end", curve.reason),
         ("points", f"{len(curve.points)}, largest residual {curve.residual.max():.1e}"),
         ("time", f"{curve.wall_time:.1f} s ({curve.engine})"),

@@ -104,6 +104,12 @@ def of_analysis(
     if curve.points:
         peak = curve.peak
         name = words["peak"] if curve.peak_passed else words["highest"]
+        if curve.rises_after_collapse:
+            whole, name = curve.capacity, words["highest_after"]
+            rows += [
+                (words["capacity"], number(whole.load_multiplier)),
+                (words["peak_at"], number(whole.control_displacement, "m")),
+            ]
         rows += [
             (name, number(peak.load_multiplier)),
             (words["peak_at"], number(peak.control_displacement, "m")),
@@ -114,8 +120,8 @@ def of_analysis(
         for key in ("associative", "non_associative")
         if summary.get(f"{key}_multiplier") is not None
     ]
-    if curve.blocks_left:
-        rows.append((words["left"], "; ".join(map(str, curve.blocks_left))))
+    if curve.events:
+        rows.append((words["events"], "; ".join(map(str, curve.events))))
     if math.isfinite(curve.wall_time):
         rows.append((words["wall_time"], number(curve.wall_time, "s", 3)))
     return rows
@@ -171,8 +177,8 @@ def validity(
         found += _penetrated(curve, model, words)
     if curve.status != "finished":
         found.append(words["unfinished"].format(reason=curve.reason))
-    if curve.blocks_left:
-        found.append(words["left"])
+    if curve.first_collapse is not None:
+        found.append(words["collapse"].format(event=curve.first_collapse))
     if extrapolated:
         found.append(words["extrapolated"])
     return found

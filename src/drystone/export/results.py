@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from drystone.builders.errors import ModelError
 from drystone.contact.forces import ContactForces
 from drystone.curve import CapacityCurve
+from drystone.event_log import events_of
+from drystone.events import Event
 from drystone.export.directory import RESULTS, SUMMARY, ResultsDirectory
 from drystone.export.folder import OutputError
 from drystone.export.hdf5 import RUNNING, Array, ResultsReader
@@ -141,7 +143,7 @@ def load_results(path: Path | str) -> Results:
     try:
         with ResultsReader(file) as stored:
             model = _model_of(stored)
-            curve = _curve_of(stored, StoredContacts(file, stored.n_points))
+            curve = _curve_of(stored, StoredContacts(file, stored.n_points), model)
             groups = stored.groups()
     except (OSError, KeyError) as error:
         why = "there is none" if not file.is_file() else f"it is torn or no such file ({error})"
@@ -172,23 +174,32 @@ def _model_of(stored: ResultsReader) -> Model | None:
         return None
 
 
-def _curve_of(stored: ResultsReader, contacts: StoredContacts) -> CapacityCurve:
+def _curve_of(
+    stored: ResultsReader, contacts: StoredContacts, model: Model | None
+) -> CapacityCurve:
+    """The curve; its events are found anew, so that a run that was killed has them, too."""
     status = stored.attribute("status")
     ended = status != RUNNING
+    points, poses, ties = stored.points(), stored.poses(), stored.ties()
+    left = stored.blocks_left()
+    events: tuple[Event, ...] = ()
+    if model is not None:
+        events = events_of(model, points, poses, contacts, ties=ties, left=left)
     return CapacityCurve(
         engine=stored.attribute("engine"),
         strategy=stored.attribute("strategy"),
-        points=stored.points(),
+        points=points,
         status=status,
         reason=stored.attribute("reason") if ended else "the run goes on, or was killed",
         stop_multiplier=float(stored.attribute("stop_multiplier")),
-        blocks_left=stored.blocks_left(),
+        blocks_left=left,
+        events=events,
         settlement=float(stored.attribute("settlement")) if ended else math.nan,
         wall_time=float(stored.attribute("wall_time")) if ended else math.nan,
         compile_time=float(stored.attribute("compile_time")) if ended else math.nan,
-        poses=stored.poses(),
+        poses=poses,
         contacts=contacts,
-        ties=stored.ties(),
+        ties=ties,
     )
 
 

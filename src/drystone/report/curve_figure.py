@@ -40,6 +40,9 @@ class Unit:
     per_metre: float
 
 
+#: Colour of the mark where a part collapses; dark in print.
+COLLAPSE = "#b2182b"
+
 METRE, MILLIMETRE = Unit(name="m", per_metre=1.0), Unit(name="mm", per_metre=1e3)
 
 
@@ -73,7 +76,7 @@ def draw_curve(
     labelled = [(label, curve) for label, curve in labelled if curve.points]
     unit = _unit(labelled, reference)
     furthest = max((_furthest(curve) for _, curve in labelled), default=0.0)
-    peak_at = max((curve.peak.control_displacement for _, curve in labelled), default=0.0)
+    peak_at = max((curve.capacity.control_displacement for _, curve in labelled), default=0.0)
     steep = 0.0 < peak_at < STEEP * furthest
 
     figure = canvas.new_figure(10.0 if steep else 7.5, 5.4)
@@ -148,6 +151,7 @@ def plot_curves(
     if marks and len(curves) == 1:
         _mark_peak(axes, curves[0][1], unit)
         _mark_end(axes, curves[0][1], unit)
+        _mark_collapse(axes, curves[0][1], unit)
     settles = any(curve.settles for _, curve in curves)
     axes.set_xlabel(MOTION if settles else f"{DISPLACEMENT} [{unit.name}]")
     axes.set_ylabel(REACTION if settles else MULTIPLIER)
@@ -164,7 +168,7 @@ def plot_curves(
 def _plot_branches(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
     """One curve: up to the peak and after it in two colours of different darkness."""
     x, y = _static(curve, unit)
-    top = curve.points.index(curve.peak)
+    top = curve.points.index(curve.capacity)
     style: dict[str, Any] = {"linewidth": 2.0, "solid_capstyle": "round", "zorder": 4}
     axes.plot(
         x[: top + 1], y[: top + 1], color=canvas.CURVE_COLOURS[0], label="ascending branch", **style
@@ -181,7 +185,10 @@ def _plot_whole(axes: Axes, label: str, curve: CapacityCurve, unit: Unit, i: int
     peak = curve.peak
     colour = canvas.CURVE_COLOURS[i % len(canvas.CURVE_COLOURS)]
     style = canvas.CURVE_STYLES[i % len(canvas.CURVE_STYLES)]
-    text = f"{canvas.literal(label)}: {_name_of_peak(curve)} {peak.load_multiplier:.3f}"
+    if curve.rises_after_collapse:
+        peak = curve.capacity
+    name = "capacity" if curve.rises_after_collapse else curve.name_of_peak
+    text = f"{canvas.literal(label)}: {name} {peak.load_multiplier:.3f}"
     if curve.ultimate_displacement is not None:
         text += f", {curve.ultimate_displacement:.3f} m at {curve.stop_multiplier:g}"
     axes.plot(x, y, color=colour, linestyle=style, linewidth=1.6, label=text, zorder=4)
@@ -230,10 +237,19 @@ def _plot_dynamic(axes: Axes, curves: Sequence[CapacityCurve], unit: Unit) -> No
 
 
 def _mark_peak(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
-    peak = curve.peak
+    peak, name = curve.peak, curve.name_of_peak
+    if curve.rises_after_collapse:
+        x = peak.control_displacement * unit.per_metre
+        axes.plot(
+            x, peak.load_multiplier, "o", color=canvas.FAINT, markerfacecolor="white",
+            markersize=6, zorder=6, label=f"{name}: {peak.load_multiplier:.3f}", linestyle="none",
+        )  # fmt: skip
+        peak, name = curve.capacity, "capacity"
     x = peak.control_displacement * unit.per_metre
-    name = _name_of_peak(curve)
-    axes.plot(x, peak.load_multiplier, "o", color=canvas.INK, markersize=6, zorder=6, label=name)
+    axes.plot(
+        x, peak.load_multiplier, "o", color=canvas.INK, markersize=6, zorder=6, label=name,
+        linestyle="none",
+    )  # fmt: skip
     axes.annotate(
         f"{name}  $λ$ = {peak.load_multiplier:.3f}  at  {_length(peak.control_displacement)}",
         (x, peak.load_multiplier),
@@ -245,8 +261,23 @@ def _mark_peak(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
     )
 
 
-def _name_of_peak(curve: CapacityCurve) -> str:
-    return "peak" if curve.peak_passed else "highest so far"
+def _mark_collapse(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
+    """Where the first part of the structure collapses, unless the curve ends with it."""
+    first = curve.first_collapse
+    if first is None or curve.until(first).ultimate_displacement is not None:
+        return
+    if not any(point.status != DYNAMIC for point in curve.points[first.step + 1 :]):
+        return
+    axes.plot(
+        first.control_displacement * unit.per_metre,
+        first.load_multiplier,
+        "v",
+        color=COLLAPSE,
+        markersize=7,
+        linestyle="none",
+        label="a part collapses",
+        zorder=8,
+    )
 
 
 def _mark_end(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:

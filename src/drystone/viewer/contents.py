@@ -64,7 +64,7 @@ class Mark:
     name: str
     control_displacement: float  # m
     load_multiplier: float
-    kind: str  # "peak", "ultimate" or "limit"
+    kind: str  # "peak", "rest", "ultimate", "event" or "limit"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,18 +143,31 @@ def contents_of_model(model: Model) -> Contents:
 
 
 def marks_of(curve: CapacityCurve) -> list[Mark]:
-    """Peak and ultimate displacement of a curve, as far as it has them."""
+    """Peak, first collapse of a part and ultimate displacement of a curve, those that it has."""
     if not curve.points:
         return []
-    peak = curve.peak
+    peaks = [(curve.name_of_peak, curve.peak, "peak")]
+    if curve.rises_after_collapse:
+        peaks = [("capacity", curve.capacity, "peak"), (curve.name_of_peak, curve.peak, "rest")]
     found = [
         Mark(
-            name="peak" if curve.peak_passed else "highest so far",
+            name=name,
             control_displacement=peak.control_displacement,
             load_multiplier=peak.load_multiplier,
-            kind="peak",
+            kind=kind,
         )
+        for name, peak, kind in peaks
     ]
+    first = curve.first_collapse
+    if first is not None:
+        found.append(
+            Mark(
+                name=first.what,
+                control_displacement=first.control_displacement,
+                load_multiplier=first.load_multiplier,
+                kind="event",
+            )
+        )
     if curve.ultimate_displacement is not None:
         found.append(
             Mark(
