@@ -87,6 +87,7 @@ class Recorder(Protocol):
         """Called with the whole curve, also when the analysis was stopped or interrupted."""
 
 
+# Many: whatever may be said of an analysis beside its model.
 def pushover(
     model: Model,
     *,
@@ -97,6 +98,7 @@ def pushover(
     keep_poses: bool | None = None,
     keep_contacts: bool | None = None,
     threads: int | None = None,
+    default_falling: str = REMOVE,
     **options: Any,
 ) -> CapacityCurve:
     """Trace the capacity curve of a model.
@@ -116,6 +118,8 @@ def pushover(
         up to `MOST_KEPT` blocks, where no recorder has them.
     threads
         Most that share the work of an engine, by default one a processor; curves are the same.
+    default_falling
+        What is done where a part collapses and the model does not say: see `Analysis.falling`.
     options
         Keys of [analysis] by name, over those of the model: see `control`.
 
@@ -137,6 +141,7 @@ def pushover(
         solver=solver,
         strategy=name,
         later=named and isinstance(solver, FramedEngine),
+        stops=(model.analysis.falling or default_falling) == STOP,
         recorder=recorder,
         progress=progress,
         keep_poses=small if keep_poses is None else keep_poses,
@@ -157,6 +162,7 @@ class _Run:
     solver: Any
     strategy: str
     later: bool  # contacts follow from the state alone: states are kept in their place
+    stops: bool  # where a part that may not fall collapses
     recorder: Recorder | None
     progress: Callable[[CurvePoint], None] | None
     keep_poses: bool
@@ -224,7 +230,7 @@ class _Run:
                 state = new
                 collapsed = self._add(report, state, demand.time_step, decision, fallen)
                 self.left += [BlockLeft.at(self.points[-1], model.assembly.ids[i]) for i in fallen]
-                decision = _after_loss(model, fallen, collapsed, decision)
+                decision = self._after_loss(fallen, collapsed, decision)
         return ("finished" if decision.finished else "stopped"), decision.reason
 
     def _add(
@@ -254,6 +260,25 @@ class _Run:
             return self.solver.contacts(state) if touching is None else touching
 
         return self.log.add(point, state.pose, contacts, ties=carried, left=left)
+
+    def _after_loss(self, fallen: list[int], collapsed: list[int], decision: Decision) -> Decision:
+        """Whether the analysis goes on after blocks have left, or have collapsed."""
+        model = self.model
+        ids = model.assembly.ids
+        lost = [ids[i] for i in collapsed if ids[i] not in model.parts_that_may_fall]
+        if lost and self.stops and not decision.finished:
+            have = "has" if len(lost) == 1 else "have"
+            reason = (
+                f"{named(lost, 'block')} {have} collapsed: the analysis ends there, "
+                f'[analysis] falling is "{STOP}"'
+            )
+            # As asked: the curve is complete.
+            return replace(decision, demand=None, reason=reason, finished=True)
+        if model.control_point.block in fallen:
+            reason = "the control point has left the structure with its block"
+            # A curve that is complete stays so.
+            return decision if decision.finished else replace(decision, demand=None, reason=reason)
+        return decision
 
     def _add_ties(self, state: Any) -> TieState | None:
         ask = getattr(self.solver, "ties_of", None) if self.model.ties else None
@@ -316,25 +341,6 @@ def _fallen(before: Any, after: Any) -> list[int]:
     if gone is None or gone is before.gone:
         return []
     return [int(i) for i in np.flatnonzero(gone & ~before.gone)]
-
-
-def _after_loss(
-    model: Model, fallen: list[int], collapsed: list[int], decision: Decision
-) -> Decision:
-    """Whether the analysis goes on after blocks have left, or have collapsed."""
-    ids = model.assembly.ids
-    lost = [ids[i] for i in collapsed if ids[i] not in model.parts_that_may_fall]
-    if model.control_point.block in fallen:
-        reason = "the control point has left the structure with its block"
-    elif lost and model.analysis.falling == STOP:
-        reason = (
-            f"{named(lost, 'block')} {'has' if len(lost) == 1 else 'have'} collapsed: the analysis "
-            f'ends there, as [analysis] falling = "{STOP}" asks'
-        )
-    else:
-        return decision
-    # A curve that is complete stays so.
-    return decision if decision.finished else replace(decision, demand=None, reason=reason)
 
 
 def obeyed(report: StepReport, limit: float | None) -> StepReport:

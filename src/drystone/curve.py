@@ -373,8 +373,13 @@ class CapacityCurve:
         return "peak" if self.peak_passed else "highest so far"
 
     def until(self, event: Event) -> CapacityCurve:
-        """The curve up to the last point at rest before an event."""
+        """The curve up to the last point at rest before an event, as one that ends there.
+
+        The first point of the motion from there on is kept, where there is one: it shows how the
+        structure moves.
+        """
         n = event.step + 1
+        n += n < len(self.points) and self.points[n].status == DYNAMIC
         return replace(
             self,
             points=self.points[:n],

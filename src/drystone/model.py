@@ -35,7 +35,8 @@ class Analysis:
     strategy: str = "displacement"  # or "published"
     stop_multiplier: float = 0.01  # load multiplier under which the curve ends, after the peak
     ground: float | None = None  # m; None: the supports' lowest point, see `Problem.level`
-    falling: str = REMOVE  # take out blocks that leave and go on, or `STOP` where a part collapses
+    falling: str | None = None  # `REMOVE` blocks that leave and go on, or `STOP` where a part
+    # collapses; None leaves it to the command: an assessment stops, all else removes
     event_share: float = 0.5  # of its smallest extent, by which a block that moves by itself has
     # collapsed; see `event_log`
     max_penetration: float = 0.05  # of two blocks, over the smallest block: the published walls'

@@ -149,11 +149,11 @@ def test_a_fall_takes_no_more_points_than_a_slide():
 
 
 @ENGINES
-def test_an_analysis_may_end_where_a_block_leaves(engine):
+def test_an_analysis_may_end_where_a_block_collapses(engine):
     curve = fallen(engine, falling="stop")
-    assert curve.status == "stopped" and 'falling = "stop"' in curve.reason
-    assert [block.block for block in curve.blocks_left] == ["small"]
-    assert curve.blocks_left[0].step == curve.points[-1].step
+    assert curve.status == "finished" and 'falling is "stop"' in curve.reason
+    assert curve.first_collapse.blocks == ("small",)
+    assert all(block.step == curve.points[-1].step for block in curve.blocks_left)
 
 
 def against_a_support(gap=0.0, **analysis):

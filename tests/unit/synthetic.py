@@ -20,6 +20,7 @@ import numpy as np
 from drystone.assembly import Assembly, Block, JointLaw
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.curve import DYNAMIC, STATIC, CapacityCurve, CurvePoint, RecorderError
+from drystone.event_log import events_of
 from drystone.loading import MassPattern
 from drystone.model import Analysis, Model, Origin
 from drystone.monitor import ControlPoint
@@ -225,6 +226,7 @@ def pushover(
         wall_time=0.1,
         poses=np.array(poses) if keep_poses else None,
         contacts=tuple(contacts_at(model, p) for p in poses) if keep_contacts else None,
+        events=events_of(model, reached, np.array(poses), [contacts_at(model, p) for p in poses]),
     )
     if recorder:
         recorder.end(result)

@@ -93,6 +93,10 @@ class Capacity:
     collapse_extrapolated: bool = False  # whether that lies beyond the last point
     notes: tuple[str, ...] = ()  # assumptions and warnings, a sentence each
     kinetic_factor: float | None = None  # Gamma_k, of the reading "energy"; Gamma where None
+    losses: tuple[tuple[float, str], ...] | None = None
+    """Control displacement [m] and what happens there, of every event of the curve: a tie yields or
+    breaks, a support bears nothing any more, the structure moves by itself, a part falls.  None: of
+    a curve without events, as one from elsewhere."""
 
     def __post_init__(self) -> None:
         if self.reading not in READINGS:
@@ -139,6 +143,7 @@ class Capacity:
         collapse_displacement: float | None = None,
         collapse_extrapolated: bool = False,
         notes: Sequence[str] = (),
+        losses: Sequence[tuple[float, str]] | None = None,
     ) -> Capacity:
         """A capacity of a curve (n,) [m], (n,) and of what takes part in it.
 
@@ -165,6 +170,7 @@ class Capacity:
             collapse_extrapolated=collapse_extrapolated,
             notes=tuple(notes),
             kinetic_factor=part.kinetic_factor,
+            losses=None if losses is None else tuple(losses),
         )
 
     @classmethod
@@ -265,6 +271,10 @@ class Capacity:
                 f"{d[-1]:.4g} m; trace it further"
             )
         return float(np.interp(spectral_displacement, d, a))
+
+    def losses_before(self, control_displacement: float) -> tuple[str, ...]:
+        """What happens on the way to a control displacement [m], a clause each."""
+        return tuple(what for place, what in self.losses or () if place < control_displacement)
 
     def control_at(self, spectral_displacement: float) -> float:
         """The control displacement [m] of d* [m]."""

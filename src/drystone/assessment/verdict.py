@@ -14,7 +14,8 @@ from drystone.assessment.methods import Assessment, LimitState, assess
 from drystone.assessment.methods.base import Settings, Spectra
 from drystone.assessment.request import Request, request_of, settings_of
 from drystone.assessment.site import spectra_of_site
-from drystone.curve import CapacityCurve
+from drystone.curve import FINISHED, STATIC, CapacityCurve
+from drystone.events import first_collapse
 from drystone.model import Model
 from drystone.site import AssessmentInput, Site
 
@@ -142,6 +143,7 @@ def verdict_on(curve: CapacityCurve, model: Model, request: Request | None = Non
         Something else is missing, or the method does not apply.
     """
     asked = request_of(model.site, model.assessment) if request is None else request
+    curve = of_the_whole(curve, model)
     found = reduced(curve, model, grouping=asked.grouping)
     settings = asked.settings
     if settings.reading not in found.capacities:
@@ -162,7 +164,49 @@ def verdict_on(curve: CapacityCurve, model: Model, request: Request | None = Non
                 others[name] = assess(capacity, asked.spectra, replace(settings, reading=name))
             except AssessmentError as error:
                 others[name] = str(error)
+    first = (*_left_behind(curve, model), *_beyond_events(answer))
+    answer = replace(answer, assumptions=(*first, *answer.assumptions))
     return Verdict(assessment=answer, reduction=found, others=others)
+
+
+def of_the_whole(curve: CapacityCurve, model: Model) -> CapacityCurve:
+    """The curve up to the first collapse of a part that may not fall, see [assessment].
+
+    What lies beyond is that of another structure.  A curve that ends with the collapse stays.
+    """
+    event = first_collapse(curve.events, model.parts_that_may_fall)
+    if event is None:
+        return curve
+    after = any(p.status == STATIC and p.step > event.step for p in curve.points)
+    return curve.until(event) if after or curve.status != FINISHED else curve
+
+
+def _left_behind(curve: CapacityCurve, model: Model) -> list[str]:
+    """A sentence where the control point is not on what collapses first."""
+    event = curve.ended_by or first_collapse(curve.events, model.parts_that_may_fall)
+    control = model.assembly.ids[model.control_point.block]
+    if event is None or control in event.blocks:
+        return []
+    return [
+        f'The control point, on the block "{control}", takes no part in the collapse where '
+        f"{event.what}: displacements of limit states are not those of that part; put the control "
+        "point on it."
+    ]
+
+
+def _beyond_events(answer: Assessment) -> list[str]:
+    """Of every limit state that lies beyond an event, a sentence that says so."""
+    said = []
+    for state in answer.limit_states:
+        place = state.limit_control_displacement
+        lost = () if place is None else answer.capacity.losses_before(place)
+        if lost:
+            more = f", and {len(lost) - 1} more" if len(lost) > 1 else ""
+            said.append(
+                f"{state.name} lies at {place:.4g} m, beyond what happens on the way: "
+                f"{lost[0]}{more}."
+            )
+    return said
 
 
 def _brief(answer: Assessment) -> dict[str, Any]:

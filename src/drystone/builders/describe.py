@@ -11,7 +11,7 @@ from typing import Any
 
 from drystone.assembly import POINTS, Assembly, Block, JointLaw
 from drystone.builders.errors import ModelError
-from drystone.model import REMOVE, Analysis, Model
+from drystone.model import Analysis, Model
 
 
 def model_to_dict(model: Model) -> dict[str, Any]:
@@ -51,30 +51,33 @@ def model_to_dict(model: Model) -> dict[str, Any]:
         "point": model.control_point.point.tolist(),
         "direction": model.control_point.direction.tolist(),
     }
-    analysis = model.analysis
-    data["analysis"] = {
-        "engine": analysis.engine,
-        "strategy": analysis.strategy,
-        "stop_multiplier": float(analysis.stop_multiplier),
-        **({} if analysis.ground is None else {"ground": float(analysis.ground)}),
-        **({} if analysis.falling == REMOVE else {"falling": analysis.falling}),
-        **(
-            {}
-            if analysis.event_share == Analysis.event_share
-            else {"event_share": float(analysis.event_share)}
-        ),
-        **(
-            {}
-            if analysis.max_penetration == Analysis.max_penetration
-            else {"max_penetration": float(analysis.max_penetration)}
-        ),
-        **{key: float(value) for key, value in analysis.options.items()},
-    }
+    data["analysis"] = _asked(model.analysis)
     if model.site is not None:
         data["site"] = model.site.as_dict()
     if model.assessment is not None:
         data["assessment"] = model.assessment.as_dict()
     return data
+
+
+def _asked(analysis: Analysis) -> dict[str, Any]:
+    """[analysis], of what has a default only what differs from it."""
+    given = {
+        "ground": None,
+        "falling": None,
+        "event_share": Analysis.event_share,
+        "max_penetration": Analysis.max_penetration,
+    }
+    return {
+        "engine": analysis.engine,
+        "strategy": analysis.strategy,
+        "stop_multiplier": float(analysis.stop_multiplier),
+        **{
+            key: value if isinstance(value, str) else float(value)
+            for key, default in given.items()
+            if (value := getattr(analysis, key)) != default
+        },
+        **{key: float(value) for key, value in analysis.options.items()},
+    }
 
 
 def _acting(model: Model) -> dict[str, Any]:

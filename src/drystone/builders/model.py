@@ -22,6 +22,7 @@ from drystone.builders.control import choose_control_point, unit_vector
 from drystone.builders.describe import material_names
 from drystone.builders.errors import ModelError
 from drystone.builders.fit import DRAWING_TOLERANCE, fitted, turned_round
+from drystone.builders.words import suggestion
 from drystone.geometry import GeometryError
 from drystone.geometry.mended import Mended
 from drystone.loading import DeadLoad, LoadPattern, MassPattern, NoPattern
@@ -136,6 +137,7 @@ def make_model(
         problems += settlement.problems(assembly)
         if not isinstance(pattern, NoPattern):
             problems.append("settlement: stands in place of [load]: take one of the two out")
+    problems += _unknown_parts(assembly, assessment)
     control = _control(assembly, pattern, problems, **wanted)
     model = Model(
         title=title,
@@ -154,6 +156,18 @@ def make_model(
     if source is None or sha256 is None:
         return model
     return replace(model, origin=Origin(path=source, sha256=sha256, contents=model.contents))
+
+
+def _unknown_parts(assembly: Assembly, assessment: AssessmentInput | None) -> list[str]:
+    """Sentences on parts that may fall and are not there."""
+    values = {} if assessment is None else assessment.values
+    known = [*assembly.groups, *assembly.ids]
+    return [
+        f'assessment.parts_that_may_fall: there is no block or group "{name}": '
+        + suggestion(name, known)
+        for name in values.get("parts_that_may_fall", ())
+        if name not in known
+    ]
 
 
 def _pattern(

@@ -173,8 +173,13 @@ def remarks(curve: CapacityCurve, model: Model, beside: Beside) -> list[str]:
             f'the control point, on the block "{control}", does not take part where '
             f"{first.what} ({first.place}): its displacement does not show that collapse"
         )
+    if beside.control_still:
+        found.append(
+            f'the control point, on the block "{control}", does not move in the mechanism of limit '
+            "analysis: put [control] on the part that moves"
+        )
     warning = beside.warning(capacity.load_multiplier)
-    return found + [warning] * (warning is not None)
+    return [*found, warning] if warning else found
 
 
 def report(title: str, curve: CapacityCurve, folder: Path, beside: Beside) -> str:

@@ -127,6 +127,7 @@ def _traced_one(name: str, model: Model, folder: Path, ask: Tracing) -> Sense:
     from drystone.export.directory import ResultsDirectory, files_of
     from drystone.export.folder import check_apart, check_writable
     from drystone.limit import limits_beside
+    from drystone.model import STOP
 
     check_writable(folder)
     check_apart(ask.source, files_of(folder))
@@ -138,7 +139,12 @@ def _traced_one(name: str, model: Model, folder: Path, ask: Tracing) -> Sense:
         progress_for(f"{ask.source.stem}, {name}", stop, quiet=ask.quiet) as progress,
     ):
         curve = pushover(
-            model, engine=ask.engine, recorder=results, progress=progress, keep_poses=True
+            model,
+            engine=ask.engine,
+            recorder=results,
+            progress=progress,
+            keep_poses=True,
+            default_falling=STOP,  # beyond the collapse of a part nothing is assessed
         )
     if curve.status == "interrupted":
         problem = f"interrupted: what was reached is kept in {folder}"

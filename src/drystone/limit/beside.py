@@ -6,7 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.limit.collapse import ASSOCIATIVE, FLOWS, NON_ASSOCIATIVE, collapse_loads
+from drystone.geometry.motion import moved_points
+from drystone.limit.collapse import (
+    ASSOCIATIVE,
+    FLOWS,
+    NON_ASSOCIATIVE,
+    Collapse,
+    collapse_loads,
+)
 from drystone.limit.non_associative import NonAssociativeSettings
 from drystone.model import Model
 from drystone.ranges import MOST_BLOCKS
@@ -18,6 +25,10 @@ MOST_NON_ASSOCIATIVE = {2: 120, 3: 20}
 PATHS = 2
 #: A peak may exceed the associative multiplier by this share before it is a fault.
 MARGIN = 1e-3
+#: Nor by this multiplier, where that is next to nothing: weights are balanced as finely at best.
+LEAST = 1e-4
+#: A control point that the mechanism moves by less than this share of its fastest block is still.
+STILL = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +40,8 @@ class Beside:
     """The lowest collapse state found."""
     collapse_range: tuple[float, float] | None = None
     """Lowest and highest non-associative multiplier found."""
+    control_still: bool = False
+    """Whether the associative mechanism leaves the control point where it is."""
     note: str = ""
     """Why a value is missing, as a sentence."""
 
@@ -43,11 +56,13 @@ class Beside:
 
     def warning(self, peak: float) -> str | None:
         """A sentence where a peak lies above what no structure of rigid blocks can carry."""
-        if self.associative is None or peak <= self.associative * (1.0 + MARGIN):
+        if self.associative is None or peak <= self.associative * (1.0 + MARGIN) + LEAST:
             return None
         return (
             f"the peak multiplier {peak:.4f} exceeds the associative collapse multiplier "
-            f"{self.associative:.4f}, an upper bound: take smaller steps or a finer tolerance"
+            f"{self.associative:.4f}, which bounds what rigid blocks carry before they have moved: "
+            "the blocks have moved until then, or touch in places that are no joints of limit "
+            "analysis"
         )
 
 
@@ -70,11 +85,23 @@ def limits_beside(model: Model) -> Beside:
     if len(flows) == 1 and not missing:
         missing = [f"the non-associative flow of {n_blocks} blocks is left to the command `limit`"]
     return Beside(
+        control_still=ASSOCIATIVE in found and _leaves_still(found[ASSOCIATIVE], model),
         associative=values.get(ASSOCIATIVE),
         non_associative=values.get(NON_ASSOCIATIVE),
         collapse_range=found[NON_ASSOCIATIVE].collapse_range if NON_ASSOCIATIVE in found else None,
         note=missing[0] if missing else "",
     )
+
+
+def _leaves_still(collapse: Collapse, model: Model) -> bool:
+    """Whether the control point does not move along its direction in a mechanism."""
+    assembly, control = model.assembly, model.control_point
+    points = np.asarray(assembly.blocks[control.block].vertices, float)
+    place = np.vstack([control.point, points])
+    owner = np.full(len(place), control.block)
+    there = moved_points(place, owner, assembly.centroid, collapse.velocities, linear=True)
+    fastest = float(np.abs(collapse.velocities).max(initial=0.0))
+    return bool(abs((there - place)[0] @ control.direction) < STILL * fastest)
 
 
 def range_text(collapse_range: tuple[float, float], digits: int) -> str:

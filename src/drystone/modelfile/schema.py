@@ -352,7 +352,7 @@ class AnalysisSection(Section):
     strategy: Literal["displacement", "published"] = "displacement"
     stop_multiplier: Annotated[float, ranged("stop_multiplier")] = Analysis.stop_multiplier
     ground: Annotated[float, ranged("ground")] | None = None  # m
-    falling: Literal["remove", "stop"] = "remove"
+    falling: Literal["remove", "stop"] | None = None
     event_share: Annotated[float, ranged("event_share")] = Analysis.event_share
     max_penetration: Annotated[float, ranged("max_penetration")] = Analysis.max_penetration
     increment: Annotated[float, ranged("increment")] | None = None

@@ -264,7 +264,7 @@ def _mark_peak(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
 def _mark_collapse(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
     """Where the first part of the structure collapses, unless the curve ends with it."""
     first = curve.first_collapse
-    if first is None or curve.until(first).ultimate_displacement is not None:
+    if first is None:
         return
     if not any(point.status != DYNAMIC for point in curve.points[first.step + 1 :]):
         return

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from drystone.assessment.errors import UnfinishedError
 from drystone.curve import DYNAMIC, FINISHED, STATIC, CapacityCurve
+from drystone.events import first_collapse
 
 Array = NDArray[np.float64]
 
@@ -50,7 +51,7 @@ def static_envelope(curve: CapacityCurve) -> Envelope:
         )
     notes = []
     dropped = len(curve.points) - len(static)
-    if dropped:
+    if dropped > (curve.ended_by is not None):
         notes.append(
             f"{dropped} points of the curve on the way of jumps were dropped: straight lines join "
             "the states at rest."
@@ -100,10 +101,13 @@ def _collapse(
         share = x[i - 1] / (x[i - 1] - x[i])
         return float(d[i - 1] + share * (d[i] - d[i - 1])), False, ()
     falls = curve.status == FINISHED and curve.points[-1].status == DYNAMIC
-    if falls:
+    if falls or curve.ended_by is not None:
+        event = curve.ended_by or first_collapse(curve.events)
         note = (
             f"The structure falls from its last state at rest, at a control displacement of "
-            f"{d[-1]:.4g} m under a multiplier of {x[-1]:.3g}: the collapse is taken there."
+            f"{d[-1]:.4g} m under a multiplier of {x[-1]:.3g}"
+            + ("" if event is None else f", where {event.what}")
+            + ": the collapse is taken there."
         )
         return float(d[-1]), False, (note,)
     if top == len(x) - 1 or x[-1] > LOW * x[top]:

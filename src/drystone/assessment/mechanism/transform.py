@@ -101,6 +101,7 @@ def reduced(
         collapse_displacement=envelope.collapse_displacement,
         collapse_extrapolated=envelope.collapse_extrapolated,
         notes=notes,
+        losses=[(event.control_displacement, str(event)) for event in curve.events],
     )
     return Reduction(
         shape=shape,

@@ -262,10 +262,7 @@ def _said(
     if settings.straight_capacity:
         said.append("The straight line a0 (1 - d/d0) stands for the curve.")
     if not settings.displacement_limits:
-        said.append(
-            "No connection breaks and no support is lost before 0.4 and 0.6 of the collapse "
-            "displacement: no displacement limit was given."
-        )
+        said.append(_connections(capacity))
     for spectrum in given.values():
         if isinstance(spectrum, FloorSpectrum) and spectrum.acceleration < (
             spectrum.ground_acceleration * spectrum.soil_factor
@@ -280,6 +277,26 @@ def _said(
     if end is not None and top > RULES["SLV"].share * end:
         said.append("The peak of the curve lies beyond 0.4 of its collapse displacement.")
     return tuple(said)
+
+
+def _connections(capacity: Capacity) -> str:
+    """What the curve knows of connections and supports up to the limit of the SLC."""
+    end = capacity.collapse_displacement
+    if capacity.losses is None or end is None:
+        return (
+            "Whether a connection breaks or a support is lost before 0.4 and 0.6 of the collapse "
+            "displacement was not looked at: no displacement limit was given."
+        )
+    if capacity.losses_before(RULES["SLC"].share * end):
+        return (
+            "Something is lost on the way to 0.6 of the collapse displacement, see the first "
+            "notes, and no displacement limit was given."
+        )
+    return (
+        "No connection of the model breaks and no support is lost before 0.4 and 0.6 of the "
+        "collapse displacement; of connections that are not modelled no displacement limit was "
+        "given."
+    )
 
 
 def _uncertain(capacity: Capacity) -> tuple[str, ...]:

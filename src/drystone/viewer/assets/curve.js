@@ -133,7 +133,7 @@ export class CurvePlot {
     const group = this._add("g", { class: `mark ${mark.kind}` }, parent);
     const title = this._add("title", {}, group);
     title.textContent = mark.name;
-    if (mark.kind === "peak") this._add("circle", { cx: x, cy: y, r: 4 }, group);
+    if (mark.kind === "peak" || mark.kind === "rest") this._add("circle", { cx: x, cy: y, r: 4 }, group);
     else this._add("path", { d: `M${x - 5} ${y}L${x} ${y - 5}L${x + 5} ${y}L${x} ${y + 5}Z` }, group);
     const right = x > 0.75 * this.x.to;
     const text = this._text(mark.name, x + (right ? -8 : 8), y - 7, right ? "end" : "start", group);

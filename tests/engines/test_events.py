@@ -1,0 +1,199 @@
+"""Events along a curve: what collapses, when, and what the capacity is before.
+
+The structures are small, and their figures follow by hand; every engine finds the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.builders import rectangle
+
+import drystone as ds
+from drystone.assembly import Block, JointLaw
+from drystone.builders import make_model
+from drystone.builders.errors import ModelError
+from drystone.curve import STATIC
+from drystone.event_log import events_of
+from drystone.events import EventKind, Outcome, first_collapse
+from drystone.model import Analysis
+from drystone.site import AssessmentInput, Site
+from drystone.ties import Tie, TieEnd
+
+ENGINES = pytest.mark.parametrize("engine", ["equilibrium", "nscd", "distinct"])
+STIFF = JointLaw(friction_coefficient=0.9, normal_stiffness=1e10, shear_stiffness=1e10)
+SLIPPERY = JointLaw(friction_coefficient=0.2, normal_stiffness=1e10, shear_stiffness=1e10)
+BASE, TALL = rectangle(-1.0, -0.5, 2.0, 0.5), rectangle(-0.8, 0.0, 0.4, 1.0)
+
+
+def beside(ties=(), assessment=None, control="tall", **analysis):
+    """A small block near the edge of a base slides at 0.2 and falls; a tall one rocks at 0.4."""
+    outlines = {
+        "base": BASE,
+        "small": rectangle(0.78, 0.0, 0.2, 0.1),
+        "tall": TALL,
+        "hook": rectangle(1.1, 1.0, 0.2, 0.2),
+    }
+    return make_model(
+        [
+            Block(id=name, vertices=outline, unit_weight=2e4, support=name in ("base", "hook"))
+            for name, outline in outlines.items()
+        ],
+        joint=STIFF,
+        joint_between={frozenset({"base", "small"}): SLIPPERY},
+        thickness=1.0,
+        load_direction=(1.0, 0.0),
+        control_block=control,
+        ties=ties,
+        assessment=assessment,
+        analysis=Analysis(**analysis),
+    )
+
+
+def rope(block, x, y):
+    """A strong tie from the middle of the small block."""
+    return Tie(
+        name="rope",
+        start=TieEnd(block=block, point=np.array([x, y])),
+        end=TieEnd(block="small", point=np.array([0.88, 0.05])),
+        stiffness=1e7,
+        yield_force=1e6,
+        compression=False,
+    )
+
+
+def traced(model, engine="equilibrium", **options):
+    return ds.pushover(model, engine=engine, max_steps=4000, keep_poses=True, **options)
+
+
+@ENGINES
+def test_a_block_that_falls_limits_the_capacity(engine):
+    """The peak of what is left, 0.4, is not that of the structure: the small block slid at 0.2."""
+    curve = traced(beside(), engine)
+    first = curve.first_collapse
+    assert first.kind is EventKind.BLOCK_FALLEN and first.blocks == ("small",)
+    assert first.outcome is Outcome.LEFT and first.motion > 0.1
+    assert curve.events[0].kind is EventKind.LOSS_OF_EQUILIBRIUM
+    assert curve.capacity.load_multiplier == pytest.approx(0.2, abs=4e-3)
+    assert curve.capacity.load_multiplier <= 0.2 + 1e-3
+    assert curve.peak.load_multiplier == pytest.approx(0.4, abs=0.02)
+    assert curve.rises_after_collapse and "highest of what is left" in repr(curve)
+    # It is told where the structure last was at rest before.
+    at = curve.points[first.step]
+    assert at.status == STATIC and first.control_displacement == at.control_displacement
+    cut = curve.until(first)
+    assert cut.ended_by is first and cut.peak == curve.capacity
+    assert cut.ultimate_displacement <= first.control_displacement + 1e-6
+
+
+def test_the_analysis_ends_at_the_first_collapse_where_asked():
+    curve = traced(beside(), falling="stop")
+    assert curve.status == "finished" and '"small" has collapsed' in curve.reason
+    assert curve.peak.load_multiplier < 0.21 and not curve.rises_after_collapse
+    assert curve.ultimate_displacement == curve.first_collapse.control_displacement
+
+
+def test_a_part_that_may_fall_does_not_end_it():
+    asked = AssessmentInput(values={"parts_that_may_fall": ["small"]}, folder="")
+    model = beside(assessment=asked)
+    curve = traced(model, falling="stop")
+    assert curve.peak.load_multiplier == pytest.approx(0.4, abs=0.02)
+    assert first_collapse(curve.events, model.parts_that_may_fall) is not curve.first_collapse
+
+
+def test_a_part_that_is_not_there_may_not_fall():
+    asked = AssessmentInput(values={"parts_that_may_fall": ["smal"]}, folder="")
+    with pytest.raises(ModelError, match=r'parts_that_may_fall.*"smal".*did you mean "small"'):
+        beside(assessment=asked)
+
+
+def test_a_block_that_hangs_on_a_tie_has_fallen():
+    """It slides towards the hook that holds it, off the base, and hangs there."""
+    curve = traced(beside(ties=(rope("hook", 1.2, 1.0),)), max_displacement=0.1)
+    first = curve.first_collapse
+    assert first.blocks == ("small",) and first.outcome is Outcome.HANGING
+    assert not curve.blocks_left and "hangs on ties" in first.what
+    assert curve.capacity.load_multiplier < 0.21
+
+
+def test_a_curve_that_loses_nothing_has_no_collapse_before_its_end():
+    """The tall block alone: the peak is the capacity, and only its own fall is told."""
+    model = make_model(
+        [
+            Block(id="base", vertices=BASE, unit_weight=2e4, support=True),
+            Block(id="tall", vertices=TALL, unit_weight=2e4),
+        ],
+        joint=STIFF, thickness=1.0, load_direction=(1.0, 0.0), control_block="tall",
+    )  # fmt: skip
+    curve = traced(model)
+    assert curve.capacity == curve.peak and not curve.rises_after_collapse
+    assert all(event.step >= curve.peak.step for event in curve.events)
+    assert first_collapse(curve.events) is None
+
+
+def test_events_of_a_stored_curve_are_those_found_on_the_way(tmp_path):
+    model = beside()
+    curve = traced(model, keep_contacts=True)
+    again = events_of(
+        model, curve.points, curve.poses, curve.contacts, ties=curve.ties, left=curve.blocks_left
+    )
+    assert again == curve.events
+    ds.save_results(curve, model, tmp_path / "out")
+    loaded = ds.load_results(tmp_path / "out")
+    assert loaded.curve.events == curve.events
+    assert loaded.summary["capacity_multiplier"] == curve.capacity.load_multiplier
+    assert [e["kind"] for e in loaded.summary["events"]] == [str(e.kind) for e in curve.events]
+
+
+def test_a_larger_share_counts_fewer_blocks():
+    """A block moves by itself by more than its size; with a share of 100 none has collapsed."""
+    assert traced(beside(event_share=100.0), max_displacement=0.05).events[-1].is_collapse, (
+        "a block that leaves has fallen whatever the share"
+    )
+    held = traced(beside(ties=(rope("base", 0.5, -0.05),)), max_displacement=0.05)
+    assert held.first_collapse is None
+
+
+class TestAssessment:
+    def verdict(self, curve, model, **more):
+        motion = {"ag": 0.1, "F0": 2.5, "TC_star": 0.3, "soil": "B", "topography": "T1"}
+        asked = {"method": "ntc2018-local", "confidence_factor": 1.35, **more}
+        return curve.assess(model, site=Site(code="ntc2018", values=motion), **asked)
+
+    def test_limit_states_lie_before_the_first_collapse(self):
+        model = beside()
+        curve = traced(model, max_displacement=0.5)
+        first = curve.first_collapse
+        verdict = self.verdict(curve, model)
+        assert verdict.capacity.collapse_displacement == first.control_displacement
+        for state in verdict.limit_states:
+            place = state.limit_control_displacement
+            assert place is None or place < first.control_displacement
+        assert any("falls" in note for note in verdict.assessment.assumptions)
+
+    def test_a_control_point_that_stays_behind_is_said_first(self):
+        model = beside()
+        verdict = self.verdict(traced(model), model)
+        assert 'on the block "tall", takes no part' in verdict.assessment.assumptions[0]
+
+    def test_a_limit_state_beyond_an_event_says_so_first(self):
+        model = beside(
+            assessment=AssessmentInput(values={"parts_that_may_fall": ["small"]}, folder="")
+        )
+        verdict = self.verdict(traced(model), model)
+        notes = verdict.assessment.assumptions
+        assert any("lies at" in n and "beyond what happens" in n for n in notes[:3])
+        assert not any("No connection of the model breaks" in note for note in notes)
+        assert np.isfinite(verdict.safety_index)
+
+    def test_connections_are_sound_only_where_they_were_looked_at(self):
+        model = beside(control="small")
+        verdict = self.verdict(traced(model), model)
+        assert any("No connection of the model breaks" in n for n in verdict.assessment.assumptions)
+        from drystone.assessment.methods import assess
+
+        unseen = replace(verdict.capacity, losses=None)
+        again = assess(unseen, dict(verdict.assessment.spectra), verdict.assessment.settings)
+        assert any("was not looked at" in note for note in again.assumptions)
