@@ -15,8 +15,8 @@ import numpy as np
 
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.curve import CapacityCurve, CurvePoint
-from drystone.export.directory import RESULTS
 from drystone.export.hdf5 import ResultsWriter
+from drystone.export.own_files import RESULTS
 from drystone.geometry.motion import moved_points, turned
 from drystone.model import Model
 from solids import box, joint, model_of

@@ -27,8 +27,9 @@ from drystone.commands.forecast import Forecast
 from drystone.commands.progress import Bar, Lines, clock_time, progress_for
 from drystone.engines.base import EngineError, UnstableError
 from drystone.export.benchmark import recorded_curves
-from drystone.export.directory import FILES, ResultsDirectory
+from drystone.export.directory import ResultsDirectory
 from drystone.export.folder import FolderLock
+from drystone.export.own_files import FILES
 
 #: Modules that take long to load, which help and version must not wait for.
 HEAVY = ("numpy", "scipy", "numba", "h5py", "matplotlib", "rich.progress")

@@ -18,6 +18,7 @@ from drystone.document import figures, svg
 from drystone.document.judged import Judged
 from drystone.document.report import render
 from drystone.document.words import words
+from drystone.export.results import load_results
 from drystone.viewer.folder import Folder
 from sites import TABLES
 
@@ -95,6 +96,7 @@ def test_the_assessment_is_made_where_the_model_asks_for_one(asked):
 def test_a_folder_s_own_assessment_goes_before(asked, tmp_path):
     shutil.copy(asked / "results.h5", tmp_path)
     data = {"sentence": "decided elsewhere", "satisfied": False, "method": "by hand"}
+    data["model_sha256"] = load_results(asked).sha256
     (tmp_path / "assessment.json").write_text(json.dumps(data))
     page = render(Folder.read(tmp_path), date=DATE)
     assert 'class="verdict fails"' in page and "decided elsewhere" in page
@@ -178,7 +180,11 @@ def test_words_are_all_used_and_all_there():
 def test_both_senses_are_drawn_and_the_one_that_governs_is_named(asked, tmp_path):
     shutil.copytree(asked, tmp_path / "out")
     shutil.copytree(asked, tmp_path / "out" / "opposite")
+    digest = load_results(asked).sha256
+    with h5py.File(tmp_path / "out" / "opposite" / "results.h5", "a") as file:
+        file.attrs["part_of"] = digest
     data = {
+        "model_sha256": digest,
         "sentence": "s", "governing_sense": "against the load",
         "limit_states": {"SLV": {"limit_control_displacement": 0.05}},
         "senses": {"along the load": {"limit_states": {}}},

@@ -24,8 +24,8 @@ from drystone.contact.forces import ContactForces
 from drystone.curve import CapacityCurve
 from drystone.export import vtu
 from drystone.export.csv import write_curve
-from drystone.export.directory import FILES
 from drystone.export.hdf5 import ResultsWriter
+from drystone.export.own_files import FILES
 from drystone.export.paraview import BlockFrames
 from drystone.export.results import load_results, save_results
 from drystone.geometry import solid

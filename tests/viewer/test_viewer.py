@@ -211,7 +211,9 @@ def test_limit_states_are_marked_beyond_the_peak(folder, tmp_path):
         "SLC": {"limit_control_displacement": 1e3},  # the curve does not reach it
         "SLD": {"limit_control_displacement": None},
     }
-    (tmp_path / "assessment.json").write_text(json.dumps({"limit_states": states}))
+    (tmp_path / "assessment.json").write_text(
+        json.dumps({"limit_states": states, "model_sha256": load_results(folder).sha256})
+    )
     marks = Folder.read(tmp_path).contents().header["marks"]
     (mark,) = [mark for mark in marks if mark["kind"] == "limit"]
     assert mark["name"] == "SLV"

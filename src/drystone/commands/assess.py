@@ -228,7 +228,7 @@ def _conclude(senses: Sequence[Sense], formats: Sequence[str], *, as_json: bool)
         **found[governing.name],
         "governing_sense": governing.name,
         "senses": {name: _without_curves(data) for name, data in found.items()},
-        "model_sha256": first.model.sha256,
+        "model_sha256": first.sha256,
         "site": None if first.model.site is None else first.model.site.as_dict(),
         "assessment": (
             None if first.model.assessment is None else first.model.assessment.as_dict()

@@ -34,6 +34,8 @@ def report(senses: Sequence[Sense], governing: Sense, folder: Path, pictures: Se
     lines = [printable(senses[0].model.title)]
     if len(senses) > 1:
         lines += [_row(sense.name, _brief(sense, governing)) for sense in senses]
+    else:
+        lines += [_row("senses", f"one, {senses[0].name}: the other was not traced")]
     lines += [_row(name, printable(value)) for name, value in _facts(verdict)]
     lines += ["", "  " + "".join(f"{name:>{width}}" for name, width in COLUMNS)]
     lines += ["  " + _state(state) for state in verdict.limit_states]

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import typer
 
 from drystone.commands.outcome import DONE, INTERRUPTED, UNFINISHED, WRONG, emit, fail, tell
+from drystone.export.senses import DIRECTION
 
 if TYPE_CHECKING:
     from drystone.model import Model
@@ -59,10 +60,13 @@ def run_directions(
     Returns the exit status: that of the worst of them.
     """
     from drystone.around import around, evenly
+    from drystone.export.folder import in_a_sentence
+    from drystone.export.own_files import clear
     from drystone.threads import available
     from drystone.workers import in_processes
 
     angles = evenly(model, number)
+    in_a_sentence(lambda: clear(folder))
     models = around(model, angles)
     folders = [folder / folder_name(angle) for angle in angles]
     came = 0
@@ -103,7 +107,7 @@ def run_directions(
 def folder_name(angle: float) -> str:
     """Of the results of one direction [degrees]: three digits, and decimals where it has any."""
     whole, decimals = f"{angle:.3f}".rstrip("0").rstrip(".").partition(".")[::2]
-    return f"direction-{int(whole):03d}" + (f".{decimals}" if decimals else "")
+    return f"{DIRECTION}{int(whole):03d}" + (f".{decimals}" if decimals else "")
 
 
 def trace(

@@ -29,8 +29,8 @@ def report(
     """
     with outcome(as_json=as_json):
         from drystone.document.report import write_report
-        from drystone.export.directory import ASSESSMENT, RESULTS
         from drystone.export.folder import check_apart, check_place, in_a_sentence
+        from drystone.export.own_files import ASSESSMENT, RESULTS
         from drystone.viewer.folder import Folder
 
         path = folder / "report.html" if out is None else out

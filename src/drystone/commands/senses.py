@@ -35,6 +35,7 @@ class Sense:
     folder: Path
     curve: CapacityCurve | None
     verdict: Verdict | None
+    sha256: str = ""  # digest of what was traced, as in the folder
     problem: str | None = None  # why there is no verdict
     warnings: tuple[str, ...] = ()
 
@@ -66,9 +67,14 @@ def traced(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
     What is asked for is looked at before anything is traced.  Errors of the input are raised; a
     curve that does not go far enough for a verdict is told in its `Sense`.
     """
+    if ask.source.is_dir():
+        return _said_if_one(_of_folder(ask.source, amended, ask.out))
+    return _said_if_one(_of_model(ask, amended))
+
+
+def _of_model(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
+    """The senses of a model file, traced."""
     source = ask.source
-    if source.is_dir():
-        return _of_folder(source, amended, ask.out)
     from drystone.assessment.request import check_request, request_of
     from drystone.engines import engine_names
     from drystone.modelfile import read_model
@@ -81,6 +87,17 @@ def traced(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
     if ask.one_sense or not both:
         return [first]
     return [first, _traced_opposite(model, folder / OPPOSITE_FOLDER, ask)]
+
+
+def _said_if_one(senses: list[Sense]) -> list[Sense]:
+    """The same; one alone says so before all else."""
+    only = senses[0]
+    if len(senses) > 1 or only.verdict is None:
+        return senses
+    said = f"One sense was traced, {only.name}: in the other the structure may be weaker."
+    answer = only.verdict.assessment
+    answer = replace(answer, assumptions=(said, *answer.assumptions))
+    return [replace(only, verdict=replace(only.verdict, assessment=answer))]
 
 
 def worst(senses: Sequence[Sense]) -> Sense:
@@ -99,28 +116,30 @@ def worst(senses: Sequence[Sense]) -> Sense:
 
 
 def _of_folder(source: Path, amended: Callable[[Model], Model], out: Path | None) -> list[Sense]:
-    from drystone.export.results import load_results
+    from drystone.export.results import Results, check_opposite, load_results
 
-    def read(folder: Path, name: str) -> Sense:
-        results = load_results(folder)
+    def judged(results: Results, name: str) -> Sense:
         if results.model is None:
             from drystone.export.folder import OutputError
 
             raise OutputError(
-                f"{folder}: the model in it cannot be read by this version: trace it again, or "
-                "assess the model file"
+                f"{results.path}: the model in it cannot be read by this version: trace it again, "
+                "or assess the model file"
             )
         model = amended(results.model)
-        return _judged(name, model, results.curve, out or source)
+        return _judged(name, model, results.curve, out or source, results.sha256)
 
-    senses = [read(source, FORWARD)]
+    forward = load_results(source)
+    senses = [judged(forward, FORWARD)]
     if (source / OPPOSITE_FOLDER).is_dir():
-        senses.append(read(source / OPPOSITE_FOLDER, OPPOSITE))
+        opposite = load_results(source / OPPOSITE_FOLDER)
+        check_opposite(opposite, forward)
+        senses.append(judged(opposite, OPPOSITE))
     return senses
 
 
-def _traced_one(name: str, model: Model, folder: Path, ask: Tracing) -> Sense:
-    """A model traced into a folder, and judged."""
+def _traced_one(name: str, model: Model, folder: Path, ask: Tracing, *, part_of: str = "") -> Sense:
+    """A model traced into a folder, and judged; ``part_of`` as of `ResultsDirectory`."""
     from drystone.analysis import pushover
     from drystone.commands.compiler import compiling
     from drystone.commands.progress import progress_for
@@ -135,7 +154,7 @@ def _traced_one(name: str, model: Model, folder: Path, ask: Tracing) -> Sense:
     engine = ask.engine or model.analysis.engine
     with (
         compiling(engine, model.assembly.dimension, quiet=ask.quiet),
-        ResultsDirectory(folder, beside=limits_beside(model)) as results,
+        ResultsDirectory(folder, beside=limits_beside(model), part_of=part_of) as results,
         progress_for(f"{ask.source.stem}, {name}", stop, quiet=ask.quiet) as progress,
     ):
         curve = pushover(
@@ -149,7 +168,7 @@ def _traced_one(name: str, model: Model, folder: Path, ask: Tracing) -> Sense:
     if curve.status == "interrupted":
         problem = f"interrupted: what was reached is kept in {folder}"
         fail(INTERRUPTED, [problem], as_json=ask.as_json, status="interrupted")
-    return _judged(name, model, curve, folder)
+    return _judged(name, model, curve, folder, model.sha256)
 
 
 def _traced_opposite(model: Model, folder: Path, ask: Tracing) -> Sense:
@@ -163,7 +182,7 @@ def _traced_opposite(model: Model, folder: Path, ask: Tracing) -> Sense:
             model.with_load(direction=(-model.load_along).tolist()),
             title=f"{model.title}, {OPPOSITE}" if model.title else OPPOSITE,
         )
-        return _traced_one(OPPOSITE, turned, folder, ask)
+        return _traced_one(OPPOSITE, turned, folder, ask, part_of=model.sha256)
     except (EngineError, ModelError, ValueError) as error:  # of a pattern of one sense the last
         problem = f"{OPPOSITE} there is no curve: {error}"
     return Sense(
@@ -177,7 +196,7 @@ def _traced_opposite(model: Model, folder: Path, ask: Tracing) -> Sense:
     )
 
 
-def _judged(name: str, model: Model, curve: CapacityCurve, folder: Path) -> Sense:
+def _judged(name: str, model: Model, curve: CapacityCurve, folder: Path, sha256: str) -> Sense:
     """The verdict on a curve, or why there is none: its own fault, for that of the input is
     raised."""
     from drystone.assessment.errors import UnfinishedError
@@ -195,12 +214,19 @@ def _judged(name: str, model: Model, curve: CapacityCurve, folder: Path) -> Sens
             folder=folder,
             curve=curve,
             verdict=None,
+            sha256=sha256,
             problem=problem,
             warnings=() if name == FORWARD else (problem,),
         )
     warnings = () if curve.status == "finished" else (f"{curve.status}: {curve.reason}",)
     return Sense(
-        name=name, model=model, folder=folder, curve=curve, verdict=verdict, warnings=warnings
+        name=name,
+        model=model,
+        folder=folder,
+        curve=curve,
+        verdict=verdict,
+        sha256=sha256,
+        warnings=warnings,
     )
 
 

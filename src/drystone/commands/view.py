@@ -39,8 +39,8 @@ def view(
     an animation for slides in place of a page.
     """
     with outcome(as_json=as_json):
-        from drystone.export.directory import RESULTS
         from drystone.export.folder import OutputError, check_apart, check_place, in_a_sentence
+        from drystone.export.own_files import RESULTS
         from drystone.viewer.folder import Folder
 
         path = folder / "view.html" if out is None else out

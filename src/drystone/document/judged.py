@@ -9,7 +9,8 @@ from typing import Any
 from drystone.assessment.spectra.base import Spectrum
 from drystone.curve import CapacityCurve
 from drystone.document.facts import NOTHING
-from drystone.export.folder import OutputError
+from drystone.export.own_files import RESULTS
+from drystone.export.results import check_opposite
 from drystone.export.senses import FORWARD, OPPOSITE, OPPOSITE_FOLDER
 from drystone.viewer.folder import Folder
 
@@ -36,11 +37,9 @@ class Judged:
             reason = str(folder.assessment.get("reason") or "")
         opposite = None
         path = folder.results.path / OPPOSITE_FOLDER
-        if folder.sense == FORWARD and path.is_dir():
-            try:
-                opposite = Folder.read(path)
-            except OutputError:
-                opposite = None
+        if folder.sense == FORWARD and (path / RESULTS).is_file():
+            opposite = Folder.read(path)
+            check_opposite(opposite.results, folder.results)
         return cls(folder=folder, opposite=opposite, reason=reason, spectra=_spectra(folder))
 
     @property

@@ -16,9 +16,9 @@ from drystone.curve import STATIC, CapacityCurve
 from drystone.document import facts, figures
 from drystone.document.judged import Judged
 from drystone.document.words import words
-from drystone.export.directory import RESULTS
 from drystone.export.folder import whole_file
 from drystone.export.hdf5 import ResultsReader
+from drystone.export.own_files import RESULTS
 from drystone.export.summary import package_version
 from drystone.report import Mechanism
 from drystone.report.mechanism import readable_magnification

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from drystone.export.directory import ASSESSMENT, OF_ASSESSMENT
 from drystone.export.folder import in_a_sentence, whole_file
+from drystone.export.own_files import ASSESSMENT, OF_ASSESSMENT
 from drystone.export.summary import package_version, write_summary
 
 

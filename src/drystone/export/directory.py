@@ -23,7 +23,18 @@ from drystone.export.folder import (
 )
 from drystone.export.hdf5 import ResultsReader, ResultsWriter
 from drystone.export.interrupts import uninterrupted
-from drystone.export.paraview import choose_frames, remove_series, write_series
+from drystone.export.own_files import (
+    CURVE,
+    CURVE_FIGURE,
+    FILES,
+    MECHANISM_FIGURE,
+    PARAVIEW,
+    RESULTS,
+    SUMMARY,
+    TIES,
+    clear,
+)
+from drystone.export.paraview import choose_frames, write_series
 from drystone.export.summary import plain, summarise, write_summary
 from drystone.model import Model
 from drystone.report import Mechanism, canvas, draw_curve, draw_mechanism
@@ -40,24 +51,15 @@ MECHANISM_DISPLACEMENT = 0.2
 #: The option of a model's analysis that says otherwise.
 MECHANISM_OPTION = "mechanism_displacement"
 
-SUMMARY, CURVE, RESULTS, TIES = "summary.json", "curve.csv", "results.h5", "ties.csv"
-CURVE_FIGURE, MECHANISM_FIGURE, PARAVIEW = "curve.png", "mechanism.png", "paraview"
-#: Of pictures.
-FORMATS = ("png", "svg", "pdf")
-#: What every analysis leaves; ``ties.csv`` stands beside it where there are ties.
-FILES = (SUMMARY, CURVE, CURVE_FIGURE, MECHANISM_FIGURE, RESULTS)
-#: What an assessment writes beside the results, and what says nothing of new ones.
-ASSESSMENT = "assessment.json"
-OF_ASSESSMENT = (ASSESSMENT, "adrs.svg", "adrs.png", "adrs.pdf")
-
 
 class ResultsDirectory:
     """Records one analysis in a folder; a `Recorder` of the pushover.
 
     Nothing is written before the first point, so that a model that turns out to be wrong leaves no
     trace.  From then on ``results.h5`` grows with the analysis; the other files are written at its
-    end, also when it was interrupted or the disk is full.  Files of an earlier analysis in the
-    folder are replaced.  From the first point to the end the folder is locked.
+    end, also when it was interrupted or the disk is full.  What the program has left there
+    before, of runs, assessments and pages, goes first.  From the first point to the end the folder
+    is locked.
 
     Parameters
     ----------
@@ -70,6 +72,8 @@ class ResultsDirectory:
         Multipliers of limit analysis, for ``summary.json`` and ``curve.png``.
     formats
         Of pictures beside PNG: "svg", "pdf".
+    part_of
+        Digest of the model in the folder above, of which this is the other sense.
 
     Raises
     ------
@@ -84,6 +88,7 @@ class ResultsDirectory:
         mechanism_displacement: float | None = None,
         beside: Beside | None = None,
         formats: Sequence[str] = (),
+        part_of: str = "",
     ) -> None:
         self.path = Path(path)
         from drystone.limit.beside import Beside  # takes long, which reading results need not
@@ -94,6 +99,7 @@ class ResultsDirectory:
         self._mechanism_displacement = mechanism_displacement
         self._model: Model | None = None
         self._names = ("", "")
+        self._part_of = part_of
         self._ties: TieState | None = None  # of the point to come
         self._writer: ResultsWriter | None = None
         self._lock: FolderLock | None = None
@@ -148,13 +154,8 @@ class ResultsDirectory:
         self.path.mkdir(parents=True, exist_ok=True)
         self._lock = FolderLock(self.path)
         (self.path / PARAVIEW).mkdir(exist_ok=True)
-        for name in (*FILES, TIES, *OF_ASSESSMENT):
-            (self.path / name).unlink(missing_ok=True)
-        for name in (CURVE_FIGURE, MECHANISM_FIGURE):
-            for format in FORMATS:
-                (self.path / name).with_suffix(f".{format}").unlink(missing_ok=True)
-        remove_series(self.path / PARAVIEW)
-        return ResultsWriter(self.path / RESULTS, self._model, *self._names)
+        clear(self.path)
+        return ResultsWriter(self.path / RESULTS, self._model, *self._names, part_of=self._part_of)
 
     def _finish(self, curve: CapacityCurve) -> None:
         """What fails of ``results.h5`` keeps nothing from the short files, which may find room."""

@@ -99,7 +99,9 @@ OF_SPACE = ("tangent",)
 class ResultsWriter:
     """Writes one ``results.h5``.  Replaces a file of that name."""
 
-    def __init__(self, path: Path | str, model: Model, engine: str, strategy: str) -> None:
+    def __init__(
+        self, path: Path | str, model: Model, engine: str, strategy: str, *, part_of: str = ""
+    ) -> None:
         self._disk = DiskFile(path)
         self._file = h5py.File(self._disk, "w")
         self.whole = True  # the disk took everything so far
@@ -115,7 +117,7 @@ class ResultsWriter:
             {"compression": "gzip", "compression_opts": 1, "shuffle": True} if large else {}
         )
         try:
-            self._describe(model, engine, strategy)
+            self._describe(model, engine, strategy, part_of)
             self._lay_out(model)
             self.flush()
         except BaseException:
@@ -130,7 +132,8 @@ class ResultsWriter:
         contacts: ContactForces,
         ties: TieState | None = None,
     ) -> None:
-        """Take one point; it is on the disk a second later, or after `flush`."""
+        """Take one point; the first is on the disk at once, others a second later, or after
+        `flush`."""
         if ties is not None:
             self._ties.append(ties)
         self._points.append(point)
@@ -139,7 +142,8 @@ class ResultsWriter:
         self._waiting += pose.nbytes + sum(
             getattr(contacts, name).nbytes for name in CONTACT_FIELDS
         )
-        if self._waiting > BYTES or time.monotonic() - self._written > SECONDS:
+        first = self._n_points == 0
+        if first or self._waiting > BYTES or time.monotonic() - self._written > SECONDS:
             self.flush()
 
     def flush(self) -> None:
@@ -210,7 +214,7 @@ class ResultsWriter:
         self._points, self._poses, self._contacts, self._waiting = [], [], [], 0
         self._ties = []
 
-    def _describe(self, model: Model, engine: str, strategy: str) -> None:
+    def _describe(self, model: Model, engine: str, strategy: str, part_of: str) -> None:
         text = _text_of_file(model)
         if text is None:
             text = to_toml(model_to_dict(model))
@@ -228,6 +232,7 @@ class ResultsWriter:
                 "model_source": text_of(model.source or ""),
                 "model_folder": text_of(_folder_of(model)),
                 "model_sha256": model.sha256,
+                "part_of": part_of,
                 "version": package_version(),
                 "units": "SI: m, N, s, rad",
             }
@@ -357,6 +362,10 @@ class ResultsReader:
     def attribute(self, name: str) -> Any:
         """One of the attributes of the file, see the module's description."""
         return self._file.attrs[name]
+
+    def part_of(self) -> str:
+        """Digest of the model of which this is the other sense; empty where it is none."""
+        return str(self._file.attrs.get("part_of", ""))
 
     def folder_of_model(self) -> str | None:
         """From where files go that the model's site names; None of files that do not say."""

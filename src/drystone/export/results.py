@@ -17,9 +17,10 @@ from drystone.contact.forces import ContactForces
 from drystone.curve import CapacityCurve
 from drystone.event_log import events_of
 from drystone.events import Event
-from drystone.export.directory import RESULTS, SUMMARY, ResultsDirectory
+from drystone.export.directory import ResultsDirectory
 from drystone.export.folder import OutputError
 from drystone.export.hdf5 import RUNNING, Array, ResultsReader
+from drystone.export.own_files import RESULTS, SUMMARY
 from drystone.export.summary import summarise
 from drystone.model import Model
 from drystone.modelfile import ENGINES
@@ -88,6 +89,10 @@ class Results:
     """Of ``summary.json``, or of what there is so far."""
     groups: dict[str, NDArray[np.int64]]
     """Rows of the blocks of each group, as ``model.assembly.groups``."""
+    sha256: str = ""
+    """Digest of the model that was traced."""
+    part_of: str = ""
+    """Digest of the model of which this is the other sense; empty where it is none."""
 
     @property
     def poses(self) -> Array:
@@ -145,6 +150,7 @@ def load_results(path: Path | str) -> Results:
             model = _model_of(stored)
             curve = _curve_of(stored, StoredContacts(file, stored.n_points), model)
             groups = stored.groups()
+            digest, part_of = str(stored.attribute("model_sha256")), stored.part_of()
     except (OSError, KeyError) as error:
         why = "there is none" if not file.is_file() else f"it is torn or no such file ({error})"
         within = sorted(found.parent.name for found in folder.glob(f"direction-*/{RESULTS}"))
@@ -158,7 +164,19 @@ def load_results(path: Path | str) -> Results:
         model=model,
         summary=_summary_of(folder, curve, model),
         groups=groups,
+        sha256=digest,
+        part_of=part_of,
     )
+
+
+def check_opposite(opposite: Results, forward: Results) -> None:
+    """Raise `OutputError` unless results are those of the other sense of the same model."""
+    if opposite.part_of != forward.sha256:
+        raise OutputError(
+            f"{opposite.path / RESULTS} belongs to another model than {forward.path / RESULTS}: "
+            f"trace both senses again, `drystone assess MODEL --out {forward.path}`, or remove "
+            f"{opposite.path}"
+        )
 
 
 def _model_of(stored: ResultsReader) -> Model | None:

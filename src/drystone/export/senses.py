@@ -6,3 +6,6 @@ FORWARD, OPPOSITE = "along the load", "against the load"
 
 #: In the folder of the first sense.
 OPPOSITE_FOLDER = "opposite"
+
+#: Beginning of the names of folders of several directions.
+DIRECTION = "direction-"

@@ -127,30 +127,11 @@ def plot_curves(
         if not branches:
             _plot_whole(axes, label, curve, unit, first + i)
     _plot_dynamic(axes, [curve for _, curve in curves], unit)
-    for i, (label, x, y) in enumerate(reference):
-        grey = ("#6f6f6f", "#a0a0a0", "#404040")[i % 3]
-        axes.plot(
-            x * unit.per_metre,
-            y,
-            color=grey,
-            linewidth=1.0,
-            linestyle=":",
-            label=canvas.literal(label),
-            zorder=2,
-        )
-    for i, (label, multiplier) in enumerate((limits or {}).items()):
-        style = ("--", "-.", ":")[i % 3]
-        axes.axhline(
-            multiplier,
-            color=canvas.FAINT,
-            linewidth=1.0,
-            linestyle=style,
-            label=f"{label}: {multiplier:.3f}",
-            zorder=1,
-        )
+    _plot_beside(axes, unit, reference, limits or {})
     if marks and len(curves) == 1:
         _mark_peak(axes, curves[0][1], unit)
         _mark_end(axes, curves[0][1], unit)
+    if branches:
         _mark_collapse(axes, curves[0][1], unit)
     settles = any(curve.settles for _, curve in curves)
     axes.set_xlabel(MOTION if settles else f"{DISPLACEMENT} [{unit.name}]")
@@ -165,18 +146,44 @@ def plot_curves(
     axes.set_ylim(0.0 if _never_negative(curves, "load_multiplier") else bottom, top + above)
 
 
+def _plot_beside(
+    axes: Axes, unit: Unit, reference: Sequence[Reference], limits: Mapping[str, float]
+) -> None:
+    """Curves of others, and multipliers of limit analysis."""
+    for i, (label, x, y) in enumerate(reference):
+        grey = ("#6f6f6f", "#a0a0a0", "#404040")[i % 3]
+        axes.plot(
+            x * unit.per_metre,
+            y,
+            color=grey,
+            linewidth=1.0,
+            linestyle=":",
+            label=canvas.literal(label),
+            zorder=2,
+        )
+    for i, (label, multiplier) in enumerate(limits.items()):
+        style = ("--", "-.", ":")[i % 3]
+        axes.axhline(
+            multiplier,
+            color=canvas.FAINT,
+            linewidth=1.0,
+            linestyle=style,
+            label=f"{label}: {multiplier:.3f}",
+            zorder=1,
+        )
+
+
 def _plot_branches(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
     """One curve: up to the peak and after it in two colours of different darkness."""
     x, y = _static(curve, unit)
     top = curve.points.index(curve.capacity)
+    after = "after a part collapsed" if curve.rises_after_collapse else "post-peak branch"
     style: dict[str, Any] = {"linewidth": 2.0, "solid_capstyle": "round", "zorder": 4}
     axes.plot(
         x[: top + 1], y[: top + 1], color=canvas.CURVE_COLOURS[0], label="ascending branch", **style
     )
     if top + 1 < len(x):
-        axes.plot(
-            x[top:], y[top:], color=canvas.CURVE_COLOURS[1], label="post-peak branch", **style
-        )
+        axes.plot(x[top:], y[top:], color=canvas.CURVE_COLOURS[1], label=after, **style)
 
 
 def _plot_whole(axes: Axes, label: str, curve: CapacityCurve, unit: Unit, i: int) -> None:

@@ -26,8 +26,8 @@ from numpy.typing import NDArray
 
 from drystone.contact.forces import ContactForces
 from drystone.curve import DYNAMIC, CapacityCurve
-from drystone.export.directory import RESULTS
 from drystone.export.hdf5 import ResultsReader
+from drystone.export.own_files import RESULTS
 from drystone.export.results import Results
 from drystone.export.summary import package_version, plain
 from drystone.geometry.interfaces import Interfaces

@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from drystone.export.directory import ASSESSMENT
+from drystone.export.folder import OutputError
+from drystone.export.own_files import ASSESSMENT
 from drystone.export.results import Results, load_results
 from drystone.export.senses import FORWARD, OPPOSITE, OPPOSITE_FOLDER
 from drystone.viewer.contents import Contents, Mark, contents_of_folder
@@ -30,17 +31,22 @@ class Folder:
 
     @classmethod
     def read(cls, path: Path | str) -> Folder:
-        """Read a folder of results; raises `OutputError` where there are none.
+        """Read a folder of results.
 
         The folder of the opposite sense has its assessment beside it.  One that cannot be read is
         none: it is made again at any time.
+
+        Raises
+        ------
+        OutputError
+            There are no results, or the assessment is that of another model.
         """
         folder = Path(path)
         results = load_results(folder)
         opposite = folder.resolve().name == OPPOSITE_FOLDER
-        assessment = _assessment(folder / ASSESSMENT)
+        assessment = _assessment(folder / ASSESSMENT, results.sha256)
         if opposite and not assessment:
-            assessment = _assessment(folder.resolve().parent / ASSESSMENT)
+            assessment = _assessment(folder.resolve().parent / ASSESSMENT, results.part_of)
         sense = OPPOSITE if opposite else FORWARD
         return cls(results=results, assessment=assessment, sense=sense)
 
@@ -97,12 +103,20 @@ class Folder:
         return [int(label) for label in labels]
 
 
-def _assessment(path: Path) -> dict[str, Any]:
+def _assessment(path: Path, digest: str) -> dict[str, Any]:
+    """What a file holds; `OutputError` where that is of another model than the one named."""
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    return found if isinstance(found, dict) else {}
+    if not isinstance(found, dict):
+        return {}
+    if found.get("model_sha256") != digest:
+        raise OutputError(
+            f"{path} belongs to another model than the results beside it: run `drystone assess "
+            f"{path.parent}` again, or remove it"
+        )
+    return found
 
 
 def _number(value: Any) -> float | None:
