@@ -1,9 +1,10 @@
 """Finds the events along a curve from its points, poses, ties and contacts.
 
 A structure *moves by itself* where it jumps: between two neighbouring points at rest lie points in
-motion, or the second is marked as reached in a jump.  The first jump that leads through points in
-motion, or makes blocks collapse, is where the structure first *loses its equilibrium*; snaps that a
-step passes over are none.  A block that moves by itself by more than
+motion, or the second is marked as reached in a jump, or a block has gone so far in one step that it
+would have collapsed: steps are a fifth of the smallest block at most.  The first jump that leads
+through points in motion, or makes blocks collapse, is where the structure first *loses its
+equilibrium*; snaps that a step passes over are none.  A block that moves by itself by more than
 `Analysis.event_share` of its smallest extent, be it on the way, has collapsed.  It has *fallen* if
 afterwards it lies lower by as much, hangs on ties alone or has left the structure, else it is
 *displaced*.  By default the share is a half.  A block that rests on the middle of another of its
@@ -91,6 +92,8 @@ class EventLog:
         self._gone[list(left)] = True
         if self._last is not None:
             self._moving |= not at_rest or point.jumped or len(left) > 0
+            if not self._moving:
+                self._moving = bool((self._way(pose) > self._limit).any())
             self._through_motion |= not at_rest
             if self._moving:
                 collapsed = self._move(pose)
@@ -109,10 +112,14 @@ class EventLog:
             self._come_to_rest(None)
         return self.events
 
+    def _way(self, pose: Array) -> Array:
+        """By how far centroids are from where they last rested, (n,) [m]."""
+        assert self._last is not None
+        return np.linalg.norm(translations(pose) - translations(self._last[1]), axis=1)
+
     def _move(self, pose: Array) -> list[int]:
         assert self._last is not None
-        way = translations(pose) - translations(self._last[1])
-        self._far = np.maximum(self._far, np.linalg.norm(way, axis=1))
+        self._far = np.maximum(self._far, self._way(pose))
         new = ((self._far > self._limit) | self._gone) & ~self._collapsed
         self._collapsed |= new
         return [int(i) for i in np.flatnonzero(new)]

@@ -156,6 +156,18 @@ def test_a_larger_share_counts_fewer_blocks():
     assert held.first_collapse is None
 
 
+def test_a_step_at_rest_in_which_a_block_goes_far_is_a_jump():
+    """Whatever an engine says of it: no step leads a block by its own size."""
+    model = beside()
+    curve = traced(model, max_displacement=1e-6, keep_contacts=True)
+    assert not curve.events
+    poses = curve.poses.copy()
+    poses[-1, model.assembly.index("small"), 1] -= 0.4
+    (lost, fallen) = events_of(model, curve.points, poses, curve.contacts)
+    assert lost.kind is EventKind.LOSS_OF_EQUILIBRIUM and fallen.blocks == ("small",)
+    assert fallen.kind is EventKind.BLOCK_FALLEN and fallen.step == curve.points[-2].step
+
+
 class TestAssessment:
     def verdict(self, curve, model, **more):
         motion = {"ag": 0.1, "F0": 2.5, "TC_star": 0.3, "soil": "B", "topography": "T1"}
