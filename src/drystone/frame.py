@@ -25,6 +25,7 @@ from drystone.records import changed
 from drystone.ties import TieState
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 #: Smallest side of a block of the published walls [m], and their unit weight [N/m3].
 SIZE, UNIT_WEIGHT = 0.175, 10e3
@@ -95,6 +96,17 @@ class Frame:
         """Points of the drawing (..., dim) [m] in own coordinates."""
         own = typed(np.asarray(points, float) - self.origin, self.place_noise) / self.length
         return typed(own, 2.0 * float(np.spacing(np.abs(own).max(initial=1.0))))
+
+    @staticmethod
+    def order(drawn: Assembly) -> IntArray:
+        """Rows of the blocks by height, then from the left, then from the front, (n,).
+
+        Where a drawing lists its blocks is no property of the structure.  Sums have their roundings
+        in the order of rows, and where blocks slide or jump a rounding decides; in this order
+        results do not depend on that of the drawing.
+        """
+        across = [drawn.centroid[:, k] for k in reversed(range(drawn.dimension - 1))]
+        return np.lexsort([*across, drawn.centroid[:, -1]])
 
     def assembly(self, drawn: Assembly) -> Assembly:
         """The assembly in own coordinates and units."""

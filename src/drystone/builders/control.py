@@ -78,7 +78,7 @@ def choose_control_point(
     vertices = assembly.blocks[row].vertices
     height = vertices @ assembly.up
     if point is None:
-        place = vertices[_highest_furthest(height, vertices @ load_direction, vertices)]
+        place = vertices[_highest_furthest(height, vertices @ load_direction, vertices)[0]]
     elif isinstance(point, str):
         place = _named_point(point, vertices, height, assembly.centroid[row])
     else:
@@ -108,15 +108,16 @@ def _default_block(assembly: Assembly, load_direction: Array) -> int:
     outlines = [assembly.blocks[i].vertices for i in movable]
     top = np.array([(outline @ assembly.up).max() for outline in outlines])
     reach = np.array([(outline @ load_direction).max() for outline in outlines])
-    return int(movable[_highest_furthest(top, reach, np.vstack(outlines))])
+    equal = _highest_furthest(top, reach, np.vstack(outlines))
+    # Not the first in the drawing: results do not depend on its order.
+    return int(min(movable[equal], key=lambda row: tuple(assembly.centroid[row])))
 
 
-def _highest_furthest(height: Array, reach: Array, extent: Array) -> int:
-    """Index of the highest, of those the furthest; equal within a part of the extent (n, dim)."""
+def _highest_furthest(height: Array, reach: Array, extent: Array) -> NDArray[np.int64]:
+    """Indices of the highest, of those the furthest; equal within a part of the extent (n, dim)."""
     tolerance = SAME * np.ptp(extent, axis=0).max()
     high = np.flatnonzero(height >= height.max() - tolerance)
-    far = high[reach[high] >= reach[high].max() - tolerance]
-    return int(far[0])
+    return high[reach[high] >= reach[high].max() - tolerance]
 
 
 def _named_point(name: str, vertices: Array, height: Array, centroid: Array) -> Array:

@@ -1,6 +1,6 @@
 """An engine that works in the structure's own coordinates and units, seen from outside.
 
-Problems are taken to the frame, results back to the coordinates and units of the drawing.
+Problems are taken to the frame, results back to the coordinates, units and order of the drawing.
 """
 
 from __future__ import annotations
@@ -16,10 +16,12 @@ from drystone.assembly import Assembly
 from drystone.contact.forces import ContactForces
 from drystone.engines.base import Demand, Problem, StepReport
 from drystone.frame import Frame, plain
+from drystone.monitor import ControlPoint
 from drystone.records import changed
 from drystone.ties import TieState
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 #: Settings that engines may prefer and that are lengths.
 LENGTHS = frozenset(("displacement_step",))
@@ -50,6 +52,9 @@ class FramedEngine:
         self.residual_limit: float | None = getattr(engine, "residual_limit", None)
 
         self.seen: tuple[Assembly, Frame, Assembly] | None = None
+        #: Rows outside of the rows within, and the other way round; None where they are the same.
+        self.order: IntArray | None = None
+        self.rank: IntArray | None = None
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -79,7 +84,7 @@ class FramedEngine:
             replace(
                 problem,
                 assembly=assembly,
-                control_point=frame.control_point(problem.control_point),
+                control_point=self._control_point(problem.control_point),
                 load=problem.load.in_frame(frame),
                 dead_loads=tuple(load.in_frame(frame) for load in problem.dead_loads),
                 ties=tuple(tie.in_frame(frame) for tie in problem.ties),
@@ -106,7 +111,10 @@ class FramedEngine:
 
     def contacts(self, state: FramedState) -> ContactForces:
         """See `Engine.contacts`."""
-        return self.frame.contacts_of(self.engine.contacts(state.own))
+        found = self.frame.contacts_of(self.engine.contacts(state.own))
+        if self.order is None:
+            return found
+        return changed(found, block_a=self.order[found.block_a], block_b=self.order[found.block_b])
 
     def ties_of(self, state: FramedState) -> TieState | None:
         """What ties carry, of engines that have them."""
@@ -120,13 +128,24 @@ class FramedEngine:
     def _own(self, assembly: Assembly) -> tuple[Frame, Assembly]:
         """The frame of an assembly and the assembly in it, made once for one and the same."""
         if self.seen is None or self.seen[0] is not assembly:
-            frame = Frame.of(assembly)
-            self.seen = assembly, frame, frame.assembly(assembly)
+            frame, order = Frame.of(assembly), Frame.order(assembly)
+            own = frame.assembly(assembly)
+            self.order = self.rank = None
+            if (np.diff(order) != 1).any():
+                self.order, self.rank = order, np.argsort(order)
+                own = replace(own, blocks=tuple(own.blocks[i] for i in order))
+            self.seen = assembly, frame, own
         return self.seen[1:]
 
     def _state(self, own: Any) -> FramedState:
-        pose = self.frame.pose_of(own.pose)
-        return FramedState(own=own, pose=pose, gone=getattr(own, "gone", None))
+        pose, gone = self.frame.pose_of(own.pose), getattr(own, "gone", None)
+        if self.rank is not None:
+            pose, gone = pose[self.rank], None if gone is None else gone[self.rank]
+        return FramedState(own=own, pose=pose, gone=gone)
+
+    def _control_point(self, drawn: ControlPoint) -> ControlPoint:
+        own = self.frame.control_point(drawn)
+        return own if self.rank is None else replace(own, block=int(self.rank[drawn.block]))
 
     def _report(self, own: StepReport) -> StepReport:
         length = self.frame.length
