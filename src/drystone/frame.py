@@ -30,6 +30,10 @@ IntArray = NDArray[np.int64]
 #: Smallest side of a block of the published walls [m], and their unit weight [N/m3].
 SIZE, UNIT_WEIGHT = 0.175, 10e3
 
+#: Places that differ by no more [m, own units] are the same in the order of blocks: above what
+#: roundings make of a thousand metres (1e-13 each), far below what anyone builds.
+SAME = 1e-9
+
 #: Significant digits that are kept of a quotient: what it has of its own, less its rounding.
 DIGITS = 13
 
@@ -98,15 +102,21 @@ class Frame:
         return typed(own, 2.0 * float(np.spacing(np.abs(own).max(initial=1.0))))
 
     @staticmethod
-    def order(drawn: Assembly) -> IntArray:
-        """Rows of the blocks by height, then from the left, then from the front, (n,).
+    def order(own: Assembly, control: ControlPoint) -> IntArray:
+        """Rows of the blocks by their place, (n,), of an assembly in own coordinates.
 
-        Where a drawing lists its blocks is no property of the structure.  Sums have their roundings
-        in the order of rows, and where blocks slide or jump a rounding decides; in this order
-        results do not depend on that of the drawing.
+        Sums have the roundings of their order, and where blocks slide or jump a rounding decides
+        which way they go.  Neither the order in which a drawing lists its blocks nor its turn in
+        space is a property of the structure.  So blocks are ordered by their height, then along the
+        control displacement, then from the left to the right of it.  Where that displacement is
+        vertical, their distance from the control point decides, and last their coordinates.
         """
-        across = [drawn.centroid[:, k] for k in reversed(range(drawn.dimension - 1))]
-        return np.lexsort([*across, drawn.centroid[:, -1]])
+        up, forward = own.up, control.direction
+        keys = [own.centroid @ up, own.centroid @ forward]
+        if own.dimension == 3:
+            keys.append(own.centroid @ np.cross(forward, up))
+        keys += [np.linalg.norm(own.centroid - control.point, axis=1), *own.centroid.T]
+        return np.lexsort([_ranks(key) for key in reversed(keys)])
 
     def assembly(self, drawn: Assembly) -> Assembly:
         """The assembly in own coordinates and units."""
@@ -205,6 +215,14 @@ class Frame:
             normal_reaction=self.force * own.normal_reaction,
             tangential_reaction=self.force * own.tangential_reaction,
         )
+
+
+def _ranks(values: Array) -> IntArray:
+    """Ranks of lengths in own units (n,); those that differ by no more than `SAME` share one."""
+    order = np.argsort(values, kind="stable")
+    ranks = np.empty(len(values), np.int64)
+    ranks[order] = np.cumsum(np.diff(values[order], prepend=values[order[:1]]) > SAME)
+    return ranks
 
 
 def typed(values: Array, noise: float) -> Array:

@@ -16,7 +16,6 @@ from drystone.assembly import Assembly
 from drystone.contact.forces import ContactForces
 from drystone.engines.base import Demand, Problem, StepReport
 from drystone.frame import Frame, plain
-from drystone.monitor import ControlPoint
 from drystone.records import changed
 from drystone.ties import TieState
 
@@ -75,6 +74,12 @@ class FramedEngine:
     def start(self, problem: Problem) -> tuple[FramedState, StepReport]:
         """See `Engine.start`."""
         self.frame, assembly = self._own(problem.assembly)
+        control = self.frame.control_point(problem.control_point)
+        order, self.order, self.rank = self.frame.order(assembly, control), None, None
+        if (np.diff(order) != 1).any():
+            self.order, self.rank = order, np.argsort(order)
+            assembly = replace(assembly, blocks=tuple(assembly.blocks[i] for i in order))
+            control = replace(control, block=int(self.rank[control.block]))
         settlement = problem.settlement
         self.turns = settlement is not None and settlement.rotates
         #: Unit of what paces the analysis.
@@ -84,7 +89,7 @@ class FramedEngine:
             replace(
                 problem,
                 assembly=assembly,
-                control_point=self._control_point(problem.control_point),
+                control_point=control,
                 load=problem.load.in_frame(frame),
                 dead_loads=tuple(load.in_frame(frame) for load in problem.dead_loads),
                 ties=tuple(tie.in_frame(frame) for tie in problem.ties),
@@ -128,12 +133,8 @@ class FramedEngine:
     def _own(self, assembly: Assembly) -> tuple[Frame, Assembly]:
         """The frame of an assembly and the assembly in it, made once for one and the same."""
         if self.seen is None or self.seen[0] is not assembly:
-            frame, order = Frame.of(assembly), Frame.order(assembly)
+            frame = Frame.of(assembly)
             own = frame.assembly(assembly)
-            self.order = self.rank = None
-            if (np.diff(order) != 1).any():
-                self.order, self.rank = order, np.argsort(order)
-                own = replace(own, blocks=tuple(own.blocks[i] for i in order))
             self.seen = assembly, frame, own
         return self.seen[1:]
 
@@ -142,10 +143,6 @@ class FramedEngine:
         if self.rank is not None:
             pose, gone = pose[self.rank], None if gone is None else gone[self.rank]
         return FramedState(own=own, pose=pose, gone=gone)
-
-    def _control_point(self, drawn: ControlPoint) -> ControlPoint:
-        own = self.frame.control_point(drawn)
-        return own if self.rank is None else replace(own, block=int(self.rank[drawn.block]))
 
     def _report(self, own: StepReport) -> StepReport:
         length = self.frame.length
