@@ -2,9 +2,9 @@
 
 A structure *moves by itself* where it jumps: between two neighbouring points at rest lie points in
 motion, or the second is marked as reached in a jump, or a block has gone so far in one step that it
-would have collapsed: steps are a fifth of the smallest block at most.  The first jump that leads
-through points in motion, or makes blocks collapse, is where the structure first *loses its
-equilibrium*; snaps that a step passes over are none.  A block that moves by itself by more than
+would have collapsed: steps are a fifth of the smallest block at most.  The first jump in which a
+block moves by more than `SNAP` of its smallest extent, or collapses, is where the structure first
+*loses its equilibrium*.  A block that moves by itself by more than
 `Analysis.event_share` of its smallest extent, be it on the way, has collapsed.  It has *fallen* if
 afterwards it lies lower by as much, hangs on ties alone or has left the structure, else it is
 *displaced*.  By default the share is a half.  A block that rests on the middle of another of its
@@ -27,6 +27,10 @@ from drystone.geometry.motion import translations
 from drystone.model import Model
 from drystone.ties import BROKEN, YIELDING, Tie, TieState, names_of
 
+#: Share of a block's smallest extent up to which a jump is no event.  The shortest step that
+#: engines prefer is as long, so that a curve does not tell such a jump from a step.
+SNAP = 0.02
+
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 Contacts = Callable[[], ContactForces]
@@ -39,6 +43,7 @@ class EventLog:
         self._assembly = assembly = model.assembly
         self._ties = model.ties
         self._limit = model.analysis.event_share * assembly.extents  # m
+        self._snap = np.minimum(SNAP * assembly.extents, self._limit)  # m
         self._up = assembly.up
         self._events: list[Event] = []
         self._last: tuple[CurvePoint, Array] | None = None  # last point at rest and its pose
@@ -133,7 +138,8 @@ class EventLog:
             "control_displacement": before.control_displacement,
             "load_multiplier": before.load_multiplier,
         }
-        if not self._lost_equilibrium and (self._through_motion or self._collapsed.any()):
+        snapped = self._through_motion and bool((self._far > self._snap).any())
+        if not self._lost_equilibrium and (snapped or self._collapsed.any()):
             self._lost_equilibrium = True
             movers = self._collapsed if self._collapsed.any() else self._far >= self._far.max()
             self._log(EventKind.LOSS_OF_EQUILIBRIUM, movers, None, **place)

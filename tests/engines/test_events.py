@@ -15,7 +15,7 @@ import drystone as ds
 from drystone.assembly import Block, JointLaw
 from drystone.builders import make_model
 from drystone.builders.errors import ModelError
-from drystone.curve import STATIC
+from drystone.curve import DYNAMIC, STATIC
 from drystone.event_log import events_of
 from drystone.events import EventKind, Outcome, first_collapse
 from drystone.model import Analysis
@@ -166,6 +166,24 @@ def test_a_step_at_rest_in_which_a_block_goes_far_is_a_jump():
     (lost, fallen) = events_of(model, curve.points, poses, curve.contacts)
     assert lost.kind is EventKind.LOSS_OF_EQUILIBRIUM and fallen.blocks == ("small",)
     assert fallen.kind is EventKind.BLOCK_FALLEN and fallen.step == curve.points[-2].step
+
+
+def test_a_jump_that_no_step_would_show_is_no_event():
+    """Up to 2 % of a block's smallest extent: the shortest steps are as long."""
+    model = beside()
+    curve = traced(model, max_displacement=1e-6, keep_contacts=True)
+    moving = replace(curve.points[-1], status=DYNAMIC)
+    points = [*curve.points, moving, replace(curve.points[-1], step=moving.step + 1)]
+    contacts = [*curve.contacts, *[curve.contacts[-1]] * 2]
+
+    def found(distance):
+        poses = np.concatenate([curve.poses, *[curve.poses[-1:]] * 2])
+        poses[-1, model.assembly.index("small"), 0] += distance
+        return events_of(model, points, poses, contacts)
+
+    assert not found(0.019 * 0.1)
+    (lost,) = found(0.021 * 0.1)
+    assert lost.kind is EventKind.LOSS_OF_EQUILIBRIUM and lost.blocks == ("small",)
 
 
 class TestAssessment:
