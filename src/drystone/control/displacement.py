@@ -92,7 +92,8 @@ class DisplacementSettings:
     slow_iterations: int = 40  # of a step of a jump beyond which its time step does not grow
     grown_after: int = 3  # steps after which increments grow again, of which one failed
     retried_after: int = 5  # steps of a jump after which a time step that failed is tried again
-    static_inertia: float = 1e-3  # inertia over applied force of a step that is static again
+    static_inertia: float = 1e-3  # inertia of a step that is static again, over the applied force
+    # and, of the fastest block, over its weight
     fall_motion: float = 25.0  # of a block, over the largest increment, in the parts of a jump in
     # which the control point is held back, after which the structure has collapsed
     jump_steps: int = 5000  # without rest after which a jump is not followed further; what falls
@@ -446,7 +447,8 @@ class DisplacementControl:
         s = self.settings
         if not state.time_step:
             return not report.dynamic
-        return report.inertia_ratio < s.static_inertia and state.time_step > 5.0 * s.time_step
+        inertia = max(report.inertia_ratio, report.acceleration)
+        return inertia < s.static_inertia and state.time_step > 5.0 * s.time_step
 
     def _over(self, state: _State, report: StepReport) -> End | None:
         """Whether and why the analysis is over."""

@@ -112,6 +112,7 @@ class StepReport:
     friction_violation: float = np.nan
     energy_ratio: float = np.nan
     inertia_ratio: float = np.nan
+    acceleration: float = 0.0  # of the fastest block, over gravity: what it lacks of its balance
     n_open: int = 0
     n_sticking: int = 0
     n_sliding: int = 0

@@ -81,7 +81,8 @@ class EquilibriumSettings:
     #: Farthest motion of a block in one step over the smallest block, -: beyond it, contacts that
     #: the step has not looked for could be made.
     max_motion: float = 0.2
-    #: Inertia over applied force, -, above which a point is dynamic.
+    #: Inertia over applied force of all blocks, and over its weight of any of them, -, above which a
+    #: point is dynamic.
     inertia_limit: float = 1e-3
     path: PathSettings = field(default_factory=PathSettings)
     interior: InteriorSettings = field(default_factory=InteriorSettings)
@@ -211,13 +212,18 @@ class EquilibriumEngine:
                 continue
             state = new
             travelled += outcome.motion
-            if h >= limit and outcome.inertia_ratio < self.settings.inertia_limit:
+            if h >= limit and self._at_rest(outcome):
                 return replace(new, last_increment=self.problem.assembly.no_motion()), outcome
             if travelled > farthest:
                 break
             h = min(100.0 * h, limit)
         gone = self.problem.length * self.detector.travelled(state.pose)
         raise UnstableError(unstable_sentence(self.problem, gone))
+
+    def _at_rest(self, outcome: StepReport) -> bool:
+        """Whether a step ended at rest: the structure, and each block, which may be a small part of
+        it."""
+        return max(outcome.inertia_ratio, outcome.acceleration) <= self.settings.inertia_limit
 
     def _missed(self, state: EquilibriumState) -> bool:
         """Whether blocks overlap that were no pair."""
@@ -655,7 +661,7 @@ class EquilibriumEngine:
             excess=solved.excess,
             bend=solved.bend,
             swerve=solved.swerve,
-            dynamic=outcome.inertia_ratio > self.settings.inertia_limit,
+            dynamic=not self._at_rest(outcome),
             unstable=solved.unstable,
             lost_shear=self._lost(source, then),
         )

@@ -137,6 +137,7 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
         friction_violation=outcome.certificate.cone / assembly.heaviest_weight,
         energy_ratio=kinetic / work if work > 0.0 else 0.0,
         inertia_ratio=inertia / (applied * loads.total),
+        acceleration=fastest / GRAVITY,
         n_open=n_open,
         n_sticking=n_sticking,
         n_sliding=n_sliding,
