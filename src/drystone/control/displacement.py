@@ -362,6 +362,8 @@ class DisplacementControl:
         floor = s.floor_share * s.displacement_step
         if state.last == state.highest:
             floor = min(floor, 0.1 * state.closing)
+            if state.slope > 0.0:  # a crossing is four times the floor
+                floor = min(floor, 0.25 * s.bend_share * state.highest / state.slope)
         if state.time_step:
             if s.smooth:
                 state = changed(state, shortened=True, too_long=state.time_step, n_since=0)
