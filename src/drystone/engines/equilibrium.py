@@ -81,8 +81,8 @@ class EquilibriumSettings:
     #: Farthest motion of a block in one step over the smallest block, -: beyond it, contacts that
     #: the step has not looked for could be made.
     max_motion: float = 0.2
-    #: Inertia over applied force of all blocks, and over its weight of any of them, -, above which a
-    #: point is dynamic.
+    #: Inertia, -, above which a point is dynamic: of all blocks over the applied force, and of any
+    #: block over its weight.
     inertia_limit: float = 1e-3
     path: PathSettings = field(default_factory=PathSettings)
     interior: InteriorSettings = field(default_factory=InteriorSettings)
