@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
 __version__ = "0.1.0"
 
+# The command line begins here: no module is imported before it has seen to signals.
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from drystone.analysis import pushover
     from drystone.around import Polar, polar
     from drystone.assembly import Assembly, Block, Corner, JointLaw
@@ -108,6 +109,8 @@ __all__ = [*_PLACES, "__version__"]
 def __getattr__(name: str) -> Any:
     if name not in _PLACES:
         raise AttributeError(f"module 'drystone' has no attribute {name!r}")
+    from importlib import import_module
+
     module, _, there = _PLACES[name].partition(":")
     return getattr(import_module(module), there or name)
 

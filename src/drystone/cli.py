@@ -1,69 +1,36 @@
-"""The command line: ``drystone COMMAND``, one command per verb of the library.
+"""The command line: ``drystone COMMAND``.
 
-A new command is a function in `drystone.commands` and one line here.
+Nothing is imported here before signals are seen to.
 """
 
 from __future__ import annotations
 
-from typing import Annotated
+import signal
 
-import typer
-
-from drystone.commands.assess import assess
-from drystone.commands.benchmark import benchmark
-from drystone.commands.check import check
-from drystone.commands.compare import compare
-from drystone.commands.convert import convert
-from drystone.commands.limit import limit
-from drystone.commands.report import report
-from drystone.commands.run import run
-from drystone.commands.show import show
-from drystone.commands.view import view
-
-app = typer.Typer(
-    name="drystone",
-    add_completion=False,
-    no_args_is_help=True,
-    rich_markup_mode=None,  # plain help comes up several times faster
-    pretty_exceptions_enable=False,
-)
-
-
-def _version(wanted: bool) -> None:
-    if wanted:
-        from drystone.export.summary import package_version
-
-        typer.echo(f"drystone {package_version()}")
-        raise typer.Exit
-
-
-@app.callback()
-def drystone(
-    version: Annotated[
-        bool,
-        typer.Option(
-            "--version", callback=_version, is_eager=True, help="Print the version and exit."
-        ),
-    ] = False,
-) -> None:
-    """Pushover curves of masonry made of rigid blocks, past the peak and down to nothing."""
-
-
-app.command()(run)
-app.command()(limit)
-app.command()(check)
-app.command()(show)
-app.command()(assess)
-app.command()(compare)
-app.command()(report)
-app.command()(view)
-app.command()(convert)
-app.command()(benchmark)
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
 
 
 def main() -> None:
-    """Entry point of the command ``drystone``."""
+    """Entry point of the command ``drystone``.
+
+    Ctrl-C ends it at once and silently while it is loaded, until a command takes care of it in
+    `drystone.commands.outcome`.
+    """
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    from drystone.commands.app import app
+
     app()
+
+
+def __getattr__(name: str) -> Any:
+    if name != "app":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from drystone.commands.app import app
+
+    return app
 
 
 if __name__ == "__main__":

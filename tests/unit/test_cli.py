@@ -296,6 +296,32 @@ def test_control_c_leaves_a_valid_folder(tmp_path):
     assert b"Traceback" not in err
 
 
+@pytest.mark.parametrize("milliseconds", [0, 5, 20, 40, 60, 100, 300, 600])
+def test_control_c_while_the_program_is_loaded(tmp_path, milliseconds):
+    """Without a traceback, whatever module is being loaded when it comes."""
+    code = (
+        "import os, signal, sys, threading, time\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "from drystone.cli import main\n"
+        "def press():\n"
+        "    time.sleep(float(sys.argv.pop()) / 1e3)\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        "threading.Thread(target=press).start()\n"
+        "while len(sys.argv) > 3: time.sleep(1e-4)\n"
+        "main()\n"
+    )
+    (tmp_path / "wall.toml").write_text("[wall]\nnumber = 1\n")
+    ended = subprocess.run(
+        [sys.executable, "-c", code, "check", "wall.toml", str(milliseconds)],
+        capture_output=True,
+        cwd=tmp_path,
+        env=synthetic.environment(),
+        timeout=60,
+    )
+    assert ended.stderr.decode() in ("", "drystone: interrupted: nothing was written\n")
+    assert ended.returncode in (-signal.SIGINT, 130)
+
+
 ODD_TITLES = ["$a_$", "costs $5 and $x_2$", "a\0b \x1b[31mred\x07", "\u5899 \\$", "x" * 5000]
 
 

@@ -190,6 +190,22 @@ class TestSpace:
         with pytest.raises(ModelError, match="export them as meshes"):
             blocks_of(saved(tmp_path, document), 3)
 
+    def test_errors_hold_no_letters_that_steer_a_terminal(self, tmp_path):
+        document, space = drawing()
+        space.add_lwpolyline([(x + 3.25, y) for x, y in SQUARE], close=True)
+        path = saved(tmp_path, document)
+        path.write_text(path.read_text().replace("3.25\n", "3.25\x1b[31mx\x07\n", 1))
+        with pytest.raises(ModelError) as caught:
+            blocks_of(path)
+        assert all(problem.isprintable() for problem in caught.value.problems)
+
+    def test_what_another_file_holds_is_not_shown(self, tmp_path):
+        path = tmp_path / "a.dxf"
+        path.write_text("root:x:0:0:secret\n" * 40)
+        with pytest.raises(ModelError, match="is no DXF file") as caught:
+            blocks_of(path)
+        assert "secret" not in str(caught.value)
+
     def test_torn_files_are_refused(self, tmp_path):
         document, space = drawing()
         space.add_lwpolyline(SQUARE, close=True)

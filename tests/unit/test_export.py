@@ -19,9 +19,9 @@ import pytest
 import synthetic
 
 from drystone.contact.forces import ContactForces
-from drystone.curve import COLUMNS
+from drystone.curve import COLUMNS, TieRecord
 from drystone.export import hdf5
-from drystone.export.csv import LEADING, write_curve
+from drystone.export.csv import LEADING, write_curve, write_ties
 from drystone.export.directory import ResultsDirectory, mechanism_row
 from drystone.export.folder import OutputError
 from drystone.export.hdf5 import ResultsReader, ResultsWriter
@@ -67,6 +67,20 @@ def test_curve_csv_gives_every_number_back(tmp_path):
     assert lines[1]["load_multiplier"] == "0.1"
     assert math.isnan(float(lines[1]["residual"]))
     assert (lines[1]["step"], lines[1]["status"]) == ("1", "static")
+
+
+def test_names_of_ties_are_no_formulas(tmp_path):
+    """Spreadsheets calculate what begins with one of = + - @; numbers below zero stay numbers."""
+    names = "=1+1", "+a", "-a", "@a", "\ta", "rod"
+    force = np.full((1, len(names)), -2.5)
+    branch = np.zeros(force.shape, np.int64)
+    ties = TieRecord(names=names, force=force, elongation=force, branch=branch)
+    curve = replace(synthetic.curve(), points=(synthetic.point(0, 0.0, 0.0),))
+    write_ties(curve, ties, tmp_path / "ties.csv")
+    with (tmp_path / "ties.csv").open(newline="") as file:
+        lines = list(csv.DictReader(file))
+    assert [line["tie"] for line in lines] == ["'=1+1", "'+a", "'-a", "'@a", "'\ta", "rod"]
+    assert {line["force"] for line in lines} == {"-2.5"}
 
 
 # summary

@@ -13,6 +13,7 @@ from drystone.geometry.flatness import flat_pieces, triangles
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.mend import DrawnSolid, mended_solids
 from drystone.geometry.meshes import Mesh, once, oriented, shells, stitched, welded
+from drystone.geometry.neighbours import meeting_faces, vertices_in_faces
 from drystone.geometry.planes import Incidences, fitted_planes, onto_planes
 from drystone.geometry.polyhedra import Polyhedra
 from drystone.geometry.trim import trimmed
@@ -37,6 +38,32 @@ def areas(joints):
     for a, b, size in zip(joints.block_a, joints.block_b, joints.size, strict=True):
         found[int(a), int(b)] = found.get((int(a), int(b)), 0.0) + float(size)
     return found
+
+
+def test_faces_without_area_lie_on_nothing():
+    """Slivers that close a surface where a vertex lies on an edge of the next face."""
+    meshes = []
+    for low in (0.0, 1.0005):
+        vertices, faces = box((0, 0, low), (1, 1, low + 1))
+        a, b = faces[-1][:2]  # an edge of the last face, whose other face gets a vertex amid it
+        amid = len(vertices)
+        faces = tuple(_with_vertex(face, b, a, amid) for face in faces) + ((a, amid, b),)
+        middle = 0.5 * (vertices[a] + vertices[b])
+        meshes.append(Mesh(np.vstack((vertices, middle)), faces))
+    near = np.array([0.01, 0.01])
+    with np.errstate(all="raise"):
+        meeting = meeting_faces(meshes, near)
+        lying = vertices_in_faces(meshes, near)
+    sliver = len(meshes[0].faces) - 1
+    assert len(meeting) == 1  # top and bottom
+    assert all(sliver not in (p, q) for _, p, _, q in meeting)
+    assert all(face != sliver for *_, face in lying)
+
+
+def _with_vertex(face, first, second, between):
+    """A face with a vertex put in where it runs from one vertex to another."""
+    k = next((k for k in range(len(face)) if (face[k - 1], face[k]) == (first, second)), None)
+    return face if k is None else (*face[:k], between, *face[k:])
 
 
 class TestOneSolid:

@@ -260,6 +260,16 @@ def test_bad_files_are_refused(tmp_path, text, unit, words):
         read_spectrum(tmp_path / "none.csv", unit="g", damping=0.05)
 
 
+@pytest.mark.parametrize("text", ["root:secret", "T,Se\n0,secret\n", "T,Se\n0,1,secret\n"])
+def test_what_another_file_holds_is_not_shown(tmp_path, text):
+    """A model may come from somebody else, and name any file of whoever runs it."""
+    path = tmp_path / "shadow"
+    path.write_text(text)
+    with pytest.raises(AssessmentError, match=r"line [12]") as caught:
+        read_spectrum(path, unit="g", damping=0.05)
+    assert "secret" not in str(caught.value)
+
+
 modes = st.builds(
     Mode,
     period=st.floats(0.1, 1.0),

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from drystone.assembly import GRAVITY
 from drystone.assessment.errors import AssessmentError
+from drystone.builders.contents import read_bytes
+from drystone.builders.errors import ModelError
 
 Array = NDArray[np.float64]
 
@@ -55,30 +57,39 @@ def checked_columns(
 
 
 def read_columns(path: str | Path, header: tuple[str, str], name: str) -> tuple[Array, Array]:
-    """Two columns (n,), (n,) of numbers from a CSV file with a header; ``name`` is for errors."""
+    """Two columns (n,), (n,) of numbers from a CSV file with a header; ``name`` is for errors.
+
+    Errors say where a file is no such table, never what stands there: a model of somebody else may
+    name any file of whoever runs it.
+    """
     try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise AssessmentError(f"{name} cannot be read: {error}") from error
-    rows = [
-        (number, [cell.strip() for cell in row])
-        for number, row in enumerate(csv.reader(text.splitlines()), start=1)
-        if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
-    ]
+        text = read_bytes(Path(path), "the table").decode("utf-8-sig")
+        rows = [
+            (number, [cell.strip() for cell in row])
+            for number, row in enumerate(csv.reader(text.splitlines()), start=1)
+            if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
+        ]
+    except ModelError as error:
+        raise AssessmentError(f"{name} cannot be read: {error}") from None
+    except (UnicodeDecodeError, csv.Error):
+        raise AssessmentError(f"{name}: is no table of text: write it as CSV in UTF-8") from None
     if not rows or tuple(rows[0][1]) != header:
-        found = ",".join(rows[0][1]) if rows else "nothing"
+        begins = f"line {rows[0][0]} is not its header" if rows else "is empty, without a header"
         raise AssessmentError(
-            f'{name}: the first line is "{found}"; write the header "{",".join(header)}", commas '
-            "between columns and points in numbers"
+            f'{name}: {begins}: begin with the line "{",".join(header)}", commas between columns '
+            "and points in numbers"
         )
     values = []
     for number, row in rows[1:]:
+        if len(row) != len(header):
+            raise AssessmentError(
+                f"{name}, line {number}: has {len(row)} columns, and the header 2: commas stand "
+                "between columns, points in numbers"
+            )
         try:
             first, second = (float(cell) for cell in row)
         except ValueError:
-            raise AssessmentError(
-                f'{name}, line {number}: "{",".join(row)}" is not two numbers'
-            ) from None
+            raise AssessmentError(f"{name}, line {number}: is not two numbers: mend it") from None
         values.append((first, second))
     if len(values) < 2:
         raise AssessmentError(f"{name} has {len(values)} points; two or more are needed")

@@ -9,11 +9,18 @@ from difflib import get_close_matches
 LONGEST = 60  # letters of a text shown in a sentence
 MOST = 12  # names listed in one
 FEW = 5  # names of what a sentence is about
+#: With these a cell of a spreadsheet begins that is calculated, not shown.
+FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")
 
 
 def printable(text: str) -> str:
     """Text with escapes in place of what would steer a terminal, as ``\\x1b``."""
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
+def in_a_cell(text: str) -> str:
+    """Text for a table that spreadsheets open: an apostrophe before what would be a formula."""
+    return "'" + text if text.startswith(FORMULA) else text
 
 
 def quoted(text: str) -> str:

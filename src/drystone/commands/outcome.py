@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import sys
 import threading
@@ -30,40 +31,53 @@ def outcome(*, as_json: bool, begun: Callable[[], bool] = lambda: False) -> Iter
         Says whether results were written already: an error is then one of the analysis, not of
         the model.
     """
+    came: list[int] = []
     try:
-        with terminated_like_interrupted():
+        with signals_as_interrupts(came):
             yield
     except KeyboardInterrupt:
-        kept = "what was reached is kept" if begun() else "nothing was written"
-        fail(INTERRUPTED, [f"interrupted: {kept}"], as_json=as_json, status="interrupted")
+        interrupted(begun(), as_json=as_json)
     except BrokenPipeError:
         raise  # the reader of standard output has seen enough
     except Exception as error:
         problems = sentences(error)
+        if problems is None and came:  # modules that are being loaded make another error of it
+            interrupted(begun(), as_json=as_json)
         if problems is None:
             raise
         fail(UNFINISHED if begun() else WRONG, problems, as_json=as_json)
     finally:
-        cache = sys.modules.get("drystone.kernels.cache")
-        tell([cache.note] if cache is not None and cache.note else [])
+        note = getattr(sys.modules.get("drystone.kernels.cache"), "note", "")
+        if note:  # else nothing is loaded for it, amid what was interrupted
+            tell([note])
 
 
 @contextmanager
-def terminated_like_interrupted() -> Iterator[None]:
-    """The first SIGTERM ends what runs as Ctrl-C does, so that what was reached is kept."""
+def signals_as_interrupts(came: list[int]) -> Iterator[None]:
+    """Ctrl-C, and the first SIGTERM, raise `KeyboardInterrupt`: what was reached is kept.
+
+    The numbers of the signals that ``came`` are added to it.
+    """
 
     def interrupt(number: int, frame: object) -> None:
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)  # the results are being written
+        came.append(number)
+        if number == signal.SIGTERM:
+            signal.signal(number, signal.SIG_IGN)  # the results are being written
         raise KeyboardInterrupt
 
     if threading.current_thread() is not threading.main_thread():
         yield  # signals are handled by the main thread alone
         return
-    before = signal.signal(signal.SIGTERM, interrupt)
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    if before[signal.SIGINT] not in (signal.SIG_DFL, signal.default_int_handler):
+        del before[signal.SIGINT]  # ignored, as in the background, or taken care of
     try:
+        for number in before:
+            signal.signal(number, interrupt)
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def sentences(error: Exception) -> list[str] | None:
@@ -98,6 +112,16 @@ def fail(
         reason = " ".join(problems)
         emit({"status": status, "reason": reason, "problems": list(problems), **(extra or {})})
     raise typer.Exit(code)
+
+
+def interrupted(begun: bool, *, as_json: bool) -> NoReturn:
+    """End the command; nothing is imported, which the interrupt may have left half done."""
+    reason = f"interrupted: {'what was reached is kept' if begun else 'nothing was written'}"
+    typer.echo(f"drystone: {reason}", err=True)
+    if as_json:
+        said = {"status": "interrupted", "reason": reason, "problems": [reason]}
+        typer.echo(json.dumps(said, indent=2))
+    raise typer.Exit(INTERRUPTED)
 
 
 def tell(problems: Sequence[str]) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 from drystone.assembly import Block
 from drystone.builders.contents import read_bytes
 from drystone.builders.errors import ModelError
+from drystone.builders.words import in_a_cell
 from drystone.drawings import Imported, ImportSettings, imported
 from drystone.geometry.mended import Mended
 from drystone.modelfile.parse import parse
@@ -163,5 +164,5 @@ def mended_csv(records: Sequence[Mended]) -> str:
     writer.writerow(["block", "what", "how_much_m", "count", "volume_m3"])
     for record in records:
         row = (f"{record.how_much:.6g}", record.count, f"{record.volume:.6g}")
-        writer.writerow([record.block, record.what, *row])
+        writer.writerow([in_a_cell(record.block), record.what, *row])
     return stream.getvalue()

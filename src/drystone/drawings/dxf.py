@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import json
 import logging
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -16,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from drystone.builders.errors import ModelError
-from drystone.builders.words import quoted
+from drystone.builders.words import printable, quoted
 from drystone.drawings.drawing import (
     CONTROL_LAYERS,
     MOST,
@@ -32,6 +33,8 @@ APPLICATION = "DRYSTONE"
 MISSING = "DXF needs ezdxf, which is not installed: pip install drystone[dxf]"
 #: Unit of the drawing by its number in the header ($INSUNITS).
 _UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}
+#: What files begin with: a group code on a line of its own, or the mark of binary ones.
+_BEGINNING = re.compile(rb"(\xef\xbb\xbf)?\s*\d+[ \t]*[\r\n]|AutoCAD Binary DXF")
 #: Largest distance of an arc from the chords that it is drawn with, over its radius.
 ARC = 1e-3
 #: Entities inside of each other's definitions that no drawing has.
@@ -102,6 +105,10 @@ def _document(contents: bytes) -> tuple[Any, list[str]]:
         raise ModelError([MISSING]) from None
     if len(contents) > 500_000_000:
         raise ModelError(["is larger than any drawing of blocks"])
+    if not _BEGINNING.match(contents):  # and nothing of a file that is another's is quoted
+        raise ModelError(
+            ["is no DXF file: its first line is no group code, nor is it a binary one"]
+        )
     with _overheard() as told:
         try:
             document, auditor = recover.read(io.BytesIO(contents))
@@ -137,7 +144,8 @@ def _overheard() -> Iterator[list[str]]:
 
 
 def _line(error: object) -> str:
-    return " ".join(str(error).split())[:200] or type(error).__name__
+    """What ezdxf says, on one line and without letters of the file that would steer a terminal."""
+    return printable(" ".join(str(error).split())[:200]) or type(error).__name__
 
 
 def _entities(layout: Any, depth: int) -> Iterator[Any]:

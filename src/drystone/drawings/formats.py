@@ -9,7 +9,7 @@ from pathlib import Path
 
 from drystone.builders.contents import read_bytes
 from drystone.builders.errors import ModelError
-from drystone.builders.words import quoted, suggestion
+from drystone.builders.words import printable, quoted, suggestion
 from drystone.drawings import bodies, compas, dxf, ifc, obj, ply, stl
 from drystone.drawings.drawing import Drawing, check_places
 
@@ -73,7 +73,7 @@ def read_drawing(path: Path, name: str | None = None, dimension: int | None = No
         drawing = kind.read(contents, path, dimension).renamed()
     except (ArithmeticError, LookupError, TypeError, ValueError, AttributeError) as error:
         # Readers know what files should hold; what a torn one holds nobody foresees.
-        what = " ".join(str(error).split())[:120]
+        what = printable(" ".join(str(error).split())[:120])
         raise ModelError(
             [f"is no {kind.name} file that can be read ({what}): export it anew"]
         ) from None

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from drystone.builders.errors import ModelError
+from drystone.builders.words import printable
 from drystone.drawings.drawing import Drawing, Shape, check_faces, tidy_name
 
 #: What is built and may be of stone; doors, furniture and pipes are not.
@@ -114,4 +115,4 @@ def _material(element: Any) -> str:
 
 
 def _line(error: Exception) -> str:
-    return " ".join(str(error).split())[:200]
+    return printable(" ".join(str(error).split())[:200])

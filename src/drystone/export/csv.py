@@ -6,6 +6,7 @@ import csv
 from pathlib import Path
 from typing import Any
 
+from drystone.builders.words import in_a_cell
 from drystone.curve import COLUMNS, CapacityCurve, TieRecord
 from drystone.export.folder import whole_file
 
@@ -45,7 +46,8 @@ def write_ties(curve: CapacityCurve, ties: TieRecord, path: Path | str) -> None:
         for k, point in enumerate(curve.points):
             for i, name in enumerate(ties.names):
                 values = ties.force[k, i], ties.elongation[k, i]
-                row = point.step, point.control_displacement, name, *values, ties.state(k, i)
+                about = point.step, point.control_displacement, in_a_cell(name)
+                row = *about, *values, ties.state(k, i)
                 writer.writerow([_plain(value) for value in row])
 
 

@@ -52,9 +52,10 @@ def _packed(meshes: Sequence[Mesh]) -> tuple[Polyhedra, list[int]]:
     for mesh in meshes:
         vertices = mesh.vertices.tolist()
         faces: list[tuple[int, ...]] = []
-        normals = face_normals(mesh)
-        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        normals = _unit_normals(mesh)
         for k, face in enumerate(mesh.faces):
+            if not normals[k].any():
+                continue  # a face without area lies on nothing
             pieces = convex_pieces(mesh.vertices[list(face)], normals[k], k)
             if len(pieces) == 1:
                 faces.append(tuple(face))
@@ -65,6 +66,13 @@ def _packed(meshes: Sequence[Mesh]) -> tuple[Polyhedra, list[int]]:
             owner += [k] * len(pieces)
         blocks.append([(np.array(vertices), faces)])
     return Polyhedra.pack(blocks), owner
+
+
+def _unit_normals(mesh: Mesh) -> Array:
+    """Unit normals of the faces, (n_faces, 3); zero where a face has no area."""
+    normals = face_normals(mesh)
+    length = np.linalg.norm(normals, axis=1)
+    return normals / np.where(length > 0.0, length, 1.0)[:, None]
 
 
 def vertices_in_faces(
@@ -107,8 +115,8 @@ class _Sides:
     """Planes and boxes of a solid's faces."""
 
     def __init__(self, mesh: Mesh) -> None:
-        normal = face_normals(mesh)
-        self.normal = normal / np.linalg.norm(normal, axis=1)[:, None]
+        self.normal = _unit_normals(mesh)
+        self.has_plane = self.normal.any(axis=1)
         loops = [mesh.vertices[list(face)] for face in mesh.faces]
         self.low = np.array([loop.min(axis=0) for loop in loops])
         self.high = np.array([loop.max(axis=0) for loop in loops])
@@ -126,7 +134,7 @@ class _Sides:
 
     def near(self, points: Array, allowed: float) -> list[list[int]]:
         """Pairs of points and faces that lie within a distance [m] of planes and boxes."""
-        hit = np.abs(points @ self.normal.T - self.offset) <= allowed
+        hit = self.has_plane & (np.abs(points @ self.normal.T - self.offset) <= allowed)
         hit &= np.all(points[:, None] >= self.low - allowed, axis=2)
         hit &= np.all(points[:, None] <= self.high + allowed, axis=2)
         return np.argwhere(hit).tolist()
@@ -142,5 +150,6 @@ def _beside(point: Array, loop: Array, normal: Array) -> float:
     if np.count_nonzero(across & (p[:, 0] - p[:, 1] / rise * (q[:, 0] - p[:, 0]) > 0.0)) % 2:
         return 0.0
     way = q - p
-    share = np.clip(-np.sum(p * way, axis=1) / np.sum(way * way, axis=1), 0.0, 1.0)
+    square = np.sum(way * way, axis=1)
+    share = np.clip(-np.sum(p * way, axis=1) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
     return float(np.linalg.norm(p + share[:, None] * way, axis=1).min())
