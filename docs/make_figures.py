@@ -29,6 +29,7 @@ def example(name: str, engine: str | None) -> None:
     mechanism = Mechanism(
         assembly=model.assembly,
         pose=curve.poses[row],
+        settled=curve.poses[0],
         contacts=curve.contacts[row],
         load_direction=model.load_along,
         control_point=model.control_point,

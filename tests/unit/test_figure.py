@@ -5,6 +5,7 @@ import pytest
 
 from drystone.assembly import GRAVITY, Assembly, Block, Corner, JointLaw
 from drystone.geometry import GeometryError, solid
+from drystone.geometry.figure import Figure
 from drystone.geometry.solid import Part
 
 LAW = JointLaw(friction_coefficient=0.6, normal_stiffness=1e9, shear_stiffness=1e9)
@@ -80,3 +81,20 @@ def test_a_solid_that_is_none_is_named():
     flat = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]
     with pytest.raises(GeometryError, match='block "b": the vertices lie in one plane'):
         assembly(block(flat))
+
+
+def test_where_a_line_enters_a_block():
+    """A box of two convex parts side by side, in the plane and in space."""
+    l_shape = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]])
+    figure = Figure.of(l_shape)
+    down = np.array([0.0, -1.0])
+    # From the middle of the foot up to its top, 0.5 m; above the heel 2.5 m.
+    assert figure.entry(np.array([1.5, 0.5]), down) == pytest.approx(-0.5)
+    assert figure.entry(np.array([0.5, 0.5]), down) == pytest.approx(-2.5)
+    # From beside the leg 0.5 m on to it, across the foot from below.
+    assert figure.entry(np.array([1.5, 2.0]), np.array([-1.0, 0.0])) == pytest.approx(0.5)
+    assert figure.entry(np.array([5.0, 0.5]), down) == 0.0  # it misses it
+    cube = Figure.of(np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float))
+    slanted = np.array([0.6, 0.0, -0.8])
+    # Back from the centre: 0.5 m of height before 0.5 m of width, over 0.8.
+    assert cube.entry(np.full(3, 0.5), slanted) == pytest.approx(-0.5 / 0.8)

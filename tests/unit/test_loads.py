@@ -251,7 +251,7 @@ class TestPictures:
             ),
         )
         for m in (model, ds.extruded(model)):
-            point = acting_points(m, m.dead_loads[0].forces(m.assembly))[2]
+            point = acting_points(m.assembly, m.dead_loads[0].forces(m.assembly))[2]
             way = (point - m.dead_loads[0].point) / 500.0
             along = np.array([0.6, -0.8]) if len(way) == 2 else np.array([0.6, 0.0, -0.8])
             assert np.linalg.norm(way - (way @ along) * along) < ROUNDING

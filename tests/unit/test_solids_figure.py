@@ -293,7 +293,7 @@ def test_colours_say_what_moves():
         plot_on(axes, Mechanism(assembly=model.assembly, pose=pose))
         picture = np.asarray(axes.images[0].get_array())
         sand = np.mean(picture[..., 0] - picture[..., 2] > 0.1)  # red over blue
-        assert (sand > 0.05) == moving
+        assert (sand > 0.02) == moving  # most of the picture is its base, which is whole
         assert moving or sand == 0.0
 
 

@@ -222,6 +222,7 @@ class ResultsDirectory:
             load_direction=model.load_shown,
             control_point=model.control_point,
             ties=model.ties,
+            dead_loads=model.dead_loads,
             tie_branch=curve.ties.branch[row] if curve.ties else None,
             magnification=readable_magnification(model.assembly, pose, settled),
         )

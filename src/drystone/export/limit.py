@@ -90,6 +90,7 @@ def _write(results: Sequence[Collapse], model: Model, folder: Path) -> None:
             load_direction=model.load_along,
             control_point=model.control_point,
             ties=model.ties,
+            dead_loads=model.dead_loads,
             linear=True,
         )
         title = _title(model.title, result)

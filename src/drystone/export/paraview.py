@@ -16,7 +16,7 @@ from drystone.contact.forces import ContactForces
 from drystone.curve import CurvePoint
 from drystone.export import vtu
 from drystone.geometry import motion
-from drystone.report.shapes import MovingShapes, moving_blocks
+from drystone.report.shapes import MovingShapes, compliance, moving_blocks
 
 Array = NDArray[np.float64]
 
@@ -106,6 +106,7 @@ class BlockFrames:
         self._shapes = shapes = MovingShapes.of(assembly)
         self._settled = settled
         self._fixed = assembly.fixed
+        self._compliance = compliance(shapes, settled, assembly.fixed)
         if assembly.dimension == 3:
             solids = assembly.polyhedra
             faces = (solids.rows, solids.face_offset, solids.part_faces)
@@ -124,7 +125,8 @@ class BlockFrames:
         space a vector."""
         shapes = self._shapes
         points = shapes.moved(pose)
-        moving = moving_blocks(shapes.displacement(pose, self._settled), self._fixed)
+        displacement = shapes.displacement(pose, self._settled)
+        moving = moving_blocks(displacement, self._fixed, self._compliance)
         away = points - shapes.vertices
         displacement = motion.translations(pose)[shapes.body]
         vtu.write_vtu(

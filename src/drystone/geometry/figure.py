@@ -75,6 +75,21 @@ class Figure:
         """How far a point (dim,) lies outside of all parts [m], by the planes of their faces."""
         return min(_outside(part, point) for part in self.parts)
 
+    def entry(self, point: Array, direction: Array) -> float:
+        """Where the line through a point (dim,) along a unit vector (dim,) first meets the block,
+        from the point on [m]; zero where it misses it."""
+        found = []
+        for part in self.parts:
+            normal, offset = _planes(part)
+            across, room = normal @ direction, offset - normal @ point
+            with np.errstate(divide="ignore", invalid="ignore"):
+                way = room / across
+            first = way[across < 0.0].max(initial=-np.inf)
+            last = way[across > 0.0].min(initial=np.inf)
+            if first <= last and np.all(room[across == 0.0] >= 0.0):
+                found.append(float(first))
+        return min(found, default=0.0)
+
     def cores(
         self, *, radius: float | None, chamfer: float | None
     ) -> tuple[Core, ...] | tuple[SolidCore, ...]:
@@ -118,13 +133,18 @@ class Figure:
 
 def _outside(part: Part, point: Array) -> float:
     """How far a point (dim,) lies beyond the edge or the face that it lies furthest beyond [m]."""
+    normal, offset = _planes(part)
+    return float((normal @ point - offset).max())
+
+
+def _planes(part: Part) -> tuple[Array, Array]:
+    """Outward unit normals (k, dim) of its edges or faces, and their offsets (k,) [m]."""
     if part.faces:
-        normal, offset = solid.face_planes(part.vertices, part.faces)
-        return float((normal @ point - offset).max())
+        return solid.face_planes(part.vertices, part.faces)
     edges = np.roll(part.vertices, -1, axis=0) - part.vertices
-    arm = point - part.vertices
-    outside = arm[:, 0] * edges[:, 1] - arm[:, 1] * edges[:, 0]
-    return float((outside / np.hypot(edges[:, 0], edges[:, 1])).max())
+    normal = np.column_stack((edges[:, 1], -edges[:, 0]))
+    normal /= np.hypot(edges[:, 0], edges[:, 1])[:, None]
+    return normal, np.sum(normal * part.vertices, axis=1)
 
 
 def _of_parts(parts: tuple[Part, ...]) -> Figure:

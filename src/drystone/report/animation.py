@@ -121,6 +121,7 @@ def _plot_state(axes: Axes, curve: CapacityCurve, model: Model, row: int) -> Non
             load_direction=model.load_shown,
             control_point=model.control_point,
             ties=model.ties,
+            dead_loads=model.dead_loads,
             tie_branch=curve.ties.branch[row] if curve.ties else None,
         ),
     )

@@ -1,16 +1,19 @@
-"""Arrows of loads on a model as designed: dead loads, and patterns that are not of mass alone."""
+"""Arrows of loads: dead loads, in any state, and patterns that are not of mass alone, as designed.
+
+An arrow ends where the line of action of what a load puts on a block first meets that block.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import reduce
-from operator import add
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.loading import Acting, DeadForces
+from drystone.assembly import Assembly
+from drystone.geometry.motion import moved_points
+from drystone.loading import Acting, DeadForces, DeadLoad
 from drystone.model import Model
 
 if TYPE_CHECKING:
@@ -21,50 +24,90 @@ Array = NDArray[np.float64]
 #: Colours of dead loads and of patterns; the longest arrow over the structure's size.
 DEAD, PATTERN = "#7a4b9a", "#2a7f62"
 LENGTH = 0.14
-#: Forces below this share of the largest are not drawn.
-SLIGHT = 1e-3
+#: Forces below this share of the largest are not drawn; the shortest arrow over the longest.
+SLIGHT, SHORTEST = 1e-3, 0.3
 
 
-def plot_load_arrows(axes: Axes, model: Model, seen: Callable[[Array], Array]) -> None:
-    """Draw the sum of dead loads on every block, and what the pattern puts on it at multiplier one.
+def arrows_of(
+    assembly: Assembly,
+    loads: Sequence[DeadForces],
+    pose: Array | None = None,
+    *,
+    present: NDArray[np.bool_] | None = None,
+    linear: bool = False,
+) -> Array:
+    """Tails and tips of arrows, one for each load on each of its blocks, (m, 2, dim) [m].
 
-    Arrows end where the sum acts.  The pattern `mass` without other masses is told by its direction
-    alone.  ``seen`` takes places (n, dim) to the picture.
+    Parameters
+    ----------
+    pose
+        Where the blocks are, (n, n_pose); as designed, where nothing is said.  Arrows go with
+        them, and keep their direction.
+    present
+        Blocks that are drawn, (n,); all, where nothing is said.
+    linear
+        See `motion.moved_points`.
     """
-    assembly = model.assembly
-    if model.dead_loads:
-        loads = reduce(add, (load.forces(assembly) for load in model.dead_loads))
-        _plot(axes, model, loads, seen, DEAD, "dead loads")
-    if model.load.name != "mass":
-        pattern = Acting.of(assembly, model.load, model.dead_loads).pattern
-        _plot(axes, model, pattern, seen, PATTERN, f'pattern "{model.load.name}"')
+    most = max((float(np.linalg.norm(load.force, axis=1).max()) for load in loads), default=0.0)
+    free = np.vstack([block.vertices for block in assembly.blocks if not block.support])
+    longest = LENGTH * float(np.ptp(free, axis=0).max())
+    found = [np.zeros((0, 2, assembly.dimension))]
+    for load in loads:
+        size = np.linalg.norm(load.force, axis=1)
+        drawn = (size > SLIGHT * most) & (True if present is None else present)
+        rows = np.flatnonzero(drawn)
+        ways = load.force[rows] / size[rows, None]
+        tips = acting_points(assembly, load)[rows]
+        begins = [
+            assembly.figures[i].entry(tip, way)
+            for i, tip, way in zip(rows, tips, ways, strict=True)
+        ]
+        tips += np.array(begins).reshape(-1, 1) * ways
+        if pose is not None:
+            tips = moved_points(tips, rows, assembly.centroid, pose, linear=linear)
+        lengths = longest * np.maximum(size[rows] / most, SHORTEST)
+        found.append(np.stack((tips - lengths[:, None] * ways, tips), axis=1))
+    return np.concatenate(found)
 
 
-def _plot(
-    axes: Axes,
-    model: Model,
-    loads: DeadForces,
-    seen: Callable[[Array], Array],
-    colour: str,
-    label: str,
+def dead_arrows(
+    assembly: Assembly,
+    loads: Sequence[DeadLoad],
+    pose: Array | None = None,
+    *,
+    present: NDArray[np.bool_] | None = None,
+    linear: bool = False,
+) -> Array:
+    """Those of dead loads, see `arrows_of`."""
+    forces = [load.forces(assembly) for load in loads]
+    return arrows_of(assembly, forces, pose, present=present, linear=linear)
+
+
+def pattern_arrows(model: Model) -> Array:
+    """What the pattern puts on every block at multiplier one, (m, 2, dim) [m].
+
+    The pattern `mass` without other masses is told by its direction alone, and has none.
+    """
+    if model.load.name == "mass":
+        return np.zeros((0, 2, model.assembly.dimension))
+    pattern = Acting.of(model.assembly, model.load, model.dead_loads).pattern
+    return arrows_of(model.assembly, [pattern])
+
+
+def plot_arrows(
+    axes: Axes, arrows: Array, seen: Callable[[Array], Array], colour: str, label: str
 ) -> None:
-    size = np.linalg.norm(loads.force, axis=1)
-    rows = np.flatnonzero(size > SLIGHT * size.max(initial=0.0))
-    if not len(rows):
+    """Draw arrows (m, 2, dim); ``seen`` takes places (n, dim) to the picture."""
+    if not len(arrows):
         return
-    tips = acting_points(model, loads)[rows]
-    vertices = np.vstack([block.vertices for block in model.assembly.blocks if not block.support])
-    longest = LENGTH * float(np.ptp(vertices, axis=0).max())
-    ways = longest * loads.force[rows] / size.max()
-    tail, tip = seen(tips - ways), seen(tips)
-    way = tip - tail
+    tail, tip = seen(arrows[:, 0])[:, :2], seen(arrows[:, 1])[:, :2]
     axes.quiver(
-        *tail[:, :2].T, *way[:, :2].T, angles="xy", scale_units="xy", scale=1.0, color=colour,
+        *tail.T, *(tip - tail).T, angles="xy", scale_units="xy", scale=1.0, color=colour,
         width=0.004, label=label, zorder=8,
     )  # fmt: skip
 
 
-def acting_points(model: Model, loads: DeadForces) -> Array:
+def acting_points(assembly: Assembly, loads: DeadForces) -> Array:
     """Points (n, dim) [m] at which the sum of forces has the same moment, nearest the centroid."""
     force, moment = loads.force, loads.moments()
     square = np.maximum((force**2).sum(axis=1, keepdims=True), 1e-300)
@@ -72,4 +115,4 @@ def acting_points(model: Model, loads: DeadForces) -> Array:
         arm = moment * np.column_stack((force[:, 1], -force[:, 0])) / square
     else:
         arm = np.cross(force, moment) / square
-    return np.asarray(model.assembly.centroid + arm)
+    return np.asarray(assembly.centroid + arm)

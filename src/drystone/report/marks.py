@@ -45,7 +45,7 @@ def plot_ties(axes: Axes, lines: Array, branch: NDArray[np.int64] | None) -> Non
     known = np.full(len(lines), ELASTIC) if branch is None else branch
     for state in np.unique(known).tolist():
         colour, style, label = TIES[state]
-        (first, *rest) = lines[known == state]
+        first, *rest = lines[known == state]
         for line, name in ((first, "tie" if branch is None else label), *((x, None) for x in rest)):
             axes.plot(
                 *line.T,

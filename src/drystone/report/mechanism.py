@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,20 +11,22 @@ from numpy.typing import NDArray
 from drystone.assembly import Assembly
 from drystone.contact.forces import ContactForces
 from drystone.geometry.motion import moved_points
+from drystone.loading import DeadLoad
 from drystone.monitor import ControlPoint
-from drystone.report.shapes import MovingShapes, moving_blocks
+from drystone.report.load_arrows import dead_arrows
+from drystone.report.shapes import LEAST, MovingShapes, compliance, moving_blocks
 from drystone.ties import Tie
 
 Array = NDArray[np.float64]
 
 RESTING, MOVING, SUPPORT = "#f3f1ec", "#d9b676", "#c9c9c9"
 OPEN_JOINT, SLID_JOINT = "#c8102e", "#00558c"
-#: A joint has opened or slid when it did by this share of the largest displacement.
+#: A joint has opened or slid when it did by this share of the largest displacement, or by more than
+#: what counts as rest.
 VISIBLE = 0.02
-#: Displacements below this share of the structure's size are those of settling: not magnified.
-NOTHING = 1e-5
-#: The picture reaches this share of the structure's size beyond its designed outline, no further.
-MARGIN = 0.6
+#: The picture holds all that is drawn where it was designed, and what has moved beyond that by up
+#: to this share of the structure's size.  Around it there is a rim, over the same.
+MARGIN, RIM = 0.6, 0.04
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +43,7 @@ class Mechanism:
     magnification: float = 1.0  # of the displacements since settled; without contacts if not 1
     ties: tuple[Tie, ...] = ()
     tie_branch: NDArray[np.int64] | None = None  # (n_ties,) what they do, see `ties.STATES`
+    dead_loads: tuple[DeadLoad, ...] = ()  # drawn as arrows
     linear: bool = False  # the pose is a velocity field (n, n_dof), see `motion.moved_points`
 
 
@@ -54,6 +57,9 @@ class Drawn:
     moving: NDArray[np.bool_]  # (n,)
     gone: NDArray[np.bool_]  # (n,)
     visible: float  # m, from which on a joint counts as open or slid
+    ties: Array  # (n_ties, 2, dim) m, both ends of each
+    loads: Array  # (m, 2, dim) m, tails and tips of the arrows of dead loads
+    designed: Array  # (k, dim) m, vertices and ends of ties as designed
 
     @classmethod
     def of(cls, mechanism: Mechanism) -> Drawn:
@@ -71,13 +77,25 @@ class Drawn:
             increment = assembly.difference(present, settled) * mechanism.magnification
             pose = assembly.moved(settled, increment)
         displacement = shapes.displacement(pose, settled)
+        compliant = compliance(shapes, mechanism.settled, assembly.fixed)
+        compliant *= mechanism.magnification
+        ties, linear = mechanism.ties, shapes.linear
+        ends = np.array([[end.point for end in (t.start, t.end)] for t in ties], float)
+        ends = ends.reshape(-1, assembly.dimension)
+        owner = [end.row(assembly) for t in ties for end in (t.start, t.end)]
+        moved = moved_points(ends, np.array(owner, np.int64), shapes.centroid, pose, linear=linear)
         return cls(
             shapes=shapes,
             pose=pose,
             settled=settled,
-            moving=moving_blocks(displacement, assembly.fixed),
+            moving=moving_blocks(displacement, assembly.fixed, compliant),
             gone=gone,
-            visible=VISIBLE * float(displacement.max(initial=0.0)),
+            visible=min(VISIBLE * float(displacement.max(initial=0.0)), compliant),
+            ties=moved.reshape(len(ties), 2, assembly.dimension),
+            loads=dead_arrows(
+                assembly, mechanism.dead_loads, pose, present=~gone, linear=shapes.linear
+            ),
+            designed=np.vstack((shapes.vertices, ends)),
         )
 
     def path_of(self, control_point: ControlPoint) -> Array:
@@ -87,13 +105,24 @@ class Drawn:
         (end,) = moved_points(start[None], block, shapes.centroid, self.pose, linear=shapes.linear)
         return np.array([start, end])
 
-    def tie_lines(self, assembly: Assembly, ties: Sequence[Tie]) -> Array:
-        """Both ends of every tie where they are, (n_ties, 2, dim) [m]."""
-        ends = [(end.row(assembly), end) for tie in ties for end in (tie.start, tie.end)]
-        points = np.array([end.point for _, end in ends], float)
-        owner, shapes = np.array([row for row, _ in ends]), self.shapes
-        moved = moved_points(points, owner, shapes.centroid, self.pose, linear=shapes.linear)
-        return moved.reshape(len(ties), 2, -1)
+    def extent(self, seen: Callable[[Array], Array] = np.asarray) -> tuple[Array, Array]:
+        """Lower left and upper right corner of the picture, (2,) each [m].
+
+        All that is drawn is in it: blocks and supports, ties to both ends, arrows of loads.  What
+        has moved away from the structure by more than `MARGIN` is not.  ``seen`` takes places (k,
+        dim) to the picture.
+        """
+        shapes = self.shapes
+        designed = seen(self.designed)[:, :2]
+        dim = self.designed.shape[1]
+        moved = [shapes.moved(self.pose), self.ties.reshape(-1, dim), self.loads.reshape(-1, dim)]
+        now = seen(np.vstack(moved))[:, :2]
+        lower, upper = designed.min(axis=0), designed.max(axis=0)
+        outline = designed[: len(shapes.vertices)]
+        size = float(np.ptp(outline, axis=0).max())
+        low = np.maximum(np.minimum(lower, now.min(axis=0)), lower - MARGIN * size)
+        high = np.minimum(np.maximum(upper, now.max(axis=0)), upper + MARGIN * size)
+        return low - RIM * size, high + RIM * size
 
 
 def readable_magnification(assembly: Assembly, pose: Array, settled: Array | None = None) -> float:
@@ -101,7 +130,7 @@ def readable_magnification(assembly: Assembly, pose: Array, settled: Array | Non
     shapes = MovingShapes.of(assembly)
     displacement = shapes.displacement(pose, settled)
     share = float(displacement.max()) / shapes.size()
-    if share < NOTHING or share >= 0.02:
+    if share < LEAST or share >= 0.02:
         return 1.0
     wanted = 0.05 / share
     power = 10.0 ** np.floor(np.log10(wanted))

@@ -15,8 +15,8 @@ from drystone.assembly import Assembly
 from drystone.contact.forces import SLIDING, ContactForces
 from drystone.report import canvas, marks
 from drystone.report.joints import Joints
+from drystone.report.load_arrows import DEAD, plot_arrows
 from drystone.report.mechanism import (
-    MARGIN,
     MOVING,
     OPEN_JOINT,
     RESTING,
@@ -70,11 +70,11 @@ def draw_mechanism(
             if magnification == 1.0
             else f"displacements magnified {magnification:g} times"
         )
-    figure.suptitle(f"{title} ({scale})" if title else scale, fontsize=11)
+    figure.suptitle(f"{title}\n{scale}" if title else scale, fontsize=11)
     handles, labels = axes.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=9, frameon=False)
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    beside, around = 0.7, 1.6  # inches for the y axis, and for title, x axis and legend
+    beside, around = 0.7, 1.9  # inches for the y axis, and for title, scale, x axis and legend
     height = (8.0 - beside) * (top - bottom) / (right - left) + around
     figure.set_size_inches(8.0, float(np.clip(height, 4.0, 12.0)))
     canvas.save(figure, path, format)
@@ -98,12 +98,11 @@ def _plot_plane(axes: Axes, mechanism: Mechanism, drawn: Drawn) -> None:
         _plot_joints(axes, joints, drawn, _line_width(assembly, 3.0))
     if mechanism.contacts is not None and mechanism.magnification == 1.0:
         _plot_contacts(axes, mechanism.contacts)
-    if mechanism.ties:
-        lines = drawn.tie_lines(assembly, mechanism.ties)
-        marks.plot_ties(axes, lines, mechanism.tie_branch)
+    marks.plot_ties(axes, drawn.ties, mechanism.tie_branch)
+    plot_arrows(axes, drawn.loads, np.asarray, DEAD, "dead load")
     if mechanism.control_point is not None:
         marks.plot_control_point(axes, drawn.path_of(mechanism.control_point))
-    _frame(axes, shapes, shapes.moved(drawn.pose))
+    _frame(axes, *drawn.extent())
     if mechanism.load_direction is not None:
         _plot_load(axes, shapes, mechanism.load_direction)
 
@@ -241,17 +240,7 @@ def _plot_load(axes: Axes, shapes: MovingShapes, direction: Array) -> None:
     axes.set_ylim(min(bottom, tail[1] - room), max(top, tail[1] + room))
 
 
-def _box(shapes: MovingShapes, moved: Array) -> tuple[Array, Array]:
-    """Lower left and upper right corner of the picture [m]."""
-    lower, upper = shapes.vertices.min(axis=0), shapes.vertices.max(axis=0)
-    size = float((upper - lower).max())
-    low = np.maximum(np.minimum(lower, moved.min(axis=0)), lower - MARGIN * size) - 0.04 * size
-    high = np.minimum(np.maximum(upper, moved.max(axis=0)), upper + MARGIN * size) + 0.04 * size
-    return low, high
-
-
-def _frame(axes: Axes, shapes: MovingShapes, moved: Array) -> None:
-    low, high = _box(shapes, moved)
+def _frame(axes: Axes, low: Array, high: Array) -> None:
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])
     axes.set_aspect("equal")

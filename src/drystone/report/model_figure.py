@@ -18,7 +18,7 @@ from drystone.geometry.missed import Missed
 from drystone.model import Model
 from drystone.report import canvas
 from drystone.report.camera import Camera
-from drystone.report.load_arrows import plot_load_arrows
+from drystone.report.load_arrows import PATTERN, pattern_arrows, plot_arrows
 from drystone.report.mechanism import Mechanism
 from drystone.report.mechanism_figure import plot_mechanism
 
@@ -49,11 +49,13 @@ def draw_model(model: Model, path: Path | str, *, title: str = "") -> None:
             load_direction=model.load_shown,
             control_point=model.control_point,
             ties=model.ties,
+            dead_loads=model.dead_loads,
         ),
     )
-    camera = _camera(assembly, model.load_along)
-    plot_load_arrows(left, model, camera.seen if camera else np.asarray)
-    shown = plot_joints(right, assembly, model.load_along)
+    camera = _camera(assembly, model.load_shown)
+    seen = camera.seen if camera else np.asarray
+    plot_arrows(left, pattern_arrows(model), seen, PATTERN, f'pattern "{model.load.name}"')
+    shown = plot_joints(right, assembly, model.load_shown)
     right.set_xlim(left.get_xlim())
     right.set_ylim(left.get_ylim())
     joints, missed = assembly.interfaces, Missed.of(assembly)
@@ -78,10 +80,10 @@ def draw_model(model: Model, path: Path | str, *, title: str = "") -> None:
     canvas.save(figure, path, Path(path).suffix.lower().lstrip(".") or "png")
 
 
-def plot_joints(axes: Axes, assembly: Assembly, direction: Array) -> Any:
+def plot_joints(axes: Axes, assembly: Assembly, direction: Array | None) -> Any:
     """Draw all joints on axes, those behind first; what tells their colours, None without joints.
 
-    ``direction`` (dim,) is that of the load, which the camera looks at in space.
+    ``direction`` (dim,) is that of the load, if any, which the camera looks at in space.
     """
     camera = _camera(assembly, direction)
     if camera is not None:
@@ -93,7 +95,7 @@ def plot_joints(axes: Axes, assembly: Assembly, direction: Array) -> Any:
     return shown
 
 
-def _camera(assembly: Assembly, direction: Array) -> Camera | None:
+def _camera(assembly: Assembly, direction: Array | None) -> Camera | None:
     """That of all pictures of a structure in space."""
     if assembly.dimension == 2:
         return None

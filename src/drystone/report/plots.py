@@ -102,6 +102,7 @@ def plot_mechanism(
             load_direction=model.load_shown,
             control_point=model.control_point,
             ties=model.ties,
+            dead_loads=model.dead_loads,
             magnification=magnification,
         ),
     )

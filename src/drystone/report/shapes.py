@@ -15,6 +15,11 @@ from drystone.geometry.outlines import Outlines
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+#: Displacements below this share of the structure's size are those of settling.
+LEAST = 1e-5
+#: Share of the largest displacement from which on a block moves with a mechanism.
+MOVING = 0.05
+
 
 @dataclass(frozen=True, kw_only=True)
 class MovingShapes:
@@ -71,12 +76,28 @@ class MovingShapes:
         return float(np.ptp(self.vertices, axis=0).max())
 
 
-def moving_blocks(
-    displacement: Array, fixed: NDArray[np.bool_], share: float = 0.05
-) -> NDArray[np.bool_]:
-    """Which blocks (n,) move with the mechanism: more than ``share`` of the largest displacement.
+def compliance(shapes: MovingShapes, settled: Array | None, fixed: NDArray[np.bool_]) -> float:
+    """By how far a block goes that only follows the compliance of the joints [m].
 
-    What moves less does so by the compliance of the joints.
+    The measure is how far blocks have gone under the dead load, as all joints closed: the largest
+    displacement of the poses ``settled`` (n, n_pose) among blocks that are not ``fixed`` (n,).
+    Without these, and for rates, there is no such measure: infinite.
+    """
+    if shapes.linear or settled is None:
+        return np.inf
+    sunk = float(shapes.displacement(settled)[~fixed].max(initial=0.0))
+    return max(sunk, LEAST * shapes.size())
+
+
+def moving_blocks(
+    displacement: Array, fixed: NDArray[np.bool_], compliant: float = np.inf
+) -> NDArray[np.bool_]:
+    """Which blocks (n,) move with the mechanism.
+
+    Those do that move by more than ``compliant``, see `compliance`: however far a part falls, what
+    has moved by that is not at rest.  As long as the largest displacement is small itself, they are
+    those that move by more than `MOVING` of it.
     """
     largest = float(displacement.max(initial=0.0))
-    return (displacement > share * largest) & ~fixed & (largest > 0.0)
+    least = min(MOVING * largest, compliant)
+    return (displacement > least) & ~fixed & (largest > 0.0)

@@ -16,8 +16,8 @@ from drystone.assembly import Assembly
 from drystone.geometry.polyhedra import Polyhedra
 from drystone.report import canvas, marks, raster
 from drystone.report.camera import Camera
+from drystone.report.load_arrows import DEAD, plot_arrows
 from drystone.report.mechanism import (
-    MARGIN,
     MOVING,
     OPEN_JOINT,
     RESTING,
@@ -39,8 +39,6 @@ Colours = NDArray[np.float32]
 
 #: Pixels of the longer side of the picture, and by how many times finer it is drawn first.
 PIXELS, FINER = 1000, 2
-#: Supports are shown this share of the structure's size around what can move, no further.
-AROUND = 0.3
 #: Brightness of a face by its direction: what looks away from the light has the darkest.
 DARKEST = 0.78
 GHOST, CREASE = "#8c8c8c", 0.72
@@ -83,7 +81,7 @@ def plot_solids(axes: Axes, mechanism: Mechanism, drawn: Drawn) -> None:
     vertices = shapes.moved(drawn.pose)
     sides = np.ptp(shapes.vertices[~assembly.fixed[shapes.owner]], axis=0)
     camera = Camera.before(sides, mechanism.load_direction)
-    low, high = _box(drawn, assembly, camera, vertices)
+    low, high = drawn.extent(camera.seen)
     pixel = float((high - low).max()) / (PIXELS * FINER)
     columns, rows = (np.ceil((high - low) / (pixel * FINER)).astype(int) * FINER).tolist()
     frame = Frame(low=low, pixel=pixel, shape=(rows, columns))
@@ -98,10 +96,9 @@ def plot_solids(axes: Axes, mechanism: Mechanism, drawn: Drawn) -> None:
     _label_blocks(axes, drawn, assembly)
     if drawn.visible > 0.0:
         _plot_joints(axes, view, seen, SolidJoints.of(assembly, linear=shapes.linear), drawn)
-    if mechanism.ties:
-        lines = drawn.tie_lines(assembly, mechanism.ties)
-        flat = camera.seen(lines.reshape(-1, 3))[:, :2].reshape(-1, 2, 2)
-        marks.plot_ties(axes, flat, mechanism.tie_branch)
+    flat = camera.seen(drawn.ties)[..., :2]
+    marks.plot_ties(axes, flat, mechanism.tie_branch)
+    plot_arrows(axes, drawn.loads, camera.seen, DEAD, "dead load")
     if mechanism.control_point is not None:
         path = drawn.path_of(mechanism.control_point)
         marks.plot_control_point(axes, camera.seen(path)[:, :2])
@@ -112,20 +109,6 @@ def plot_solids(axes: Axes, mechanism: Mechanism, drawn: Drawn) -> None:
     if mechanism.load_direction is not None:
         _plot_load(axes, camera, shapes.vertices[~assembly.fixed[shapes.owner]], mechanism)
     _plot_scale(axes, camera, float(sides.max()))
-
-
-def _box(drawn: Drawn, assembly: Assembly, camera: Camera, vertices: Array) -> tuple[Array, Array]:
-    """Lower left and upper right corner of the picture [m]."""
-    shapes = drawn.shapes
-    free = ~assembly.fixed[shapes.owner]
-    designed, moved = camera.seen(shapes.vertices)[:, :2], camera.seen(vertices)[:, :2]
-    lower, upper = designed[free].min(axis=0), designed[free].max(axis=0)
-    size = float((upper - lower).max())
-    low = np.maximum(np.minimum(lower, moved[free].min(axis=0)), lower - MARGIN * size)
-    high = np.minimum(np.maximum(upper, moved[free].max(axis=0)), upper + MARGIN * size)
-    low = np.minimum(low, np.maximum(designed.min(axis=0), lower - AROUND * size)) - 0.03 * size
-    high = np.maximum(high, np.minimum(designed.max(axis=0), upper + AROUND * size)) + 0.03 * size
-    return low, high
 
 
 def _block_colours(drawn: Drawn, assembly: Assembly) -> Colours:
