@@ -303,6 +303,7 @@ class _Run:
             reason="; ".join(filter(None, (reason, *map(str, self.left), *notes))),
             stop_multiplier=self.model.analysis.stop_multiplier,
             settlement=self.settlement,
+            motion_unit=self.model.settlement.unit if self.model.settlement else "m",
             blocks_left=tuple(self.left),
             events=self.log.end(),
             wall_time=seconds - compiling,

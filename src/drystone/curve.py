@@ -208,6 +208,7 @@ class CapacityCurve:
     contacts: Sequence[ContactForces] | None = None  # likewise
     ties: TieRecord | None = None  # None where there are none
     ended_by: Event | None = None  # of a curve that was cut off there, see `until`
+    motion_unit: str = "m"  # of control displacements; "rad" where supports pace it that turn
 
     def column(self, name: str) -> NDArray[Any]:
         """One quantity over all points, (n_points,); the names are the fields of `CurvePoint`."""
@@ -406,7 +407,12 @@ class CapacityCurve:
     def _facts(self) -> dict[str, str]:
         """What a person wants to know first, in words."""
         facts = {"engine": self.engine, "points": str(len(self.points))}
-        if self.points:
+        if self.points and self.settles:
+            start, end, unit = self.points[0], self.points[-1], self.motion_unit
+            force = "N m" if unit == "rad" else "N"
+            facts["reaction"] = f"{start.reaction:.4g} to {end.reaction:.4g} {force}"
+            facts["end"] = f"{end.control_displacement:.4g} {unit}"
+        elif self.points:
             peak, ultimate = self.peak, self.ultimate_displacement
             last = self.points[-1].control_displacement
             if self.rises_after_collapse:

@@ -42,6 +42,7 @@ class EventLog:
     def __init__(self, model: Model) -> None:
         self._assembly = assembly = model.assembly
         self._ties = model.ties
+        self._settling = model.settlement.unit if model.settlement else ""
         self._limit = model.analysis.event_share * assembly.extents  # m
         self._snap = np.minimum(SNAP * assembly.extents, self._limit)  # m
         self._up = assembly.up
@@ -173,6 +174,7 @@ class EventLog:
                 blocks=self._ids(np.flatnonzero(rows)),
                 motion=float(self._far[rows].max(initial=0.0)),
                 outcome=outcome,
+                settling=self._settling,
             )
         )
 
@@ -216,6 +218,7 @@ class EventLog:
                         load_multiplier=point.load_multiplier,
                         blocks=self._ids(sorted(joined)),
                         ties=tuple(np.array(names_of(self._ties))[rows].tolist()),
+                        settling=self._settling,
                     )
                 )
 
@@ -236,6 +239,7 @@ class EventLog:
                     control_displacement=point.control_displacement,
                     load_multiplier=point.load_multiplier,
                     blocks=self._ids(lost),
+                    settling=self._settling,
                 )
             )
 

@@ -6,6 +6,7 @@ kind, the last state at rest before it, the blocks that moved and how far.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from enum import StrEnum
@@ -54,6 +55,7 @@ class Event:
     motion: float = 0.0  # m, farthest motion of a centroid among them; 0 of ties and supports
     ties: tuple[str, ...] = ()  # names
     outcome: Outcome | None = None  # of blocks that moved
+    settling: str = ""  # "m" or "rad" where supports that move pace the curve: unit of their motion
 
     @property
     def is_collapse(self) -> bool:
@@ -66,7 +68,11 @@ class Event:
 
     @property
     def place(self) -> str:
-        """Multiplier and control displacement for people."""
+        """Multiplier and control displacement for people, or by how far supports have moved."""
+        if self.settling == "rad":
+            return f"at {math.degrees(self.control_displacement):.4g}° of the supports"
+        if self.settling:
+            return f"at {self.control_displacement:.4g} m of the supports"
         displacement = round(self.control_displacement, PRINTED) + 0.0
         return f"at {displacement:.4g} m, multiplier {self.load_multiplier:.4f}"
 
@@ -109,6 +115,7 @@ class Event:
     def as_dict(self) -> dict[str, Any]:
         """For files: plain values, kinds by their names."""
         found = asdict(self)
+        del found["settling"]
         return {**found, "kind": str(self.kind), "outcome": self.outcome and str(self.outcome)}
 
 

@@ -12,9 +12,16 @@ from matplotlib.collections import LineCollection
 from matplotlib.image import imread
 
 from drystone.commands.run import report
+from drystone.curve import SETTLEMENT
 from drystone.export.summary import summarise
 from drystone.limit.beside import Beside
-from drystone.report import canvas, draw_benchmark_wall, draw_curve, draw_mechanism
+from drystone.report import (
+    canvas,
+    draw_benchmark_wall,
+    draw_curve,
+    draw_mechanism,
+    plot_curve,
+)
 from drystone.report.curve_figure import plot_curves
 from drystone.report.joints import Joints
 from drystone.report.mechanism import Mechanism, readable_magnification
@@ -240,3 +247,45 @@ def test_pyplot_is_not_touched(tmp_path):
         "assert 'matplotlib.pyplot' not in sys.modules; assert before == settings()\n"
     )
     synthetic.python(code, str(tmp_path / "curve.png"))
+
+
+@pytest.mark.parametrize(("unit", "motion"), [("m", "0.200 m"), ("rad", "11.46°")])
+def test_curve_of_supports_that_move(tmp_path, unit, motion):
+    """Reaction [N, N m] against their motion [m, degrees]; values stand in the legend alone."""
+    settles = settling(unit)
+    draw_curve(settles, tmp_path / "curve.png", title="Arch")
+    assert is_picture(tmp_path / "curve.png")
+    axes = plot_curve(settles, canvas.new_figure(4, 4).subplots())
+    degrees = unit == "rad"
+    assert axes.get_xlabel().endswith("[°]" if degrees else "[m]")
+    assert axes.get_ylabel() == f"support reaction [{'N m' if degrees else 'N'}]"
+    force = "N m" if degrees else "N"
+    # 9000 N at first, 7500 N at 0.05, 12000 N at 0.2, see `settling`.
+    assert {f"greatest and last: 12000 {force} at {motion}", "support reaction"} < set(labels(axes))
+    assert not axes.texts
+    told = report("arch", settles, Path("out"), Beside())
+    assert f"12000 {force} at " in told and "peak" not in told
+    assert "peak" not in repr(settles)
+
+
+def settling(unit):
+    """Supports that move: their reaction falls from 9000 N to 7500 N and rises to 12000 N."""
+    at, reaction = (0.0, 0.05, 0.2), (9e3, 7.5e3, 1.2e4)
+    points = [
+        synthetic.point(step, x, r / 5e4, reaction=r)
+        for step, (x, r) in enumerate(zip(at, reaction, strict=True))
+    ]
+    whole = replace(synthetic.curve(), points=tuple(points))
+    return replace(whole, strategy=SETTLEMENT, motion_unit=unit)
+
+
+def test_words_at_the_end_of_a_rising_curve_stay_within_it(tmp_path):
+    """Peak and end are one point: it is written once, to its left."""
+    rising = synthetic.curve(200, end=0.5 * synthetic.PEAK_AT, status="interrupted")
+    figure = canvas.new_figure(7.5, 5.4)
+    axes = figure.subplots()
+    plot_curves(axes, [("", rising)])
+    figure.draw_without_rendering()
+    (text,) = axes.texts
+    box, frame = text.get_window_extent(), axes.get_window_extent()
+    assert box.x0 > frame.x0 and box.x1 < frame.x1

@@ -224,13 +224,16 @@ def event_rows(curve: CapacityCurve) -> list[tuple[str, str]]:
 def _settling(title: str, curve: CapacityCurve, folder: Path) -> str:
     """The same of supports that move."""
     from drystone.builders.words import printable
+    from drystone.report.quantities import Quantities
 
-    reaction, at = curve.reaction, curve.control_displacement
+    shown = Quantities.of(curve)
+    force, unit, at = shown.force_unit, shown.motion_unit, shown.x(curve)
+    reaction = curve.reaction
     least = int(reaction.argmin())
     rows = (
-        ("reaction at first", f"{reaction[0]:.6g}"),
-        ("least reaction", f"{reaction[least]:.6g} at {at[least]:.5g}"),
-        ("reaction at last", f"{reaction[-1]:.6g} at {at[-1]:.5g}"),
+        ("reaction at first", f"{reaction[0]:.6g} {force}"),
+        ("least reaction", f"{reaction[least]:.6g} {force} at {at[least]:.5g} {unit}"),
+        ("reaction at last", f"{reaction[-1]:.6g} {force} at {at[-1]:.5g} {unit}"),
         *event_rows(curve),
         ("end", curve.reason),
         ("points", f"{len(curve.points)}, largest residual {curve.residual.max():.1e}"),

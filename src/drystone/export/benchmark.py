@@ -104,7 +104,7 @@ def _draw(
                 load_direction=run.model.load_along,
                 control_point=run.model.control_point,
             )
-            mechanisms.append((mechanism_title(run.engine, curve.points[row]), mechanism))
+            mechanisms.append((mechanism_title(run.engine, curve, curve.points[row]), mechanism))
     draw_benchmark_wall(
         [(run.engine, curve) for run, curve in curves],
         mechanisms,

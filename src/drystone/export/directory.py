@@ -39,6 +39,7 @@ from drystone.export.summary import plain, summarise, write_summary
 from drystone.model import Model
 from drystone.report import Mechanism, canvas, draw_curve, draw_mechanism
 from drystone.report.mechanism import readable_magnification
+from drystone.report.quantities import state_text
 from drystone.ties import TieState
 
 if TYPE_CHECKING:
@@ -208,7 +209,8 @@ class ResultsDirectory:
     def _draw_mechanism(self, model: Model, curve: CapacityCurve, results: ResultsReader) -> None:
         wanted = self._mechanism_displacement
         if wanted is None:
-            wanted = float(model.analysis.options.get(MECHANISM_OPTION, MECHANISM_DISPLACEMENT))
+            usual = model.settlement.largest if model.settlement else MECHANISM_DISPLACEMENT
+            wanted = float(model.analysis.options.get(MECHANISM_OPTION, usual))
         row = mechanism_row(curve, wanted)
         point, pose, settled = curve.points[row], results.pose(row), results.pose(0)
         gone = curve.gone(model.assembly.ids, point.step)
@@ -226,7 +228,7 @@ class ResultsDirectory:
             tie_branch=curve.ties.branch[row] if curve.ties else None,
             magnification=readable_magnification(model.assembly, pose, settled),
         )
-        title = mechanism_title(model.title, point)
+        title = mechanism_title(model.title, curve, point)
         for format in self._formats:
             with whole_file((self.path / MECHANISM_FIGURE).with_suffix(f".{format}")) as draft:
                 draw_mechanism(mechanism, draft, title=title, format=format)
@@ -244,7 +246,7 @@ def mechanism_row(curve: CapacityCurve, control_displacement: float) -> int:
     return curve.nearest(control_displacement)
 
 
-def mechanism_title(title: str, point: CurvePoint) -> str:
+def mechanism_title(title: str, curve: CapacityCurve, point: CurvePoint) -> str:
     """What a picture shows: the point's own displacement, not the one that was asked for."""
-    values = f"$δ_c$ = {point.control_displacement:.4g} m, $λ$ = {point.load_multiplier:.3f}"
+    values = state_text(curve, point)
     return f"{canvas.literal(title)}: {values}" if title else values

@@ -218,6 +218,7 @@ def _curve_of(
         poses=poses,
         contacts=contacts,
         ties=ties,
+        motion_unit=model.settlement.unit if model is not None and model.settlement else "m",
     )
 
 

@@ -15,6 +15,7 @@ from drystone.model import Model
 from drystone.report import canvas
 from drystone.report.mechanism import Mechanism
 from drystone.report.mechanism_figure import plot_mechanism
+from drystone.report.quantities import Quantities, state_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -93,14 +94,15 @@ def _frames(curve: CapacityCurve, model: Model, n_frames: int, title: str) -> It
     figure.suptitle(canvas.literal(title or model.title), fontsize=11)
     limits = _common_limits(above, curve, model, rows)
     (marker,) = _plot_curve(below, curve)
+    shown = Quantities.of(curve)
+    x, y = shown.x(curve), shown.y(curve)
     surface.draw()
     figure.set_layout_engine("none")  # what stands still is laid out once
     for row in rows:
         _plot_state(above, curve, model, row)
         above.set_xlim(*limits[0])
         above.set_ylim(*limits[1])
-        point = curve.points[row]
-        marker.set_data([point.control_displacement], [point.load_multiplier])
+        marker.set_data([x[row]], [y[row]])
         surface.draw()
         yield np.asarray(surface.buffer_rgba())[..., :3].copy()
 
@@ -127,22 +129,16 @@ def _plot_state(axes: Axes, curve: CapacityCurve, model: Model, row: int) -> Non
     )
     if legend := axes.get_legend():
         legend.remove()
-    axes.set_title(
-        f"$δ_c$ = {point.control_displacement:.4f} m, $λ$ = {point.load_multiplier:.3f}",
-        fontsize=9,
-    )
+    axes.set_title(state_text(curve, point), fontsize=9)
 
 
 def _plot_curve(axes: Axes, curve: CapacityCurve) -> list[Any]:
     canvas.plain_axes(axes)
-    axes.plot(
-        curve.control_displacement,
-        curve.load_multiplier,
-        color=canvas.CURVE_COLOURS[0],
-        linewidth=1.4,
-    )
-    axes.set_xlabel("control displacement $δ_c$ [m]", fontsize=8)
-    axes.set_ylabel("multiplier $λ$", fontsize=8)
+    shown = Quantities.of(curve)
+    colour = canvas.CURVE_COLOURS[0]
+    axes.plot(shown.x(curve), shown.y(curve), color=colour, linewidth=1.4)
+    axes.set_xlabel(f"{shown.motion} [{shown.motion_unit}]", fontsize=8)
+    axes.set_ylabel(f"{shown.force} [{shown.force_unit or '-'}]", fontsize=8)
     return axes.plot([0.0], [0.0], "o", color=canvas.CURVE_COLOURS[1], markersize=6)
 
 

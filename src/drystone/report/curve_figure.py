@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from drystone.curve import DYNAMIC, CapacityCurve
 from drystone.report import canvas
+from drystone.report.quantities import MILLIMETRES_BELOW, length_text
+from drystone.report.settling_figure import COLLAPSE, plot_settling
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,14 +23,13 @@ Array = NDArray[np.float64]
 Reference = tuple[str, Array, Array]
 Labelled = Sequence[tuple[str, CapacityCurve]]
 
-#: Curves that end below this control displacement [m] are drawn in millimetres.
-MILLIMETRES_BELOW = 0.05
 #: A peak nearer to the origin than this share of the curve gets a second panel of its own.
 STEEP = 0.1
+#: A peak beyond this share of the curve has its words on the left.
+LEFTWARDS = 0.5
 #: Dynamic points marked on one curve, about: more would run into each other.
 MOST_MARKERS = 60
 BACKING = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
-MOTION, REACTION = "motion of the supports [m, rad]", "reaction over the blocks' weight [-]"
 DISPLACEMENT, MULTIPLIER = "control displacement $δ_c$", "load multiplier $λ$ [-]"
 
 
@@ -39,9 +40,6 @@ class Unit:
     name: str
     per_metre: float
 
-
-#: Colour of the mark where a part collapses; dark in print.
-COLLAPSE = "#b2182b"
 
 METRE, MILLIMETRE = Unit(name="m", per_metre=1.0), Unit(name="mm", per_metre=1e3)
 
@@ -74,6 +72,9 @@ def draw_curve(
     """
     labelled = [("", curves)] if isinstance(curves, CapacityCurve) else list(curves)
     labelled = [(label, curve) for label, curve in labelled if curve.points]
+    if any(curve.settles for _, curve in labelled):
+        _draw_settling(labelled, path, title, format)
+        return
     unit = _unit(labelled, reference)
     furthest = max((_furthest(curve) for _, curve in labelled), default=0.0)
     peak_at = max((curve.capacity.control_displacement for _, curve in labelled), default=0.0)
@@ -100,6 +101,16 @@ def draw_curve(
         figure.legend(
             handles, labels, loc="outside lower center", ncols=3, fontsize=9, frameon=False
         )
+    canvas.save(figure, path, format)
+
+
+def _draw_settling(labelled: Labelled, path: Path | str, title: str, format: str) -> None:
+    figure = canvas.new_figure(7.5, 5.4)
+    if title:
+        figure.suptitle(canvas.literal(title), fontsize=12)
+    axes = figure.subplots()
+    plot_settling(axes, labelled)
+    figure.legend(loc="outside lower center", ncols=2, fontsize=9, frameon=False)
     canvas.save(figure, path, format)
 
 
@@ -133,9 +144,8 @@ def plot_curves(
         _mark_end(axes, curves[0][1], unit)
     if branches:
         _mark_collapse(axes, curves[0][1], unit)
-    settles = any(curve.settles for _, curve in curves)
-    axes.set_xlabel(MOTION if settles else f"{DISPLACEMENT} [{unit.name}]")
-    axes.set_ylabel(REACTION if settles else MULTIPLIER)
+    axes.set_xlabel(f"{DISPLACEMENT} [{unit.name}]")
+    axes.set_ylabel(MULTIPLIER)
     axes.margins(x=0.02, y=0.04)
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
@@ -257,10 +267,12 @@ def _mark_peak(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
         x, peak.load_multiplier, "o", color=canvas.INK, markersize=6, zorder=6, label=name,
         linestyle="none",
     )  # fmt: skip
+    left = x > LEFTWARDS * _furthest(curve) * unit.per_metre  # else it would leave the axes
     axes.annotate(
-        f"{name}  $λ$ = {peak.load_multiplier:.3f}  at  {_length(peak.control_displacement)}",
+        f"{name}  $λ$ = {peak.load_multiplier:.3f}  at  {length_text(peak.control_displacement)}",
         (x, peak.load_multiplier),
-        xytext=(8, 8),
+        xytext=(-8 if left else 8, 8),
+        ha="right" if left else "left",
         textcoords="offset points",
         fontsize=10,
         bbox=BACKING,
@@ -292,12 +304,12 @@ def _mark_end(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
     ultimate = curve.ultimate_displacement
     if ultimate is not None:
         x, y = ultimate * unit.per_metre, curve.stop_multiplier
-        text, label = f"{_length(ultimate)}\nat $λ$ = {y:g}", "ultimate displacement"
+        text, label = f"{length_text(ultimate)}\nat $λ$ = {y:g}", "ultimate displacement"
         marker, face = "D", canvas.INK
     else:
         last = curve.points[-1]
         x, y = last.control_displacement * unit.per_metre, last.load_multiplier
-        text, label = f"ends at\n{_length(last.control_displacement)}", f"curve {curve.status}"
+        text, label = f"ends at\n{length_text(last.control_displacement)}", f"curve {curve.status}"
         marker, face = "X", canvas.CURVE_COLOURS[1]
     axes.plot(
         x,
@@ -310,6 +322,8 @@ def _mark_end(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
         zorder=6,
         clip_on=False,
     )
+    if ultimate is None and curve.points[-1] is curve.capacity:
+        return  # what is written at the peak says where that is
     axes.annotate(
         text,
         (x, y),
@@ -334,14 +348,8 @@ def _furthest(curve: CapacityCurve) -> float:
 
 
 def _unit(curves: Labelled, reference: Sequence[Reference]) -> Unit:
-    if any(curve.settles for _, curve in curves):
-        return METRE  # or radians
     reach = [_furthest(curve) for _, curve in curves] + [float(np.max(x)) for _, x, _ in reference]
     return MILLIMETRE if max(reach, default=1.0) < MILLIMETRES_BELOW else METRE
-
-
-def _length(metres: float) -> str:
-    return f"{metres:.3f} m" if abs(metres) >= MILLIMETRES_BELOW else f"{metres * 1e3:.2f} mm"
 
 
 def _never_negative(curves: Labelled, name: str) -> bool:

@@ -13,6 +13,7 @@ from drystone.curve import CapacityCurve
 from drystone.model import Model
 from drystone.report import curve_figure, mechanism_figure
 from drystone.report.mechanism import Mechanism, readable_magnification
+from drystone.report.settling_figure import plot_settling
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,7 +29,8 @@ def plot_curve(
     label: str = "",
     limits: Mapping[str, float] | None = None,
 ) -> Axes:
-    """Draw a curve, load multiplier against control displacement [m].
+    """Draw a curve, load multiplier against control displacement [m]; of supports that move their
+    reaction [N, N m] against their motion [m, degrees].
 
     Parameters
     ----------
@@ -43,6 +45,10 @@ def plot_curve(
         Multipliers of limit analysis by label, drawn as horizontal lines.
     """
     ax = _axes(ax, (7.0, 4.5))
+    if curve.settles:
+        plot_settling(ax, [(label, curve)])
+        ax.legend(fontsize=9, edgecolor="none", facecolor="white", framealpha=0.85)
+        return ax
     ax.autoscale(True)  # an earlier curve has set the limits
     curve_figure.plot_curves(
         ax,
