@@ -88,7 +88,7 @@ def _blocks(settings: ImportSettings, drawing: Drawing, material_of: MaterialOf)
         if drawing.dimension == 3:
             made, records = _solids(shapes, settings)
         else:
-            made, records = mended_outlines(shapes, settings.tolerance)
+            made, records = mended_outlines(shapes, settings.tolerance, settings.overlap)
     except GeometryError as error:
         raise ModelError([str(error)]) from None
     prefix = f"{settings.name}/" if settings.name else ""

@@ -8,77 +8,133 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Block
-from drystone.builders.fit import fitted
 from drystone.drawings.drawing import Shape
 from drystone.geometry import GeometryError, polygon
+from drystone.geometry.closing import closed
 from drystone.geometry.mend import ONE_FACE, ROUNDING, SAME_POINT, WELDED
 from drystone.geometry.mended import Mended
+from drystone.geometry.outline_trim import trimmed
 
 Array = NDArray[np.float64]
 
 
-def mended_outlines(shapes: Sequence[Shape], tolerance: float) -> tuple[list[Block], list[Mended]]:
+def mended_outlines(
+    shapes: Sequence[Shape], tolerance: float, overlap: float = 0.0
+) -> tuple[list[Block], list[Mended]]:
     """Blocks of closed polylines, and what was done to them; raises `GeometryError`.
 
     Parameters
     ----------
     tolerance
-        Largest distance by which vertices are moved, over the shortest edge.
+        Largest distance by which vertices are moved, over the width of their outline, see
+        `measure_of`.
+    overlap
+        Distance [m] by which they may be moved in any case.
     """
     records: list[Mended] = []
-    blocks = []
+    outlines = []
     for shape in shapes:
         try:
-            vertices = _outline(shape, tolerance, records)
+            outlines.append(_outline(shape, tolerance, overlap, records))
         except GeometryError as error:
             raise GeometryError(f'"{shape.name}": {error}') from None
+    reach = np.array([max(tolerance * measure_of(o, tolerance), overlap) for o in outlines])
+    bends = np.array([ONE_FACE * tolerance * _edges(o).min() for o in outlines])
+    fixed = np.array([shape.support for shape in shapes], bool)
+    found = closed(outlines, reach, bends, fixed)
+    size = np.array([float(np.ptp(o, axis=0).max()) for o in outlines])
+    parts, cut = trimmed(found.outlines, reach, fixed)
+    blocks = []
+    for i, shape in enumerate(shapes):
+        own = parts.get(i, ())
         blocks.append(
             Block(
                 id=shape.name,
-                vertices=vertices,
+                vertices=np.vstack([p.vertices for p in own]) if own else found.outlines[i],
+                parts=tuple(own) if len(own) > 1 else (),
                 unit_weight=1.0,
                 material=shape.layer,
                 support=shape.support,
                 groups=tuple(dict.fromkeys(n for n in (shape.layer, *shape.groups) if n)),
             )
         )
-    moved, _ = fitted(blocks, tolerance)
-    for before, after in zip(blocks, moved, strict=True):
-        way = float(np.linalg.norm(after.vertices - before.vertices, axis=1).max())
-        if way > ROUNDING * float(np.ptp(before.vertices, axis=0).max()):
-            records.append(
-                Mended(block=before.id, what="had vertices moved to close joints", how_much=way)
-            )
-    return moved, records
+        changes = (
+            ("had vertices amid edges or faces, which were left out", 0.0, found.straight[i]),
+            ("had vertices moved to close joints", found.way[i], 0),
+            ("had edges bent to meet corners of neighbours", 0.0, found.bent[i]),
+            ("had joints that could not be closed and stayed as drawn", 0.0, i in found.given_up),
+            ("had overlaps with neighbours that were cut off", cut.get(i, 0.0), 0),
+        )
+        for what, how_much, count in changes:
+            if count or how_much > ROUNDING * size[i]:
+                records.append(
+                    Mended(block=shape.name, what=what, how_much=how_much, count=int(count))
+                )
+    return blocks, records
 
 
-def _outline(shape: Shape, tolerance: float, records: list[Mended]) -> Array:
+def measure_of(vertices: Array, tolerance: float) -> float:
+    """What the tolerance of an outline is a share of [m]: its least width.
+
+    Short edges say nothing of how well a stone was drawn, its width does.  A concave outline may
+    be much thinner somewhere than it is as a whole: of one with dents deeper than the tolerance it
+    is the shortest edge.
+    """
+    width = polygon.least_width(vertices)
+    if polygon.dent(vertices) <= tolerance * width:
+        return width
+    return float(_edges(vertices).min())
+
+
+def _edges(vertices: Array) -> Array:
+    """Lengths of an outline's edges [m]."""
+    edges = np.roll(vertices, -1, axis=0) - vertices
+    return np.asarray(np.hypot(edges[:, 0], edges[:, 1]))
+
+
+def _outline(shape: Shape, tolerance: float, overlap: float, records: list[Mended]) -> Array:
     """One outline without points that say nothing, counter-clockwise."""
     vertices = shape.vertices
     size = float(np.ptp(vertices, axis=0).max()) if len(vertices) else 0.0
     vertices, doubles = _without(vertices, max(SAME_POINT, WELDED * tolerance) * size, _gaps)
     if len(vertices) < 3:
         raise GeometryError("less than three points are left of it: draw a closed outline")
-    edges = np.roll(vertices, -1, axis=0) - vertices
-    near = tolerance * float(np.hypot(edges[:, 0], edges[:, 1]).min())
-    vertices, straight = _without(vertices, max(ONE_FACE * near, ROUNDING * size), _bends)
+    vertices, straight = _without(vertices, ROUNDING * size, polygon.bends)
+    turned = polygon.is_clockwise(vertices)
+    if turned:
+        vertices = vertices[::-1].copy()
+    vertices, crossed = _uncrossed(vertices, tolerance, overlap)
     for count, what in (
-        (doubles, "had vertices so near to each other that they were made one"),
+        (doubles + crossed, "had vertices so near to each other that they were made one"),
         (straight, "had vertices amid edges or faces, which were left out"),
+        (turned, "had faces that ran clockwise and were turned round"),
     ):
         if count:
-            records.append(Mended(block=shape.name, what=what, count=count))
-    if polygon.is_clockwise(vertices):
-        vertices = vertices[::-1].copy()
-        records.append(
-            Mended(
-                block=shape.name,
-                what="had faces that ran clockwise and were turned round",
-                count=1,
-            )
-        )
+            records.append(Mended(block=shape.name, what=what, count=int(count)))
     polygon.check_outline(vertices)
     return vertices
+
+
+def _uncrossed(vertices: Array, tolerance: float, overlap: float) -> tuple[Array, int]:
+    """An outline that crosses itself without the edges so short that they cross by the error of
+    the drawing: their ends become one; and how many these are."""
+    count = 0
+    while len(vertices) > 3:
+        try:
+            polygon.check_outline(vertices)
+        except GeometryError:
+            edges = _edges(vertices)
+            k = int(np.argmin(edges))
+            if edges[k] > max(tolerance * polygon.least_width(vertices), overlap):
+                break
+            after = (k + 1) % len(vertices)
+            vertices = vertices.copy()
+            vertices[k] = 0.5 * (vertices[k] + vertices[after])
+            vertices = np.delete(vertices, after, axis=0)
+            count += 1
+        else:
+            break
+    return vertices, count
 
 
 def _without(vertices: Array, near: float, measure: object) -> tuple[Array, int]:
@@ -97,14 +153,3 @@ def _gaps(vertices: Array) -> Array:
     """How far each vertex is from the one before it."""
     way = vertices - np.roll(vertices, 1, axis=0)
     return np.hypot(way[:, 0], way[:, 1])
-
-
-def _bends(vertices: Array) -> Array:
-    """How far each vertex is off the line between its neighbours; endless where it turns back."""
-    before, after = np.roll(vertices, 1, axis=0), np.roll(vertices, -1, axis=0)
-    way, arm = after - before, vertices - before
-    length = np.hypot(way[:, 0], way[:, 1])
-    along = np.sum(way * arm, axis=1)
-    off = np.abs(way[:, 0] * arm[:, 1] - way[:, 1] * arm[:, 0])
-    between = (along > 0.0) & (along < length**2)
-    return np.where(between, off / np.where(length > 0.0, length, 1.0), np.inf)

@@ -24,8 +24,9 @@ def convex_outlines(vertices: Array) -> list[Array]:
     """Convex parts of an outline (n, 2) [m]; of a convex one itself.
 
     The outline is cut at its reflex corners: along one of the two edges there, or to another reflex
-    corner, whichever leaves the fewest of them and is shortest.  Given vertices keep their
-    coordinates; a cut may end on an edge.  Raises `GeometryError`.
+    corner, whichever leaves the fewest of them and is shortest; where all of these make needles, as
+    at a corner that hardly turns, across.  Given vertices keep their coordinates; a cut may end on
+    an edge.  Raises `GeometryError`.
     """
     if check_outline(vertices):
         return [vertices]
@@ -39,12 +40,22 @@ def convex_outlines(vertices: Array) -> list[Array]:
             parts.append(piece.vertices)
             continue
         cuts = _cuts(piece, reflex, near)
+        if all(cut.needle for cut in cuts):
+            cuts += _cuts_across(piece, reflex, near)
         if not cuts:
             raise _uncut()
         todo += min(cuts, key=lambda cut: cut.rank).pieces[::-1]
     if abs(sum(map(signed_area, parts)) - whole) > DEGENERATE * whole:
         raise _uncut()
     return parts
+
+
+def parts_of(vertices: Array) -> list[Array]:
+    """Convex parts of an outline; of what has none, as whoever checks the model says, itself."""
+    try:
+        return convex_outlines(vertices)
+    except GeometryError:
+        return [vertices]
 
 
 def _uncut() -> GeometryError:
@@ -68,6 +79,7 @@ class _Cut:
 
     pieces: list[_Piece]
     rank: tuple[int, float]
+    needle: bool
 
 
 def _cuts(piece: _Piece, reflex: NDArray[np.int64], near: float) -> list[_Cut]:
@@ -81,6 +93,17 @@ def _cuts(piece: _Piece, reflex: NDArray[np.int64], near: float) -> list[_Cut]:
         for j in reflex.tolist():
             if j > i and _sees(p, i, j, near):
                 found += _cut_to(piece, i, j, None)
+    return found
+
+
+def _cuts_across(piece: _Piece, reflex: NDArray[np.int64], near: float) -> list[_Cut]:
+    """Cuts from reflex corners, across the line between their neighbours."""
+    p = piece.vertices
+    found = []
+    for i in reflex.tolist():
+        edge = p[(i + 1) % len(p)] - p[i - 1]
+        inwards = np.array([-edge[1], edge[0]]) / np.hypot(*edge)
+        found += _cut_along(piece, i, inwards, near)
     return found
 
 
@@ -157,7 +180,7 @@ def _cut_to(piece: _Piece, i: int, j: int, point: Array | None) -> list[_Cut]:
     left = sum(int(np.count_nonzero(reflex_corners(piece.vertices))) for piece in pieces)
     end = p[j] if point is None else point
     needle = any(_sharpest_at(piece.vertices, (p[i], end)) < NEEDLE for piece in pieces)
-    return [_Cut(pieces, (left + n * needle, float(np.hypot(*(end - p[i])))))]
+    return [_Cut(pieces, (left + n * needle, float(np.hypot(*(end - p[i])))), needle)]
 
 
 def _without_ends(piece: _Piece) -> _Piece:

@@ -156,6 +156,52 @@ def _checked_turns(vertices: Array) -> Array:
     return angle
 
 
+def bends(vertices: Array) -> Array:
+    """How far each vertex is off the line between its neighbours; endless where it turns back."""
+    before, after = _preceding(vertices), _following(vertices)
+    way, arm = after - before, vertices - before
+    length = np.hypot(way[:, 0], way[:, 1])
+    along = np.sum(way * arm, axis=1)
+    off = np.abs(way[:, 0] * arm[:, 1] - way[:, 1] * arm[:, 0])
+    between = (along > 0.0) & (along < length**2)
+    return np.where(between, off / np.where(length > 0.0, length, 1.0), np.inf)
+
+
+def least_width(vertices: Array) -> float:
+    """Least extent of an outline along the normals of its edges [m]."""
+    edges = _following(vertices) - vertices
+    normal = np.column_stack((edges[:, 1], -edges[:, 0]))
+    normal /= np.hypot(edges[:, 0], edges[:, 1])[:, None]
+    return float(np.ptp(vertices @ normal.T, axis=0).min())
+
+
+def dent(vertices: Array) -> float:
+    """How deep an outline's deepest dent is, from the edge of its convex hull [m]."""
+    hull = _hull(vertices)
+    edge = _following(hull) - hull
+    tangent = edge / np.hypot(edge[:, 0], edge[:, 1])[:, None]
+    arm = vertices[:, None] - hull[None]
+    inside = tangent[None, :, 0] * arm[..., 1] - tangent[None, :, 1] * arm[..., 0]
+    return float(inside.min(axis=1).max())
+
+
+def _hull(vertices: Array) -> Array:
+    """Corners of the convex hull, counter-clockwise (Andrew's monotone chains)."""
+    points = sorted(map(tuple, vertices.tolist()))
+    chains = []
+    for way in (points, points[::-1]):
+        chain: list[tuple[float, ...]] = []
+        for p in way:
+            while len(chain) > 1:
+                (ax, ay), (bx, by) = chain[-2], chain[-1]
+                if (bx - ax) * (p[1] - ay) - (by - ay) * (p[0] - ax) > 0.0:
+                    break
+                chain.pop()
+            chain.append(p)
+        chains += chain[:-1]
+    return np.array(chains)
+
+
 @dataclass(frozen=True, kw_only=True)
 class MassProperties:
     """Of a unit thickness and unit density: area, centroid and polar moment about it."""
