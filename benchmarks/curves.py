@@ -46,7 +46,7 @@ def time_sweep(name: str, model: ds.Model) -> SweepTiming:
     nlgs.solve = spy
     try:
         engine = NscdEngine()
-        ds.pushover(model, engine=engine, max_displacement=0.01)
+        ds.pushover(model, engine=engine, max_displacement=0.01, progress=False)
     finally:
         nlgs.solve = original
     problem, _, _, _, free_velocity, impulse, _, h, _ = caught[-1]

@@ -52,11 +52,11 @@ def timing(
     """Trace one model's curve, up to a ``max_displacement`` [m] if given; raises `EngineError`."""
     curves: list[CapacityCurve] = []
     if engine in ONCE:
-        curves.append(pushover(model, engine=engine, **limit))
+        curves.append(pushover(model, engine=engine, progress=False, **limit))
         seconds = curves[0].wall_time
     else:
         seconds = harness.median_seconds(
-            lambda: curves.append(pushover(model, engine=engine, **limit)),
+            lambda: curves.append(pushover(model, engine=engine, progress=False, **limit)),
             repeats,
         )
     curve = curves[-1]

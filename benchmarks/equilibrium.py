@@ -136,7 +136,9 @@ def one_solution(model: ds.Model) -> tuple[float, float]:
 def figures(wall: int, repeats: int) -> Figures:
     model = ds.published_wall(wall)
     curves: list[CapacityCurve] = []
-    seconds = harness.median_seconds(lambda: curves.append(ds.pushover(model)), repeats)
+    seconds = harness.median_seconds(
+        lambda: curves.append(ds.pushover(model, progress=False)), repeats
+    )
     curve = curves[-1]
     step = EquilibriumEngine().preferences(model.assembly)["displacement_step"]
     apart = distances(curve, ds.pushover(model, displacement_step=0.5 * step))

@@ -90,7 +90,7 @@ def time_curve(
     """Trace a model's curve several times."""
     curves = []
     seconds = median_seconds(
-        lambda: curves.append(ds.pushover(model, engine=engine, **options)), repeats
+        lambda: curves.append(ds.pushover(model, engine=engine, progress=False, **options)), repeats
     )
     curve = curves[-1]
     static = [p.residual for p in curve.points if p.status != DYNAMIC]

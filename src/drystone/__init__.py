@@ -7,15 +7,14 @@ __version__ = "0.1.0"
 # The command line begins here: no module is imported before it has seen to signals.
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any
-
     from drystone.analysis import pushover
     from drystone.around import Polar, polar
     from drystone.assembly import Assembly, Block, Corner, JointLaw
     from drystone.builders import ModelError, extruded, make_model, published_wall
-    from drystone.builders import circular_arch as arch
     from drystone.builders import coursed_wall as wall
+    from drystone.builders.arch import circular_arch
     from drystone.builders.column import column, stack
+    from drystone.builders.kinds.arch import arch
     from drystone.curve import CapacityCurve, CurvePoint
     from drystone.drawings.blocks import imported
     from drystone.drawings.settings import ImportSettings
@@ -41,6 +40,9 @@ if TYPE_CHECKING:
     from drystone.report import plot_curve, plot_mechanism, plot_model
     from drystone.settlement import Settlement
     from drystone.ties import Tie, TieEnd, spring
+
+if TYPE_CHECKING:
+    from typing import Any
 
 #: Where each name is, and its name there if that is another.  Heavy imports wait until a name is
 #: used, so that the command line starts at once.
@@ -81,7 +83,8 @@ _PLACES = {
     "TriangularPattern": "drystone.loading",
     "UniformPattern": "drystone.loading",
     "UnstableError": "drystone.engines.base",
-    "arch": "drystone.builders:circular_arch",
+    "arch": "drystone.builders",
+    "circular_arch": "drystone.builders",
     "collapse_load": "drystone.limit",
     "column": "drystone.builders.column",
     "extruded": "drystone.builders",

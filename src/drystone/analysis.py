@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing
+from contextlib import closing, nullcontext
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from typing import Any, Protocol
@@ -47,6 +47,7 @@ from drystone.frame import Frame
 from drystone.kernels.compilation import Compilation
 from drystone.model import REMOVE, STOP, Analysis, Model
 from drystone.plausible import Plausibility
+from drystone.progress.watched import points_shown
 from drystone.ranges import found, problem
 from drystone.records import changed
 from drystone.threads import limited
@@ -94,7 +95,7 @@ def pushover(
     engine: str | Engine | None = None,
     strategy: str | None = None,
     recorder: Recorder | None = None,
-    progress: Callable[[CurvePoint], None] | None = None,
+    progress: Callable[[CurvePoint], None] | bool | None = None,
     keep_poses: bool | None = None,
     keep_contacts: bool | None = None,
     threads: int | None = None,
@@ -111,8 +112,11 @@ def pushover(
         Name of an engine, or one of your own (see `engines.base.Engine`).
     strategy
         "displacement" (no bias) or "published".
-    recorder, progress
-        Are told every point as it comes.
+    recorder
+        Is told every point as it comes.
+    progress
+        Likewise; or whether a bar shows it, by default where somebody watches: on a terminal and
+        in a notebook.
     keep_poses, keep_contacts
         Keep poses and contact forces of every point in the result.  By default they are kept of
         up to `MOST_KEPT` blocks, where no recorder has them.
@@ -135,6 +139,9 @@ def pushover(
     name = SETTLEMENT if model.settlement else strategy or model.analysis.strategy
     model = _with_options(model, options)
     control = make_control(name, solver, model)
+    shows: Any = nullcontext(progress)
+    if progress is None or isinstance(progress, bool):
+        shows = points_shown(model.title or "pushover", model.analysis.stop_multiplier, progress)
     small = recorder is None and model.assembly.n_bodies <= MOST_KEPT
     run = _Run(
         model=model,
@@ -143,13 +150,14 @@ def pushover(
         later=named and isinstance(solver, FramedEngine),
         stops=(model.analysis.falling or default_falling) == STOP,
         recorder=recorder,
-        progress=progress,
+        progress=None,
         keep_poses=small if keep_poses is None else keep_poses,
         keep_contacts=small if keep_contacts is None else keep_contacts,
     )
     # Threads of LAPACK only get in each other's way on systems of this size.
     lapack = threadpool_limits(limits=1, user_api="blas")
-    with closing(solver), lapack, limited(threads), Compilation() as compilation:
+    with closing(solver), lapack, limited(threads), Compilation() as compilation, shows as told:
+        run.progress = told
         end = run.traced(control)
     return run.finished(*end, time.perf_counter() - begun, compilation.seconds)
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from drystone.curve import CapacityCurve
 from drystone.engines.base import EngineError
 from drystone.model import Model
+from drystone.progress import counted
 from drystone.threads import available
 from drystone.workers import in_processes
 
@@ -49,6 +50,7 @@ def polar(
     engine: str | None = None,
     strategy: str | None = None,
     processes: int | None = None,
+    progress: bool | None = None,
     **options: Any,
 ) -> Polar:
     """Capacity curves along directions around a structure, in parallel.
@@ -63,6 +65,8 @@ def polar(
         As of `pushover`; the engine by its name.
     processes
         At a time, by default one a processor; each takes one thread.
+    progress
+        Whether a bar counts the directions, by default where somebody watches.
 
     Raises
     ------
@@ -72,7 +76,8 @@ def polar(
     angles = tuple(map(float, n)) if not isinstance(n, int) else evenly(model, n)
     models = around(model, angles)
     calls = [(f"{__name__}:curve_of", (each, engine, strategy, dict(options))) for each in models]
-    curves = in_processes(calls, processes or available())
+    with counted(model.title or "polar", len(calls), progress) as told:
+        curves = in_processes(calls, processes or available(), told)
     return Polar(
         angles=angles,
         directions=np.array([each.load_along for each in models]),
@@ -111,7 +116,7 @@ def curve_of(
 
     return pushover(
         model, engine=engine, strategy=strategy, keep_poses=False, keep_contacts=False, threads=1,
-        **options,
+        progress=False, **options,
     )  # fmt: skip
 
 

@@ -7,6 +7,7 @@ blocks move, and what a pose is, see `geometry.motion`.
 from __future__ import annotations
 
 import math
+import numbers
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.errors import ModelError
 from drystone.geometry import GeometryError, motion
 from drystone.geometry.cores import SolidCore
 from drystone.geometry.figure import Figure
@@ -23,6 +25,8 @@ from drystone.geometry.outlines import Outlines
 from drystone.geometry.polygon import Core
 from drystone.geometry.polyhedra import Polyhedra
 from drystone.geometry.solid import Faces, Part
+from drystone.names import Named
+from drystone.ranges import RANGES, problem
 
 #: Standard acceleration of gravity in this project [m/s2], the value the published runs used.
 GRAVITY = 9.81
@@ -40,9 +44,36 @@ POINTS_KNOWN = {2: tuple(range(2, 65)), 3: (4, 9, 16, *(n * n for n in range(5, 
 POINTS = {2: 2, 3: 4}
 
 
+#: Values of a joint's law that may be None: limit analysis does without.
+MAY_BE_MISSING = (
+    "normal_stiffness",
+    "shear_stiffness",
+    "tensile_fracture_energy",
+    "shear_fracture_energy",
+    "residual_friction_coefficient",
+    "residual_slip",
+    "compressive_fracture_energy",
+)
+
+#: Values that are infinite where there is no such limit.
+MAY_BE_INFINITE = ("dilatancy_end", "compressive_strength", "greatest_closure")
+
+
+def _sound(value: Any, positive: bool) -> bool:
+    """Whether it is a finite number of the sign that it must have, in whatever units."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        return False
+    number = float(value)
+    return math.isfinite(number) and (number > 0.0 if positive else number >= 0.0)
+
+
 @dataclass(frozen=True, kw_only=True)
 class JointLaw:
-    """No-tension elastic joint with Coulomb friction, stiffnesses per area of joint."""
+    """No-tension elastic joint with Coulomb friction, stiffnesses per area of joint.
+
+    Raises `ModelError` where a value has a sign that none can have, or is no number; what values
+    may be beside each other is looked at where a model is put together.
+    """
 
     friction_coefficient: float  # tan of the friction angle, -
     normal_stiffness: float | None  # Pa/m; None where only limit analysis is asked for
@@ -58,6 +89,16 @@ class JointLaw:
     compressive_strength: float = math.inf  # Pa
     compressive_fracture_energy: float | None = None  # N/m; None: crushed joints stay as strong
     greatest_closure: float = math.inf  # m, of hyperbolic closure; inf: linear
+
+    def __post_init__(self) -> None:
+        wrong = []
+        for key, value in vars(self).items():
+            missing = value is None and key in MAY_BE_MISSING
+            infinite = value == math.inf and key in MAY_BE_INFINITE
+            if not missing and not infinite and not _sound(value, RANGES[key].least > 0.0):
+                wrong += [f"joint.{sentence}"] if (sentence := problem(key, value)) else []
+        if wrong:
+            raise ModelError(wrong)
 
     @property
     def softens(self) -> bool:
@@ -126,6 +167,10 @@ class Block:
     parts: tuple[Part, ...] = ()  # convex, where they are given
     groups: tuple[str, ...] = ()  # names of what it belongs to: a wall, a storey, a layer
     held: tuple[str, ...] = ()  # of a movable block: what of its motion rollers hold, see `MOTIONS`
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.vertices, np.ndarray):
+            object.__setattr__(self, "vertices", np.array(self.vertices, np.float64))
 
     @classmethod
     def of_parts(cls, parts: Sequence[Part], **values: Any) -> Block:
@@ -372,15 +417,15 @@ class Assembly:
         for i, block in enumerate(self.blocks):
             for name in dict.fromkeys(block.groups):
                 rows.setdefault(name, []).append(i)
-        return {name: np.array(own, dtype=np.int64) for name, own in rows.items()}
+        return Named("group", {name: np.array(own, np.int64) for name, own in rows.items()})
 
     @cached_property
     def _row(self) -> dict[str, int]:
         """Row of each block by its name."""
-        return {name: i for i, name in enumerate(self.ids)}
+        return Named("block", {name: i for i, name in enumerate(self.ids)})
 
     def index(self, block_id: str) -> int:
-        """Row of the block with that name; raises `KeyError`."""
+        """Row of the block with that name; raises `UnknownNameError`, a `KeyError`."""
         return self._row[block_id]
 
     def rest_pose(self) -> Array:

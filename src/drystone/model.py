@@ -11,12 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly, Corner
+from drystone.errors import ModelError
 from drystone.geometry.mended import Mended
 from drystone.loading import DeadLoad, LoadPattern
 from drystone.monitor import ControlPoint
 from drystone.settlement import Settlement
 from drystone.site import AssessmentInput, Site
 from drystone.ties import Tie
+from drystone.vectors import direction_of
 
 Array = NDArray[np.float64]
 
@@ -169,20 +171,30 @@ class Model:
 
     def with_load(
         self,
-        pattern: LoadPattern | None = None,
+        pattern: LoadPattern | Sequence[float] | None = None,
         *,
         direction: Sequence[float] | None = None,
         dead_loads: Sequence[DeadLoad] | None = None,
     ) -> Model:
         """The model under another load: a pattern, its direction, the dead loads beside weight.
 
+        In place of a pattern, numbers are a direction: ``model.with_load((-1, 0))``.
+
         Control block, point and direction follow as far as they are those that are taken where
         nothing is said about them; what was chosen otherwise stays.
         """
         from drystone.builders.vary import control_beside_default, remade
 
+        if isinstance(pattern, list | tuple | np.ndarray):
+            if direction is not None:
+                raise ModelError(["load: there are two directions: give one of them"])
+            direction = direction_of(pattern, "load.direction").tolist()
+            pattern = None
         kept = None if self.settlement is not None else self.load
-        load: dict[str, Any] = {"load": pattern or kept, "load_direction": direction}
+        load: dict[str, Any] = {
+            "load": kept if pattern is None else pattern,
+            "load_direction": direction,
+        }
         load["settlement"] = None
         if dead_loads is not None:
             load["dead_loads"] = tuple(dead_loads)

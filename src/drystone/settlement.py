@@ -16,7 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
+from drystone.errors import ModelError
 from drystone.geometry import motion
+from drystone.names import there_is_no
+from drystone.vectors import direction_of, vector
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -39,7 +42,9 @@ class Settlement:
     """How support blocks move: along a direction, or about a centre.
 
     A rotation is counter-clockwise in the plane, and in space right-handed about an axis through
-    the centre.
+    the centre.  Names and units are those of model files; vectors may be any numbers in a row.
+
+    Raises `ModelError` where what is given makes no motion.
     """
 
     blocks: tuple[str, ...] = ()
@@ -48,7 +53,32 @@ class Settlement:
     centre: Array | None = None  # (dim,) m
     axis: Array | None = None  # (3,) unit vector, of a rotation in space
     clockwise: bool = False  # of a rotation in the plane
-    largest: float  # m, or rad
+    max: float  # how far they go: m, or degrees about a centre
+
+    def __post_init__(self) -> None:
+        def put(key: str, value: Any) -> None:
+            object.__setattr__(self, key, value)
+
+        put("blocks", (self.blocks,) if isinstance(self.blocks, str) else tuple(self.blocks))
+        if self.centre is not None:
+            put("centre", vector(self.centre, "settlement.centre"))
+        for key in ("direction", "axis"):
+            if (given := getattr(self, key)) is not None:
+                put(key, direction_of(given, f"settlement.{key}"))
+        found = []
+        if (self.group is None) == (not self.blocks):
+            found.append("settlement: give blocks or group, the supports that move")
+        if (self.direction is None) == (self.centre is None):
+            found.append("settlement: give direction, or the centre of a rotation")
+        if not 0.0 < self.max < math.inf:
+            found.append("settlement.max: must be greater than 0")
+        if found:
+            raise ModelError(found)
+
+    @property
+    def largest(self) -> float:
+        """How far they go [m, or rad]."""
+        return math.radians(self.max) if self.rotates else self.max
 
     @property
     def rotates(self) -> bool:
@@ -123,38 +153,38 @@ class Settlement:
     def in_frame(self, scale: Scale) -> Self:
         """The settlement in other coordinates and units."""
         if self.centre is None:
-            return replace(self, largest=scale.extension(self.largest))
+            return replace(self, max=scale.extension(self.max))
         return replace(self, centre=scale.place(self.centre))
 
-    def in_space(self, vector: Callable[..., Array]) -> Self:
-        """That of a plane model as solids; ``vector`` takes vectors to space."""
+    def in_space(self, into: Callable[..., Array]) -> Self:
+        """That of a plane model as solids; ``into`` takes vectors to space."""
         if self.direction is not None:
-            return replace(self, direction=vector(self.direction))
+            return replace(self, direction=into(self.direction))
         # Counter-clockwise as seen with x to the right and z up: about minus y.
         axis = np.array([0.0, 1.0 if self.clockwise else -1.0, 0.0])
-        centre = vector(self.centre, point=True)
+        centre = into(self.centre, point=True)
         return replace(self, centre=centre, axis=axis, clockwise=False)
 
     def problems(self, assembly: Assembly) -> list[str]:
         """What keeps it from acting on an assembly, a sentence each."""
         found = []
-        if (self.group is None) == (not self.blocks):
-            found.append("settlement: give blocks or group, the supports that move")
         for name in self.blocks:
             if name not in assembly.ids:
-                found.append(f'settlement.blocks: there is no block "{name}"')
+                found.append(f"settlement.blocks: {there_is_no('block', name, assembly.ids)}")
             elif not assembly.fixed[assembly.index(name)]:
                 found.append(f'settlement.blocks: "{name}" is no support: set support = true')
         if self.group is not None and self.group not in assembly.groups:
-            found.append(f'settlement.group: there is no group "{self.group}"')
+            found.append(f"settlement.group: {there_is_no('group', self.group, assembly.groups)}")
         elif self.group is not None and not len(self.rows(assembly)):
             found.append(f'settlement.group: there is no support in "{self.group}"')
-        if (self.direction is None) == (self.centre is None):
-            found.append("settlement: give direction, or the centre of a rotation")
+        for key in ("direction", "centre"):
+            given = getattr(self, key)
+            if given is not None and len(given) != assembly.dimension:
+                found.append(f"settlement.{key}: must have {assembly.dimension} entries")
         if (self.axis is not None) != (self.rotates and assembly.dimension == 3):
             found.append("settlement.axis: belongs to a rotation in space, and only there")
-        if not 0.0 < self.largest < math.inf:
-            found.append("settlement.max: must be greater than 0")
+        elif self.axis is not None and len(self.axis) != 3:
+            found.append("settlement.axis: must have 3 entries")
         return found
 
     def keys(self) -> dict[str, Any]:
@@ -166,5 +196,4 @@ class Settlement:
             if (value := getattr(self, key)) is not None
         }
         turned = {"clockwise": True} if self.clockwise else {}
-        largest = math.degrees(self.largest) if self.rotates else self.largest
-        return {**who, **vectors, **turned, "max": float(f"{largest:.12g}")}
+        return {**who, **vectors, **turned, "max": float(self.max)}

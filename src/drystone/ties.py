@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
 from drystone.kernels import ties as kernel
+from drystone.names import there_is_no
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -79,7 +80,7 @@ class TieEnd:
                 return "block: there is no ground without a support: name a block"
             return None
         if self.block not in assembly.ids:
-            return f'block: there is no block "{self.block}"'
+            return f"block: {there_is_no('block', self.block, assembly.ids)}"
         row = assembly.index(self.block)
         size = float(np.ptp(assembly.blocks[row].vertices, axis=0).max())
         if not assembly.figures[row].distance(given) <= SAME * size:

@@ -190,7 +190,7 @@ def test_an_interrupted_trace_is_kept_and_is_status_130(made, tmp_path, monkeypa
             if point.step == 20:
                 raise KeyboardInterrupt
 
-    monkeypatch.setattr("drystone.commands.progress.progress_for", lambda *a, **k: Stops())
+    monkeypatch.setattr("drystone.progress.progress_for", lambda *a, **k: Stops())
     out = tmp_path / "out"
     result = drystone("assess", made / "wall.toml", *FLAGS, "--out", out, "--json")
     assert result.exit_code == 130

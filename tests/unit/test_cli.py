@@ -23,13 +23,14 @@ from drystone import kernels
 from drystone.benchmark import benchmark
 from drystone.builders.errors import ModelError
 from drystone.cli import app
-from drystone.commands.forecast import Forecast
-from drystone.commands.progress import Bar, Lines, clock_time, progress_for
 from drystone.engines.base import EngineError, UnstableError
 from drystone.export.benchmark import recorded_curves
 from drystone.export.directory import ResultsDirectory
 from drystone.export.folder import FolderLock
 from drystone.export.own_files import FILES
+from drystone.progress import progress_for
+from drystone.progress.forecast import Forecast
+from drystone.progress.points import Bar, Lines, clock_time
 
 #: Modules that take long to load, which help and version must not wait for.
 HEAVY = ("numpy", "scipy", "numba", "h5py", "matplotlib", "rich.progress")
@@ -536,7 +537,7 @@ def test_forecast_of_a_straight_descent():
 
 def test_lines_come_now_and_then(monkeypatch, capsys):
     now = 0.0
-    monkeypatch.setattr("drystone.commands.progress.time.monotonic", lambda: now)
+    monkeypatch.setattr("drystone.progress.points.time.monotonic", lambda: now)
     progress = progress_for("wall", 0.01, quiet=False)
     assert isinstance(progress, Lines)  # what pytest captures is no terminal
     for p in synthetic.points():

@@ -1,6 +1,7 @@
 """What a notebook user meets: names, short texts, frames, pictures on given axes."""
 
 import inspect
+import pickle
 import subprocess
 import sys
 import types
@@ -14,7 +15,11 @@ from synthetic import pose_at, pushover, wall_model
 
 import drystone as ds
 from builders import stack
+from drystone import builders
 from drystone.curve import COLUMNS
+from drystone.progress import somebody_watches
+from drystone.progress.points import Bar, Lines
+from drystone.progress.watched import points_shown
 from drystone.report.canvas import CURVE_COLOURS
 
 
@@ -71,8 +76,150 @@ def test_models_from_the_front():
         blocks, joint=joint, corner=ds.Corner(radius=0.01), thickness=0.5, load_direction=(1, 0)
     )
     assert wall.assembly.n_blocks == 5
-    arch = ds.arch(radius=2.0, thickness=0.4, embrace=120.0, n_voussoirs=9, unit_weight=2e4)
+    arch = ds.arch(span=4.0, thickness=0.4, voussoirs=9, abutments=True, unit_weight=2e4)
     assert len(arch) == 11  # two abutments
+    assert ds.arch is builders.arch and ds.circular_arch is builders.circular_arch
+
+
+def small_wall(**more):
+    joint = ds.JointLaw(friction_coefficient=0.6, normal_stiffness=1e9, shear_stiffness=1e9)
+    blocks = ds.wall(unit=(0.4, 0.2), courses=("11", "h1h"), base=True, unit_weight=2e4)
+    return ds.make_model(blocks, joint=joint, thickness=0.5, **{"load_direction": (1, 0), **more})
+
+
+class TestGiven:
+    """What users give is taken as they write it, or refused where they do."""
+
+    def test_a_settlement_of_plain_numbers_runs(self):
+        down = ds.Settlement(blocks="base", direction=(0.0, -2.0), max=0.01)
+        assert down.blocks == ("base",) and down.direction.tolist() == [0.0, -1.0]
+        curve = ds.pushover(small_wall(load_direction=None, settlement=down), max_steps=2)
+        assert curve.settles and len(curve.points) == 3
+
+    def test_a_settlement_has_the_names_and_units_of_files(self):
+        turns = ds.Settlement(blocks=["base"], centre=(0, 0), max=30.0)
+        assert turns.keys()["max"] == 30.0
+        assert turns.largest == pytest.approx(np.pi / 6.0, rel=1e-15)
+
+    @pytest.mark.parametrize(
+        ("given", "sentence"),
+        [
+            ({"direction": (1.0, 0.0)}, "give blocks or group"),
+            ({"blocks": ("a",)}, "give direction, or the centre"),
+            ({"blocks": ("a",), "direction": (0, 0)}, "direction: has no length"),
+            ({"blocks": ("a",), "direction": "down"}, "direction: must be two finite numbers"),
+            ({"blocks": ("a",), "direction": (1, 0), "max": 0.0}, "max: must be greater than 0"),
+        ],
+    )
+    def test_settlements_that_are_none_are_refused_at_once(self, given, sentence):
+        with pytest.raises(ds.ModelError, match=sentence):
+            ds.Settlement(**{"max": 0.1, **given})
+
+    @pytest.mark.parametrize("name", ["Mass", "Uniform", "Triangular", "Tilt", "Modal"])
+    def test_patterns_take_any_numbers(self, name):
+        pattern = getattr(ds, f"{name}Pattern")(direction=(2, 0))
+        assert small_wall(load_direction=None, load=pattern).load_along.tolist() == [1.0, 0.0]
+        with pytest.raises(ds.ModelError, match=r"load\.direction"):
+            getattr(ds, f"{name}Pattern")(direction=(0, 0))
+
+    def test_a_direction_of_another_dimension_is_refused(self):
+        with pytest.raises(ds.ModelError, match="must have 2 entries"):
+            small_wall(load_direction=None, load=ds.MassPattern(direction=(1, 0, 0)))
+
+    def test_a_load_may_be_a_direction(self):
+        model = small_wall()
+        turned = model.with_load((-1, 0))
+        assert turned.load_along.tolist() == [-1.0, 0.0]
+        assert turned.sha256 == model.with_load(direction=(-1, 0)).sha256
+        for wrong in ("mass", 3.0):
+            with pytest.raises(ds.ModelError, match=r"is no pattern: give one, as ds\.MassPattern"):
+                model.with_load(wrong)
+            with pytest.raises(ds.ModelError, match="is no pattern"):
+                small_wall(load=wrong, load_direction=None)
+
+    @pytest.mark.parametrize(
+        ("key", "value", "words"),
+        [
+            ("cohesion", -1, "must be at least 0"),
+            ("normal_stiffness", 0.0, "must be greater than 0"),
+            ("friction_coefficient", float("nan"), "must be a finite number"),
+            ("tensile_strength", "2", "must be a number"),
+        ],
+    )
+    def test_laws_that_no_joint_has_are_refused_at_once(self, key, value, words):
+        values = {"friction_coefficient": 0.6, "normal_stiffness": 1e9, "shear_stiffness": 1e9}
+        with pytest.raises(ds.ModelError, match=rf"joint\.{key}: {words}"):
+            ds.JointLaw(**{**values, key: value})
+
+    def test_vertices_may_be_lists(self):
+        block = ds.Block(id="a", vertices=[[0, 0], [1, 0], [1, 1], [0, 1]], unit_weight=2e4)
+        assert block.dimension == 2 and block.vertices.dtype == float
+
+
+class TestNames:
+    """An unknown name is answered with those there are."""
+
+    def test_of_groups_and_blocks(self):
+        blocks = [replace(b, groups=("pier",)) for b in small_wall().assembly.blocks]
+        joint = small_wall().assembly.joint
+        model = ds.make_model(blocks, joint=joint, thickness=0.5, load_direction=(1, 0))
+        with pytest.raises(KeyError, match='there is no group "peir": did you mean "pier"'):
+            model.assembly.groups["peir"]
+        with pytest.raises(KeyError, match='there is no block "x": there are "base", "c1u1"'):
+            model.assembly.index("x")
+        groups = pickle.loads(pickle.dumps(model.assembly.groups))
+        with pytest.raises(KeyError, match='there is "pier"'):
+            groups["x"]
+        settlement = ds.Settlement(group="spandrel", direction=(0, -1), max=0.1)
+        with pytest.raises(ds.ModelError, match=r'no group "spandrel": .*there is "pier"'):
+            model.with_settlement(settlement)
+
+    def test_of_the_groups_of_results(self, tmp_path, curve):
+        model = wall_model()
+        ds.save_results(curve, model, tmp_path / "out")
+        with pytest.raises(KeyError, match='there is no group "x"'):
+            ds.load_results(tmp_path / "out").groups["x"]
+
+
+class TestProgress:
+    """Bars show long work by default where somebody watches."""
+
+    def told(self, monkeypatch, terminal, **options):
+        monkeypatch.setattr("drystone.progress.watched.SHORT", 0.0)
+        monkeypatch.setattr("sys.stderr.isatty", lambda: terminal, raising=False)
+        shown = []
+        monkeypatch.setattr(Bar, "__enter__", lambda self: shown.append("begun"))
+        monkeypatch.setattr(Bar, "__call__", lambda self, point: shown.append(point.step))
+        monkeypatch.setattr(Bar, "__exit__", lambda self, *error: shown.append("ended"))
+        ds.pushover(small_wall(), max_steps=2, **options)
+        return shown
+
+    def test_on_a_terminal(self, monkeypatch):
+        shown = self.told(monkeypatch, True)
+        assert shown[-1] == "ended" and {"begun", 0, 1, 2} <= set(shown)
+        assert self.told(monkeypatch, True, progress=False) == []
+
+    def test_elsewhere_only_if_asked_for(self, monkeypatch):
+        assert self.told(monkeypatch, False) == []
+        assert "begun" in self.told(monkeypatch, False, progress=True)
+
+    def test_short_work_shows_none(self, monkeypatch):
+        monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+        shown = []
+        monkeypatch.setattr(Bar, "__enter__", lambda self: shown.append("begun"))
+        with points_shown("wall", 0.01, None) as told:
+            assert isinstance(told, Bar)
+        assert shown == []
+
+    def test_in_a_notebook(self, monkeypatch):
+        shell = type("ZMQInteractiveShell", (), {})
+        notebook = types.SimpleNamespace(get_ipython=shell)
+        monkeypatch.setitem(sys.modules, "IPython", notebook)
+        assert somebody_watches()
+        monkeypatch.setitem(sys.modules, "ipywidgets", None)
+        monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+        with points_shown("wall", 0.01, None) as told:
+            assert isinstance(told, Lines)  # bars are widgets there, which are not installed
 
 
 class TestTexts:
@@ -89,6 +236,12 @@ class TestTexts:
     def test_of_models_and_assemblies(self):
         model = wall_model()
         assert len(repr(model)) < 300 and len(repr(model.assembly)) < 150
+
+    def test_of_limit_analysis(self):
+        """1,123 lines of a wall of 220 blocks."""
+        found = ds.collapse_load(small_wall())
+        assert len(repr(found)) < 200 and "\n" not in repr(found)
+        assert f"multiplier {found.load_multiplier:.4f}" in repr(found)
 
     def test_as_html(self, curve):
         html = replace(curve, reason="a < b")._repr_html_()

@@ -53,9 +53,7 @@ def model_of(largest):
         blocks,
         joint=joint,
         thickness=1.0,
-        settlement=ds.Settlement(
-            blocks=("right",), direction=np.array([1.0, 0.0]), largest=largest
-        ),
+        settlement=ds.Settlement(blocks=("right",), direction=np.array([1.0, 0.0]), max=largest),
     )
 
 

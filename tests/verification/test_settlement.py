@@ -31,7 +31,7 @@ def joint(friction=2.0, stiffness=1e10):
 def table(settlement=None):
     """A block on a table that turns about a point to the left of it."""
     turning = ds.Settlement(
-        blocks=("table",), centre=np.array([0.5, -0.1]), clockwise=True, largest=0.5
+        blocks=("table",), centre=np.array([0.5, -0.1]), clockwise=True, max=np.degrees(0.5)
     )
     return ds.make_model(
         [
@@ -93,7 +93,7 @@ def leaning():
         ],
         joint=joint(),
         thickness=THICKNESS,
-        settlement=ds.Settlement(blocks=("g2",), direction=RIGHT, largest=0.2),
+        settlement=ds.Settlement(blocks=("g2",), direction=RIGHT, max=0.2),
     )
 
 
@@ -135,10 +135,12 @@ RADIUS, DEPTH, N = 2.0, 0.4, 16
 
 def arch(largest=1.0, **more):
     return ds.make_model(
-        ds.arch(radius=RADIUS, thickness=DEPTH, embrace=180.0, n_voussoirs=N, unit_weight=2e4),
+        ds.circular_arch(
+            radius=RADIUS, thickness=DEPTH, embrace=180.0, n_voussoirs=N, unit_weight=2e4
+        ),
         joint=joint(friction=1.0, stiffness=1e11),
         thickness=1.0,
-        settlement=ds.Settlement(blocks=("right",), direction=RIGHT, largest=largest),
+        settlement=ds.Settlement(blocks=("right",), direction=RIGHT, max=largest),
         **more,
     )
 
@@ -252,7 +254,7 @@ WRONG = (
 @pytest.mark.parametrize(("keys", "sentence"), WRONG)
 def test_what_no_settlement_can_be(keys, sentence):
     with pytest.raises(ds.ModelError, match=sentence):
-        table(ds.Settlement(**keys, largest=0.1))
+        table(ds.Settlement(**keys, max=0.1))
 
 
 def test_stands_in_place_of_a_load(tmp_path):

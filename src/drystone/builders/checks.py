@@ -8,7 +8,15 @@ from itertools import combinations
 
 import numpy as np
 
-from drystone.assembly import MOTIONS, Assembly, Block, Corner, JointLaw
+from drystone.assembly import (
+    MAY_BE_INFINITE,
+    MAY_BE_MISSING,
+    MOTIONS,
+    Assembly,
+    Block,
+    Corner,
+    JointLaw,
+)
 from drystone.builders.joint_checks import yielding_problems
 from drystone.builders.words import millimetres, quoted
 from drystone.geometry import GeometryError
@@ -18,20 +26,6 @@ from drystone.ranges import problem
 
 #: Overlap, relative to the smaller block, that is taken for rounding of the coordinates.
 OVERLAPPING = 1e-6
-
-#: Values of a joint's law that may be None: limit analysis does without.
-MAY_BE_MISSING = (
-    "normal_stiffness",
-    "shear_stiffness",
-    "tensile_fracture_energy",
-    "shear_fracture_energy",
-    "residual_friction_coefficient",
-    "residual_slip",
-    "compressive_fracture_energy",
-)
-
-#: Values that are infinite where there is no such limit.
-MAY_BE_INFINITE = ("dilatancy_end", "compressive_strength", "greatest_closure")
 
 #: Names a block by its row, as its author would look for it.
 Place = Callable[[int], str]

@@ -11,6 +11,8 @@ from drystone.assembly import Assembly
 from drystone.builders.errors import ModelError
 from drystone.builders.words import suggestion
 from drystone.monitor import ControlPoint
+from drystone.names import there_is_no
+from drystone.vectors import unit_vector
 
 Array = NDArray[np.float64]
 
@@ -26,21 +28,6 @@ CORNERS = {
 }
 #: Named points by dimension: the top is the middle of the highest vertices.
 NAMED_POINTS = {2: (*CORNERS, "centre"), 3: ("top", "centre")}
-
-
-def unit_vector(direction: Sequence[float] | Array, key: str, dimension: int) -> Array:
-    """Direction scaled to length one; ``key`` names it in the error if it has none."""
-    words, example = ("three", "[1.0, 0.0, 0.0]") if dimension == 3 else ("two", "[1.0, 0.0]")
-    vector = np.array(direction, dtype=np.float64)
-    if vector.shape != (dimension,) or not np.all(np.isfinite(vector)):
-        raise ModelError([f"{key}: must be {words} finite numbers, as in {example}"])
-    largest = np.abs(vector).max()
-    if largest == 0.0:
-        raise ModelError([f"{key}: has no length: give a direction, as in {example}"])
-    length = largest * np.linalg.norm(vector / largest)  # neither overflows nor vanishes
-    if abs(length - 1.0) < 4.0 * np.finfo(float).eps:
-        return vector  # so that what was written comes back bit by bit
-    return vector / length
 
 
 def choose_control_point(
@@ -94,8 +81,7 @@ def _named_block(assembly: Assembly, block: str) -> int:
     try:
         row = assembly.index(block)
     except KeyError:
-        mend = suggestion(block, assembly.ids)
-        raise ModelError([f'control.block: there is no block "{block}": {mend}']) from None
+        raise ModelError([f"control.block: {there_is_no('block', block, assembly.ids)}"]) from None
     if assembly.fixed[row]:
         raise ModelError(
             [f'control.block: "{block}" is a support and never moves: name a movable block']

@@ -18,20 +18,21 @@ from drystone.builders.checks import (
     layout_problems,
     pair_problems,
 )
-from drystone.builders.control import choose_control_point, unit_vector
+from drystone.builders.control import choose_control_point
 from drystone.builders.describe import material_names
 from drystone.builders.errors import ModelError
 from drystone.builders.fit import DRAWING_TOLERANCE, fitted, turned_round
-from drystone.builders.words import suggestion
 from drystone.geometry import GeometryError
 from drystone.geometry.mended import Mended
 from drystone.loading import DeadLoad, LoadPattern, MassPattern, NoPattern
 from drystone.model import Analysis, Model, Origin
 from drystone.monitor import ControlPoint
+from drystone.names import there_is_no
 from drystone.ranges import problem
 from drystone.settlement import Settlement
 from drystone.site import AssessmentInput, Site
 from drystone.ties import Tie, problems_of
+from drystone.vectors import unit_vector
 
 Array = NDArray[np.float64]
 
@@ -163,8 +164,7 @@ def _unknown_parts(assembly: Assembly, assessment: AssessmentInput | None) -> li
     values = {} if assessment is None else assessment.values
     known = [*assembly.groups, *assembly.ids]
     return [
-        f'assessment.parts_that_may_fall: there is no block or group "{name}": '
-        + suggestion(name, known)
+        "assessment.parts_that_may_fall: " + there_is_no("block or group", name, known)
         for name in values.get("parts_that_may_fall", ())
         if name not in known
     ]
@@ -174,6 +174,13 @@ def _pattern(
     load: LoadPattern | None, direction: Sequence[float] | None, dimension: int
 ) -> LoadPattern:
     """The pattern, along the direction where one is given; raises `ModelError`."""
+    if load is not None and not hasattr(load, "along"):
+        raise ModelError(
+            [
+                "load: is no pattern: give one, as ds.MassPattern(direction=(1.0, 0.0)), or a "
+                "load_direction alone"
+            ]
+        )
     if direction is None and load is not None:
         return load
     along = unit_vector(() if direction is None else direction, "load.direction", dimension)

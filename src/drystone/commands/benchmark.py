@@ -97,10 +97,10 @@ def benchmark(
         from drystone.benchmark import benchmark as analyse
         from drystone.builders.published import PUBLISHED_WALLS
         from drystone.commands.compiler import compiling
-        from drystone.commands.progress import progress_for
         from drystone.export.benchmark import recorded_curves, write_benchmark
         from drystone.export.folder import check_writable
         from drystone.model import Analysis
+        from drystone.progress import progress_for
 
         walls = list(dict.fromkeys(wall or PUBLISHED_WALLS))
         check_writable(out)

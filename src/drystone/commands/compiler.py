@@ -93,7 +93,7 @@ def _small_run(engine: str, dimension: int) -> None:
     if dimension == 3:
         model = extruded(model)
     limits_beside(model)
-    ds.pushover(model, engine=engine, max_steps=STEPS)
+    ds.pushover(model, engine=engine, max_steps=STEPS, progress=False)
 
 
 if __name__ == "__main__":

@@ -129,7 +129,12 @@ def trace(
             formats=asked.formats,
         ) as results:
             curve = pushover(
-                model, engine=asked.engine, strategy=asked.strategy, recorder=results, threads=1
+                model,
+                engine=asked.engine,
+                strategy=asked.strategy,
+                recorder=results,
+                threads=1,
+                progress=False,
             )
     except EngineError as error:
         return {"status": "failed", "reason": str(error)}

@@ -103,13 +103,13 @@ def run(
     with outcome(as_json=as_json, begun=lambda: begun):
         from drystone.builders.words import printable
         from drystone.commands.compiler import compiling
-        from drystone.commands.progress import progress_for
         from drystone.engines import engine_names
         from drystone.export.directory import ResultsDirectory, files_of
         from drystone.export.folder import check_apart, check_writable
         from drystone.inspection import inspect
         from drystone.limit import limits_beside
         from drystone.modelfile import read_model
+        from drystone.progress import progress_for
 
         model = read_model(model_file, engines=engine_names())
         check_writable(folder)  # better known before the work

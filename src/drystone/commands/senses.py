@@ -142,11 +142,11 @@ def _traced_one(name: str, model: Model, folder: Path, ask: Tracing, *, part_of:
     """A model traced into a folder, and judged; ``part_of`` as of `ResultsDirectory`."""
     from drystone.analysis import pushover
     from drystone.commands.compiler import compiling
-    from drystone.commands.progress import progress_for
     from drystone.export.directory import ResultsDirectory, files_of
     from drystone.export.folder import check_apart, check_writable
     from drystone.limit import limits_beside
     from drystone.model import STOP
+    from drystone.progress import progress_for
 
     check_writable(folder)
     check_apart(ask.source, files_of(folder))

@@ -25,6 +25,7 @@ from drystone.export.summary import summarise
 from drystone.model import Model
 from drystone.modelfile import ENGINES
 from drystone.modelfile.read import model_from_text
+from drystone.names import Named
 
 
 def save_results(
@@ -149,7 +150,7 @@ def load_results(path: Path | str) -> Results:
         with ResultsReader(file) as stored:
             model = _model_of(stored)
             curve = _curve_of(stored, StoredContacts(file, stored.n_points), model)
-            groups = stored.groups()
+            groups: dict[str, Any] = Named("group", stored.groups())
             digest, part_of = str(stored.attribute("model_sha256")), stored.part_of()
     except (OSError, KeyError) as error:
         why = "there is none" if not file.is_file() else f"it is torn or no such file ({error})"

@@ -46,7 +46,7 @@ TILTS, SAME_TILT = 60, 1e-9
 MOST_NAMES = 8
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Collapse:
     """Result of limit analysis.
 
@@ -87,6 +87,14 @@ class Collapse:
     """Of ties at collapse, (n_ties,) [N], tension positive; None where there are none."""
     n_paths: int = 1
     """Paths that ended in a certified collapse state."""
+
+    def __repr__(self) -> str:
+        low, high = (f"{one:.4f}" for one in self.collapse_range)
+        between = f" ({low} to {high})" if high != low else ""
+        return (
+            f"<Collapse {self.flow}: multiplier {self.load_multiplier:.4f}{between}, "
+            f"{len(self.moving)} blocks move, status {self.status}>"
+        )
 
 
 def collapse_load(

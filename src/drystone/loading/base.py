@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
 from drystone.loading.dead_forces import DeadForces
+from drystone.vectors import direction_of
 
 Array = NDArray[np.float64]
 
@@ -119,10 +120,13 @@ class LoadPattern(Protocol):
 class Directed:
     """What patterns along one direction have in common."""
 
-    direction: Array  # (dim,) unit vector
+    direction: Array  # (dim,) unit vector; any two or three numbers are made one
     name: ClassVar[str]
     turns_gravity: ClassVar[bool] = False
     horizontal: ClassVar[bool] = False  # whether its direction must be
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "direction", direction_of(self.direction, "load.direction"))
 
     def along(self, assembly: Assembly) -> Array:
         """See `LoadPattern`."""
@@ -149,6 +153,8 @@ class Directed:
 
     def problems(self, assembly: Assembly) -> list[str]:
         """See `LoadPattern`."""
+        if len(self.direction) != assembly.dimension:
+            return [f"load.direction: must have {assembly.dimension} entries"]
         if self.horizontal and abs(float(self.direction @ assembly.up)) > LEVEL:
             return [
                 f'load.direction: the pattern "{self.name}" acts sideways: give a horizontal '

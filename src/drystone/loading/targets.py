@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from drystone.assembly import Assembly
 from drystone.loading.base import Scale
 from drystone.loading.dead_forces import DeadForces
+from drystone.names import there_is_no
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -45,12 +46,12 @@ class Target:
             return [f"{place}: has {has}: give one of them"]
         if self.block is not None:
             if self.block not in assembly.ids:
-                return [f'{place}.block: there is no block "{self.block}"']
+                return [f"{place}.block: {there_is_no('block', self.block, assembly.ids)}"]
             if assembly.fixed[assembly.index(self.block)]:
                 return [f'{place}.block: "{self.block}" is a support: name a movable block']
             return []
         if self.group not in assembly.groups:
-            return [f'{place}.group: there is no group "{self.group}"']
+            return [f"{place}.group: {there_is_no('group', self.group or '', assembly.groups)}"]
         if not len(self.rows(assembly)):
             return [f'{place}.group: all blocks of "{self.group}" are supports']
         return []

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from drystone.builders.control import unit_vector
 from drystone.loading import Acceleration, DeadLoad, LoadPattern, PointForce
 from drystone.loading.acceleration import AccelerationPattern
 from drystone.loading.dead import KINDS
 from drystone.loading.forces import ForcesPattern
 from drystone.loading.patterns import DIRECTED
 from drystone.modelfile.schema import DeadLoadSection, ForceSection, LoadSection
+from drystone.vectors import unit_vector
 
 
 def pattern_of(section: LoadSection, dimension: int) -> LoadPattern:

@@ -9,7 +9,6 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
-from drystone.builders.control import unit_vector
 from drystone.modelfile.keys import (
     Direction,
     Name,
@@ -22,6 +21,7 @@ from drystone.modelfile.keys import (
 )
 from drystone.settlement import Settlement
 from drystone.ties import GROUND, Tie, TieEnd
+from drystone.vectors import unit_vector
 
 
 class EndSection(Section):
@@ -89,7 +89,6 @@ def settlement_of(section: SettlementSection | None, dimension: int) -> Settleme
     def unit(value: list[float] | None, key: str) -> Any:
         return None if value is None else unit_vector(value, f"settlement.{key}", dimension)
 
-    turns = section.direction is None
     return Settlement(
         blocks=tuple(section.blocks),
         group=section.group,
@@ -97,7 +96,7 @@ def settlement_of(section: SettlementSection | None, dimension: int) -> Settleme
         centre=None if section.centre is None else np.array(section.centre),
         axis=unit(section.axis, "axis"),
         clockwise=section.clockwise,
-        largest=math.radians(section.max) if turns else section.max,
+        max=section.max,
     )
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import sys
 import time
 from contextlib import AbstractContextManager
-from typing import Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, Protocol, Self
 
-from drystone.builders.words import printable
-from drystone.commands.forecast import Forecast
-from drystone.curve import CurvePoint
+from drystone.names import printable
+from drystone.progress.forecast import Forecast
+
+if TYPE_CHECKING:
+    from drystone.curve import CurvePoint
 
 #: Seconds between two lines where there is no terminal.
 SECONDS_BETWEEN_LINES = 10.0

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
-from drystone.curve import CurvePoint
+if TYPE_CHECKING:
+    from drystone.curve import CurvePoint
 
 #: The peak counts as passed when the multiplier has lost this share of it.
 PASSED = 0.02
