@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 import drystone as ds
 from drystone.assessment.errors import AssessmentError
@@ -23,7 +25,10 @@ from drystone.assessment.mechanism import (
     tangent_shape,
 )
 from drystone.assessment.mechanism.field import VelocityField, across, chord
+from drystone.assessment.mechanism.orientation import share_out_of_plane
+from drystone.assessment.mechanism.overturning import stands_on_its_axis
 from rigid_walls import HEIGHT, WIDTH, curve_of, evenly, point_at, turning, wall_in_courses
+from solids import box, joint, model_of
 
 ALPHA = np.arctan(WIDTH / HEIGHT)
 ANGLES = np.concatenate((np.linspace(1e-6, 2e-3, 5), np.linspace(4e-3, 0.99 * ALPHA, 60)))
@@ -290,7 +295,7 @@ class TestEnvelope:
         found = static_envelope(curve_of([point_at(k, *row) for k, row in enumerate(rows)]))
         assert found.collapse_displacement == pytest.approx(0.4)  # all on 0.5 (1 - d/0.4)
         assert found.collapse_extrapolated
-        assert any("extrapolation" in note for note in found.notes)
+        assert "extrapolation" in found.collapse_note
 
     def test_a_crossing_of_zero_is_no_extrapolation(self):
         rows = [(0.0, 0.0), (0.0001, 0.5), (0.39, 0.0125), (0.41, -0.0125)]
@@ -303,7 +308,7 @@ class TestEnvelope:
         points.append(point_at(3, 0.21, 0.4, status="dynamic"))
         found = static_envelope(curve_of(points))
         assert found.collapse_displacement == 0.2 and not found.collapse_extrapolated
-        assert any("falls" in note for note in found.notes)
+        assert "falls" in found.collapse_note
 
     def test_a_curve_that_stops_halfway_has_none(self):
         rows = [(0.0, 0.0), (0.001, 0.5), (0.2, 0.3)]
@@ -343,3 +348,119 @@ def test_a_mechanism_that_turns_about_the_vertical_is_flagged():
     ]
     found = initial_shape(curve_of(points, poses), model)
     assert found.twists
+
+
+class TestOneBody:
+    """What one rigid body bears ends where its weight stands above its axis: no extrapolation."""
+
+    @pytest.mark.parametrize("n", [1, 3])
+    @pytest.mark.parametrize("to", [0.5, 0.95])
+    def test_the_place_is_that_of_its_geometry(self, n, to):
+        curve, model = turning(stack(n), np.linspace(1e-4, to * ALPHA, 40)), stack(n)
+        # The control point is the far upper corner: it turns by alpha about the toe under it.
+        assert stands_on_its_axis(curve, model) == pytest.approx(HEIGHT * np.sin(ALPHA), rel=1e-9)
+
+    def test_its_collapse_is_no_extrapolation_and_the_note_says_why(self):
+        curve, model = turning(stack(2), ANGLES), stack(2)
+        found = reduced(curve, model, course=False)
+        capacity = found.capacities["base_shear"]
+        assert not capacity.collapse_extrapolated
+        assert any("straight line to 0.4961 m" in note for note in capacity.notes)
+        assert not any("extrapol" in note for note in capacity.notes)
+        assert static_envelope(curve).collapse_extrapolated  # of the points alone it is
+
+    def test_a_curve_that_ends_elsewhere_is_extrapolated(self):
+        model = stack(1)
+        curve = turning(model, ANGLES[ANGLES < 0.9 * ALPHA])
+        less = [replace(p, load_multiplier=p.load_multiplier - 0.004) for p in curve.points]
+        less[0] = curve.points[0]
+        found = reduced(replace(curve, points=tuple(less)), model, course=False)
+        assert found.capacities["base_shear"].collapse_extrapolated
+
+    def test_ties_bear_without_a_load(self):
+        model = stack(1)
+        ends = ds.TieEnd(point=[0.5, 3.0], block="c0"), ds.TieEnd(point=[0.5, 6.0])
+        tie = ds.spring(start=ends[0], end=ends[1], stiffness=1e3)
+        held = replace(model, ties=(tie,))
+        assert stands_on_its_axis(turning(model, ANGLES), held) is None
+
+    def test_in_space_whatever_the_direction(self):
+        """A block 0.4 x 0.8 x 2.0 m about an edge of its foot, by angles that are not small."""
+        for direction, reach in (([1.0, 0.0, 0.0], 0.4), ([0.0, -1.0, 0.0], 0.8)):
+            model = model_of(
+                [box("base", (-1, -1, -0.2), (2, 2, 0), support=True),
+                 box("b", (0, 0, 0), (0.4, 0.8, 2.0))],
+                joint(0.7), push=direction,
+            )  # fmt: skip
+            s = np.array(direction)
+            toe = np.array([0.4, 0.4, 0.0]) if reach == 0.4 else np.array([0.2, 0.0, 0.0])
+            axis = np.cross([0.0, 0.0, 1.0], s)
+            alpha = np.arctan(reach / 2.0)
+            angles = np.linspace(1e-4, 0.9 * alpha, 30)
+            poses = np.zeros((len(angles) + 1, 2, 7))
+            poses[:, :, 3] = 1.0
+            points = [point_at(0, 0.0, 0.0)]
+            for k, angle in enumerate(angles, start=1):
+                turn = Rotation.from_rotvec(angle * axis)
+                centre = model.assembly.centroid[1]
+                poses[k, 1, :3] = turn.apply(centre - toe) + toe - centre
+                x, y, z, w = turn.as_quat()
+                poses[k, 1, 3:] = w, x, y, z
+                d = model.control_point.displacement(model.assembly, poses[k])
+                points.append(point_at(k, d, float(np.tan(alpha - angle))))
+            place = stands_on_its_axis(curve_of(points, poses), model)
+            lever = model.control_point.point - toe
+            end = Rotation.from_rotvec(alpha * axis).apply(lever) - lever
+            assert place == pytest.approx(float(end @ s), rel=1e-9)
+
+
+class TestOrientation:
+    """In the plane of its walls, or out of it."""
+
+    def share(self, blocks, direction, velocities):
+        model = model_of(blocks, joint(0.7), push=direction)
+        assembly = model.assembly
+        velocity = np.zeros((assembly.n_bodies, 3))
+        velocity[1:] = velocities
+        shape = SimpleNamespace(
+            labels=np.where(assembly.fixed, AT_REST, 0),
+            mass=np.where(assembly.fixed, 0.0, assembly.mass[:, 0]),
+            field=SimpleNamespace(velocity=velocity),
+        )
+        return share_out_of_plane(assembly, shape, np.array(direction))
+
+    def wall(self, direction):
+        """Of 3.0 x 0.5 x 2.0 m in four blocks of two courses."""
+        blocks = [box("base", (-1, -1, -0.2), (4, 2, 0), support=True)]
+        for course in range(2):
+            for column in range(2):
+                low = (1.5 * column, 0.0, float(course))
+                high = (1.5 * (column + 1), 0.5, course + 1.0)
+                blocks.append(box(f"{course}{column}", low, high))
+        return self.share(blocks, direction, direction)
+
+    def test_a_wall_along_itself_and_across(self):
+        assert self.wall([1.0, 0.0, 0.0]) == 0.0
+        assert self.wall([0.0, 1.0, 0.0]) == 1.0
+
+    def test_a_facade_that_takes_parts_of_its_returns_along(self):
+        """6 m of façade 0.5 m thick, and of two returns 2 m that turn with it."""
+        base = box("base", (-1, -1, -0.2), (7, 7, 0), support=True)
+        front = box("front", (0, 0, 0), (6, 0.5, 4))
+        sides = [box("l", (0, 0.5, 2), (0.5, 2.5, 4)), box("r", (5.5, 0.5, 2), (6, 2.5, 4))]
+        found = self.share([base, front, *sides], [0.0, -1.0, 0.0], [0.0, -1.0, 0.0])
+        assert found == pytest.approx(12.0 / (12.0 + 4.0))
+
+    def test_walls_of_a_building_count_each_for_itself(self):
+        """The same four walls as a box that goes along the shorter side of its plan: the two that
+        lie along the load are in their plane, though the plan is longer across."""
+        base = box("base", (-1, -1, -0.2), (9, 7, 0), support=True)
+        across = [box("w", (0, 0, 0), (0.5, 8, 3)), box("e", (5.5, 0, 0), (6, 8, 3))]
+        along = [box("s", (0.5, 0, 0), (5.5, 0.5, 3)), box("n", (0.5, 7.5, 0), (5.5, 8, 3))]
+        found = self.share([base, *across, *along], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0])
+        assert found == pytest.approx(8.0 / (8.0 + 5.0))
+
+    def test_in_the_plane_the_thickness_tells(self):
+        assert reduced(turning(stack(3), ANGLES), stack(3)).as_dict()["out_of_plane"] == 1.0
+        wide = replace(stack(3), assembly=replace(stack(3).assembly, thickness=0.2))
+        assert reduced(turning(wide, ANGLES), wide).as_dict()["out_of_plane"] == 0.0

@@ -97,6 +97,9 @@ class Capacity:
     """Control displacement [m] and what happens there, of every event of the curve: a tie yields or
     breaks, a support bears nothing any more, the structure moves by itself, a part falls.  None: of
     a curve without events, as one from elsewhere."""
+    out_of_plane: float | None = None
+    """Share of the mechanism's momentum that is of walls out of their plane, see
+    `drystone.assessment.mechanism.orientation`.  None: not known."""
 
     def __post_init__(self) -> None:
         if self.reading not in READINGS:
@@ -144,6 +147,7 @@ class Capacity:
         collapse_extrapolated: bool = False,
         notes: Sequence[str] = (),
         losses: Sequence[tuple[float, str]] | None = None,
+        out_of_plane: float | None = None,
     ) -> Capacity:
         """A capacity of a curve (n,) [m], (n,) and of what takes part in it.
 
@@ -171,6 +175,7 @@ class Capacity:
             notes=tuple(notes),
             kinetic_factor=part.kinetic_factor,
             losses=None if losses is None else tuple(losses),
+            out_of_plane=out_of_plane,
         )
 
     @classmethod

@@ -10,11 +10,11 @@ from typing import Any
 from drystone.assembly import GRAVITY
 from drystone.assessment.capacity import Capacity, participation
 from drystone.assessment.errors import AssessmentError, MissingError
-from drystone.assessment.methods import METHODS, assess
+from drystone.assessment.methods import METHODS, STATES, assess
 from drystone.assessment.methods.base import Settings, Spectra
 from drystone.assessment.rocking.pulse import Pulse
 from drystone.assessment.rocking.record import Record, read_record
-from drystone.assessment.site import spectra_of_site
+from drystone.assessment.site import MotionAsked, motions_asked, spectra_of_site
 from drystone.site import AssessmentInput, Site
 
 #: Keys of [assessment] that are not for methods.
@@ -28,6 +28,7 @@ class Request:
     settings: Settings
     spectra: Spectra
     grouping: str = "macro_blocks"
+    hazard: tuple[MotionAsked, ...] = ()
 
 
 def request_of(site: Site | None, assessment: AssessmentInput | None) -> Request:
@@ -50,6 +51,7 @@ def request_of(site: Site | None, assessment: AssessmentInput | None) -> Request
         settings=settings,
         spectra={} if site is None else spectra_of_site(site),
         grouping=values.get("grouping", "macro_blocks"),
+        hazard=() if site is None else motions_asked(site, STATES[settings.method]),
     )
 
 

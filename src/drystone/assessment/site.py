@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,12 @@ from drystone.assessment.methods.base import Spectra
 from drystone.assessment.spectra.base import Spectrum
 from drystone.assessment.spectra.ec8 import RETURN_PERIODS, Ec8Spectrum
 from drystone.assessment.spectra.floor import FloorSpectrum, first_mode
-from drystone.assessment.spectra.ntc2018 import NtcSpectrum, reference_life, return_period
+from drystone.assessment.spectra.ntc2018 import (
+    PROBABILITIES,
+    NtcSpectrum,
+    reference_life,
+    return_period,
+)
 from drystone.assessment.spectra.table import read_spectrum
 from drystone.site import Site
 
@@ -42,6 +47,68 @@ NEEDED = {
         "damping": "that of the table in percent, as in damping = 5.0",
     },
 }
+
+#: Share by which the return period of a motion may differ from that of the limit state it is for:
+#: 475 years stand for 474.6.
+SAME_PERIOD = 0.01
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionAsked:
+    """The ground motion that NTC 2018 asks for in a limit state, and whether the site gives it."""
+
+    state: str
+    probability: float  # P_VR, Table 3.2.I
+    reference_life: float  # years, V_R
+    return_period: float  # years, T_R
+    ground_acceleration: float | None  # m/s2, a_g of that return period; None: not given
+
+    def as_dict(self) -> dict[str, Any]:
+        """For files."""
+        return asdict(self)
+
+
+def motions_asked(site: Site, states: Sequence[str]) -> tuple[MotionAsked, ...]:
+    """What NTC 2018 asks of the site for the limit states of a method, by V_N and class of use.
+
+    V_R = V_N C_U and T_R = -V_R/ln(1 - P_VR), [2.4.1] and [3.2.0].  Nothing where [site] does not
+    give both.  The hazard grid is not part of the package: a_g is what the site gives.
+    """
+    if site.code != "ntc2018":
+        return ()
+    found = []
+    for name in states:
+        values = {**site.values, **site.states.get(name, {})}
+        if name not in PROBABILITIES or "nominal_life" not in values or "use" not in values:
+            continue
+        life = reference_life(values["nominal_life"], values["use"])
+        years = return_period(life, name)
+        given = values.get("return_period", years)
+        own = "ag" in site.states.get(name, {}) or (name in REFERENCE and "ag" in values)
+        same = abs(given - years) <= SAME_PERIOD * years
+        found.append(
+            MotionAsked(
+                state=name,
+                probability=PROBABILITIES[name],
+                reference_life=life,
+                return_period=years,
+                ground_acceleration=values["ag"] * GRAVITY if own and same else None,
+            )
+        )
+    return tuple(found)
+
+
+def missing_motions(asked: Sequence[MotionAsked]) -> tuple[str, ...]:
+    """A sentence on limit states whose ground motion the site does not give."""
+    missing = [motion for motion in asked if motion.ground_acceleration is None]
+    if not missing:
+        return ()
+    periods = ", ".join(f"{m.state} ({m.return_period:.0f} years)" for m in missing)
+    tables = ", ".join(f"[site.{m.state}]" for m in missing)
+    return (
+        f"The site gives no ground motion for {periods}: the hazard grid is not part of this "
+        f"program; ag, F0 and TC_star of these return periods belong into {tables}.",
+    )
 
 
 def spectra_of_site(site: Site) -> Spectra:

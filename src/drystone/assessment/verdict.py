@@ -10,10 +10,10 @@ from typing import Any
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, UnfinishedError
 from drystone.assessment.mechanism import Reduction, reduced
-from drystone.assessment.methods import Assessment, LimitState, assess
+from drystone.assessment.methods import CODE_READINGS, Assessment, LimitState, assess
 from drystone.assessment.methods.base import Settings, Spectra
 from drystone.assessment.request import Request, request_of, settings_of
-from drystone.assessment.site import spectra_of_site
+from drystone.assessment.site import MotionAsked, missing_motions, spectra_of_site
 from drystone.curve import FINISHED, STATIC, CapacityCurve
 from drystone.events import first_collapse
 from drystone.model import Model
@@ -27,6 +27,7 @@ class Verdict:
     assessment: Assessment  # in the reading that was asked for
     reduction: Reduction
     others: Mapping[str, Assessment | str]  # in the other readings, or why there is none
+    hazard: tuple[MotionAsked, ...] = ()  # what the code asks of the site for each limit state
 
     @property
     def satisfied(self) -> bool | None:
@@ -58,6 +59,10 @@ class Verdict:
         """Name of the method."""
         return self.assessment.method
 
+    def is_of_the_code(self, reading: str) -> bool:
+        """Whether a reading is that of the method's own code, or one beside it."""
+        return reading in CODE_READINGS[self.method]
+
     def state(self, name: str) -> LimitState:
         """A limit state by its name."""
         return self.assessment.state(name)
@@ -68,9 +73,12 @@ class Verdict:
         readings = {self.assessment.settings.reading: _brief(self.assessment)}
         for name, other in self.others.items():
             readings[name] = {"reason": other} if isinstance(other, str) else _brief(other)
+        for name, reading in readings.items():
+            reading["of_the_code"] = self.is_of_the_code(name)
         capacity = self.capacity
         return found | {
             "readings": readings,
+            "hazard": [motion.as_dict() for motion in self.hazard],
             "spectral_displacement": capacity.spectral_displacement.tolist(),
             "spectral_acceleration": capacity.spectral_acceleration.tolist(),
             "mechanism": self.reduction.as_dict(),
@@ -90,6 +98,8 @@ def assessed(
     **options: Any,
 ) -> Verdict:
     """Assess a traced curve by what its model says, and what is said here over it.
+
+    A curve is of one sense of the load: the verdict says so.
 
     Parameters
     ----------
@@ -114,7 +124,7 @@ def assessed(
     if settings is not None and options:
         raise AssessmentError("give settings, or keys of [assessment] by name, not both")
     if spectra is None and settings is None:
-        return verdict_on(curve, model, request_of(site or model.site, asked))
+        return of_one_sense(verdict_on(curve, model, request_of(site or model.site, asked)))
     grouping = asked.values.get("grouping", "macro_blocks")
     if settings is None:
         settings = settings_of(asked.values, Path(asked.folder))
@@ -122,7 +132,7 @@ def assessed(
         given = site or model.site
         spectra = {} if given is None else spectra_of_site(given)
     request = Request(settings=settings, spectra=spectra, grouping=grouping)
-    return verdict_on(curve, model, request)
+    return of_one_sense(verdict_on(curve, model, request))
 
 
 def verdict_on(curve: CapacityCurve, model: Model, request: Request | None = None) -> Verdict:
@@ -165,8 +175,28 @@ def verdict_on(curve: CapacityCurve, model: Model, request: Request | None = Non
             except AssessmentError as error:
                 others[name] = str(error)
     first = (*_left_behind(curve, model), *_beyond_events(answer))
-    answer = replace(answer, assumptions=(*first, *answer.assumptions))
-    return Verdict(assessment=answer, reduction=found, others=others)
+    missing = missing_motions(asked.hazard)
+    answer = replace(answer, assumptions=(*first, *answer.assumptions, *missing))
+    return Verdict(assessment=answer, reduction=found, others=others, hazard=asked.hazard)
+
+
+def of_one_sense(verdict: Verdict, sense: str = "", why: str = "") -> Verdict:
+    """The same verdict; that it is on one sense of the load is said before all else.
+
+    Parameters
+    ----------
+    sense
+        The name of the one that was traced.
+    why
+        There is no verdict on the other, where it was asked for.
+    """
+    named = f", {sense}" if sense else ""
+    said = f"One sense was traced{named}: in the other the structure may be weaker."
+    if why:
+        said = f"One sense has a verdict{named}: in the other the structure may be weaker ({why})."
+    answer = verdict.assessment
+    answer = replace(answer, assumptions=(said, *answer.assumptions))
+    return replace(verdict, assessment=answer)
 
 
 def of_the_whole(curve: CapacityCurve, model: Model) -> CapacityCurve:

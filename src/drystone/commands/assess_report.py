@@ -21,7 +21,7 @@ COLUMNS = (
     ("demand [m]", 11),
     ("ag borne [g]", 13),
     ("ag site [g]", 12),
-    ("index", 7),
+    ("zeta_E", 8),
 )
 
 
@@ -35,12 +35,13 @@ def report(senses: Sequence[Sense], governing: Sense, folder: Path, pictures: Se
     if len(senses) > 1:
         lines += [_row(sense.name, _brief(sense, governing)) for sense in senses]
     else:
-        lines += [_row("senses", f"one, {senses[0].name}: the other was not traced")]
+        lines += [_row("senses", f"one, {governing.name}: the other was not traced")]
     lines += [_row(name, printable(value)) for name, value in _facts(verdict)]
     lines += ["", "  " + "".join(f"{name:>{width}}" for name, width in COLUMNS)]
     lines += ["  " + _state(state) for state in verdict.limit_states]
     if not all(state.verified for state in verdict.limit_states):
         lines += ["  * computed, but no part of the verdict"]
+    lines += _hazard(verdict)
     lines += ["", *(f"  note: {printable(note)}" for note in verdict.assessment.assumptions)]
     lines += [f"  uncertain: {printable(note)}" for note in verdict.assessment.uncertain]
     lines += [
@@ -62,7 +63,9 @@ def _brief(sense: Sense, governing: Sense) -> str:
     words = {True: "satisfied", False: "not satisfied", None: "not verified"}
     text = words[sense.verdict.satisfied]
     if index is not None:
-        text += f", safety index {index:.3f}"
+        text += f", zeta_E = {index:.3f}"
+    if sense.verdict.assessment.caution:
+        text += f", but {sense.verdict.assessment.caution}"
     return text + (" (governs)" if sense is governing else "")
 
 
@@ -77,11 +80,6 @@ def _facts(verdict: Verdict) -> list[tuple[str, str]]:
         else f"d0* = {end:.4g} m, {capacity.collapse_displacement:.4g} m at the control point"
         + extrapolated
     )
-    readings = [f"{capacity.reading} {_index(verdict.safety_index)}"]
-    for name, other in verdict.others.items():
-        readings.append(
-            f"{name} {'none' if isinstance(other, str) else _index(other.safety_index)}"
-        )
     factor = verdict.assessment.confidence_factor
     over = f" over FC = {factor:g}" if factor else ""
     return [
@@ -104,8 +102,42 @@ def _facts(verdict: Verdict) -> list[tuple[str, str]]:
             f"a0* = {verdict.assessment.activation_acceleration:.4g} m/s2{over}",
         ),
         ("collapse", collapse),
-        ("index by reading", ", ".join(readings)),
+        ("zeta_E by reading", _readings(verdict)),
     ]
+
+
+def _readings(verdict: Verdict) -> str:
+    """The index in all readings; those that are not the code's are marked as such."""
+    answers = {verdict.capacity.reading: verdict.assessment, **verdict.others}
+    found = {
+        name: f"{name} {'none' if isinstance(other, str) else _index(other.safety_index)}"
+        for name, other in answers.items()
+    }
+    own = [text for name, text in found.items() if verdict.is_of_the_code(name)]
+    beside = [text for name, text in found.items() if not verdict.is_of_the_code(name)]
+    said = ", ".join(own)
+    return f"{said}; beside, no readings of the code: {', '.join(beside)}" if beside else said
+
+
+def _hazard(verdict: Verdict) -> list[str]:
+    """What the code asks of the site for each limit state."""
+    from drystone.assembly import GRAVITY
+
+    if not verdict.hazard:
+        return []
+    lives = dict.fromkeys(motion.reference_life for motion in verdict.hazard)
+    said = ", ".join(f"V_R = {life:g} years" for life in lives)
+    lines = ["", f"  ground motion asked for, NTC 2018 with {said}:"]
+    for motion in verdict.hazard:
+        ground = motion.ground_acceleration
+        given = (
+            f"not given: [site.{motion.state}]" if ground is None else f"{ground / GRAVITY:.4g} g"
+        )
+        lines.append(
+            f"    {motion.state}  P_VR = {100.0 * motion.probability:2.0f} %  "
+            f"T_R = {motion.return_period:6.1f} years  a_g = {given}"
+        )
+    return lines
 
 
 def _state(state: LimitState) -> str:
@@ -115,9 +147,9 @@ def _state(state: LimitState) -> str:
     def number(value: float | None, share: float = 1.0) -> str:
         return "-" if value is None else f"{value / share:.4g}"
 
-    name = state.name + ("" if state.satisfied is None else " yes" if state.satisfied else " NO")
+    answer = {True: " yes", False: " NO", None: ""}[state.satisfied] if state.verified else " *"
     cells = (
-        name + ("" if state.verified else " *"),
+        state.name + answer,
         number(state.limit_displacement),
         number(state.limit_acceleration),
         number(state.limit_period),

@@ -90,14 +90,17 @@ def _of_model(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
 
 
 def _said_if_one(senses: list[Sense]) -> list[Sense]:
-    """The same; one alone says so before all else."""
-    only = senses[0]
-    if len(senses) > 1 or only.verdict is None:
+    """The same; where one alone has a verdict it says so before all else."""
+    known = [sense for sense in senses if sense.verdict is not None]
+    if len(known) != 1:
         return senses
-    said = f"One sense was traced, {only.name}: in the other the structure may be weaker."
-    answer = only.verdict.assessment
-    answer = replace(answer, assumptions=(said, *answer.assumptions))
-    return [replace(only, verdict=replace(only.verdict, assessment=answer))]
+    from drystone.assessment.verdict import of_one_sense
+
+    only = known[0]
+    assert only.verdict is not None
+    why = "; ".join(sense.problem for sense in senses if sense.problem)
+    said = replace(only, verdict=of_one_sense(only.verdict, only.name, why))
+    return [said if sense is only else sense for sense in senses]
 
 
 def worst(senses: Sequence[Sense]) -> Sense:

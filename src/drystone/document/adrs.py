@@ -16,6 +16,7 @@ from drystone.report.adrs_figure import (
     demands_of,
     height_of,
     mark_of,
+    verdict_on,
 )
 
 #: Wide and high without the legend [px]; a line of the legend and the title.
@@ -115,9 +116,7 @@ def _state(plot: Plot, legend: _Legend, answer: Assessment, state: LimitState) -
     """A limit state on the capacity, and what the ground asks of it."""
     limit, height, demand, across = mark_of(answer, state)
     plot.mark(limit, height, state.name, kind="diamond")
-    verdict = {True: "holds", False: "fails", None: "not verified"}[state.satisfied]
-    said = f"{state.name}: limit {limit:.4g} m, {verdict}"
-    said += "" if state.verified else ", not part of the verdict"
+    said = f"{state.name}: limit {limit:.4g} m, {verdict_on(state)}"
     if demand is not None and across is not None:
         plot.line([demand, demand], [0.0, across], class_="down")
         x, y = plot.at([demand], [across])[0]

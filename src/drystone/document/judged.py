@@ -98,13 +98,13 @@ def _made(folder: Folder) -> tuple[Folder, str]:
     from dataclasses import replace
 
     from drystone.assessment.errors import AssessmentError
-    from drystone.assessment.verdict import verdict_on
+    from drystone.assessment.verdict import of_one_sense, verdict_on
 
     results = folder.results
     assert results.model is not None
     site, asked = results.model.site, results.model.assessment
     try:
-        verdict = verdict_on(results.curve, results.model)
+        verdict = of_one_sense(verdict_on(results.curve, results.model), folder.sense)
     except AssessmentError as error:
         return folder, str(error)
     data = {

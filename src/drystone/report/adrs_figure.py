@@ -114,6 +114,13 @@ def capacity_name(answer: Assessment) -> str:
     return f"capacity, reading {answer.capacity.reading}{over}"
 
 
+def verdict_on(state: LimitState) -> str:
+    """Whether a limit state holds, in a word; of one that no verdict rests on, that."""
+    if not state.verified:
+        return "not part of the verdict"
+    return {True: "holds", False: "fails", None: "not verified"}[state.satisfied]
+
+
 def demands_of(answer: Assessment) -> list[tuple[str, Spectrum, float]]:
     """Demand spectra with their labels: one for each ground motion and damping."""
     found: dict[tuple[int, float], tuple[list[str], Spectrum]] = {}
@@ -182,14 +189,12 @@ def _mark(axes: Axes, answer: Assessment, state: LimitState, marker: str) -> Non
     """A limit state on the capacity, and what the ground asks of it."""
     limit, height, demand, across = mark_of(answer, state)
     style: dict[str, Any] = {"linestyle": "none", "markersize": 7, "zorder": 6, "clip_on": False}
-    verdict = {True: "holds", False: "fails", None: "not verified"}[state.satisfied]
-    verdict = verdict if state.verified else f"{verdict}, not part of the verdict"
     axes.plot(
         limit,
         height,
         marker,
         color=canvas.INK,
-        label=f"{state.name}: limit {limit:.4g} m ({verdict})",
+        label=f"{state.name}: limit {limit:.4g} m ({verdict_on(state)})",
         **style,
     )
     axes.annotate(

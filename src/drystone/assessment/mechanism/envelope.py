@@ -28,6 +28,7 @@ class Envelope:
     collapse_displacement: float | None  # m, where the multiplier is zero; None: not reached
     collapse_extrapolated: bool  # whether that lies beyond the last point at rest
     notes: tuple[str, ...]  # what was left out or added, a sentence each
+    collapse_note: str = ""  # how the collapse displacement was found, where there is more to say
 
 
 def static_envelope(curve: CapacityCurve) -> Envelope:
@@ -65,7 +66,8 @@ def static_envelope(curve: CapacityCurve) -> Envelope:
         load_multiplier=least,
         collapse_displacement=end,
         collapse_extrapolated=extrapolated,
-        notes=(*notes, *note),
+        notes=tuple(notes),
+        collapse_note=note,
     )
 
 
@@ -90,16 +92,14 @@ def _lower(d: Array, x: Array) -> tuple[Array, Array, bool]:
     return grown[known], least[known], back
 
 
-def _collapse(
-    curve: CapacityCurve, d: Array, x: Array
-) -> tuple[float | None, bool, tuple[str, ...]]:
+def _collapse(curve: CapacityCurve, d: Array, x: Array) -> tuple[float | None, bool, str]:
     """Control displacement where nothing is borne any more [m], and how it was found."""
     top = int(np.argmax(x))
     down = np.flatnonzero(x[top:] <= 0.0)
     if len(down):
         i = top + int(down[0])
         share = x[i - 1] / (x[i - 1] - x[i])
-        return float(d[i - 1] + share * (d[i] - d[i - 1])), False, ()
+        return float(d[i - 1] + share * (d[i] - d[i - 1])), False, ""
     falls = curve.status == FINISHED and curve.points[-1].status == DYNAMIC
     if falls or curve.ended_by is not None:
         event = curve.ended_by or first_collapse(curve.events)
@@ -109,19 +109,19 @@ def _collapse(
             + ("" if event is None else f", where {event.what}")
             + ": the collapse is taken there."
         )
-        return float(d[-1]), False, (note,)
+        return float(d[-1]), False, note
     if top == len(x) - 1 or x[-1] > LOW * x[top]:
-        return None, False, ()
+        return None, False, ""
     before = top + int(np.argmax(d[top:] >= (1.0 - TAIL) * d[-1]))
     before = min(before, len(d) - 2)
     slope = (x[-1] - x[before]) / (d[-1] - d[before]) if d[-1] > d[before] else 0.0
     if slope >= 0.0:
         before, slope = top, (x[-1] - x[top]) / (d[-1] - d[top]) if d[-1] > d[top] else 0.0
     if slope >= 0.0:
-        return None, False, ()
+        return None, False, ""
     end = float(d[-1] - x[-1] / slope)
     note = (
         f"The collapse displacement, {end:.4g} m, is an extrapolation: the last static branch, "
         f"traced to a multiplier of {x[-1]:.3g} at {d[-1]:.4g} m, goes straight on to zero."
     )
-    return end, True, (note,)
+    return end, True, note

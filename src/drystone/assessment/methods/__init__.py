@@ -31,7 +31,23 @@ METHODS: dict[str, Method] = {module.NAME: module.assess for module in _MODULES}
 #: Limit states by method, the mildest first.
 STATES: dict[str, tuple[str, ...]] = {module.NAME: module.STATES for module in _MODULES}
 
-__all__ = ["METHODS", "STATES", "Assessment", "LimitState", "Method", "Settings", "assess"]
+#: Readings of `drystone.assessment.capacity.READINGS` that are those of the method's own code.
+CODE_READINGS: dict[str, tuple[str, ...]] = {
+    **{module.NAME: ("base_shear",) for module in _MODULES},
+    ec8_n2.NAME: ("base_shear", "literal_ec8"),
+    rocking.NAME: ("energy",),
+}
+
+__all__ = [
+    "CODE_READINGS",
+    "METHODS",
+    "STATES",
+    "Assessment",
+    "LimitState",
+    "Method",
+    "Settings",
+    "assess",
+]
 
 
 def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessment:

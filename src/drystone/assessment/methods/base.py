@@ -150,6 +150,7 @@ class Assessment:
     assumptions: tuple[str, ...] = ()
     uncertain: tuple[str, ...] = ()
     weighs_most: str = ""  # the assumption of most weight, the end of a sentence
+    caution: str = ""  # why the method is not meant for this mechanism; goes with any verdict
 
     def state(self, name: str) -> LimitState:
         """A limit state by its name."""
@@ -196,7 +197,8 @@ class Assessment:
             return f"{self.method}: no limit state was verified."
         verdict = "satisfied" if self.satisfied else "not satisfied"
         weight = f"; what weighs most: {self.weighs_most}" if self.weighs_most else ""
-        return f"{self.method}: {verdict}; {state.name} governs, {_compared(state)}{weight}."
+        but = f", but {self.caution}" if self.caution else ""
+        return f"{self.method}: {verdict}{but}; {state.name} governs, {_compared(state)}{weight}."
 
     def as_dict(self) -> dict[str, Any]:
         """What assessment.json holds, SI units; None where the method has no such number."""
@@ -222,6 +224,7 @@ class Assessment:
             **{key: _plain(value) for key, value in self.quantities.items()},
             "safety_index": _number(self.safety_index),
             "satisfied": self.satisfied,
+            "caution": self.caution,
             "governing_limit_state": governing.name if governing else None,
             "sentence": self.sentence,
             "limit_states": {state.name: state.as_dict() for state in self.limit_states},
@@ -279,7 +282,7 @@ def _compared(state: LimitState) -> str:
     """The governing numbers of a state in words."""
     capacity, demand = state.ground_acceleration_capacity, state.ground_acceleration_demand
     index = state.safety_index
-    text = "no safety index" if index is None else f"safety index {index:.3f}"
+    text = "no safety index" if index is None else f"safety index zeta_E = {index:.3f}"
     if index is None and state.limit_displacement is not None:
         return f"{text}: the demand lies beyond the collapse"
     if capacity is not None and demand is not None:

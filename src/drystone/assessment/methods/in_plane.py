@@ -11,6 +11,9 @@ from drystone.assessment.methods import common
 from drystone.assessment.methods.base import Assessment, LimitState, Settings
 from drystone.assessment.spectra.base import Spectrum
 
+#: Share of the momentum of a mechanism above which it is one out of plane.
+OUT_OF_PLANE = 0.5
+
 
 def ultimate(
     capacity: Capacity, settings: Settings, state: str, limit_name: str
@@ -65,6 +68,7 @@ def answer(
         What the method itself assumed, and what of it is uncertain.
     """
     used = tuple(given.values())
+    caution, placed = _placed(capacity, method)
     first = next((s for s in found if s.name == reference), found[0])
     quantities = {
         "elastic_period": curve.period,
@@ -89,11 +93,33 @@ def answer(
         spectra=given,
         bilinear=curve,
         quantities=quantities,
-        assumptions=common.assumptions(capacity, used) + said,
+        assumptions=placed + common.assumptions(capacity, used) + said,
         uncertain=common.uncertain(capacity, used, found, *uncertain),
         weighs_most=common.weight(
             capacity,
             f"the bilinear, which yields at {curve.yield_displacement:.4g} m (other rules give "
             "other periods T*)",
         ),
+        caution=caution,
     )
+
+
+def _placed(capacity: Capacity, method: str) -> tuple[str, tuple[str, ...]]:
+    """What goes with the verdict on a mechanism out of plane, and what the method is meant for."""
+    share = capacity.out_of_plane
+    if share is None:
+        said = "whether the mechanism is one was not looked at"
+    elif share > OUT_OF_PLANE:
+        caution = (
+            "the mechanism is out of plane, for which this method is not meant: take one for local "
+            "mechanisms"
+        )
+        said = (
+            f"by the sizes of what moves {100.0 * share:.0f} per cent of the momentum is of walls "
+            "no thicker along the motion than across it, out of their plane; methods for local "
+            "mechanisms are meant for that (Circ. 7/2019 C8.7.1.2)"
+        )
+        return caution, (f"{method} is for walls that move in their plane: {said}.",)
+    else:
+        said = "that the model shows one, and no section through a wall, is taken from its sizes"
+    return "", (f"{method} is for walls that move in their plane: {said}.",)

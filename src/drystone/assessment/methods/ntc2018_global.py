@@ -305,8 +305,8 @@ def _said(settings: Settings, why: str, share: float) -> tuple[str, ...]:
     said = [
         f"SLC: {why}; the bilinear ends there and its first branch passes through {share:g} of the "
         "peak.",
-        "One distribution of forces and one sense: the verdict asks for two distributions in both "
-        "senses (NTC 2018 7.3.4.2).",
+        "One distribution of forces: the verdict asks for two of them, each in both senses (NTC "
+        "2018 7.3.4.2).",
     ]
     if "SLC" not in settings.displacement_limits:
         said.append("No drift limit of piers was given: the residual strength alone sets the SLC.")
