@@ -62,6 +62,7 @@ def to_equilibrium(engine: EquilibriumEngine, state: DistinctState) -> Equilibri
         margin=state.margin,
         due=state.due,
         gone=state.gone,
+        ties=state.ties,
     )
 
 
@@ -79,4 +80,5 @@ def to_distinct(engine: DistinctEngine, problem, state: EquilibriumState) -> Dis
         margin=state.margin,
         due=state.due,
         gone=state.gone,
+        ties=state.ties,
     )
