@@ -39,7 +39,7 @@ from drystone.curve import (
     TieRecord,
 )
 from drystone.engines import make_engine
-from drystone.engines.base import Engine, EngineError, Problem, StepReport
+from drystone.engines.base import Demand, Engine, EngineError, Problem, StepReport
 from drystone.engines.framed import FramedEngine, framed
 from drystone.event_log import EventLog
 from drystone.events import named
@@ -227,19 +227,54 @@ class _Run:
         while decision.demand is not None:
             demand = decision.demand
             new, report = solver.step(state, demand)
-            report = obeyed(report, limit)
-            moved = report.control_displacement - self.settlement
-            report = changed(report, control_displacement=moved)
+            report = self._since_rest(obeyed(report, limit))
             decision = control.decide(decision.state, demand, report)
             if decision.accept:
                 multiplier = decision.load_multiplier
                 plausibility.check(report, multiplier, partial(solver.contacts, new))
-                fallen = _fallen(state, new)
+            state, over = self._pass(state, demand, report, decision)
+            if over is not None:
+                decision = over
+            elif decision.accept:
+                decision = self._accept(state, new, demand, report, decision)
                 state = new
-                collapsed = self._add(report, state, demand.time_step, decision, fallen)
-                self.left += [BlockLeft.at(self.points[-1], model.assembly.ids[i]) for i in fallen]
-                decision = self._after_loss(fallen, collapsed, decision)
         return ("finished" if decision.finished else "stopped"), decision.reason
+
+    def _since_rest(self, report: StepReport) -> StepReport:
+        """The report, with control displacements since the rest under the dead load."""
+        moved = report.control_displacement - self.settlement
+        way = tuple((state, self._since_rest(told)) for state, told in report.way)
+        return changed(report, control_displacement=moved, way=way)
+
+    def _pass(
+        self, state: Any, demand: Demand, report: StepReport, decision: Decision
+    ) -> tuple[Any, Decision | None]:
+        """Add the points in motion on the way of a step; the state of the last of them, and what
+        ends the analysis there, if anything does."""
+        for (passed, told), multiplier in zip(report.way, decision.way, strict=False):
+            point = Decision(
+                accept=True,
+                demand=demand,
+                state=decision.state,
+                load_multiplier=multiplier,
+                dynamic=True,
+                jumped=True,
+            )
+            after = self._accept(state, passed, demand, told, point)
+            state = passed
+            if after.demand is None:
+                return state, after
+        return state, None
+
+    def _accept(
+        self, before: Any, state: Any, demand: Demand, report: StepReport, decision: Decision
+    ) -> Decision:
+        """Add a point; what is decided after what has been lost since the state ``before``."""
+        fallen = _fallen(before, state)
+        collapsed = self._add(report, state, demand.time_step, decision, fallen)
+        ids = self.model.assembly.ids
+        self.left += [BlockLeft.at(self.points[-1], ids[i]) for i in fallen]
+        return self._after_loss(fallen, collapsed, decision)
 
     def _add(
         self,

@@ -39,6 +39,9 @@ class Decision:
     dynamic: bool = False
     jumped: bool = False  # see `CurvePoint`
     finished: bool = False  # over because the curve is complete, not because it cannot go on
+    #: Load multipliers that the curve shows at the points in motion on the way of the step, see
+    #: `StepReport.way`: of all, or of none where the step is tried again.
+    way: tuple[float, ...] = ()
 
 
 class Control(Protocol):

@@ -177,7 +177,7 @@ class DisplacementControl:
             report = changed(report, dynamic=True)  # whatever it is that it came to rest as
         multiplier = report.static_multiplier
         gone = report.reached * state.increment
-        jumped = bool(state.time_step) or self._leaps(state, report)
+        jumped = bool(state.time_step or report.way) or self._leaps(state, report)
         finer = None
         if not state.time_step and gone:
             finer = self._finer(changed(state, increment=gone), report)
@@ -209,6 +209,7 @@ class DisplacementControl:
             jumped=jumped,
             reason=over.reason if over else "",
             finished=over is not None and over.finished,
+            way=_way(report),
         )
 
     def _begin_again(self, state: _State, report: StepReport) -> Decision:
@@ -221,7 +222,7 @@ class DisplacementControl:
         state = changed(
             state, n_steps=n_steps, last=0.0, slope=0.0, released=False, increment=first
         )
-        return Decision(accept=True, demand=self._demand(state), state=state)
+        return Decision(accept=True, demand=self._demand(state), state=state, way=_way(report))
 
     def _finer(self, state: _State, report: StepReport) -> float | None:
         """A smaller increment where the step hides the peak, a bend or the stop value."""
@@ -375,7 +376,7 @@ class DisplacementControl:
                         "the structure carries nothing along the load, as where joints have no "
                         f"friction, or no first step was found: {report.reason}"
                     )
-                return Decision(accept=False, demand=None, state=state, reason=reason)
+                return self._lost(state, report, reason)
         elif state.stage == CROSSING:
             # A jump that seemed to be over was not: something moves slowly yet.
             time_step = max(s.time_step, 1.5 * state.rested)
@@ -389,6 +390,21 @@ class DisplacementControl:
             else:
                 state = changed(state, stage=CROSSING, increment=4.0 * floor)
         return Decision(accept=False, demand=self._demand(state), state=state)
+
+    def _lost(self, state: _State, report: StepReport, reason: str) -> Decision:
+        """The end where no step leads on: a collapse where blocks were seen to go far in it."""
+        end = End(reason=reason)
+        if report.way:
+            how = f"no rest was found for what moves: {report.reason}"
+            end = collapsed(how, state.highest, self.settings.stop_multiplier)
+        return Decision(
+            accept=False,
+            demand=None,
+            state=state,
+            reason=end.reason,
+            finished=end.finished,
+            way=_way(report),
+        )
 
     def _paced(self, state: _State, report: StepReport) -> _State:
         s = self.settings
@@ -476,3 +492,8 @@ class DisplacementControl:
                 highest_at=state.highest_at,
             ),
         )
+
+
+def _way(report: StepReport) -> tuple[float, ...]:
+    """What the curve shows of the points in motion on the way of a step."""
+    return tuple(passed.static_multiplier for _, passed in report.way)

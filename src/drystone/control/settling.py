@@ -78,7 +78,7 @@ class SettlingControl:
         usual = max(state.pace, s.scale)
         leaps = report.converged and report.motion > s.leap * usual * step
         if not report.converged or (leaps and (step > floor or state.jumps == s.most_jumps)):
-            return self._again(state, step, report.reason or "blocks move on by themselves")
+            return self._again(state, report, step)
         gone = step * report.reached
         slope = (report.reaction - state.reaction) / gone if gone else state.slope
         greatest = max(state.greatest, abs(report.reaction))
@@ -107,11 +107,16 @@ class SettlingControl:
             demand=None if reason else self._demand(state),
             state=state,
             load_multiplier=report.reaction / s.unit,
+            way=self._way(report),
             dynamic=report.dynamic or report.inertia_ratio > s.inertia,
             jumped=leaps,
             reason=reason,
             finished=over,
         )
+
+    def _way(self, report: StepReport) -> tuple[float, ...]:
+        """What the curve shows of the points in motion on the way of a step."""
+        return tuple(passed.reaction / self.settings.unit for _, passed in report.way)
 
     def _next(self, step: float, report: StepReport) -> float:
         s = self.settings
@@ -122,8 +127,8 @@ class SettlingControl:
         state = changed(state, step=0.3 * step)
         return Decision(accept=False, demand=self._demand(state), state=state)
 
-    def _again(self, state: _State, step: float, why: str) -> Decision:
-        s = self.settings
+    def _again(self, state: _State, report: StepReport, step: float) -> Decision:
+        s, why = self.settings, report.reason or "blocks move on by themselves"
         if step <= s.floor_share * s.step:
             return Decision(
                 accept=False,
@@ -131,6 +136,7 @@ class SettlingControl:
                 state=state,
                 reason=f"the structure falls where its supports go on: {why}",
                 finished=True,
+                way=self._way(report),
             )
         state = changed(state, step=max(0.3 * step, s.floor_share * s.step))
         return Decision(accept=False, demand=self._demand(state), state=state)

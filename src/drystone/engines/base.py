@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -97,8 +97,8 @@ class Demand:
 
 @dataclass(frozen=True, kw_only=True)
 class StepReport:
-    """What came of one step.  Of one that failed, only `converged`, `reason`, `n_iterations` and
-    `turn` count."""
+    """What came of one step.  Of one that failed, only `converged`, `reason`, `n_iterations`,
+    `turn` and `way` count."""
 
     converged: bool
     reason: str = ""
@@ -136,6 +136,9 @@ class StepReport:
     #: Of engines that move through a step: by how much the multiplier on the way, inertia and all,
     #: exceeded both its ends.  Where the curve has no peak it fades with the step.
     crest: float | None = None
+    #: Of engines that move through a step: where blocks went far by themselves in it, states in
+    #: motion on the way to its end and their reports, in order.
+    way: tuple[tuple[Any, StepReport], ...] = field(default=(), compare=False, repr=False)
     dynamic: bool = False
     #: An equilibrium that the structure would not keep, beside which no other was found.
     unstable: bool = False

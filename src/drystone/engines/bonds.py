@@ -63,11 +63,13 @@ class BondSteps(Generic[State]):
             return self._break(state, state.due)
         at, gone, parts = state, 0.0, 0
         motion, iterations = 0.0, 0
+        way: tuple[tuple[Any, StepReport], ...] = ()
         report = StepReport(converged=False)
         while True:
             new, found = self._towards(at, 1.0 - gone)
+            way += found.way
             if not found.converged:
-                return state, found
+                return state, replace(found, way=way)
             if found.reached > 0.0:
                 parts, report = parts + 1, found
                 motion, iterations = motion + found.motion, iterations + found.n_iterations
@@ -84,7 +86,7 @@ class BondSteps(Generic[State]):
                     return self._break(new, new.due)
                 break
             at = self.broken(new, new.due)
-        report = replace(report, reached=gone, motion=motion, n_iterations=iterations)
+        report = replace(report, reached=gone, motion=motion, n_iterations=iterations, way=way)
         if parts > 1:  # what is known of the path is that of its last part
             report = replace(report, excess=None, bend=None)
         return new, report
@@ -176,11 +178,12 @@ class BondSteps(Generic[State]):
         """A step, and further ones from its end while bonds are beyond their strength, the weakest
         of which break."""
         new, report = self.solve(state, share)
-        motion, iterations = report.motion, report.n_iterations
+        motion, iterations, way = report.motion, report.n_iterations, report.way
         while report.converged and len(due := weakest(new.margin)):
             new, report = self.solve(self.broken(new, due), share)
             motion, iterations = motion + report.motion, iterations + report.n_iterations
-        return new, replace(report, motion=motion, n_iterations=iterations)
+            way += report.way
+        return new, replace(report, motion=motion, n_iterations=iterations, way=way)
 
     def again(self, state: State) -> Solved[State]:
         """A step in time; taken anew without the bonds that break in it, until none does."""

@@ -76,6 +76,15 @@ ROUND, SHORT_ROUND = 1000, 100
 #: Stages in which a driven increment ends, and the rate of each over that of the one before.
 STAGES, SLOWER = 4, 0.25
 
+#: Motion of any point of a block, over that of the control point which a step asks for, from which
+#: on the increment does not measure it: the block moves by itself.
+BY_ITSELF = 3.0
+
+#: What a block moves by itself between two points, over its smallest extent.  Steps of the default
+#: length are jumps from there on (`snap_motion` times `displacement_step`), and a block that
+#: collapses, by half of its extent, is seen to within a fifth of that.
+BETWEEN_POINTS = 0.1
+
 #: How well a reaction is known at rest, over the unbalanced force: blocks in a row lean on each
 #: other with what is left of several.
 NOISE = 5.0
@@ -166,7 +175,8 @@ class Workspace:
     """Contacts, motion and masses while the cycles of one step run.
 
     Blocks may move by ``farthest`` [m] from where the step starts; beyond, `run` raises
-    `RunAwayError`, unless they have left the structure and it ``may_lose`` them.
+    `RunAwayError`, unless they have left the structure and it ``may_lose`` them.  What they move by
+    beyond what is ``asked`` of the step [m] is noted in `way`; None: in a step that is no step.
     """
 
     def __init__(
@@ -177,10 +187,18 @@ class Workspace:
         real_masses: bool,
         farthest: float = np.inf,
         may_lose: bool = False,
+        asked: float | None = None,
     ) -> None:
         self.engine = engine
         self.real_masses = real_masses
-        self.begin, self.farthest, self.may_lose = state.pose, farthest, may_lose
+        self.state, self.begin = state, state.pose
+        self.farthest, self.may_lose = farthest, may_lose
+        #: States in motion where blocks have gone far by themselves, and their reports.
+        self.way: list[tuple[DistinctState, StepReport]] = []
+        self.noted = state.pose  # of the last of them
+        self.on_the_way: list[float] = []  # multipliers at the searches since
+        self.between = BETWEEN_POINTS * engine.problem.assembly.extents
+        self.beyond = np.inf if asked is None else BY_ITSELF * asked  # m, where the first may be
         self.pairs = state.pairs
         self.slots = state.slots.copied()
         self.history = state.history.copy()
@@ -240,6 +258,7 @@ class Workspace:
             )
             self.n_cycles += used
             if why == explicit.MOVED:
+                self._note()
                 self._stop_runaways()
                 self.search()
             elif why == explicit.BALANCED:
@@ -284,13 +303,26 @@ class Workspace:
             return True
         return self.run(s.jump_cycles, guided=guided, combined=True, tolerance=tolerance)
 
-    def gone(self) -> Array:
-        """How far each block has moved since the step began [m], (n,)."""
+    def gone(self, since: Array | None = None) -> Array:
+        """How far each block has moved since the step began, or since a pose [m], (n,)."""
         pose, engine = self.motion.pose, self.engine
+        begin = self.begin if since is None else since
         finite = np.asarray(np.isfinite(pose).all(axis=1))
-        known = np.where(finite[:, None], pose, self.begin)
-        moved = engine.detector.motion(engine.problem.assembly.difference(known, self.begin))
+        known = np.where(finite[:, None], pose, begin)
+        moved = engine.detector.motion(engine.problem.assembly.difference(known, begin))
         return np.where(self.lost, 0.0, np.where(finite, moved, np.inf))
+
+    def _note(self) -> None:
+        """Keep the state, in motion, where a block has gone far by itself since the last one."""
+        if np.isinf(self.beyond):
+            return
+        self.on_the_way.append(self.multiplier)
+        far = np.maximum(self.between, 0.0 if self.way else self.beyond)
+        gone = np.where(self.engine.problem.assembly.fixed, 0.0, self.gone(self.noted))
+        if (gone > far).any() and not np.isinf(gone).any():
+            self.way.append(self.engine.in_motion(self))
+            self.noted = self.motion.pose.copy()
+            self.on_the_way.clear()
 
     def _stop_runaways(self) -> None:
         gone = self.gone()
@@ -401,6 +433,18 @@ class Workspace:
             self.contacts, self.n_contacts, self.loads, self.motion, self.slots, self.pairs,
             self.history, self.reaction, self.status,
         )  # fmt: skip
+
+    def gaps_before(self) -> Array:
+        """Gaps of all slots where the last cycle began [m], (n_slots,)."""
+        motion, assembly = self.motion, self.engine.problem.assembly
+        pose = assembly.moved(motion.pose, -self.dt * motion.velocity)
+        before, slots = Motion.of(pose, motion.velocity, assembly.axes), self.slots.copied()
+        explicit.place(before)
+        explicit.unpack(
+            self.contacts, self.n_contacts, self.loads, before, slots, self.pairs,
+            self.history.copy(), self.reaction.copy(), self.status.copy(),
+        )  # fmt: skip
+        return np.asarray(slots.gap)
 
     def _pack(self, *, weigh: bool) -> None:
         """Contacts of the slots as the cycles take them, and masses where they may have changed."""
@@ -629,11 +673,12 @@ class DistinctEngine:
 
     def _settle_on(self, state: DistinctState, amount: float) -> tuple[DistinctState, StepReport]:
         """Move supports on at a constant rate, then balance."""
-        work, settlement = self._at_rest(state), self.problem.settlement
+        settlement = self.problem.settlement
         assert settlement is not None
         assembly, n = self.problem.assembly, self.settings.drive_cycles
+        given = settlement.increment(assembly, state.pose, state.settled + amount)
+        work = self._at_rest(state, self.detector.farthest(given))
         if amount:
-            given = settlement.increment(assembly, state.pose, state.settled + amount)
             rows = settlement.rows(assembly)
             work.motion.velocity[rows] = given[rows] / (n * work.dt)
             try:
@@ -679,15 +724,17 @@ class DistinctEngine:
         history[slots, joint_law.BROKEN], margin[slots] = 1.0, np.inf
         return replace(state, history=history, margin=margin, due=np.zeros(0, np.int64))
 
-    def _at_rest(self, state: DistinctState) -> Workspace:
-        """A workspace of quasi-static cycles."""
+    def _at_rest(self, state: DistinctState, asked: float = 0.0) -> Workspace:
+        """A workspace of quasi-static cycles, in which blocks are ``asked`` to move so far [m]."""
         at_rest = replace(state, velocity=np.zeros_like(state.velocity))
         farthest = self.settings.max_motion * self.span
-        return Workspace(self, at_rest, real_masses=False, farthest=farthest, may_lose=True)
+        return Workspace(
+            self, at_rest, real_masses=False, farthest=farthest, may_lose=True, asked=asked
+        )
 
     def _advance(self, state: DistinctState, increment: float) -> tuple[DistinctState, StepReport]:
         """Drive the control displacement on by an increment, then hold and balance."""
-        work = self._at_rest(state)
+        work = self._at_rest(state, abs(increment))
         crest = -np.inf
         try:
             if increment:
@@ -749,7 +796,8 @@ class DistinctEngine:
             gone = control.displacement(assembly, pose) - begin
             if gone / increment > left - 0.5 / CHUNKS:
                 break
-            if self.detector.farthest(assembly.difference(pose, state.pose)) > 3.0 * abs(increment):
+            moved = self.detector.farthest(assembly.difference(pose, state.pose))
+            if moved > BY_ITSELF * abs(increment):
                 break  # something else moves, which the increment does not measure
         for _ in range(STAGES):
             work.motion.velocity[:] *= SLOWER
@@ -816,13 +864,46 @@ class DistinctEngine:
         new, figures = self._arrive(state, work, contacts, forces, work.motion.force, still)
         # What little is unbalanced accelerates nothing: the blocks are at rest.
         return new, replace(
-            figures, static_multiplier=work.multiplier, inertia_ratio=0.0, dynamic=False
+            figures,
+            static_multiplier=work.multiplier,
+            inertia_ratio=0.0,
+            way=tuple(work.way),
+            dynamic=False,
         )
 
-    def _judged(self, work: Workspace) -> tuple[JudgedContacts, Array]:
+    def in_motion(self, work: Workspace) -> tuple[DistinctState, StepReport]:
+        """A copy of the state after a cycle on the way to rest, and its figures.
+
+        What is unbalanced in the cycle is inertia and damping.  Masses are scaled: velocities, and
+        energies of motion, mean nothing.  The multiplier is a mean over the way since the last
+        such state, for impacts shake that of one cycle.
+        """
+        work.unpack()
+        motion, loads, still = work.motion, work.now, np.zeros_like(work.motion.velocity)
+        contacts, _ = self._judged(work, work.gaps_before())
+        load = loads.dead + work.multiplier * loads.pattern
+        forces = Forces(contact=motion.force - load, load=load, inertia=motion.force)
+        new, figures = self._arrive(work.state, work, contacts, forces, motion.force, still)
+        since = self.problem.assembly.difference(motion.pose, work.noted)
+        moved = self.detector.farthest(np.where(work.lost[:, None], 0.0, since))
+        new = replace(
+            new,
+            pose=new.pose.copy(),
+            slots=new.slots.copied(),
+            searched=new.searched.copy(),
+            history=new.history.copy(),
+            reaction=new.reaction.copy(),
+            status=new.status.copy(),
+        )
+        multiplier = float(np.mean(work.on_the_way))
+        return new, replace(figures, static_multiplier=multiplier, motion=moved, dynamic=True)
+
+    def _judged(self, work: Workspace, gaps: Array | None = None) -> tuple[JudgedContacts, Array]:
         """Contacts with the reactions of the last cycle, and the forces of these on the bodies.
 
-        The gaps are those of the poses that the cycle began with; all slips have entered the shear.
+        The gaps are those of the poses that the cycle began with, where ``gaps`` (n_slots,) of all
+        slots are not given to the first order in what it has moved; all slips have entered the
+        shear.
         """
         slots, pairs, velocity = work.slots, work.pairs, work.motion.velocity
         contacts = self.detector.pack(pairs, work.motion.pose, slots, self.laws)
@@ -834,6 +915,8 @@ class DistinctEngine:
         work.ties.add_to(force)
         moved = work.dt * np.column_stack((velocity[a], velocity[b]))
         gap = slots.gap[k] - np.sum(contacts.rows[:, OF_GAP] * moved, axis=1)
+        if gaps is not None:
+            gap = gaps[k]
         if self.strengths.any:
             self.strengths.fill(pairs.law_of_slot[k], history, gap, slots.size[k], contacts.table)
             contacts.table[:, SHIFT:] *= self.problem.assembly.thickness
@@ -924,7 +1007,9 @@ def _gone_on_with(array: NDArray[Any], source: IntArray) -> NDArray[Any]:
 
 
 def _failed(reason: str, work: Workspace) -> StepReport:
-    return StepReport(converged=False, reason=reason, n_iterations=work.n_cycles)
+    return StepReport(
+        converged=False, reason=reason, n_iterations=work.n_cycles, way=tuple(work.way)
+    )
 
 
 def _needed(blocks: Array, fixed: NDArray[np.bool_]) -> Array | None:

@@ -153,4 +153,5 @@ class FramedEngine:
             reaction=self.frame.force * lever * own.reaction,
             penetration=length * own.penetration,
             motion=length * own.motion,
+            way=tuple((self._state(state), self._report(report)) for state, report in own.way),
         )
