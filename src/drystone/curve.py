@@ -320,8 +320,9 @@ class CapacityCurve:
         Points at rest tell, and the collapse that ends the curve: in a jump that the structure
         survives, inertia carries for a while what its joints do not.  A jump that takes the control
         point back, and the multiplier below the stop value, begins where the curve ends; where it
-        takes it on, the shape that it leads to may have carried on the way.  A collapse in which
-        as much is carried to its last point begins where the curve ends, too.
+        takes it on, the shape that it leads to may have carried on the way.  A collapse in a jump
+        begins where the curve ends, too, and so does one in which as much is carried to its last
+        point.
         """
         if self.settles:
             return None
@@ -331,7 +332,8 @@ class CapacityCurve:
         after = [
             p
             for p in self.points
-            if p.step >= top and (p.status == STATIC or (p.step > rest and collapse))
+            if p.step >= top
+            and (p.status == STATIC or (p.step > rest and collapse and not p.jumped))
         ]
         for before, point in pairwise(after):
             if point.load_multiplier <= self.stop_multiplier < before.load_multiplier:

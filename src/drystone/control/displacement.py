@@ -173,7 +173,7 @@ class DisplacementControl:
             return self._begin_again(state, report)
         if not report.converged or self._snaps(state, report):
             return self._retry(state, report)
-        if self._thrown_back(state, report):
+        if self._thrown_back(state, report) or self._falls_freely(report):
             report = changed(report, dynamic=True)  # whatever it is that it came to rest as
         multiplier = report.static_multiplier
         gone = report.reached * state.increment
@@ -349,6 +349,25 @@ class DisplacementControl:
         scale = max(state.highest, 10.0 * s.stop_multiplier)
         return abs(report.static_multiplier - expected) > s.snap_share * scale
 
+    def _falls_freely(self, report: StepReport) -> bool:
+        """Whether in the motion on the way of a step the control point goes far without load, and
+        what it comes to rest as would carry again.
+
+        So it does where its block falls, or what stands below: what has landed is not what was
+        pushed.  Where the rest carries nothing, it ends the curve itself.
+        """
+        s, since = self.settings, math.inf
+        if report.static_multiplier < s.stop_multiplier:
+            return False
+        for _, passed in report.way:
+            if passed.static_multiplier >= s.stop_multiplier:
+                since = math.inf
+                continue
+            since = min(since, passed.control_displacement)
+            if passed.control_displacement - since > s.fall_motion * s.displacement_step:
+                return True
+        return False
+
     def _would_end(self, state: _State, report: StepReport) -> bool:
         """Whether a step without motion between its ends comes down below the stop value.
 
@@ -475,6 +494,8 @@ class DisplacementControl:
             return collapsed(
                 "it falls back behind where it stood", state.highest, s.stop_multiplier
             )
+        if self._falls_freely(report):
+            return fallen_freely(state.highest, s.stop_multiplier)
         if state.fallen > s.fall_motion * s.displacement_step:
             if carries_nothing(s, state.highest):
                 return nothing_carried(s, state.n_steps)
