@@ -19,6 +19,7 @@ class ControlPoint:
     block: int  # row in the assembly's arrays
     point: Array  # (dim,) m, on the block as designed
     direction: Array  # (dim,) unit vector
+    default: bool = False  # whether nobody named the block or the point
 
     def displacement(self, assembly: Assembly, pose: Array) -> float:
         """Control displacement [m] in the given poses (n, n_dof)."""

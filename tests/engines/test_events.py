@@ -18,6 +18,7 @@ from drystone.builders.errors import ModelError
 from drystone.curve import DYNAMIC, STATIC
 from drystone.event_log import events_of
 from drystone.events import EventKind, Outcome, first_collapse
+from drystone.limit import limits_beside, on_what_moves
 from drystone.model import Analysis
 from drystone.site import AssessmentInput, Site
 from drystone.ties import Tie, TieEnd
@@ -225,10 +226,10 @@ class TestAssessment:
             assert place is None or place < first.control_displacement
         assert any("falls" in note for note in verdict.assessment.assumptions)
 
-    def test_a_control_point_that_stays_behind_is_said_first(self):
+    def test_a_control_point_that_stays_behind_is_said_after_the_sense(self):
         model = beside()
         verdict = self.verdict(traced(model), model)
-        assert 'on the block "tall", takes no part' in verdict.assessment.assumptions[0]
+        assert 'on the block "tall", takes no part' in verdict.assessment.assumptions[1]
 
     def test_a_limit_state_beyond_an_event_says_so_first(self):
         model = beside(
@@ -249,3 +250,26 @@ class TestAssessment:
         unseen = replace(verdict.capacity, losses=None)
         again = assess(unseen, dict(verdict.assessment.spectra), verdict.assessment.settings)
         assert any("was not looked at" in note for note in again.assumptions)
+
+
+class TestWhatMoves:
+    """Limit analysis finds that the small block slides; the tall one, the highest, stands still."""
+
+    def test_a_control_point_that_nobody_named_is_put_on_the_part_that_moves(self):
+        model = beside(control=None)
+        control = model.control_point
+        assert model.assembly.ids[control.block] == "tall" and control.default
+        watching = on_what_moves(model, limits_beside(model))
+        assert model.assembly.ids[watching.control_point.block] == "small"
+        curve = traced(watching, falling="stop")
+        assert curve.capacity.load_multiplier == pytest.approx(0.2, abs=4e-3)
+
+    def test_one_that_was_named_stays_and_is_told(self):
+        model = beside(control="tall")
+        found = limits_beside(model)
+        assert found.control_still and on_what_moves(model, found) is model
+
+    def test_who_named_it_is_known_after_a_change(self):
+        assert beside(control=None).with_joint(friction_coefficient=0.5).control_point.default
+        assert not beside(control="tall").with_joint(friction_coefficient=0.5).control_point.default
+        assert not beside(control=None).with_control(block="small").control_point.default

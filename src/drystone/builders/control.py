@@ -74,7 +74,8 @@ def choose_control_point(
         read_along = load_direction
     else:
         read_along = unit_vector(direction, "control.direction", assembly.dimension)
-    return ControlPoint(block=row, point=np.array(place), direction=read_along)
+    default = block is None and point is None
+    return ControlPoint(block=row, point=np.array(place), direction=read_along, default=default)
 
 
 def _named_block(assembly: Assembly, block: str) -> int:

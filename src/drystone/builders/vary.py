@@ -43,6 +43,8 @@ def remade(model: Model, **changes: Any) -> Model:
     }
     made = make_model(**{**parts, **changes})
     made = replace(made, site=model.site, assessment=model.assessment)
+    if not {"control_block", "control_point"} & changes.keys():
+        made = replace(made, control_point=replace(made.control_point, default=control.default))
     if np.array_equal(made.assembly.up, assembly.up):
         return made
     # Gravity of a model that was turned as a whole is no key of files.

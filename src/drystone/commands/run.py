@@ -107,7 +107,7 @@ def run(
         from drystone.export.directory import ResultsDirectory, files_of
         from drystone.export.folder import check_apart, check_writable
         from drystone.inspection import inspect
-        from drystone.limit import limits_beside
+        from drystone.limit import limits_beside, on_what_moves
         from drystone.modelfile import read_model
         from drystone.progress import progress_for
 
@@ -123,6 +123,7 @@ def run(
         wanted = engine or model.analysis.engine
         with compiling(wanted, model.assembly.dimension, quiet=quiet or as_json):
             beside = limits_beside(model)
+            model = on_what_moves(model, beside)
             with ResultsDirectory(
                 folder,
                 mechanism_displacement=mechanism_at,
@@ -173,7 +174,13 @@ def remarks(curve: CapacityCurve, model: Model, beside: Beside) -> list[str]:
             f'the control point, on the block "{control}", does not take part where '
             f"{first.what} ({first.place}): its displacement does not show that collapse"
         )
-    if beside.control_still:
+    if model.control_point is beside.fastest:
+        found.append(
+            f'the control point is on the block "{control}": the one that is highest, and furthest '
+            "along the load, does not move in the mechanism of limit analysis, and [control] names "
+            "none"
+        )
+    elif beside.control_still:
         found.append(
             f'the control point, on the block "{control}", does not move in the mechanism of limit '
             "analysis: put [control] on the part that moves"

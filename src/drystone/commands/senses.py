@@ -147,7 +147,7 @@ def _traced_one(name: str, model: Model, folder: Path, ask: Tracing, *, part_of:
     from drystone.commands.compiler import compiling
     from drystone.export.directory import ResultsDirectory, files_of
     from drystone.export.folder import check_apart, check_writable
-    from drystone.limit import limits_beside
+    from drystone.limit import limits_beside, on_what_moves
     from drystone.model import STOP
     from drystone.progress import progress_for
 
@@ -155,19 +155,21 @@ def _traced_one(name: str, model: Model, folder: Path, ask: Tracing, *, part_of:
     check_apart(ask.source, files_of(folder))
     stop = model.analysis.stop_multiplier
     engine = ask.engine or model.analysis.engine
-    with (
-        compiling(engine, model.assembly.dimension, quiet=ask.quiet),
-        ResultsDirectory(folder, beside=limits_beside(model), part_of=part_of) as results,
-        progress_for(f"{ask.source.stem}, {name}", stop, quiet=ask.quiet) as progress,
-    ):
-        curve = pushover(
-            model,
-            engine=ask.engine,
-            recorder=results,
-            progress=progress,
-            keep_poses=True,
-            default_falling=STOP,  # beyond the collapse of a part nothing is assessed
-        )
+    with compiling(engine, model.assembly.dimension, quiet=ask.quiet):
+        beside = limits_beside(model)
+        model = on_what_moves(model, beside)
+        with (
+            ResultsDirectory(folder, beside=beside, part_of=part_of) as results,
+            progress_for(f"{ask.source.stem}, {name}", stop, quiet=ask.quiet) as progress,
+        ):
+            curve = pushover(
+                model,
+                engine=ask.engine,
+                recorder=results,
+                progress=progress,
+                keep_poses=True,
+                default_falling=STOP,  # beyond the collapse of a part nothing is assessed
+            )
     if curve.status == "interrupted":
         problem = f"interrupted: what was reached is kept in {folder}"
         fail(INTERRUPTED, [problem], as_json=ask.as_json, status="interrupted")

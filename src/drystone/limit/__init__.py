@@ -1,6 +1,6 @@
 """Limit analysis: the load that brings rigid blocks down, and how."""
 
-from drystone.limit.beside import Beside, limits_beside, range_text
+from drystone.limit.beside import Beside, limits_beside, on_what_moves, range_text
 from drystone.limit.collapse import (
     ASSOCIATIVE,
     FLOWS,
@@ -32,6 +32,7 @@ __all__ = [
     "is_locked",
     "least_standing",
     "limits_beside",
+    "on_what_moves",
     "range_text",
     "stands",
     "watched",

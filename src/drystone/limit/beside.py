@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.geometry.motion import moved_points
 from drystone.limit.collapse import (
     ASSOCIATIVE,
     FLOWS,
@@ -15,7 +14,9 @@ from drystone.limit.collapse import (
     collapse_loads,
 )
 from drystone.limit.non_associative import NonAssociativeSettings
+from drystone.limit.watch import fastest_point, leaves_still
 from drystone.model import Model
+from drystone.monitor import ControlPoint
 from drystone.ranges import MOST_BLOCKS
 
 #: Structures of more blocks than these are left out of the non-associative scheme, which solves
@@ -27,8 +28,6 @@ PATHS = 2
 MARGIN = 1e-3
 #: Nor by this multiplier, where that is next to nothing: weights are balanced as finely at best.
 LEAST = 1e-4
-#: A control point that the mechanism moves by less than this share of its fastest block is still.
-STILL = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +41,8 @@ class Beside:
     """Lowest and highest non-associative multiplier found."""
     control_still: bool = False
     """Whether the associative mechanism leaves the control point where it is."""
+    fastest: ControlPoint | None = None
+    """Then the point that this mechanism moves fastest, if it moves any along that direction."""
     note: str = ""
     """Why a value is missing, as a sentence."""
 
@@ -84,8 +85,10 @@ def limits_beside(model: Model) -> Beside:
     missing = [result.reason for result in results if result.flow not in values]
     if len(flows) == 1 and not missing:
         missing = [f"the non-associative flow of {n_blocks} blocks is left to the command `limit`"]
+    still, fastest = _mechanism(model, found.get(ASSOCIATIVE))
     return Beside(
-        control_still=ASSOCIATIVE in found and _leaves_still(found[ASSOCIATIVE], model),
+        control_still=still,
+        fastest=fastest,
         associative=values.get(ASSOCIATIVE),
         non_associative=values.get(NON_ASSOCIATIVE),
         collapse_range=found[NON_ASSOCIATIVE].collapse_range if NON_ASSOCIATIVE in found else None,
@@ -93,15 +96,19 @@ def limits_beside(model: Model) -> Beside:
     )
 
 
-def _leaves_still(collapse: Collapse, model: Model) -> bool:
-    """Whether the control point does not move along its direction in a mechanism."""
-    assembly, control = model.assembly, model.control_point
-    points = np.asarray(assembly.blocks[control.block].vertices, float)
-    place = np.vstack([control.point, points])
-    owner = np.full(len(place), control.block)
-    there = moved_points(place, owner, assembly.centroid, collapse.velocities, linear=True)
-    fastest = float(np.abs(collapse.velocities).max(initial=0.0))
-    return bool(abs((there - place)[0] @ control.direction) < STILL * fastest)
+def _mechanism(model: Model, collapse: Collapse | None) -> tuple[bool, ControlPoint | None]:
+    """Whether it leaves the control point still, and then which point it moves fastest."""
+    if collapse is None or not leaves_still(model, collapse.velocities):
+        return False, None
+    fastest = fastest_point(model, collapse.velocities)
+    return True, None if fastest is model.control_point else fastest
+
+
+def on_what_moves(model: Model, beside: Beside) -> Model:
+    """The model; with its control point on the part that moves, where nobody has named one."""
+    if beside.fastest is None or not model.control_point.default:
+        return model
+    return replace(model, control_point=beside.fastest)
 
 
 def range_text(collapse_range: tuple[float, float], digits: int) -> str:
