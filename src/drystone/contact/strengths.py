@@ -37,6 +37,7 @@ from drystone.kernels.law import (
     H_ROOM,
     H_SHIFT,
     N_HELD,
+    N_HISTORY,
     OPENED,
     SLID,
     SOFTENED,
@@ -81,6 +82,14 @@ class Strengths:
         softens = [law.softens for law in assembly.laws]
         self.softens: BoolArray = np.array(softens)
         self.bonded: BoolArray = self.softens & (self.cohesion + self.tension > 0.0)
+        #: What contacts of each law hold that are made later, (n_laws, N_HELD): without a bond.
+        self.fresh = self._fresh()
+
+    def _fresh(self) -> Array:
+        n = len(self.mu)
+        history = np.zeros((n, N_HISTORY))
+        history[:, BROKEN] = 1.0
+        return self.held(np.arange(n), history, self.first(history, np.zeros(n)))
 
     def first(self, history: Array, slots_gap: Array) -> Reached:
         """Where contacts begin, by their history (n_slots, N_HISTORY + dim - 2)."""

@@ -369,26 +369,33 @@ class EquilibriumEngine:
         solve = self._once_in_space if isinstance(equations, ConeStep) else self._once_in_plane
         last: StepSolution | None = None
 
-        def once(held: Array | None, branch: IntArray) -> StepSolution:
+        def once(held: Array | None, fresh: Array | None, branch: IntArray) -> StepSolution:
             nonlocal last
             if self.ties:
                 self.ties.begin(state.ties)
-            last = solve(step, held, branch, last)
+            last = solve(step, held, fresh, branch, last)
             return last
 
         if not self.strengths.any:
-            return once(None, state.branch)
+            return once(None, None, state.branch)
         start = yielding.Beginning(state.history, state.slots.gap, state.branch, state.multiplier)
         heaviest = self.problem.assembly.heaviest_weight
         return yielding.solve(equations, self.strengths, start, once, SETTLED * heaviest)
 
     def _once_in_space(
-        self, step: _Step, held: Array | None, branch: IntArray, last: StepSolution | None
+        self,
+        step: _Step,
+        held: Array | None,
+        fresh: Array | None,
+        branch: IntArray,
+        last: StepSolution | None,
     ) -> StepSolution:
         """Solve a step with what joints hold, from the ``last`` solution of it, if any."""
         equations, state, demand, pace = self.equations, step.state, step.demand, step.pace
         assert isinstance(equations, ConeStep)
-        equations.begin(state.pose, state.slots, state.history, branch, step.h, pace, held)
+        equations.begin(
+            state.pose, state.slots, state.history, branch, step.h, pace, held, fresh
+        )
         guesses, multiplier = [step.guess], step.multiplier
         if state.tangent is not None and demand.increment is not None:
             guesses.append(demand.increment * state.tangent)
@@ -412,13 +419,18 @@ class EquilibriumEngine:
         )
 
     def _once_in_plane(
-        self, step: _Step, held: Array | None, branch: IntArray, last: StepSolution | None
+        self,
+        step: _Step,
+        held: Array | None,
+        fresh: Array | None,
+        branch: IntArray,
+        last: StepSolution | None,
     ) -> StepSolution:
         """The same, always from where the step starts."""
         equations, state, demand, pace = self.equations, step.state, step.demand, step.pace
         assert isinstance(equations, StaticStep)
         x = step.guess
-        equations.begin(state.pose, state.slots, state.history, branch, step.h, x, held)
+        equations.begin(state.pose, state.slots, state.history, branch, step.h, x, held, fresh)
         equations.kept[:] = 0 if state.kept is None else state.kept
         return piecewise.solve(
             equations,

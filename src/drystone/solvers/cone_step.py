@@ -142,6 +142,7 @@ class ConeStep:
         self.n_due = 1  # columns of the frame that the next solution is to fill
         self.pace: Pace | None = None
         self.holding, self.origin = np.zeros((0, N_HELD)), np.arange(n_slots)
+        self.fresh = self.holding
         self.history: Array | None = None
         self.drawn = np.zeros((n_slots, 3))
         self.multiplier, self.residual = 0.0, np.inf
@@ -157,10 +158,12 @@ class ConeStep:
         h: float,
         pace: Pace | None,
         held: Array | None = None,
+        fresh: Array | None = None,
     ) -> None:
         """Start a step of size ``h`` [s] from rest in ``pose``, with contacts and their past.
 
-        ``held`` (n_slots, N_HELD) is what joints hold in it that are not dry, see `kernels.law`.
+        ``held`` (n_slots, N_HELD) is what joints hold in it that are not dry, see `kernels.law`;
+        ``fresh`` (n_slots, N_HELD) what contacts do that are made in it.
         """
         constants = self.constants
         assembly = constants.detector.assembly
@@ -185,6 +188,7 @@ class ConeStep:
         joint[:n, cones.PULL :] = 0.0
         self.origin[:], self.history = np.arange(len(self.origin)), None
         self.holding = self.holding[:0] if held is None else held
+        self.fresh = self.holding if fresh is None else fresh
         if held is not None:
             self._hold(held)
         all_axes(pose, assembly.axes, self.turn, self.axes_0)
@@ -239,21 +243,13 @@ class ConeStep:
         history[anew, joint_law.BROKEN] = 1.0
         detector.follow(pairs, self.pose, self.known, self.slots)
         inertia, origin = self.inertia_factor, np.where(anew, -1, self.origin)
-        holding = self._of_new(anew) if len(self.holding) else None
-        self.begin(self.pose, self.slots, history, branch, 1.0, self.pace, holding)
+        holding, fresh = (None, None) if not len(self.holding) else (self.holding, self.fresh)
+        if holding is not None:
+            holding = np.where(anew[:, None], self.fresh, holding)
+        self.begin(self.pose, self.slots, history, branch, 1.0, self.pace, holding, fresh)
         self.inertia_factor = inertia
         self.origin[:] = origin
         return True
-
-    def _of_new(self, anew: NDArray[np.bool_]) -> Array:
-        """What joints hold, (n_slots, N_HELD), once some contacts of them are new."""
-        held, laws = self.holding.copy(), self.constants.laws[self.pairs.law_of_slot[anew]]
-        held[anew] = 0.0
-        held[anew, H_KN], held[anew, H_MU] = laws[:, joint_law.KN], laws[:, joint_law.MU]
-        held[anew, H_CRUSH] = np.where(
-            laws[:, joint_law.CRUSHES] > 0.0, laws[:, joint_law.CRUSHES], np.inf
-        )
-        return held
 
     def _crushed(self) -> Array:
         """Closure [m] that the contacts of each pair, (n_pairs,), have been crushed by at most."""
@@ -324,6 +320,7 @@ class ConeStep:
             1.0,
             None,
             self.holding[slots] if len(self.holding) else None,
+            self.fresh[slots] if len(self.fresh) else None,
         )
         step.inertia_factor = self.inertia_factor
         step.set_out(self.x, self.multiplier)

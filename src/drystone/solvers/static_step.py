@@ -20,7 +20,7 @@ from drystone.kernels import forces, path, rows
 from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import NONE, TRIAL_T, Pairs, Slots
 from drystone.kernels.forces import Start
-from drystone.kernels.law import H_CRUSH, H_KN, H_MU, N_HELD, N_HISTORY
+from drystone.kernels.law import N_HELD, N_HISTORY
 from drystone.kernels.yielding import CRUSHED, N_BRANCHES
 from drystone.solvers.linear_step import BENDS, LinearStep, Loads
 
@@ -81,6 +81,7 @@ class StaticStep(LinearStep):
             closed=np.zeros(n_slots, np.bool_),
             held=DRY,
         )
+        self.fresh = DRY
         self.all_slots = np.arange(n_slots)
         self.origin = self.all_slots.copy()  # slots where the step started; -1 has none
         #: Steps in which a pair yet keeps the features that it has, (n_pairs,).
@@ -95,15 +96,18 @@ class StaticStep(LinearStep):
         h: float,
         guess: Array,
         held: Array | None = None,
+        fresh: Array | None = None,
     ) -> None:
         """Start a step of size ``h`` [s] from rest in ``pose``, with its contacts and their past.
 
         Slips are linear in the increments, by their gradients half way to the ``guess`` of these:
         of second order in the step, without straining the stiff shear springs of blocks that
         are held at several points and turn together.  ``held`` (n_slots, N_HELD) is what joints
-        hold in it that are not dry, see `kernels.law`.
+        hold in it that are not dry, see `kernels.law`; ``fresh`` (n_slots, N_HELD) what contacts
+        do that are made in it.
         """
         self.pose = pose
+        self.fresh = DRY if fresh is None else fresh
         self.origin[:] = self.all_slots
         self.start = Start(*self.start[:3], held=DRY if held is None else held)
         self.inertia_factor = 1.0 / h**2
@@ -127,12 +131,8 @@ class StaticStep(LinearStep):
             array[new] = 0
         self.origin[:] = np.where(new, -1, self.origin[source])
         if len(self.start.held):
-            held, law = self.start.held, self.pairs.law_of_slot
-            held[:] = held[source]
-            held[new] = 0.0
-            held[new, H_KN] = self.constants.laws[law[new], joint_law.KN]
-            held[new, H_MU] = self.constants.laws[law[new], joint_law.MU]
-            held[new, H_CRUSH] = np.inf
+            held = self.start.held
+            held[:] = np.where(new[:, None], self.fresh, held[source])
         # Blocks that come to touch later are not bonded.
         self.history_before[new, joint_law.BROKEN] = 1.0
         for mine, theirs in zip(known, slots, strict=True):

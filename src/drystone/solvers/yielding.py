@@ -59,7 +59,7 @@ def solve(
     step: YieldingStep,
     strengths: Strengths,
     start: Beginning,
-    once: Callable[[Array, IntArray], StepSolution],
+    once: Callable[[Array, Array, IntArray], StepSolution],
     tolerance: float,
 ) -> StepSolution:
     """Solve a step; its equations are left evaluated at the solution, with its history.
@@ -73,18 +73,19 @@ def solve(
     start
         Where the step starts.
     once
-        Begins the step with what contacts hold (n_slots, N_HELD), and solves it from the branches
-        (n_slots,).
+        Begins the step with what contacts hold (n_slots, N_HELD), and what those hold that are made
+        in it (n_slots, N_HELD), and solves it from the branches (n_slots,).
     tolerance
         Force [N] by which what contacts hold may still change.
     """
     law, history = step.pairs.law_of_slot, start.history
     now = strengths.first(history, start.gap)
     held, iterations = strengths.held(law, history, now), 0
+    fresh = strengths.fresh[law]
     first: StepSolution | None = None
     relaxation = _Relaxation(strengths, law)
     for _ in range(MOST_SOLUTIONS):
-        solved = once(held, _fitting(start.branch, held))
+        solved = once(held, fresh, _fitting(start.branch, held))
         iterations += solved.n_iterations
         solved = replace(solved, n_iterations=iterations)
         if solved.reason:
@@ -92,14 +93,15 @@ def solve(
         first = first or solved
         end = step.ended()
         origin = end.origin
-        before = np.where((origin >= 0)[:, None], history[origin], end.before)
+        made = (origin < 0)[:, None]
+        before = np.where(made, end.before, history[origin])
         then = strengths.reached(law, before, end.after, end.gap)
         after = strengths.held(law, before, then)
         if difference(after, end.held, end.normal, end.area) <= tolerance:
             strengths.write(law, then, end.after)
             return replace(solved, excess=_hidden(first, solved, start.multiplier))
         now = relaxation.next(now, then, origin)
-        held = strengths.held(law, history, now)
+        held, fresh = strengths.held(law, history, now), np.where(made, after, fresh)
     return replace(solved, reason="joints do not come to rest as they soften")
 
 
