@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly, JointLaw
+from drystone.kernels import softening
 from drystone.kernels.contacts import CRUSH, FRICTION, PULL, ROOM, SHIFT
 from drystone.kernels.law import (
     BROKEN,
@@ -49,7 +50,7 @@ BoolArray = NDArray[np.bool_]
 
 #: How far a bond has softened when it is lost: two billionths of its strength are left.  A joint
 #: that is crushed keeps as much.
-LOST = 20.0
+LOST = softening.LOST
 
 #: Share of the greatest closure that a tangent is made at, at most: beyond it the joint is rigid.
 NEARLY_SHUT = 1.0 - 1e-9
@@ -80,8 +81,18 @@ class Strengths:
             self.by_opening, self.by_slip, self.crush, self.by_crushing, self.closure,
         ) = np.array(columns).T  # fmt: skip
         softens = [law.softens for law in assembly.laws]
+        self.yields: BoolArray = np.array([law.yields for law in assembly.laws])
+        #: Whether `kernels.softening` has all of what joints do.
+        self.smooth = not np.isfinite(self.closure).any()
+        ks = [law.shear_stiffness or 0.0 for law in assembly.laws]
         self.softens: BoolArray = np.array(softens)
         self.bonded: BoolArray = self.softens & (self.cohesion + self.tension > 0.0)
+        bonded = self.bonded.astype(float)
+        #: (n_laws, N_SOFTENING), see `kernels.softening`.
+        self.table = np.column_stack((
+            self.kn, ks, self.mu, self.residual, self.per_slip, self.cohesion, self.tension,
+            self.by_opening, self.by_slip, self.crush, self.by_crushing, bonded, self.softens,
+        ))  # fmt: skip
         #: What contacts of each law hold that are made later, (n_laws, N_HELD): without a bond.
         self.fresh = self._fresh()
 
@@ -130,6 +141,35 @@ class Strengths:
         slope = kn / (1.0 - share) ** 2
         held[curved, H_KN] = slope
         held[curved, H_SHIFT] += kn * limit * share / (1.0 - share) - slope * limit * share
+
+    def points(
+        self, law: IntArray, start: Array, committed: Array, gap: Array, shear: Array
+    ) -> Array:
+        """What follows of gaps and trial shears, (n, N_POINT); see `kernels.softening`.
+
+        Parameters
+        ----------
+        law
+            Of each contact, (n,).
+        start, committed
+            Their history where the step starts, and with what has been slid and crushed on the way
+            that is over, (n, N_HISTORY + dim - 2).
+        gap, shear
+            Where the step ends, (n,) [m], and the size of the trial shear [Pa].
+        """
+        contact = np.empty((len(law), softening.N_CONTACT))
+        whole = start[:, BROKEN] == 0.0
+        slid = committed[:, SLID] - start[:, SLID]
+        softened = start[:, SOFTENED] + np.where(whole, self.by_slip[law] * slid, 0.0)
+        contact[:, softening.C_WHOLE], contact[:, softening.C_SOFTENED] = whole, softened
+        contact[:, softening.C_OPENED] = start[:, OPENED]
+        contact[:, softening.C_SLID] = committed[:, SLID]
+        contact[:, softening.C_CRUSHED] = np.maximum(-committed[:, DILATION], 0.0)
+        contact[:, softening.C_GAP] = gap - committed[:, DILATION]
+        contact[:, softening.C_SHEAR] = shear
+        point = np.empty((len(law), softening.N_POINT))
+        softening.points(self.table, law, contact, point)
+        return point
 
     def reached(self, law: IntArray, before: Array, after: Array, gap: Array) -> Reached:
         """What contacts come to where a step ends.

@@ -51,6 +51,8 @@ from drystone.solvers.linear_step import Loads, PointPace
 from drystone.solvers.piecewise import Accuracy, PathSettings, StepSolution
 from drystone.solvers.static_step import STATUS_OF, Constants, StaticStep
 from drystone.solvers.tie_forces import TieForces
+from drystone.solvers.ways import WayInPlane
+from drystone.solvers.yielding import Way
 from drystone.ties import Bars, TieState
 
 Array = NDArray[np.float64]
@@ -369,18 +371,44 @@ class EquilibriumEngine:
         solve = self._once_in_space if isinstance(equations, ConeStep) else self._once_in_plane
         last: StepSolution | None = None
 
-        def once(held: Array | None, fresh: Array | None, branch: IntArray) -> StepSolution:
+        def once(
+            held: Array | None, fresh: Array | None, branch: IntArray, near: Array | None
+        ) -> StepSolution:
             nonlocal last
             if self.ties:
                 self.ties.begin(state.ties)
-            last = solve(step, held, fresh, branch, last)
+            last = solve(step, held, fresh, branch, near, last)
             return last
 
+        def way(solved: StepSolution) -> Way | None:
+            if not self.strengths.smooth or isinstance(equations, ConeStep):
+                return None
+            return WayInPlane(
+                equations, self.strengths, step.pace, solved.increment, solved.multiplier
+            )
+
         if not self.strengths.any:
-            return once(None, None, state.branch)
-        start = yielding.Beginning(state.history, state.slots.gap, state.branch, state.multiplier)
+            return once(None, None, state.branch, None)
+        increment = step.demand.increment
+        start = yielding.Beginning(
+            state.history,
+            state.slots.gap,
+            state.branch,
+            state.multiplier,
+            np.nan if increment is None else state.slope * increment,
+        )
         heaviest = self.problem.assembly.heaviest_weight
-        return yielding.solve(equations, self.strengths, start, once, SETTLED * heaviest)
+        demand = step.demand
+        return yielding.solve(
+            equations,
+            self.strengths,
+            start,
+            once,
+            way,
+            SETTLED * heaviest,
+            increment,
+            lets_go=increment is None or demand.over_fold or demand.time_step > 0.0,
+        )
 
     def _once_in_space(
         self,
@@ -388,14 +416,13 @@ class EquilibriumEngine:
         held: Array | None,
         fresh: Array | None,
         branch: IntArray,
+        near: Array | None,
         last: StepSolution | None,
     ) -> StepSolution:
         """Solve a step with what joints hold, from the ``last`` solution of it, if any."""
         equations, state, demand, pace = self.equations, step.state, step.demand, step.pace
         assert isinstance(equations, ConeStep)
-        equations.begin(
-            state.pose, state.slots, state.history, branch, step.h, pace, held, fresh
-        )
+        equations.begin(state.pose, state.slots, state.history, branch, step.h, pace, held, fresh)
         guesses, multiplier = [step.guess], step.multiplier
         if state.tangent is not None and demand.increment is not None:
             guesses.append(demand.increment * state.tangent)
@@ -424,6 +451,7 @@ class EquilibriumEngine:
         held: Array | None,
         fresh: Array | None,
         branch: IntArray,
+        near: Array | None,
         last: StepSolution | None,
     ) -> StepSolution:
         """The same, always from where the step starts."""
@@ -436,7 +464,7 @@ class EquilibriumEngine:
             equations,
             self.interior,
             pace,
-            x,
+            x if near is None else near,
             step.multiplier,
             branch,
             state.reaction,

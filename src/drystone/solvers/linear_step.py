@@ -285,6 +285,19 @@ class LinearStep:
         frame.sign[0] = math.copysign(1.0, pivot) if pivot else 0.0
         return abs(pivot) > SINGULAR
 
+    def direction(self, missing: float, *, paced: bool) -> float:
+        """Direction in the frame's first column, for the unbalanced forces and what is missing of
+        the pacing displacement [m], by the factors at hand; returns that of the multiplier."""
+        frame, columns = self.frame, self.frame.columns
+        columns[0] = self.force
+        if not paced:
+            lu_numeric.solve(self.structure, self.factors, columns[:1])
+            return 0.0
+        columns[1] = frame.load
+        np.multiply(self.spring, frame.axis, out=columns[2])
+        lu_numeric.solve(self.structure, self.factors, columns)
+        return float(path.border(frame, columns[0], missing))
+
     @property
     def stable(self) -> bool:
         """Whether the structure would keep the equilibrium that the tangent was made for.

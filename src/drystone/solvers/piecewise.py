@@ -313,7 +313,11 @@ class _Walk:
         #: failing there is cheap.
         self.few = pace is not None and n < settings.many_blocks
         self.worth = 2 * step.count if self.few else settings.worth
-        self.patience = settings.max_changes
+        self.most = settings.max_changes
+        if len(step.start.held):
+            # Points of a joint that softens change together.
+            self.most = max(self.most, min(2 * step.count, settings.change_effort // n))
+        self.patience = self.most
         if not whole or pace is None:
             most = min(2 * step.count, settings.change_effort // n)
             self.patience = max(2 * self.patience, most)
@@ -347,7 +351,7 @@ class _Walk:
         step = self.step
         self._set_out()
         self.leapt = self.whole = True
-        self.patience = self.settings.max_changes
+        self.patience = self.most
         start, branch = x.copy(), step.branch.copy()
         descent = self.interior.descent(x, multiplier, self.geometry, self.pace, self.gradient)
         if self.early and descent.run(self.accuracy.tolerance, early=True):
@@ -380,7 +384,7 @@ class _Walk:
         while end == path.RENEW:
             if not self.whole and np.isfinite(self.step.frame.turn[0]):
                 self.whole = True
-                self.patience = min(self.patience, self.changes + self.settings.max_changes)
+                self.patience = min(self.patience, self.changes + self.most)
             end, multiplier = self._advance(x, multiplier, worth)
             worth = self.step.count
         return end, multiplier

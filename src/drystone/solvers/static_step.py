@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from drystone.contact.certificate import JudgedContacts
 from drystone.contact.detection import Detector
 from drystone.contact.forces import OPEN, SLIDING, STICKING
+from drystone.contact.strengths import Strengths
 from drystone.geometry import motion
-from drystone.kernels import forces, path, rows
+from drystone.kernels import forces, path, rows, softening
 from drystone.kernels import law as joint_law
-from drystone.kernels.contacts import NONE, TRIAL_T, Pairs, Slots
+from drystone.kernels.contacts import NONE, STIFF_N, TRIAL_T, Pairs, Slots
 from drystone.kernels.forces import Start
 from drystone.kernels.law import N_HELD, N_HISTORY
 from drystone.kernels.yielding import CRUSHED, N_BRANCHES
@@ -188,6 +189,37 @@ class StaticStep(LinearStep):
             normal=self.reaction[:, 0],
             area=self.start.size * self.constants.thickness,
         )
+
+    def soften(
+        self, strengths: Strengths, start: Array, x: Array, multiplier: float
+    ) -> tuple[IntArray, Array]:
+        """Unbalanced forces and tangent at ``x`` with the strengths that joints have there.
+
+        ``start`` (n_slots, N_HISTORY) is the history where the step begins, of the present slots.
+        Returns slots (n,) of joints that yield, and what they come to (n, N_POINT).
+        """
+        self.evaluate(x, multiplier)
+        self.respond()
+        used, table = self.contacts.slot[: self.count], self.contacts.table
+        law = self.pairs.law_of_slot[used]
+        rows = np.flatnonzero(strengths.yields[law])
+        slot, law = used[rows], law[rows]
+        size = np.where(self.start.size[slot] > 0.0, self.start.size[slot], self.slots.size[slot])
+        area, shear = size * self.constants.thickness, table[rows, TRIAL_T]
+        point = strengths.points(
+            law, start[slot], self.history_before[slot], self.slots.gap[slot], abs(shear) / area
+        )
+        sign, kn = np.sign(shear), table[rows, STIFF_N] / area
+        response, p = self.response, point.T
+        response[rows, joint_law.RN] = area * p[softening.P_NORMAL]
+        response[rows, joint_law.RT] = area * sign * p[softening.P_SHEAR]
+        response[rows, joint_law.NN] = -p[softening.P_NY] / kn
+        response[rows, joint_law.NT] = sign * p[softening.P_NT]
+        response[rows, joint_law.TN] = -sign * p[softening.P_TY] / kn
+        response[rows, joint_law.TT] = p[softening.P_TT]
+        self.reaction[slot] = response[rows, : joint_law.RT + 1]
+        self.assemble(x, multiplier, np.zeros_like(x))
+        return slot, point
 
     def remember(self) -> None:
         """Make sliding that has ended on the path part of the step's history."""

@@ -3,8 +3,13 @@
 Within a solution all strengths are constants: those of what contacts have come to where the step
 ends (`contact.strengths`).  So a step is solved, what contacts have come to is read off, and it is
 solved again with the strengths of that, until these stand.  Strengths at the end, and not at the
-start, make the curve independent of how long steps are; beginning with those at the start, they
-fall from one solution to the next to the first ones that the structure can have.
+start, make the curve independent of how long steps are.
+
+From such a solution Newton's method goes on with strengths that follow from where the blocks are
+(`kernels.softening`), which finds those at the end in a few iterations wherever the structure has
+an equilibrium that it would keep.  Where it does not, as a joint lets go, strengths fall from one
+solution to the next, at the same pacing displacement, to the first ones that the structure can
+have: that is a snap, and Newton's method takes over where it ends.
 """
 
 from __future__ import annotations
@@ -17,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.strengths import Reached, Strengths, difference
+from drystone.kernels import softening
 from drystone.kernels.contacts import Pairs
 from drystone.kernels.law import H_ROOM
 from drystone.kernels.yielding import BONDED, CRUSHED, OPEN, STICKING, TORN
@@ -29,8 +35,20 @@ IntArray = NDArray[np.int64]
 #: Shares of what is missing that are gone at a time.
 LEAST_SHARE, MOST_SHARE = 0.3, 10.0
 
-#: Solutions of a step before it counts as failed.
-MOST_SOLUTIONS = 60
+#: Solutions of a step before it counts as failed: where joints may let go in it, and where a
+#: shorter one would rather be tried.
+MOST_SOLUTIONS, FEW_SOLUTIONS = 60, 6
+
+#: Iterations of Newton's method, halvings of one, and force that it may leave, over the one by
+#: which what contacts hold may still change.
+MOST_ITERATIONS, MOST_HALVINGS, LEFT = 20, 4, 1e-2
+
+
+#: Share of a step up to which it is taken again, at most: where it bends goes with its length.
+FARTHEST = 0.7
+
+#: Shares of a step at which its shape is looked at.
+SHARES = np.linspace(0.05, 0.95, 19)
 
 
 class YieldingStep(Protocol):
@@ -46,6 +64,46 @@ class YieldingStep(Protocol):
         ...
 
 
+class Way(Protocol):
+    """A step on its way to an equilibrium with the strengths that joints have there."""
+
+    @property
+    def residual(self) -> float:
+        """Largest unbalanced force [N]."""
+        ...
+
+    @property
+    def missing(self) -> float:
+        """What is missing of the pacing displacement [m]."""
+        ...
+
+    @property
+    def increment(self) -> Array:
+        """Where it has come to, (n, n_dof)."""
+        ...
+
+    def soften(self, start: Array) -> tuple[IntArray, Array]:
+        """Unbalanced forces, and tangent, where it is: slots (n,) of joints that yield and what
+        they come to (n, N_POINT), by their history ``start`` (n_slots, N_HISTORY + dim - 2)."""
+        ...
+
+    def gap(self, slot: IntArray) -> Array:
+        """Gaps of slots (n,) [m]."""
+        ...
+
+    def aim(self) -> bool:
+        """Find the direction of Newton's method; whether there is one."""
+        ...
+
+    def move(self, length: float) -> None:
+        """Go on by so much of it."""
+        ...
+
+    def slope(self) -> float | None:
+        """Of the curve [1/m], where it is; None where the structure would not keep it."""
+        ...
+
+
 class Beginning(NamedTuple):
     """Where a step starts."""
 
@@ -53,14 +111,22 @@ class Beginning(NamedTuple):
     gap: Array  # (n_slots,) m
     branch: IntArray  # (n_slots,)
     multiplier: float
+    rise: float  # by which the multiplier would go along the tangent; or not a number
+
+
+Once = Callable[[Array, Array, IntArray, Array | None], StepSolution]
 
 
 def solve(
     step: YieldingStep,
     strengths: Strengths,
     start: Beginning,
-    once: Callable[[Array, Array, IntArray], StepSolution],
+    once: Once,
+    way: Callable[[StepSolution], Way | None],
     tolerance: float,
+    increment: float | None,
+    *,
+    lets_go: bool,
 ) -> StepSolution:
     """Solve a step; its equations are left evaluated at the solution, with its history.
 
@@ -74,9 +140,16 @@ def solve(
         Where the step starts.
     once
         Begins the step with what contacts hold (n_slots, N_HELD), and what those hold that are made
-        in it (n_slots, N_HELD), and solves it from the branches (n_slots,).
+        in it (n_slots, N_HELD), and solves it from the branches (n_slots,), with gradients of the
+        increments (n, n_dof) near which it will end, if these are known.
+    way
+        The way from a solution, if there is one.
     tolerance
         Force [N] by which what contacts hold may still change.
+    increment
+        Of the pacing displacement [m]; None where there is none.
+    lets_go
+        Whether joints may let go in it, to equilibria that are far.
     """
     law, history = step.pairs.law_of_slot, start.history
     now = strengths.first(history, start.gap)
@@ -84,9 +157,12 @@ def solve(
     fresh = strengths.fresh[law]
     first: StepSolution | None = None
     relaxation = _Relaxation(strengths, law)
-    for _ in range(MOST_SOLUTIONS):
-        solved = once(held, fresh, _fitting(start.branch, held))
-        iterations += solved.n_iterations
+    near: Array | None = None
+    slope: float | None = None
+    fallen, most = 0, MOST_SOLUTIONS if lets_go else FEW_SOLUTIONS
+    for _ in range(most):
+        solved = once(held, fresh, _fitting(start.branch, held), near)
+        iterations = max(iterations, solved.n_iterations)
         solved = replace(solved, n_iterations=iterations)
         if solved.reason:
             return solved
@@ -99,10 +175,79 @@ def solve(
         after = strengths.held(law, before, then)
         if difference(after, end.held, end.normal, end.area) <= tolerance:
             strengths.write(law, then, end.after)
-            return replace(solved, excess=_hidden(first, solved, start.multiplier))
-        now = relaxation.next(now, then, origin)
+            return _shaped(solved, first, start, increment, slope, fallen > 0, lets_go)
+        near = solved.increment
+        found = _settled(way(solved), before, then, LEFT * tolerance)
+        if found:
+            now, near, slope = _at(found.reached, now, origin), found.increment, found.slope
+            after = strengths.held(law, before, found.reached)
+        else:
+            now, fallen = relaxation.next(now, then, origin), fallen + 1
         held, fresh = strengths.held(law, history, now), np.where(made, after, fresh)
     return replace(solved, reason="joints do not come to rest as they soften")
+
+
+class _Settled(NamedTuple):
+    reached: Reached
+    increment: Array  # (n, n_dof)
+    slope: float  # 1/m
+
+
+def _settled(way: Way | None, start: Array, then: Reached, enough: float) -> _Settled | None:
+    """Newton's method from a solution; None where that leads to no equilibrium that the structure
+    would keep.
+
+    ``start`` (n_slots, N_HISTORY + dim - 2) is the history where the step begins, ``then`` what
+    contacts have come to, and ``enough`` the force that may be left [N].
+    """
+    if way is None:
+        return None
+    slot, point = way.soften(start)
+    for _ in range(MOST_ITERATIONS):
+        residual = way.residual
+        if residual <= enough:
+            break
+        if not (np.isfinite(residual) and way.aim()):
+            return None
+        length = 1.0
+        way.move(length)
+        slot, point = way.soften(start)
+        for _ in range(MOST_HALVINGS):
+            if way.residual < residual:
+                break
+            length *= 0.5
+            way.move(-length)
+            slot, point = way.soften(start)
+        else:
+            if not way.residual < residual:
+                return None
+    else:
+        return None
+    slope = way.slope()
+    if slope is None:
+        return None
+    reached = Reached(*(a.copy() for a in then))
+    for own, column in (
+        (reached.softened, softening.P_SOFTENED),
+        (reached.opened, softening.P_OPENED),
+        (reached.slid, softening.P_SLID),
+        (reached.crushed, softening.P_CRUSHED),
+    ):
+        own[slot] = point[:, column]
+    reached.gap[slot] = way.gap(slot) + reached.crushed[slot]
+    return _Settled(reached, way.increment, slope)
+
+
+def _at(then: Reached, now: Reached, origin: IntArray) -> Reached:
+    """What contacts have come to, ``then``, in the slots where the step starts, ``origin``
+    (n_slots,) of each."""
+    known = origin >= 0
+    found = []
+    for mine, theirs in zip(now, then, strict=True):
+        at = mine.copy()
+        at[origin[known]] = theirs[known]
+        found.append(at)
+    return Reached(*found)
 
 
 class _Relaxation:
@@ -119,13 +264,7 @@ class _Relaxation:
     def next(self, now: Reached, then: Reached, origin: IntArray) -> Reached:
         """What to go on with, in the slots where the step starts: ``origin`` (n_slots,) of those
         that have come to ``then``."""
-        known = origin >= 0
-        found = []
-        for mine, theirs in zip(now, then, strict=True):
-            at = mine.copy()
-            at[origin[known]] = theirs[known]
-            found.append(at)
-        there = Reached(*found)
+        there = _at(then, now, origin)
         per_slip, by_crushing = self.scale
         missing = np.concatenate(
             (
@@ -148,26 +287,38 @@ class _Relaxation:
         )
 
 
-def _hidden(
-    first: StepSolution, last: StepSolution, multiplier: float
-) -> tuple[float, float] | None:
-    """By how much the multiplier may exceed both ends within the step, and where, see
-    `StepSolution`.
+def _shaped(
+    solved: StepSolution,
+    first: StepSolution,
+    start: Beginning,
+    increment: float | None,
+    slope: float | None,
+    fallen: bool,
+    lets_go: bool,
+) -> StepSolution:
+    """The solution of a step, with what it may hide of the curve; see `StepSolution`.
 
-    It is no higher than with the strengths at the start.  Where the way with these is straight, it
-    leaves it with the square of what has been gone.
+    Of a curve that has tangents at both ends: what the cubic through them has.  Where joints have
+    let go on the way, it may have gone along the first tangent to just before the end.
     """
-    if first.excess is None or first.bend is None:
-        return None
-    rise, drop = first.multiplier - multiplier, first.multiplier - last.multiplier
-    if abs(first.bend[0]) <= 0.1 * abs(drop) and first.excess[0] <= 0.0:
-        if drop <= 0.0 or not 0.0 < rise < 2.0 * drop:
-            return 0.0, 0.0
-        top = multiplier + 0.25 * rise * rise / drop
-        return top - max(last.multiplier, multiplier), 0.5 * rise / drop
-    highest = max(first.multiplier, multiplier) + max(first.excess[0], 0.0)
-    share = first.excess[1] if first.excess[0] > 0.0 else first.bend[1]
-    return highest - max(last.multiplier, multiplier), share
+    if increment is None or solved.bend is None:
+        return solved if increment is not None else replace(solved, excess=None)
+    before, after = start.multiplier, solved.multiplier
+    rise = start.rise if np.isfinite(start.rise) else first.multiplier - before
+    change, top = after - before, max(before, after)
+    if fallen and lets_go:
+        return replace(solved, excess=None, bend=None)
+    if fallen:
+        off = abs(rise - change)
+        return replace(solved, excess=(before + max(rise, 0.0) - top, 0.5), bend=(off, 0.5))
+    at_end = change if slope is None else slope * increment
+    away = SHARES * (1.0 - SHARES) * ((rise - change) * (1.0 - SHARES) - (at_end - change) * SHARES)
+    along = before + SHARES * change + away
+    high, off = int(np.argmax(along)), int(np.argmax(np.abs(away)))
+    excess = max(float(along[high]) - top, 0.0), float(SHARES[high])
+    bend = max(solved.bend, (float(abs(away[off])), float(SHARES[off])))
+    bend = bend[0], min(bend[1], FARTHEST)
+    return replace(solved, excess=excess, bend=bend, slope=at_end / increment)
 
 
 def _fitting(branch: IntArray, held: Array) -> IntArray:

@@ -1,0 +1,73 @@
+"""Newton's method on steps whose joints have the strengths of where the blocks are.
+
+See `solvers.yielding`, which goes these ways, and `kernels.softening` for the joints.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.strengths import Strengths
+from drystone.solvers.linear_step import Pace
+from drystone.solvers.static_step import StaticStep
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+class WayInPlane:
+    """That of a `StaticStep` from increments (n, 3) and a multiplier."""
+
+    def __init__(
+        self, step: StaticStep, strengths: Strengths, pace: Pace | None, x: Array, multiplier: float
+    ) -> None:
+        self.step, self.strengths, self.pace = step, strengths, pace
+        self.increment, self.multiplier = x.copy(), multiplier
+        self.by_multiplier = 0.0
+
+    @property
+    def residual(self) -> float:
+        """See `Way.residual`."""
+        return self.step.residual
+
+    @property
+    def missing(self) -> float:
+        """See `Way.missing`."""
+        return self.pace.missing(self.increment) if self.pace else 0.0
+
+    def soften(self, start: Array) -> tuple[IntArray, Array]:
+        """See `Way.soften`."""
+        return self.step.soften(self.strengths, start, self.increment, self.multiplier)
+
+    def gap(self, slot: IntArray) -> Array:
+        """See `Way.gap`."""
+        return self.step.slots.gap[slot]
+
+    def aim(self) -> bool:
+        """See `Way.aim`."""
+        step = self.step
+        if not self._factorise():
+            return False
+        self.by_multiplier = step.direction(self.missing, paced=self.pace is not None)
+        return bool(np.isfinite(self.by_multiplier))
+
+    def _factorise(self) -> bool:
+        step = self.step
+        gradient = self.pace.gradient(self.increment) if self.pace else step.force
+        step.damping[:] = 0.0
+        return step.factorise(self.pace, gradient, 0.0)
+
+    def move(self, length: float) -> None:
+        """See `Way.move`."""
+        self.increment += length * self.step.frame.columns[0]
+        self.multiplier += length * self.by_multiplier
+
+    def slope(self) -> float | None:
+        """See `Way.slope`."""
+        step = self.step
+        if not self._factorise():
+            return None
+        step.force[:] = 0.0
+        slope = step.direction(1.0, paced=self.pace is not None)
+        return slope if step.stable and np.isfinite(slope) else None
