@@ -380,12 +380,19 @@ class EquilibriumEngine:
             last = solve(step, held, fresh, branch, near, last)
             return last
 
-        def way(solved: StepSolution) -> Way | None:
+        def way(solved: StepSolution | None) -> Way | None:
             if not self.strengths.smooth or isinstance(equations, ConeStep):
                 return None
-            return WayInPlane(
-                equations, self.strengths, step.pace, solved.increment, solved.multiplier
-            )
+            x, multiplier = step.guess, step.multiplier
+            if solved:
+                x, multiplier = solved.increment, solved.multiplier
+            else:
+                held, fresh = equations.start.held, equations.fresh
+                equations.begin(
+                    state.pose, state.slots, state.history, state.branch, step.h, x, held, fresh
+                )
+                equations.branch[:] = state.branch
+            return WayInPlane(equations, self.strengths, step.pace, step.accuracy, x, multiplier)
 
         if not self.strengths.any:
             return once(None, None, state.branch, None)

@@ -161,6 +161,20 @@ def solve(
     return _correct(step, interior, pace, guess, multiplier, accuracy, settings, whole=whole)
 
 
+def stands(
+    step: StaticStep, pace: Pace | None, x: Array, multiplier: float, accuracy: Accuracy
+) -> bool:
+    """Whether a step that has begun is solved at the increments ``x`` (n, n_dof), with the contacts
+    that are found there; its equations are left evaluated."""
+    step.evaluate(x, multiplier)
+    moved = step.constants.detector.farthest(x)
+    enough, short = _enough(step, moved, accuracy), abs(pace.missing(x)) if pace else 0.0
+    if not (step.residual <= enough and short <= accuracy.lag and moved <= accuracy.farthest):
+        return False
+    step.find(x)
+    return not narrow.changed_contacts(step.slots, step.found, accuracy.depth)
+
+
 def _correct(
     step: StaticStep,
     interior: InteriorPoint,

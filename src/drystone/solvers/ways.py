@@ -5,11 +5,15 @@ See `solvers.yielding`, which goes these ways, and `kernels.softening` for the j
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.strengths import Strengths
+from drystone.solvers import piecewise
 from drystone.solvers.linear_step import Pace
+from drystone.solvers.piecewise import Accuracy, StepSolution
 from drystone.solvers.static_step import StaticStep
 
 Array = NDArray[np.float64]
@@ -20,9 +24,16 @@ class WayInPlane:
     """That of a `StaticStep` from increments (n, 3) and a multiplier."""
 
     def __init__(
-        self, step: StaticStep, strengths: Strengths, pace: Pace | None, x: Array, multiplier: float
+        self,
+        step: StaticStep,
+        strengths: Strengths,
+        pace: Pace | None,
+        accuracy: Accuracy,
+        x: Array,
+        multiplier: float,
     ) -> None:
         self.step, self.strengths, self.pace = step, strengths, pace
+        self.accuracy = accuracy
         self.increment, self.multiplier = x.copy(), multiplier
         self.by_multiplier = 0.0
 
@@ -62,6 +73,21 @@ class WayInPlane:
         """See `Way.move`."""
         self.increment += length * self.step.frame.columns[0]
         self.multiplier += length * self.by_multiplier
+
+    def stand(self, held: Array, solved: StepSolution) -> StepSolution | None:
+        """See `Way.stand`."""
+        step, x = self.step, self.increment
+        step.start.held[:] = held
+        if not piecewise.stands(step, self.pace, x, self.multiplier, self.accuracy):
+            return None
+        return replace(
+            solved,
+            increment=x,
+            multiplier=self.multiplier,
+            excess=solved.excess or (0.0, 0.0),
+            bend=solved.bend or (0.0, 0.0),
+            reason="",
+        )
 
     def slope(self) -> float | None:
         """See `Way.slope`."""

@@ -41,8 +41,11 @@ MOST_SOLUTIONS, FEW_SOLUTIONS = 60, 6
 
 #: Iterations of Newton's method, halvings of one, and force that it may leave, over the one by
 #: which what contacts hold may still change.
-MOST_ITERATIONS, MOST_HALVINGS, LEFT = 20, 4, 1e-2
+MOST_ITERATIONS, MOST_HALVINGS, LEFT = 20, 4, 5e-4
 
+
+#: What may be missing of the pacing displacement [m].
+LAG = 1e-12
 
 #: Share of a step up to which it is taken again, at most: where it bends goes with its length.
 FARTHEST = 0.7
@@ -99,6 +102,11 @@ class Way(Protocol):
         """Go on by so much of it."""
         ...
 
+    def stand(self, held: Array, solved: StepSolution) -> StepSolution | None:
+        """The solution where it is, with what joints hold there (n_slots, N_HELD), if nothing is
+        unbalanced with that; but for its place as one ``solved`` before."""
+        ...
+
     def slope(self) -> float | None:
         """Of the curve [1/m], where it is; None where the structure would not keep it."""
         ...
@@ -122,7 +130,7 @@ def solve(
     strengths: Strengths,
     start: Beginning,
     once: Once,
-    way: Callable[[StepSolution], Way | None],
+    way: Callable[[StepSolution | None], Way | None],
     tolerance: float,
     increment: float | None,
     *,
@@ -143,7 +151,7 @@ def solve(
         in it (n_slots, N_HELD), and solves it from the branches (n_slots,), with gradients of the
         increments (n, n_dof) near which it will end, if these are known.
     way
-        The way from a solution, if there is one.
+        The way from a solution, or from the guess where there is none; if there is a way.
     tolerance
         Force [N] by which what contacts hold may still change.
     increment
@@ -164,48 +172,75 @@ def solve(
         solved = once(held, fresh, _fitting(start.branch, held), near)
         iterations = max(iterations, solved.n_iterations)
         solved = replace(solved, n_iterations=iterations)
-        if solved.reason:
+        if solved.reason and first:
+            return solved
+        going = None if solved.reason else solved
+        if going:
+            first = first or solved
+            come = _Come.to(step, strengths, history)
+            if come.change <= tolerance:
+                strengths.write(law, come.reached, come.after)
+                return _shaped(solved, first, start, increment, slope, fallen > 0, lets_go)
+            near = solved.increment
+        on = way(going)
+        if not going:
+            come = _Come.to(step, strengths, history)
+        found = _settled(on, come, LEFT * tolerance)
+        if on and found:
+            slope, near = found.slope, on.increment
+            stood = on.stand(strengths.held(law, come.before, found.reached), solved)
+            if stood:
+                there = _Come.to(step, strengths, history)
+                if there.change <= tolerance:
+                    strengths.write(law, there.reached, there.after)
+                    return _shaped(stood, first, start, increment, slope, fallen > 0, lets_go)
+            now = _at(found.reached, now, come.origin)
+        elif going:
+            now, fallen = relaxation.next(now, come.reached, come.origin), fallen + 1
+        if not (going or found):
             return solved
         first = first or solved
-        end = step.ended()
-        origin = end.origin
-        made = (origin < 0)[:, None]
-        before = np.where(made, end.before, history[origin])
-        then = strengths.reached(law, before, end.after, end.gap)
-        after = strengths.held(law, before, then)
-        if difference(after, end.held, end.normal, end.area) <= tolerance:
-            strengths.write(law, then, end.after)
-            return _shaped(solved, first, start, increment, slope, fallen > 0, lets_go)
-        near = solved.increment
-        found = _settled(way(solved), before, then, LEFT * tolerance)
-        if found:
-            now, near, slope = _at(found.reached, now, origin), found.increment, found.slope
-            after = strengths.held(law, before, found.reached)
-        else:
-            now, fallen = relaxation.next(now, then, origin), fallen + 1
-        held, fresh = strengths.held(law, history, now), np.where(made, after, fresh)
+        after = strengths.held(law, come.before, found.reached if found else come.reached)
+        held = strengths.held(law, history, now)
+        fresh = np.where((come.origin < 0)[:, None], after, fresh)
     return replace(solved, reason="joints do not come to rest as they soften")
+
+
+class _Come(NamedTuple):
+    """Where the equations of a step were last evaluated: what contacts have come to."""
+
+    origin: IntArray  # (n_slots,) see `Ended`
+    before: Array  # (n_slots, N_HISTORY + dim - 2), where the step starts
+    after: Array  # likewise, at the end: that of the step
+    reached: Reached
+    change: float  # N, by which what contacts hold follows from it anew
+
+    @classmethod
+    def to(cls, step: YieldingStep, strengths: Strengths, history: Array) -> _Come:
+        """That of a step which starts with a ``history`` (n_slots, N_HISTORY + dim - 2)."""
+        law, end = step.pairs.law_of_slot, step.ended()
+        before = np.where((end.origin < 0)[:, None], end.before, history[end.origin])
+        reached = strengths.reached(law, before, end.after, end.gap)
+        held = strengths.held(law, before, reached)
+        change = difference(held, end.held, end.normal, end.area)
+        return cls(end.origin, before, end.after, reached, change)
 
 
 class _Settled(NamedTuple):
     reached: Reached
-    increment: Array  # (n, n_dof)
     slope: float  # 1/m
 
 
-def _settled(way: Way | None, start: Array, then: Reached, enough: float) -> _Settled | None:
-    """Newton's method from a solution; None where that leads to no equilibrium that the structure
-    would keep.
-
-    ``start`` (n_slots, N_HISTORY + dim - 2) is the history where the step begins, ``then`` what
-    contacts have come to, and ``enough`` the force that may be left [N].
-    """
+def _settled(way: Way | None, come: _Come, enough: float) -> _Settled | None:
+    """Newton's method on a way, as contacts have come to it; None where that leads to no
+    equilibrium that the structure would keep.  ``enough`` is the force that may be left [N]."""
     if way is None:
         return None
+    start = come.before
     slot, point = way.soften(start)
     for _ in range(MOST_ITERATIONS):
         residual = way.residual
-        if residual <= enough:
+        if residual <= enough and abs(way.missing) <= LAG:
             break
         if not (np.isfinite(residual) and way.aim()):
             return None
@@ -213,20 +248,20 @@ def _settled(way: Way | None, start: Array, then: Reached, enough: float) -> _Se
         way.move(length)
         slot, point = way.soften(start)
         for _ in range(MOST_HALVINGS):
-            if way.residual < residual:
+            if way.residual < max(residual, enough):
                 break
             length *= 0.5
             way.move(-length)
             slot, point = way.soften(start)
         else:
-            if not way.residual < residual:
+            if not way.residual < max(residual, enough):
                 return None
     else:
         return None
     slope = way.slope()
     if slope is None:
         return None
-    reached = Reached(*(a.copy() for a in then))
+    reached = Reached(*(a.copy() for a in come.reached))
     for own, column in (
         (reached.softened, softening.P_SOFTENED),
         (reached.opened, softening.P_OPENED),
@@ -235,7 +270,7 @@ def _settled(way: Way | None, start: Array, then: Reached, enough: float) -> _Se
     ):
         own[slot] = point[:, column]
     reached.gap[slot] = way.gap(slot) + reached.crushed[slot]
-    return _Settled(reached, way.increment, slope)
+    return _Settled(reached, slope)
 
 
 def _at(then: Reached, now: Reached, origin: IntArray) -> Reached:
@@ -289,7 +324,7 @@ class _Relaxation:
 
 def _shaped(
     solved: StepSolution,
-    first: StepSolution,
+    first: StepSolution | None,
     start: Beginning,
     increment: float | None,
     slope: float | None,
@@ -304,7 +339,8 @@ def _shaped(
     if increment is None or solved.bend is None:
         return solved if increment is not None else replace(solved, excess=None)
     before, after = start.multiplier, solved.multiplier
-    rise = start.rise if np.isfinite(start.rise) else first.multiplier - before
+    known = first.multiplier if first and not first.reason else after
+    rise = start.rise if np.isfinite(start.rise) else known - before
     change, top = after - before, max(before, after)
     if fallen and lets_go:
         return replace(solved, excess=None, bend=None)
