@@ -349,9 +349,11 @@ def _shaped(
         return replace(solved, excess=(before + max(rise, 0.0) - top, 0.5), bend=(off, 0.5))
     at_end = change if slope is None else slope * increment
     away = SHARES * (1.0 - SHARES) * ((rise - change) * (1.0 - SHARES) - (at_end - change) * SHARES)
-    along = before + SHARES * change + away
-    high, off = int(np.argmax(along)), int(np.argmax(np.abs(away)))
-    excess = max(float(along[high]) - top, 0.0), float(SHARES[high])
+    off = int(np.argmax(np.abs(away)))
+    excess = 0.0, 0.0
+    if rise > 0.0 > at_end:  # no higher than where the tangents meet: joints give way at corners
+        share = min(max((change - at_end) / (rise - at_end), 0.0), 1.0)
+        excess = max(before + share * rise - top, 0.0), share
     bend = max(solved.bend, (float(abs(away[off])), float(SHARES[off])))
     bend = bend[0], min(bend[1], FARTHEST)
     return replace(solved, excess=excess, bend=bend, slope=at_end / increment)
