@@ -380,14 +380,15 @@ class EquilibriumEngine:
             last = solve(step, held, fresh, branch, near, last)
             return last
 
-        def way(solved: StepSolution | None) -> Way | None:
+        def way(solved: StepSolution | None, held: Array, fresh: Array) -> Way | None:
             if not self.strengths.smooth or isinstance(equations, ConeStep):
                 return None
             x, multiplier = step.guess, step.multiplier
             if solved:
                 x, multiplier = solved.increment, solved.multiplier
             else:
-                held, fresh = equations.start.held, equations.fresh
+                if self.ties:
+                    self.ties.begin(state.ties)
                 equations.begin(
                     state.pose, state.slots, state.history, state.branch, step.h, x, held, fresh
                 )
@@ -471,7 +472,7 @@ class EquilibriumEngine:
             equations,
             self.interior,
             pace,
-            x if near is None else near,
+            x if near is None or pace is None else near,
             step.multiplier,
             branch,
             state.reaction,

@@ -122,6 +122,10 @@ class Beginning(NamedTuple):
     rise: float  # by which the multiplier would go along the tangent; or not a number
 
 
+_UNSOLVED = StepSolution(
+    increment=np.zeros((0, 0)), multiplier=np.nan, n_iterations=1, excess=None, bend=None
+)
+
 Once = Callable[[Array, Array, IntArray, Array | None], StepSolution]
 
 
@@ -130,7 +134,7 @@ def solve(
     strengths: Strengths,
     start: Beginning,
     once: Once,
-    way: Callable[[StepSolution | None], Way | None],
+    way: Callable[[StepSolution | None, Array, Array], Way | None],
     tolerance: float,
     increment: float | None,
     *,
@@ -151,7 +155,8 @@ def solve(
         in it (n_slots, N_HELD), and solves it from the branches (n_slots,), with gradients of the
         increments (n, n_dof) near which it will end, if these are known.
     way
-        The way from a solution, or from the guess where there is none; if there is a way.
+        The way from a solution, or from the guess where there is none, with what contacts hold
+        and those that are made, as for ``once``; if there is a way.
     tolerance
         Force [N] by which what contacts hold may still change.
     increment
@@ -167,24 +172,29 @@ def solve(
     relaxation = _Relaxation(strengths, law)
     near: Array | None = None
     slope: float | None = None
-    fallen, most = 0, MOST_SOLUTIONS if lets_go else FEW_SOLUTIONS
-    for _ in range(most):
-        solved = once(held, fresh, _fitting(start.branch, held), near)
-        iterations = max(iterations, solved.n_iterations)
-        solved = replace(solved, n_iterations=iterations)
-        if solved.reason and first:
-            return solved
-        going = None if solved.reason else solved
-        if going:
-            first = first or solved
-            come = _Come.to(step, strengths, history)
-            if come.change <= tolerance:
-                strengths.write(law, come.reached, come.after)
-                return _shaped(solved, first, start, increment, slope, fallen > 0, lets_go)
-            near = solved.increment
-        on = way(going)
-        if not going:
-            come = _Come.to(step, strengths, history)
+    fallen, most = 0, MOST_SOLUTIONS if lets_go or not strengths.smooth else FEW_SOLUTIONS
+    begun = _Come(np.arange(len(law)), history, history, now, np.inf)
+    # A curve that has a tangent is gone on along it.
+    solved = _UNSOLVED
+    for k in range(most + 1):
+        going: StepSolution | None = None
+        come = begun
+        if k or not np.isfinite(start.rise):
+            solved = once(held, fresh, _fitting(start.branch, held), near)
+            iterations = max(iterations, solved.n_iterations)
+            solved = replace(solved, n_iterations=iterations)
+            if not solved.reason:
+                going, first = solved, first or solved
+                come = _Come.to(step, strengths, history)
+                if come.change <= tolerance:
+                    strengths.write(law, come.reached, come.after)
+                    if first is solved:  # nothing has yielded
+                        return solved
+                    return _shaped(solved, first, start, increment, slope, fallen > 0, lets_go)
+                near = solved.increment
+            elif k > 1 or np.isfinite(start.rise):
+                return solved
+        on = way(going, held, fresh)
         found = _settled(on, come, LEFT * tolerance)
         if on and found:
             slope, near = found.slope, on.increment
@@ -197,9 +207,8 @@ def solve(
             now = _at(found.reached, now, come.origin)
         elif going:
             now, fallen = relaxation.next(now, come.reached, come.origin), fallen + 1
-        if not (going or found):
+        elif solved.reason:
             return solved
-        first = first or solved
         after = strengths.held(law, come.before, found.reached if found else come.reached)
         held = strengths.held(law, history, now)
         fresh = np.where((come.origin < 0)[:, None], after, fresh)
@@ -339,7 +348,7 @@ def _shaped(
     if increment is None or solved.bend is None:
         return solved if increment is not None else replace(solved, excess=None)
     before, after = start.multiplier, solved.multiplier
-    known = first.multiplier if first and not first.reason else after
+    known = first.multiplier if first else after
     rise = start.rise if np.isfinite(start.rise) else known - before
     change, top = after - before, max(before, after)
     if fallen and lets_go:
