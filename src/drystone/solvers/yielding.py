@@ -363,9 +363,33 @@ def _shaped(
     if rise > 0.0 > at_end:  # no higher than where the tangents meet: joints give way at corners
         share = min(max((change - at_end) / (rise - at_end), 0.0), 1.0)
         excess = max(before + share * rise - top, 0.0), share
+    if first and not np.isfinite(start.rise):
+        excess = _hidden(first, solved, before) or excess
     bend = max(solved.bend, (float(abs(away[off])), float(SHARES[off])))
     bend = bend[0], min(bend[1], FARTHEST)
     return replace(solved, excess=excess, bend=bend, slope=at_end / increment)
+
+
+def _hidden(
+    first: StepSolution, last: StepSolution, multiplier: float
+) -> tuple[float, float] | None:
+    """By how much the multiplier may exceed both ends within the step, and where, see
+    `StepSolution`.
+
+    It is no higher than with the strengths at the start.  Where the way with these is straight, it
+    leaves it with the square of what has been gone.
+    """
+    if first.excess is None or first.bend is None:
+        return None
+    rise, drop = first.multiplier - multiplier, first.multiplier - last.multiplier
+    if abs(first.bend[0]) <= 0.1 * abs(drop) and first.excess[0] <= 0.0:
+        if drop <= 0.0 or not 0.0 < rise < 2.0 * drop:
+            return 0.0, 0.0
+        top = multiplier + 0.25 * rise * rise / drop
+        return top - max(last.multiplier, multiplier), 0.5 * rise / drop
+    highest = max(first.multiplier, multiplier) + max(first.excess[0], 0.0)
+    share = first.excess[1] if first.excess[0] > 0.0 else first.bend[1]
+    return highest - max(last.multiplier, multiplier), share
 
 
 def _fitting(branch: IntArray, held: Array) -> IntArray:
