@@ -45,6 +45,7 @@ from drystone.event_log import EventLog
 from drystone.events import named
 from drystone.frame import Frame
 from drystone.kernels.compilation import Compilation
+from drystone.language import say
 from drystone.model import REMOVE, STOP, Analysis, Model
 from drystone.plausible import Plausibility
 from drystone.progress.watched import points_shown
@@ -310,15 +311,12 @@ class _Run:
         ids = model.assembly.ids
         lost = [ids[i] for i in collapsed if ids[i] not in model.parts_that_may_fall]
         if lost and self.stops and not decision.finished:
-            have = "has" if len(lost) == 1 else "have"
-            reason = (
-                f"{named(lost, 'block')} {have} collapsed: the analysis ends there, "
-                f'[analysis] falling is "{STOP}"'
-            )
+            key = "end.has_collapsed" if len(lost) == 1 else "end.have_collapsed"
+            reason = say(key, blocks=named(lost, "block"), stop=STOP)
             # As asked: the curve is complete.
             return replace(decision, demand=None, reason=reason, finished=True)
         if model.control_point.block in fallen:
-            reason = "the control point has left the structure with its block"
+            reason = say("end.control_left")
             # A curve that is complete stays so.
             return decision if decision.finished else replace(decision, demand=None, reason=reason)
         return decision

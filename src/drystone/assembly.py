@@ -25,6 +25,7 @@ from drystone.geometry.outlines import Outlines
 from drystone.geometry.polygon import Core
 from drystone.geometry.polyhedra import Polyhedra
 from drystone.geometry.solid import Faces, Part
+from drystone.language import say
 from drystone.names import Named
 from drystone.ranges import RANGES, problem
 
@@ -124,8 +125,8 @@ class Corner:
     def words(self) -> str:
         """How they are, in a word or two."""
         if self.radius:
-            return f"rounded ({self.radius:g} m)"
-        return f"chamfered ({self.chamfer:g} m)" if self.chamfer else "sharp"
+            return say("corner.rounded", size=self.radius)
+        return say("corner.chamfered", size=self.chamfer) if self.chamfer else say("corner.sharp")
 
     def cores(self, figure: Figure) -> tuple[Core, ...] | tuple[SolidCore, ...]:
         """Contact shapes of a block's parts; raises `GeometryError` where nothing is left."""

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from drystone.contact.forces import ContactForces
 from drystone.events import PRINTED, Event, first_collapse
+from drystone.language import say
 from drystone.ties import STATES, TieState
 
 if TYPE_CHECKING:
@@ -95,10 +96,8 @@ class BlockLeft:
         return f"{round(self.control_displacement, PRINTED) + 0.0:.4g} m"
 
     def __str__(self) -> str:
-        return (
-            f'the block "{self.block}" left the structure at {self.displacement_text} '
-            f"(step {self.step})"
-        )
+        place = self.displacement_text.removesuffix(" m")
+        return str(say("end.block_left", block=self.block, place=place, step=self.step))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -372,8 +371,8 @@ class CapacityCurve:
         """What the point of highest multiplier is: no peak before the curve comes down from it, and
         none of the structure where a part of that has collapsed before."""
         if self.rises_after_collapse:
-            return "highest of what is left"
-        return "peak" if self.peak_passed else "highest so far"
+            return say("mark.left")
+        return say("mark.peak" if self.peak_passed else "mark.highest")
 
     def until(self, event: Event) -> CapacityCurve:
         """The curve up to the last point at rest before an event, as one that ends there.

@@ -12,6 +12,8 @@ from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any
 
+from drystone.language import Saying, say
+
 #: Names of blocks or ties that a sentence lists.
 FEW = 4
 
@@ -77,40 +79,47 @@ class Event:
         return f"at {displacement:.4g} m, multiplier {self.load_multiplier:.4f}"
 
     @property
-    def what(self) -> str:
+    def what(self) -> Saying:
         """What happened, as a clause."""
-        blocks = named(self.blocks, "block")
         several = len(self.blocks) != 1
-        far = f"by up to {self.motion:.3g} m" if several else f"by {self.motion:.3g} m"
         match self.kind:
             case EventKind.LOSS_OF_EQUILIBRIUM:
-                return f"the structure moves by itself, {far}"
+                return say("event.loss_several" if several else "event.loss", motion=self.motion)
             case EventKind.BLOCK_FALLEN:
-                return f"{blocks} {'fall' if several else 'falls'} {far}{self._after}"
+                key = "event.fall" if several else "event.falls"
+                blocks = named(self.blocks, "block")
+                return say(key, blocks=blocks, motion=self.motion, after=self._after)
             case EventKind.BLOCK_DISPLACED:
-                alone = "move by themselves" if several else "moves by itself"
-                return f"{blocks} {alone} {far}"
+                key = "event.move" if several else "event.moves"
+                return say(key, blocks=named(self.blocks, "block"), motion=self.motion)
             case EventKind.TIE_YIELDED:
-                return f"{named(self.ties, 'tie')} {'yield' if len(self.ties) != 1 else 'yields'}"
+                key = "event.yields" if len(self.ties) == 1 else "event.yield"
+                return say(key, ties=named(self.ties, "tie"))
             case EventKind.TIE_BROKEN:
-                return f"{named(self.ties, 'tie')} {'break' if len(self.ties) != 1 else 'breaks'}"
+                key = "event.breaks" if len(self.ties) == 1 else "event.break"
+                return say(key, ties=named(self.ties, "tie"))
             case EventKind.SUPPORT_LOST:
-                supports = named(self.blocks, "support")
-                return f"nothing rests on {supports} any more"
+                return say("event.support", blocks=named(self.blocks, "support"))
 
     @property
-    def _after(self) -> str:
+    def _after(self) -> Saying:
         several = len(self.blocks) != 1
         match self.outcome:
             case Outcome.HANGING:
-                return f" and {'hang' if several else 'hangs'} on ties without a contact"
+                return say("event.hang" if several else "event.hangs")
             case Outcome.LEFT:
-                return f" and {'leave' if several else 'leaves'} the structure"
+                return say("event.leave" if several else "event.leaves")
             case _:
-                return ""
+                return say("event.after_nothing")
+
+    @property
+    def said(self) -> Saying:
+        """Where it happened, and what."""
+        place = round(self.control_displacement, PRINTED) + 0.0
+        return say("event.at", place=place, multiplier=self.load_multiplier, what=self.what)
 
     def __str__(self) -> str:
-        return f"{self.place}: {self.what}"
+        return str(self.said)
 
     def as_dict(self) -> dict[str, Any]:
         """For files: plain values, kinds by their names."""
@@ -119,13 +128,16 @@ class Event:
         return {**found, "kind": str(self.kind), "outcome": self.outcome and str(self.outcome)}
 
 
-def named(names: Sequence[str], noun: str) -> str:
-    """One name, or a number and some of the names: 'the block "a"', '3 blocks ("a", "b", ...)'."""
-    quoted = ", ".join(f'"{name}"' for name in names[:FEW])
+def named(names: Sequence[str], noun: str) -> Saying:
+    """One name, or a number and some of the names: 'the block "a"', '3 blocks ("a", "b", ...)'.
+
+    The noun is "block", "tie" or "support".
+    """
+    quoted = [f'"{name}"' for name in names[:FEW]]
     if len(names) == 1:
-        return f"the {noun} {quoted}"
-    more = ", ..." if len(names) > FEW else ""
-    return f"{len(names)} {noun}s ({quoted}{more})"
+        return say(f"named.{noun}", names=quoted)
+    more = ["..."] if len(names) > FEW else []
+    return say(f"named.{noun}s", n=len(names), names=quoted + more)
 
 
 def first_collapse(events: Iterable[Event], may_fall: Collection[str] = ()) -> Event | None:

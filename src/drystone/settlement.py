@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from drystone.assembly import Assembly
 from drystone.errors import ModelError
 from drystone.geometry import motion
+from drystone.language import say
 from drystone.names import there_is_no
 from drystone.vectors import direction_of, vector
 
@@ -94,13 +95,13 @@ class Settlement:
     def words(self) -> str:
         """What it is, for people."""
 
-        def listed(values: Array | None) -> str:
-            return ", ".join(f"{x:g}" for x in ([] if values is None else values))
+        def listed(values: Array | None) -> list[float]:
+            return [] if values is None else [float(x) for x in values]
 
-        who = f'group "{self.group}"' if self.group else ", ".join(f'"{b}"' for b in self.blocks)
+        who = say("load.group", name=self.group) if self.group else [f'"{b}"' for b in self.blocks]
         if not self.rotates:
-            return f"settlement of {who} along ({listed(self.direction)})"
-        return f"rotation of {who} about ({listed(self.centre)})"
+            return say("load.settlement", who=who, direction=listed(self.direction))
+        return say("load.rotation", who=who, centre=listed(self.centre))
 
     def rows(self, assembly: Assembly) -> IntArray:
         """Of its blocks."""

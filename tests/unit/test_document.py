@@ -17,8 +17,8 @@ from drystone.cli import app
 from drystone.document import figures, svg
 from drystone.document.judged import Judged
 from drystone.document.report import render
-from drystone.document.words import words
 from drystone.export.results import load_results
+from drystone.language import words
 from drystone.viewer.folder import Folder
 from sites import TABLES
 
@@ -167,7 +167,9 @@ def test_words_are_all_used_and_all_there():
         for path in (ROOT / "src/drystone/document").rglob("*")
         if path.suffix in (".py", ".j2")
     )
-    data = tomllib.loads((ROOT / "src/drystone/document/en.toml").read_text(encoding="utf-8"))
+    data = tomllib.loads(
+        (ROOT / "src/drystone/language/en/report.toml").read_text(encoding="utf-8")
+    )
     for name, section in data.items():
         if isinstance(section, dict) and name not in ("engineer",):
             for key in section:

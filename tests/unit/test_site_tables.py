@@ -200,7 +200,8 @@ def test_every_setting_of_methods_is_a_key_of_the_file():
     keys = set(AssessmentSection.model_fields)
     given = {field.name for field in fields(Settings)} - {"records", "pulses"}
     assert given <= keys
-    assert keys - given == {"grouping", "opposite", "parts_that_may_fall", "record", "pulse"}
+    own = {"grouping", "language", "opposite", "parts_that_may_fall", "record", "pulse"}
+    assert keys - given == own
 
 
 def test_every_limit_state_of_methods_may_be_named_in_files():

@@ -15,17 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from drystone.assembly import GRAVITY
 from drystone.assessment.errors import AssessmentError, positive
+from drystone.language import Saying, say
 
 Array = NDArray[np.float64]
 
 #: How multiplier and control displacement become acceleration and displacement of the oscillator.
-READINGS: dict[str, str] = {
-    "base_shear": "a* = lambda g/e*, d* = d_C/Gamma, mass e* M: Circolare 7/2019 C7.3.4.2 and "
-    "(C8.7.1.3) to (C8.7.1.5)",
-    "energy": "a* = lambda g, d* = d_C/Gamma_k, mass Gamma_k sum m phi: the work of the load along "
-    "the curve, Gamma_k of the whole kinetic energy",
-    "literal_ec8": "a* = lambda g, d* = d_C, mass M: EN 1998-1:2004 (B.2), where a load in "
-    "proportion to mass has the shape 1",
+READINGS: dict[str, Saying] = {
+    name: say(f"reading.{name}") for name in ("base_shear", "energy", "literal_ec8")
 }
 
 

@@ -8,6 +8,11 @@ import math
 class AssessmentError(Exception):
     """No verdict can be given; the message says what is missing and what would mend it."""
 
+    @property
+    def said(self) -> str:
+        """The message, a `Saying` where the tables of the languages have it."""
+        return self.args[0] if self.args and isinstance(self.args[0], str) else str(self)
+
 
 class MissingError(AssessmentError):
     """A method needs something that was not said; the message names the key."""

@@ -18,7 +18,7 @@ from drystone.assessment.site import MotionAsked, motions_asked, spectra_of_site
 from drystone.site import AssessmentInput, Site
 
 #: Keys of [assessment] that are not for methods.
-OWN = ("grouping", "opposite", "parts_that_may_fall", "record", "pulse")
+OWN = ("grouping", "language", "opposite", "parts_that_may_fall", "record", "pulse")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,6 +20,7 @@ from drystone.assessment.spectra.ntc2018 import (
     return_period,
 )
 from drystone.assessment.spectra.table import read_spectrum
+from drystone.language import say
 from drystone.site import Site
 
 #: States that a motion given without a name is meant for, where others have one of their own: the
@@ -103,12 +104,9 @@ def missing_motions(asked: Sequence[MotionAsked]) -> tuple[str, ...]:
     missing = [motion for motion in asked if motion.ground_acceleration is None]
     if not missing:
         return ()
-    periods = ", ".join(f"{m.state} ({m.return_period:.0f} years)" for m in missing)
-    tables = ", ".join(f"[site.{m.state}]" for m in missing)
-    return (
-        f"The site gives no ground motion for {periods}: the hazard grid is not part of this "
-        f"program; ag, F0 and TC_star of these return periods belong into {tables}.",
-    )
+    states = [say("verdict.motion", state=m.state, years=m.return_period) for m in missing]
+    tables = [f"[site.{m.state}]" for m in missing]
+    return (say("verdict.missing_motions", states=states, tables=tables),)
 
 
 def spectra_of_site(site: Site) -> Spectra:
@@ -191,11 +189,7 @@ def _ec8(site: Site, state: str, values: Mapping[str, Any]) -> Spectrum:
     if as_given:
         return replace(spectrum, return_period=own.get("return_period"))
     if "return_period" not in values and spectrum.notes:
-        note = (
-            f"{state} is looked at under the ground motion of {years:g} years, EN 1998-3:2004 "
-            "2.1(3)P; National Annexes and EN 1998-3:2025 may ask for others: return_period in "
-            f"[site.{state}]."
-        )
+        note = say("ec8.state", state=state, years=years)
         spectrum = replace(spectrum, notes=(note, *spectrum.notes))
     return spectrum
 

@@ -16,6 +16,7 @@ from drystone.assessment.request import Request, request_of, settings_of
 from drystone.assessment.site import MotionAsked, missing_motions, spectra_of_site
 from drystone.curve import FINISHED, STATIC, CapacityCurve
 from drystone.events import first_collapse
+from drystone.language import Saying, said_end, say
 from drystone.model import Model
 from drystone.site import AssessmentInput, Site
 
@@ -166,14 +167,17 @@ def verdict_on(curve: CapacityCurve, model: Model, request: Request | None = Non
     except AssessmentError as error:
         if own.collapse_displacement is not None:
             raise
-        raise UnfinishedError(f"{error}. The curve is {curve.status}: {curve.reason}") from None
+        why = say(
+            "verdict.curve_is", why=error.said, status=curve.status, reason=said_end(curve.reason)
+        )
+        raise UnfinishedError(why) from None
     others: dict[str, Assessment | str] = {}
     for name, capacity in found.capacities.items():
         if name != settings.reading:
             try:
                 others[name] = assess(capacity, asked.spectra, replace(settings, reading=name))
             except AssessmentError as error:
-                others[name] = str(error)
+                others[name] = error.said
     first = (*_left_behind(curve, model), *_beyond_events(answer))
     missing = missing_motions(asked.hazard)
     answer = replace(answer, assumptions=(*first, *answer.assumptions, *missing))
@@ -190,13 +194,20 @@ def of_one_sense(verdict: Verdict, sense: str = "", why: str = "") -> Verdict:
     why
         There is no verdict on the other, where it was asked for.
     """
-    named = f", {sense}" if sense else ""
-    said = f"One sense was traced{named}: in the other the structure may be weaker."
+    said = say("verdict.one_sense")
     if why:
-        said = f"One sense has a verdict{named}: in the other the structure may be weaker ({why})."
+        said = say("verdict.one_verdict", sense=sense_words(sense), why=why)
+    elif sense:
+        said = say("verdict.one_sense_named", sense=sense_words(sense))
     answer = verdict.assessment
     answer = replace(answer, assumptions=(said, *answer.assumptions))
     return replace(verdict, assessment=answer)
+
+
+def sense_words(name: str) -> str:
+    """The name of a sense of the load, as files have it, for people."""
+    keys = {"along the load": "sense.along", "against the load": "sense.against"}
+    return say(keys[name]) if name in keys else name
 
 
 def of_the_whole(curve: CapacityCurve, model: Model) -> CapacityCurve:
@@ -211,31 +222,27 @@ def of_the_whole(curve: CapacityCurve, model: Model) -> CapacityCurve:
     return curve.until(event) if after or curve.status != FINISHED else curve
 
 
-def _left_behind(curve: CapacityCurve, model: Model) -> list[str]:
+def _left_behind(curve: CapacityCurve, model: Model) -> list[Saying]:
     """A sentence where the control point is not on what collapses first."""
     event = curve.ended_by or first_collapse(curve.events, model.parts_that_may_fall)
     control = model.assembly.ids[model.control_point.block]
     if event is None or control in event.blocks:
         return []
-    return [
-        f'The control point, on the block "{control}", takes no part in the collapse where '
-        f"{event.what}: displacements of limit states are not those of that part; put the control "
-        "point on it."
-    ]
+    return [say("verdict.left_behind", block=control, what=event.what)]
 
 
-def _beyond_events(answer: Assessment) -> list[str]:
+def _beyond_events(answer: Assessment) -> list[Saying]:
     """Of every limit state that lies beyond an event, a sentence that says so."""
     said = []
     for state in answer.limit_states:
         place = state.limit_control_displacement
         lost = () if place is None else answer.capacity.losses_before(place)
         if lost:
-            more = f", and {len(lost) - 1} more" if len(lost) > 1 else ""
-            said.append(
-                f"{state.name} lies at {place:.4g} m, beyond what happens on the way: "
-                f"{lost[0]}{more}."
-            )
+            on_the_way = {"state": state.name, "place": place, "first": lost[0]}
+            if len(lost) > 1:
+                said.append(say("verdict.beyond_events", more=len(lost) - 1, **on_the_way))
+            else:
+                said.append(say("verdict.beyond_event", **on_the_way))
     return said
 
 

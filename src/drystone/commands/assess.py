@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drystone.commands.options import AsJson, Quiet
+from drystone.commands.options import AsJson, Language, Quiet
 from drystone.commands.outcome import DONE, UNFINISHED, emit, fail, outcome, tell
 from drystone.commands.senses import Sense, Tracing, traced, worst
+from drystone.language import speaking
 
 if TYPE_CHECKING:
     from drystone.assessment.verdict import Verdict
@@ -85,6 +86,10 @@ def assess(
         Path | None,
         _text("--model", "Take [site] and [assessment] from this model file.", "FILE"),
     ] = None,
+    language: Annotated[
+        Language | None,
+        typer.Option("--language", help="Of sentences and pictures.", show_default=False),
+    ] = None,
     engine: Annotated[
         str | None, _text("--engine", "Of a MODEL: engine. [default: what the model says]")
     ] = None,
@@ -130,6 +135,7 @@ def assess(
             "reading": reading,
             "grouping": grouping,
             "confidence_factor": confidence_factor,
+            "language": None if language is None else language.value,
         },
     }
     with outcome(as_json=as_json):
@@ -144,7 +150,8 @@ def assess(
         )
         senses = traced(ask, lambda model: with_tables(model, overlay, model_file))
         formats = tuple(picture.value for picture in figures or ())
-        _conclude(senses, formats, as_json=as_json)
+        with speaking(language_of(senses[0].model)):
+            _conclude(senses, formats, as_json=as_json)
     raise typer.Exit(DONE)
 
 
@@ -218,8 +225,12 @@ def _factor(importance: str | None) -> str | float | None:
 
 
 def _conclude(senses: Sequence[Sense], formats: Sequence[str], *, as_json: bool) -> None:
-    """Write files, tell what was found, and end with status 3 where there is no verdict."""
-    from drystone.export.assessment import write_assessment
+    """Write files, tell what was found, and end with status 3 where there is no verdict.
+
+    In the language that is spoken.
+    """
+    from drystone.export.assessment import write_assessment, written
+    from drystone.language import spoken
 
     first, governing = senses[0], worst(senses)
     found = {sense.name: sense.as_dict() for sense in senses}
@@ -235,13 +246,14 @@ def _conclude(senses: Sequence[Sense], formats: Sequence[str], *, as_json: bool)
         ),
         "directory": str(first.folder),
     }
-    tell([f"warning: {note}" for sense in senses for note in sense.warnings])
+    tell([f"warning: {spoken(note)}" for sense in senses for note in sense.warnings])
     pictures: dict[str, Callable[[Path], None]] = {}
     if governing.verdict is not None:
         pictures = _pictures(governing.verdict, first.model.title, formats)
+    result = written(result)
     write_assessment(first.folder, result, pictures)
     if first.verdict is None:
-        problems = [first.problem or "there is no verdict"]
+        problems = [spoken(first.problem or "there is no verdict")]
         fail(UNFINISHED, problems, as_json=as_json, extra=result)
     if as_json:
         emit(result)
@@ -249,6 +261,12 @@ def _conclude(senses: Sequence[Sense], formats: Sequence[str], *, as_json: bool)
         from drystone.commands.assess_report import report
 
         typer.echo(report(senses, governing, first.folder, tuple(pictures)))
+
+
+def language_of(model: Model | None) -> str:
+    """The language that a model asks for in [assessment]; English else."""
+    asked = None if model is None else model.assessment
+    return "en" if asked is None else str(asked.values.get("language", "en"))
 
 
 def _pictures(

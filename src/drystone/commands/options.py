@@ -16,6 +16,13 @@ class Strategy(StrEnum):
     published = "published"
 
 
+class Language(StrEnum):
+    """Languages of what is written for people; the names are those of `drystone.language`."""
+
+    en = "en"
+    it = "it"
+
+
 ModelFile = Annotated[
     Path, typer.Argument(metavar="MODEL", help="Model file, TOML or JSON.", show_default=False)
 ]

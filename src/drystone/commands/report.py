@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from drystone.commands.options import AsJson, Quiet
+from drystone.commands.options import AsJson, Language, Quiet
 from drystone.commands.outcome import DONE, emit, outcome
 from drystone.commands.view import Results
 
@@ -17,6 +17,12 @@ def report(
     out: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Page to write. [default: DIR/report.html]"),
+    ] = None,
+    language: Annotated[
+        Language | None,
+        typer.Option(
+            "--language", help="Of the report. [default: what the model says]", show_default=False
+        ),
     ] = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -40,7 +46,7 @@ def report(
             check_apart(kept, [path])
         if found.results.model is not None:
             check_apart(found.results.model.source, [path])
-        in_a_sentence(lambda: write_report(path, found))
+        in_a_sentence(lambda: write_report(path, found, language=language))
         if as_json:
             emit({"status": "done", "file": str(path), "bytes": path.stat().st_size})
         elif not quiet:

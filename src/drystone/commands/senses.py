@@ -98,7 +98,7 @@ def _said_if_one(senses: list[Sense]) -> list[Sense]:
 
     only = known[0]
     assert only.verdict is not None
-    why = "; ".join(sense.problem for sense in senses if sense.problem)
+    why = next((sense.problem for sense in senses if sense.problem), "")
     said = replace(only, verdict=of_one_sense(only.verdict, only.name, why))
     return [said if sense is only else sense for sense in senses]
 
@@ -206,13 +206,14 @@ def _judged(name: str, model: Model, curve: CapacityCurve, folder: Path, sha256:
     raised."""
     from drystone.assessment.errors import UnfinishedError
     from drystone.assessment.request import request_of
-    from drystone.assessment.verdict import verdict_on
+    from drystone.assessment.verdict import sense_words, verdict_on
+    from drystone.language import say
 
     request = request_of(model.site, model.assessment)
     try:
         verdict = verdict_on(curve, model, request)
     except UnfinishedError as error:
-        problem = f"{name} there is no verdict: {error}"
+        problem = say("verdict.no_verdict", sense=sense_words(name), why=error.said)
         return Sense(
             name=name,
             model=model,

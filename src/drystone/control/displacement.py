@@ -24,7 +24,6 @@ from dataclasses import dataclass
 
 from drystone.control.base import Decision, check_settings
 from drystone.control.ends import (
-    COLLAPSED,
     End,
     Progress,
     carries_nothing,
@@ -34,6 +33,7 @@ from drystone.control.ends import (
     nothing_carried,
 )
 from drystone.engines.base import Demand, StepReport
+from drystone.language import say
 from drystone.records import changed
 
 #: How a step is tried: along the path of equilibria; up to where that turns back; over that place,
@@ -389,7 +389,7 @@ class DisplacementControl:
                 state = changed(state, shortened=True, too_long=state.time_step, n_since=0)
             state = changed(state, time_step=0.5 * state.time_step)
             if state.time_step < 1e-4 * s.time_step:
-                reason = f"a jump could not be followed to where it rests: {report.reason}"
+                reason: str = say("end.jump_lost", why=report.reason)
                 if state.highest <= 0.0:
                     reason = (
                         "the structure carries nothing along the load, as where joints have no "
@@ -501,7 +501,8 @@ class DisplacementControl:
                 return nothing_carried(s, state.n_steps)
             return fallen_freely(state.highest, s.stop_multiplier)
         if state.n_jump_steps >= s.jump_steps:
-            return End(reason=f"{COLLAPSED}: no rest within {s.jump_steps} steps of a jump")
+            how = say("end.no_rest", n=s.jump_steps)
+            return End(reason=say("end.collapsed", how=how))
         return end_of_curve(
             s,
             Progress(

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+from drystone.language import say
+
 #: Share of a peak below the stop value to which the curve is followed: blocks that come loose let
 #: a multiplier drop and rise again, though not from next to nothing.
 FALLEN = 0.01
@@ -13,8 +15,8 @@ EARLY = 100
 #: Likewise of a multiplier that does not rise at all, but for steps that move next to nothing.
 AT_ONCE = 3
 
-#: Why a curve ends in motion.
-COLLAPSED = "the structure, or a part of it, collapsed in motion"
+#: Beginning of why a curve ends in motion.
+COLLAPSED = say("end.collapsed", how="").removesuffix(": ")
 
 
 class EndSettings(Protocol):
@@ -58,12 +60,12 @@ class End:
 
 def fallen_freely(highest: float, stop_multiplier: float) -> End:
     """The end of what has fallen for long without load: of a complete curve, if ever it carried."""
-    return collapsed("it falls without any load", highest, stop_multiplier)
+    return collapsed(say("end.no_load"), highest, stop_multiplier)
 
 
 def collapsed(how: str, highest: float, stop_multiplier: float) -> End:
     """The end in motion: of a complete curve, if ever it carried."""
-    return End(reason=f"{COLLAPSED}: {how}", finished=highest > stop_multiplier)
+    return End(reason=say("end.collapsed", how=how), finished=highest > stop_multiplier)
 
 
 def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
@@ -76,23 +78,18 @@ def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
     s, p = settings, progress
     onwards = p.static and p.displacement >= p.highest_at
     if p.displacement >= s.max_displacement:
-        reached = f"the control displacement reached {s.max_displacement:g} m"
-        return End(reason=reached if p.static else f"{reached} in motion", finished=p.static)
+        key = "end.reached" if p.static else "end.reached_moving"
+        return End(reason=say(key, most=s.max_displacement), finished=p.static)
     if onwards and p.multiplier < s.stop_multiplier < p.highest:
-        reason = f"the load multiplier fell below {s.stop_multiplier:g}"
-        return End(reason=reason, finished=True)
+        return End(reason=say("end.fell_below", stop=s.stop_multiplier), finished=True)
     nothing = carries_nothing(s, p.highest)
     down = onwards and p.multiplier < FALLEN * p.highest <= FALLEN * s.stop_multiplier
     if down and not nothing:
-        return End(
-            reason=f"the peak multiplier {p.highest:.4g} lies below the stop multiplier "
-            f"{s.stop_multiplier:g}: the curve ends where hardly anything is carried; lower "
-            "stop_multiplier to end it earlier"
-        )
+        return End(reason=say("end.low_peak", peak=p.highest, stop=s.stop_multiplier))
     if nothing and p.n_steps >= (AT_ONCE if down else EARLY):
         return nothing_carried(s, p.n_steps)
     if p.n_steps >= s.max_steps:
-        return End(reason=f"the limit of {s.max_steps} steps was reached")
+        return End(reason=say("end.steps", n=s.max_steps))
     return None
 
 
@@ -103,7 +100,5 @@ def carries_nothing(settings: EndSettings, highest: float) -> bool:
 
 def nothing_carried(settings: EndSettings, n_steps: int) -> End:
     """The end of a structure that carries nothing."""
-    return End(
-        reason=f"the structure carries nothing along the load: in {n_steps} steps the "
-        f"multiplier did not rise above {FALLEN * settings.stop_multiplier:g}"
-    )
+    least = FALLEN * settings.stop_multiplier
+    return End(reason=say("end.carries_nothing", n=n_steps, least=least))

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from drystone.control.base import Decision
 from drystone.engines.base import Demand, StepReport
+from drystone.language import say
 from drystone.records import changed
 
 
@@ -99,9 +100,9 @@ class SettlingControl:
         )
         over = state.gone >= s.largest * (1.0 - 1e-9)
         many = state.n_steps >= s.max_steps
-        reason = "the supports have gone as far as asked" if over else ""
+        reason = say("end.supports_gone") if over else ""
         if many and not over:
-            reason = f"the largest number of steps, {s.max_steps}, was reached"
+            reason = say("end.supports_steps", n=s.max_steps)
         return Decision(
             accept=True,
             demand=None if reason else self._demand(state),
@@ -134,7 +135,7 @@ class SettlingControl:
                 accept=False,
                 demand=None,
                 state=state,
-                reason=f"the structure falls where its supports go on: {why}",
+                reason=say("end.supports_fall", why=why),
                 finished=True,
                 way=self._way(report),
             )

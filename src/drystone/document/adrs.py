@@ -7,7 +7,7 @@ import numpy as np
 from drystone.assessment.methods.base import Assessment, LimitState
 from drystone.document.figures import DASHES, DEMAND
 from drystone.document.svg import Drawing, Plot
-from drystone.document.words import words
+from drystone.language import say, words
 from drystone.report.adrs_figure import (
     GRID,
     PERIODS,
@@ -16,7 +16,8 @@ from drystone.report.adrs_figure import (
     demands_of,
     height_of,
     mark_of,
-    verdict_on,
+    name_of,
+    name_with_demand,
 )
 
 #: Wide and high without the legend [px]; a line of the legend and the title.
@@ -32,7 +33,10 @@ STYLE = (
 
 
 def adrs_file(answer: Assessment, title: str = "") -> str:
-    """The picture: capacity, bilinear, demand spectra by damping, rays of period, limit states."""
+    """The picture: capacity, bilinear, demand spectra by damping, rays of period, limit states.
+
+    In the language that is spoken.
+    """
     text = words()["plot"]
     d, a = capacity_line(answer)
     states = [s for s in answer.limit_states if s.limit_displacement is not None]
@@ -65,7 +69,7 @@ def adrs_file(answer: Assessment, title: str = "") -> str:
         b = answer.bilinear
         ends = [0.0, b.yield_displacement, b.ultimate_displacement]
         plot.line(ends, [0.0, b.yield_acceleration, b.yield_acceleration], class_="bilinear")
-        legend.line("bilinear", class_="bilinear")
+        legend.line(say("picture.bilinear").spoken, class_="bilinear")
     plot.line(d, a, class_="curve")
     legend.line(capacity_name(answer), class_="curve")
     for state in states:
@@ -104,7 +108,7 @@ def _rays(plot: Plot, right: float, top: float) -> None:
         x, y = plot.at([end], [slope * end])[0]
         aside = end >= right
         plot.drawing.text(
-            f"{period:g} s",
+            say("picture.seconds", period=period).spoken,
             x + (4.0 if aside else 0.0),
             y + (4.0 if aside else -3.0),
             text_anchor="start" if aside else "middle",
@@ -116,11 +120,11 @@ def _state(plot: Plot, legend: _Legend, answer: Assessment, state: LimitState) -
     """A limit state on the capacity, and what the ground asks of it."""
     limit, height, demand, across = mark_of(answer, state)
     plot.mark(limit, height, state.name, kind="diamond")
-    said = f"{state.name}: limit {limit:.4g} m, {verdict_on(state)}"
+    said = name_of(state)
     if demand is not None and across is not None:
         plot.line([demand, demand], [0.0, across], class_="down")
         x, y = plot.at([demand], [across])[0]
         if y >= plot.top:
             plot.drawing.add("circle", cx=x, cy=y, r=4.0, fill="#fff", stroke="#1a1a1a")
-        said += f"; demand {demand:.4g} m at T = {state.limit_period:.3g} s"
+        said = name_with_demand(state)
     legend.mark(said)

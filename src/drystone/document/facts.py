@@ -10,6 +10,8 @@ import numpy as np
 
 from drystone.assembly import Assembly, JointLaw
 from drystone.curve import DYNAMIC, CapacityCurve
+from drystone.language import number as spelt
+from drystone.language import said_end, say, spoken
 from drystone.model import Model
 
 #: What stands for a number that there is none of.
@@ -20,11 +22,19 @@ Words = Mapping[str, str]
 
 
 def number(value: Any, unit: str = "", digits: int = 4) -> str:
-    """A number with its unit; a dash where there is none."""
+    """A number with its unit, in the language that is spoken; a dash where there is none."""
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return NOTHING
-    text = f"{float(value):.{digits}g}" if not isinstance(value, int) else str(value)
+    text = spelt(float(value), f".{digits}g") if not isinstance(value, int) else str(value)
     return f"{text} {unit}".strip()
+
+
+def status_words(status: str) -> str:
+    """How an analysis ended, in the language that is spoken; as it is where no table has it."""
+    try:
+        return say(f"status.{status}").spoken
+    except KeyError:
+        return status
 
 
 def of_model(model: Model, words: Words) -> list[Row]:
@@ -32,7 +42,7 @@ def of_model(model: Model, words: Words) -> list[Row]:
     a = model.assembly
     low, high = a.packed.vertices.min(axis=0), a.packed.vertices.max(axis=0)
     control = model.control_point
-    point = ", ".join(f"{x:.5g}" for x in control.point)
+    point = words["between_numbers"].join(spelt(x, ".5g") for x in control.point)
     rows = [
         (words["dimension"], str(a.dimension)),
         (words["blocks"], str(a.n_blocks)),
@@ -41,9 +51,9 @@ def of_model(model: Model, words: Words) -> list[Row]:
         (words["volume"], number(float(a.volume[~a.fixed].sum()), "m³")),
         (words["weight"], number(float(a.weight[~a.fixed].sum()) / 1e3, "kN")),
         (words["size"], TIMES.join(number(float(side), "m") for side in high - low)),
-        (words["load"], model.load.words),
+        (words["load"], spoken(model.load.words)),
         (words["control"], words["on_block"].format(point=point, block=a.ids[control.block])),
-        (words["corner"], a.corner.words),
+        (words["corner"], spoken(a.corner.words)),
     ]
     if a.dimension == 2:
         rows.insert(1, (words["thickness"], number(a.thickness, "m")))
@@ -82,7 +92,7 @@ def _law(law: JointLaw) -> tuple[str, ...]:
         number(law.friction_coefficient),
         number(law.normal_stiffness, "Pa/m"),
         number(law.shear_stiffness, "Pa/m"),
-        f"{law.dilatancy_angle:g}°",
+        f"{spelt(law.dilatancy_angle, 'g')}°",
         number(law.cohesion, "Pa"),
         number(law.tensile_strength, "Pa"),
     )
@@ -98,9 +108,13 @@ def of_analysis(
         (words["stop"], number(curve.stop_multiplier)),
     ]
     if model is not None and model.analysis.options:
-        options = ", ".join(f"{k} = {v:g}" for k, v in model.analysis.options.items())
+        given = model.analysis.options.items()
+        options = words["between_numbers"].join(f"{k} = {spelt(v, 'g')}" for k, v in given)
         rows.append((words["options"], options))
-    rows += [(words["status"], curve.status), (words["reason"], curve.reason)]
+    rows += [
+        (words["status"], status_words(curve.status)),
+        (words["reason"], spoken(said_end(curve.reason))),
+    ]
     if curve.points:
         peak = curve.peak
         name = words["peak"] if curve.peak_passed else words["highest"]
@@ -121,7 +135,7 @@ def of_analysis(
         if summary.get(f"{key}_multiplier") is not None
     ]
     if curve.events:
-        rows.append((words["events"], "; ".join(map(str, curve.events))))
+        rows.append((words["events"], "; ".join(event.said.spoken for event in curve.events)))
     if math.isfinite(curve.wall_time):
         rows.append((words["wall_time"], number(curve.wall_time, "s", 3)))
     return rows
@@ -140,7 +154,8 @@ def of_certificate(curve: CapacityCurve, model: Model | None, words: Words) -> l
     share = ""
     if model is not None:
         deepest = np.nanmax(np.append(curve.column("penetration"), 0.0))
-        share = f", {100.0 * deepest / model.assembly.smallest_extent:.2g} {words['of_smallest']}"
+        percent = spelt(100.0 * deepest / model.assembly.smallest_extent, ".2g")
+        share = f"{words['between_numbers']}{percent} {words['of_smallest']}"
     rows.append((words["penetration"], _worst(curve, "penetration", "m", words) + share))
     for name, column in (("friction", "friction_violation"), ("lost_shear", "lost_shear")):
         rows.append((words[name], _worst(curve, column, words["of_heaviest"], words)))
@@ -155,7 +170,7 @@ def _worst(curve: CapacityCurve, name: str, unit: str, words: Words) -> str:
     row = int(np.nanargmax(values))
     if values[row] == 0.0:
         return "0"
-    return f"{values[row]:.2g} {unit} ({words['step']} {curve.points[row].step})"
+    return f"{spelt(values[row], '.2g')} {unit} ({words['step']} {curve.points[row].step})"
 
 
 def validity(
@@ -176,9 +191,9 @@ def validity(
             found.append(words["no_peak"])
         found += _penetrated(curve, model, words)
     if curve.status != "finished":
-        found.append(words["unfinished"].format(reason=curve.reason))
+        found.append(words["unfinished"].format(reason=spoken(said_end(curve.reason))))
     if curve.first_collapse is not None:
-        found.append(words["collapse"].format(event=curve.first_collapse))
+        found.append(words["collapse"].format(event=curve.first_collapse.said.spoken))
     if extrapolated:
         found.append(words["extrapolated"])
     return found
@@ -190,4 +205,8 @@ def _penetrated(curve: CapacityCurve, model: Model | None, words: Words) -> Iter
         return []
     share = float(np.nanmax(np.append(curve.column("penetration"), 0.0)))
     share /= model.assembly.smallest_extent
-    return [words["penetration"].format(share=f"{100.0 * share:.2g} %")] if share > 0.01 else []
+    return (
+        [words["penetration"].format(share=f"{spelt(100.0 * share, '.2g')} %")]
+        if share > 0.01
+        else []
+    )

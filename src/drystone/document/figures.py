@@ -15,6 +15,7 @@ from drystone.assembly import GRAVITY
 from drystone.assessment.spectra.base import Spectrum
 from drystone.curve import DYNAMIC, CapacityCurve
 from drystone.document.svg import Drawing, Plot
+from drystone.language import number, spoken
 from drystone.report import Mechanism, draw_mechanism
 from drystone.report.joints import Joints
 from drystone.report.mechanism import OPEN_JOINT, SLID_JOINT, Drawn
@@ -64,7 +65,7 @@ def curve_svg(
             drawing.text(name, place[0] + 60.0, place[1] + 14.0 + 16.0 * i, class_="tick")
     for mark in marks:
         kind = "circle" if mark.kind == "peak" else "diamond"
-        plot.mark(mark.control_displacement, mark.load_multiplier, mark.name, kind=kind)
+        plot.mark(mark.control_displacement, mark.load_multiplier, spoken(mark.name), kind=kind)
     return drawing.source()
 
 
@@ -153,7 +154,7 @@ def spectra_svg(spectra: Mapping[str, tuple[Spectrum, float]], words: Mapping[st
         drawing=drawing, x=(0.0, 4.0), y=(0.0, top), x_label=words["period"], y_label=words["sa"]
     )
     for i, (name, ordinate) in enumerate(values.items()):
-        _demand(plot, i, period, ordinate, f"{name}, ξ = {100.0 * spectra[name][1]:g} %")
+        _demand(plot, i, period, ordinate, _of_damping(name, spectra[name][1]))
     return drawing.source()
 
 
@@ -179,14 +180,21 @@ def adrs_svg(
         if end > 0.12 * far:
             x, y = plot.at([end], [slope * end])[0]
             anchor = "end" if end >= far * 0.999 else "middle"
-            drawing.text(f"{seconds:g} s", x - 2.0, y + 12.0, text_anchor=anchor, class_="tick")
+            drawing.text(
+                f"{number(seconds, 'g')} s", x - 2.0, y + 12.0, text_anchor=anchor, class_="tick"
+            )
     for i, (name, (spectrum, damping)) in enumerate(spectra.items()):
         sd, sa = spectrum.sd(period, damping), spectrum.sa(period, damping)
-        _demand(plot, i, sd, sa, f"{name}, ξ = {100.0 * damping:g} %")
+        _demand(plot, i, sd, sa, _of_damping(name, damping))
     plot.line(d, a, class_="curve")
     for name, (x, y) in states.items():
         plot.mark(x, y, name, kind="diamond")
     return drawing.source()
+
+
+def _of_damping(name: str, damping: float) -> str:
+    """A spectrum in a legend; damping is a ratio."""
+    return f"{name}, ξ = {number(100.0 * damping, 'g')} %"
 
 
 def _demand(plot: Plot, i: int, x: Array, y: Array, words: str) -> None:

@@ -7,11 +7,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from drystone.assessment.spectra.base import Spectrum
+from drystone.assessment.verdict import sense_words
 from drystone.curve import CapacityCurve
 from drystone.document.facts import NOTHING
 from drystone.export.own_files import RESULTS
 from drystone.export.results import check_opposite
 from drystone.export.senses import FORWARD, OPPOSITE, OPPOSITE_FOLDER
+from drystone.language import spoken
 from drystone.viewer.folder import Folder
 
 #: Damping [ratio] of a spectrum that no limit state says otherwise of.
@@ -34,7 +36,7 @@ class Judged:
         if not folder.assessment and model is not None and model.assessment is not None:
             folder, reason = _made(folder)
         elif folder.assessment.get("status") == "no verdict":
-            reason = str(folder.assessment.get("reason") or "")
+            reason = folder.assessment.get("reason") or ""
         opposite = None
         path = folder.results.path / OPPOSITE_FOLDER
         if folder.sense == FORWARD and (path / RESULTS).is_file():
@@ -47,10 +49,14 @@ class Judged:
         """The assessment, as its file holds it."""
         return self.folder.assessment
 
+    def tell(self, text: str) -> str:
+        """A sentence of the assessment in the language that is spoken."""
+        return spoken(text, self.data.get("said"))
+
     @property
     def verdict(self) -> str:
         """The verdict in a sentence; empty without one."""
-        return str(self.data.get("sentence") or "")
+        return self.data.get("sentence") or ""
 
     @property
     def governing(self) -> Folder:
@@ -62,9 +68,9 @@ class Judged:
     @property
     def curves(self) -> list[tuple[str, CapacityCurve]]:
         """Curves of both senses."""
-        found = [(self.folder.sense, self.folder.results.curve)]
+        found = [(spoken(sense_words(self.folder.sense)), self.folder.results.curve)]
         if self.opposite is not None:
-            found.append((OPPOSITE, self.opposite.results.curve))
+            found.append((spoken(sense_words(OPPOSITE)), self.opposite.results.curve))
         return found
 
     def sense_sentence(self, text: Mapping[str, str]) -> str:
@@ -72,7 +78,7 @@ class Judged:
         if self.opposite is None:
             return text["sense_without"]
         sense = str(self.data.get("governing_sense") or NOTHING)
-        return text["senses"].format(sense=sense)
+        return text["senses"].format(sense=spoken(sense_words(sense)))
 
     @property
     def demand_spectra(self) -> dict[str, tuple[Spectrum, float]]:
@@ -106,7 +112,7 @@ def _made(folder: Folder) -> tuple[Folder, str]:
     try:
         verdict = of_one_sense(verdict_on(results.curve, results.model), folder.sense)
     except AssessmentError as error:
-        return folder, str(error)
+        return folder, error.said
     data = {
         **verdict.as_dict(),
         "governing_sense": folder.sense,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib import resources
 from pathlib import Path
@@ -12,14 +12,15 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import GRAVITY
+from drystone.assessment.verdict import sense_words
 from drystone.curve import STATIC, CapacityCurve
 from drystone.document import facts, figures
 from drystone.document.judged import Judged
-from drystone.document.words import words
 from drystone.export.folder import whole_file
 from drystone.export.hdf5 import ResultsReader
 from drystone.export.own_files import RESULTS
 from drystone.export.summary import package_version
+from drystone.language import number, speaking, spoken, words
 from drystone.report import Mechanism
 from drystone.report.mechanism import readable_magnification
 from drystone.viewer import Mark, page
@@ -44,7 +45,7 @@ FIGURES = (
 
 
 def write_report(
-    path: Path, found: Folder, *, language: str = "en", date: datetime | None = None
+    path: Path, found: Folder, *, language: str | None = None, date: datetime | None = None
 ) -> None:
     """Write the report of a folder; whole or not at all.
 
@@ -52,6 +53,9 @@ def write_report(
     ----------
     path
         File to write.
+    language
+        One of `drystone.language.LANGUAGES`; what the model or its assessment asks for, where
+        nothing is said.
     date
         That stands in the report; now, where nothing is said.
     """
@@ -60,8 +64,8 @@ def write_report(
         draft.write_text(text, encoding="utf-8")
 
 
-def render(found: Folder, *, language: str = "en", date: datetime | None = None) -> str:
-    """The report as text."""
+def render(found: Folder, *, language: str | None = None, date: datetime | None = None) -> str:
+    """The report as text, see `write_report`."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -71,15 +75,24 @@ def render(found: Folder, *, language: str = "en", date: datetime | None = None)
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template("report.html.j2").render(context(found, language, date))
+    with speaking(language or _language_asked(found)):
+        return environment.get_template("report.html.j2").render(context(found, date))
 
 
-def context(found: Folder, language: str, date: datetime | None) -> dict[str, Any]:
-    """What the template is given."""
-    t = words(language)
+def _language_asked(found: Folder) -> str:
+    """The language of the folder's assessment, or of its model."""
+    model = found.results.model
+    asked = {} if model is None or model.assessment is None else model.assessment.values
+    return str(found.assessment.get("language") or asked.get("language") or "en")
+
+
+def context(found: Folder, date: datetime | None) -> dict[str, Any]:
+    """What the template is given, in the language that is spoken."""
+    t = words()
     results = found.results
     curve, model = results.curve, results.model
     judged = Judged.of(found)
+    tell = judged.tell
     marks = [*marks_of(curve), *judged.folder.limit_marks]
     contents = judged.folder.contents()
     ground = judged.drawn_spectra(t["text"]["all_states"])
@@ -88,9 +101,10 @@ def context(found: Folder, language: str, date: datetime | None) -> dict[str, An
         "style": _own("report.css"),
         "title": str(contents.header["title"]) or t["name"],
         "problem": _problem(curve, model is None, t["text"]),
-        "verdict": judged.verdict,
+        "verdict": tell(judged.verdict),
         "satisfied": judged.data.get("satisfied"),
-        "no_verdict": judged.reason,
+        "caution": bool(judged.data.get("caution")),
+        "no_verdict": tell(judged.reason),
         "curve": figures.curve_svg(judged.curves, marks, t["plot"]),
         "sense": judged.sense_sentence(t["text"]),
         "analysis": facts.of_analysis(curve, model, results.summary, t["facts"]),
@@ -98,14 +112,15 @@ def context(found: Folder, language: str, date: datetime | None) -> dict[str, An
         "states": [_shown(s, t) for s in _states_shown(judged)],
         "coloured": contents.header["dimension"] == 2 and judged.governing.labels is not None,
         "assessment": _figures(judged.data, t["facts"]),
-        "limit_states": limit_table(judged.data.get("limit_states") or {}, t["table"]),
-        "readings": _readings(judged.data.get("readings") or {}),
+        "limit_states": limit_table(judged, t["table"]),
+        "asked": _asked(judged.data.get("hazard") or [], t["table"]),
+        "readings": _readings(judged, t["table"]),
         "reading": judged.data.get("reading"),
         "adrs": _adrs(judged, t["plot"]),
         "hazard": figures.spectra_svg(ground, t["plot"]) if ground else "",
-        "hazard_rows": [(name, spectrum.label) for name, (spectrum, _) in ground.items()],
-        "assumptions": judged.data.get("assumptions") or [],
-        "uncertain": judged.data.get("uncertain") or [],
+        "hazard_rows": [(name, spoken(spectrum.label)) for name, (spectrum, _) in ground.items()],
+        "assumptions": [tell(said) for said in judged.data.get("assumptions") or []],
+        "uncertain": [tell(said) for said in judged.data.get("uncertain") or []],
         "model": facts.of_model(model, t["facts"]) if model else [],
         "materials": facts.of_materials(model.assembly) if model else [],
         "laws": facts.of_laws(model.assembly, t["table"]) if model else [],
@@ -164,7 +179,7 @@ def _shown(shown: tuple[Mark, Folder], t: Mapping[str, Any]) -> dict[str, str]:
     pose = np.where(gone[:, None], poses[0], poses[row])
     factor = readable_magnification(model.assembly, pose, poses[0])
     known = {"peak": "peak", "highest so far": "highest", "end": "end"}
-    name = t["text"][known[mark.name]] if mark.name in known else mark.name
+    name = t["text"][known[mark.name]] if mark.name in known else spoken(mark.name)
     caption = t["plot"]["state"].format(
         name=name,
         displacement=facts.number(point.control_displacement, "m"),
@@ -180,7 +195,7 @@ def _shown(shown: tuple[Mark, Folder], t: Mapping[str, Any]) -> dict[str, str]:
         magnification=factor,
     )
     text = t["text"]
-    scale = text["true"] if factor == 1.0 else text["magnified"].format(factor=f"{factor:g}")
+    scale = text["true"] if factor == 1.0 else text["magnified"].format(factor=number(factor, "g"))
     return {
         "picture": figures.state_picture(mechanism, folder.labels, caption),
         "caption": caption,
@@ -196,14 +211,14 @@ def _figures(data: Mapping[str, Any], t: Mapping[str, str]) -> list[facts.Row]:
     if "n_bodies" in mechanism:
         rows.append((t["bodies"], facts.number(mechanism["n_bodies"])))
     if data.get("governing_sense"):
-        rows.append((t["sense"], str(data["governing_sense"])))
+        rows.append((t["sense"], spoken(sense_words(str(data["governing_sense"])))))
     for key, unit in FIGURES:
         if data.get(key) is not None:
             rows.append((t[key], facts.number(float(data[key]), unit)))
     return rows
 
 
-def limit_table(states: Mapping[str, Any], t: Mapping[str, str]) -> list[dict[str, Any]]:
+def limit_table(judged: Judged, t: Mapping[str, str]) -> list[dict[str, Any]]:
     """A row for each limit state: capacity, demand, verdict, clause."""
 
     def shown(state: Mapping[str, Any], key: str, factor: float = 1.0) -> str:
@@ -227,25 +242,43 @@ def limit_table(states: Mapping[str, Any], t: Mapping[str, str]) -> list[dict[st
             "holds": holds[state.get("satisfied") if state.get("verified", True) else None],
             "satisfied": state.get("satisfied") if state.get("verified", True) else None,
             "verified": state.get("verified", True),
-            "clause": state.get("clause", ""),
-            "governed_by": state.get("governed_by", ""),
+            "clause": judged.tell(state.get("clause", "")),
+            "governed_by": judged.tell(state.get("governed_by", "")),
         }
-        for name, state in states.items()
+        for name, state in (judged.data.get("limit_states") or {}).items()
     ]
 
 
-def _readings(readings: Mapping[str, Any]) -> list[tuple[str, ...]]:
+def _asked(motions: Sequence[Mapping[str, Any]], t: Mapping[str, str]) -> list[tuple[str, ...]]:
+    """What the code asks of the site for each limit state."""
+    return [
+        (
+            str(motion["state"]),
+            facts.number(100.0 * float(motion["probability"]), "%"),
+            facts.number(float(motion["reference_life"]), t["years"]),
+            facts.number(float(motion["return_period"]), t["years"]),
+            t["not_given"].format(state=motion["state"])
+            if motion["ground_acceleration"] is None
+            else facts.number(float(motion["ground_acceleration"]) / GRAVITY, "g"),
+        )
+        for motion in motions
+    ]
+
+
+def _readings(judged: Judged, t: Mapping[str, str]) -> list[tuple[str, ...]]:
+    readings = judged.data.get("readings") or {}
     if len(readings) < 2:
         return []
     return [
         (
             name,
+            t["of_the_code"] if found.get("of_the_code") else t["beside"],
             facts.number(found.get("activation_acceleration")),
             facts.number(found.get("collapse_displacement")),
             facts.number(found.get("safety_index")),
         )
         if "reason" not in found
-        else (name, str(found["reason"]), "", "")
+        else (name, judged.tell(str(found["reason"])), "", "", "")
         for name, found in readings.items()
     ]
 

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.language import number
+
 Array = NDArray[np.float64]
 
 #: Size of letters [px].
@@ -89,11 +91,11 @@ class Plot:
         for value in ticks(*self.x, max(3, int(d.width / 95))):
             x = float(self.at([value], [0.0])[0, 0])
             d.add("line", x1=x, x2=x, y1=high, y2=low, class_="grid")
-            d.text(f"{value:g}", x, low + 16.0, text_anchor="middle", class_="tick")
+            d.text(number(value, "g"), x, low + 16.0, text_anchor="middle", class_="tick")
         for value in ticks(*self.y, max(3, int(d.height / 50))):
             y = float(self.at([0.0], [value])[0, 1])
             d.add("line", x1=self.left, x2=d.width - self.right, y1=y, y2=y, class_="grid")
-            d.text(f"{value:g}", self.left - 7.0, y + 4.0, text_anchor="end", class_="tick")
+            d.text(number(value, "g"), self.left - 7.0, y + 4.0, text_anchor="end", class_="tick")
         middle = 0.5 * (self.left + d.width - self.right)
         d.text(self.x_label, middle, d.height - 8.0, text_anchor="middle")
         turned = f"translate(14 {0.5 * (low + high):g}) rotate(-90)"

@@ -9,6 +9,29 @@ from typing import Any
 from drystone.export.folder import in_a_sentence, whole_file
 from drystone.export.own_files import ASSESSMENT, OF_ASSESSMENT
 from drystone.export.summary import package_version, write_summary
+from drystone.language import Saying, current
+
+
+def written(result: Mapping[str, Any]) -> dict[str, Any]:
+    """The result in the language that is spoken, with what sayings are made of.
+
+    ``said`` has key and fields of every sentence by its text, so that a report can say it in
+    another language; keys and numbers stay what they are.
+    """
+    said: dict[str, Any] = {}
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, Saying):
+            text = value.spoken
+            if text:
+                said[text] = value.as_dict()
+            return text
+        if isinstance(value, Mapping):
+            return {key: plain(item) for key, item in value.items()}
+        return [plain(item) for item in value] if isinstance(value, list | tuple) else value
+
+    whole = plain(result)
+    return {**whole, "language": current(), "said": said}
 
 
 def write_assessment(

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
+from drystone.language import say
 from drystone.loading.base import NO_MASSES, Masses, Scale
 from drystone.loading.dead_forces import DeadForces
 from drystone.loading.forces import leading
@@ -99,4 +100,4 @@ class AccelerationPattern:
     @property
     def words(self) -> str:
         """See `LoadPattern`."""
-        return f"an acceleration of {len(self.entries)} groups"
+        return say("load.acceleration", n=len(self.entries))

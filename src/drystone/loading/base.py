@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
+from drystone.language import say
 from drystone.loading.dead_forces import DeadForces
 from drystone.vectors import direction_of
 
@@ -169,7 +170,8 @@ class Directed:
     @property
     def words(self) -> str:
         """See `LoadPattern`."""
-        return f"{self.name} along ({', '.join(f'{x:g}' for x in self.direction)})"
+        direction = [float(x) for x in self.direction]
+        return say("load.along", pattern=self.name, direction=direction)
 
 
 #: Rise of a direction that is level.

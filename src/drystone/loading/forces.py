@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
+from drystone.language import say
 from drystone.loading.base import NO_MASSES, Masses, Scale
 from drystone.loading.dead_forces import DeadForces
 from drystone.loading.targets import PointForce
@@ -69,7 +70,7 @@ class ForcesPattern:
     @property
     def words(self) -> str:
         """See `LoadPattern`."""
-        return f"{len(self.entries)} given forces"
+        return say("load.forces", n=len(self.entries))
 
 
 def leading(resultant: Array, force: Array) -> Array:

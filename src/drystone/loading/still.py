@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Assembly
+from drystone.language import say
 from drystone.loading.base import NO_MASSES, Directed, Masses
 from drystone.loading.dead_forces import DeadForces
 
@@ -28,4 +29,4 @@ class NoPattern(Directed):
     @property
     def words(self) -> str:
         """See `LoadPattern`."""
-        return "none"
+        return say("load.none")

@@ -176,6 +176,7 @@ class AssessmentSection(Section):
     near_fault: bool | None = None
     restitution: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
     sides: Literal["one", "two"] | None = None
+    language: Literal["en", "it"] | None = None  # of sentences, screens and reports
     parts_that_may_fall: list[str] | None = None  # ids or groups whose fall is no limit
     record: list[RecordSection] = []
     pulse: list[PulseSection] = []

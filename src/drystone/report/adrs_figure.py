@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from drystone.assessment.methods.base import Assessment, LimitState
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
+from drystone.language import Saying, say
 from drystone.report import canvas
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def plot_adrs(axes: Axes, answer: Assessment) -> None:
             color=canvas.INK,
             linestyle=(0, (5, 2)),
             linewidth=1.3,
-            label="bilinear",
+            label=say("picture.bilinear").spoken,
             zorder=4,
         )
     states = [s for s in answer.limit_states if s.limit_displacement is not None]
@@ -93,8 +94,8 @@ def plot_adrs(axes: Axes, answer: Assessment) -> None:
     _rays(axes, right, top)
     for i, state in enumerate(states):
         _mark(axes, answer, state, MARKERS[i % len(MARKERS)])
-    axes.set_xlabel("spectral displacement $d^*$ [m]")
-    axes.set_ylabel("spectral acceleration $a^*$ [m/s²]")
+    axes.set_xlabel(say("picture.d").spoken)
+    axes.set_ylabel(say("picture.a").spoken)
 
 
 def capacity_line(answer: Assessment) -> tuple[Array, Array]:
@@ -109,16 +110,38 @@ def capacity_line(answer: Assessment) -> tuple[Array, Array]:
 
 
 def capacity_name(answer: Assessment) -> str:
+    """The name of the capacity, in the language that is spoken."""
     factor = answer.confidence_factor
-    over = f" over FC = {factor:g}" if factor and factor != 1.0 else ""
-    return f"capacity, reading {answer.capacity.reading}{over}"
+    over = say("verdict.nothing")
+    if factor and factor != 1.0:
+        over = say("screen.over_factor", factor=factor)
+    return say("picture.capacity", reading=answer.capacity.reading, over=over).spoken
 
 
-def verdict_on(state: LimitState) -> str:
+def verdict_on(state: LimitState) -> Saying:
     """Whether a limit state holds, in a word; of one that no verdict rests on, that."""
     if not state.verified:
-        return "not part of the verdict"
-    return {True: "holds", False: "fails", None: "not verified"}[state.satisfied]
+        return say("picture.no_part")
+    keys = {True: "picture.holds", False: "picture.fails", None: "picture.unverified"}
+    return say(keys[state.satisfied])
+
+
+def name_of(state: LimitState) -> str:
+    """A limit state and its limit, in the language that is spoken."""
+    known = {"state": state.name, "limit": state.limit_displacement, "answer": verdict_on(state)}
+    return say("picture.limit", **known).spoken
+
+
+def name_with_demand(state: LimitState) -> str:
+    """A limit state, its limit and its demand, in the language that is spoken."""
+    return say(
+        "picture.limit_and_demand",
+        state=state.name,
+        limit=state.limit_displacement,
+        answer=verdict_on(state),
+        demand=state.displacement_demand,
+        period=state.limit_period,
+    ).spoken
 
 
 def demands_of(answer: Assessment) -> list[tuple[str, Spectrum, float]]:
@@ -131,7 +154,11 @@ def demands_of(answer: Assessment) -> list[tuple[str, Spectrum, float]]:
             names, _ = found.setdefault((id(spectrum), damping), ([], spectrum))
             names.append(state.name)
     return [
-        (f"demand {', '.join(names)}, damping {100.0 * damping:.3g} %", spectrum, damping)
+        (
+            say("picture.demand", states=names, percent=100.0 * damping).spoken,
+            spectrum,
+            damping,
+        )
         for (_, damping), (names, spectrum) in found.items()
     ]
 
@@ -155,7 +182,7 @@ def _rays(axes: Axes, right: float, top: float) -> None:
         axes.plot([0.0, x], [0.0, slope * x], color="#bbbbbb", linewidth=0.7, zorder=1)
         leaves_above = x < right
         axes.annotate(
-            f"{period:g} s",
+            say("picture.seconds", period=period).spoken,
             (x, slope * x),
             xytext=(0, 2) if leaves_above else (3, 0),
             textcoords="offset points",
@@ -194,7 +221,7 @@ def _mark(axes: Axes, answer: Assessment, state: LimitState, marker: str) -> Non
         height,
         marker,
         color=canvas.INK,
-        label=f"{state.name}: limit {limit:.4g} m ({verdict_on(state)})",
+        label=name_of(state),
         **style,
     )
     axes.annotate(
@@ -220,6 +247,6 @@ def _mark(axes: Axes, answer: Assessment, state: LimitState, marker: str) -> Non
             marker,
             markerfacecolor="white",
             markeredgecolor=canvas.INK,
-            label=f"{state.name}: demand {demand:.4g} m at T = {state.limit_period:.3g} s",
+            label=name_with_demand(state),
             **style,
         )

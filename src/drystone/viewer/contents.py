@@ -34,6 +34,7 @@ from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.motion import turns
 from drystone.geometry.outlines import Outlines
 from drystone.geometry.polyhedra import Polyhedra
+from drystone.language import say
 from drystone.model import Model
 from drystone.viewer.bodies import Bodies
 from drystone.viewer.codec import Pack
@@ -148,7 +149,10 @@ def marks_of(curve: CapacityCurve) -> list[Mark]:
         return []
     peaks = [(curve.name_of_peak, curve.peak, "peak")]
     if curve.rises_after_collapse:
-        peaks = [("capacity", curve.capacity, "peak"), (curve.name_of_peak, curve.peak, "rest")]
+        peaks = [
+            (say("mark.capacity"), curve.capacity, "peak"),
+            (curve.name_of_peak, curve.peak, "rest"),
+        ]
     found = [
         Mark(
             name=name,
@@ -171,7 +175,7 @@ def marks_of(curve: CapacityCurve) -> list[Mark]:
     if curve.ultimate_displacement is not None:
         found.append(
             Mark(
-                name="ultimate",
+                name=say("mark.ultimate"),
                 control_displacement=curve.ultimate_displacement,
                 load_multiplier=curve.stop_multiplier,
                 kind="ultimate",

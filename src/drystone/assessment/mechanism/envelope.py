@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from drystone.assessment.errors import UnfinishedError
 from drystone.curve import DYNAMIC, FINISHED, STATIC, CapacityCurve
 from drystone.events import first_collapse
+from drystone.language import say
 
 Array = NDArray[np.float64]
 
@@ -46,20 +47,14 @@ def static_envelope(curve: CapacityCurve) -> Envelope:
     d = np.array([p.control_displacement for p in static])
     x = np.array([p.load_multiplier for p in static])
     if len(static) < 2 or not x.max() > 0.0:
-        raise UnfinishedError(
-            f"the curve has {len(static)} points at rest that bear the load: trace it further, "
-            "by now there is nothing to assess"
-        )
+        raise UnfinishedError(say("refused.few_points", n=len(static)))
     notes = []
     dropped = len(curve.points) - len(static)
     if dropped > (curve.ended_by is not None):
-        notes.append(
-            f"{dropped} points of the curve on the way of jumps were dropped: straight lines join "
-            "the states at rest."
-        )
+        notes.append(say("mechanism.dropped", n=dropped))
     grown, least, back = _lower(d, x)
     if back:
-        notes.append("The control point turns back: the lower of the branches counts.")
+        notes.append(say("mechanism.turns_back"))
     end, extrapolated, note = _collapse(curve, d, x)
     return Envelope(
         control_displacement=grown,
@@ -103,13 +98,10 @@ def _collapse(curve: CapacityCurve, d: Array, x: Array) -> tuple[float | None, b
     falls = curve.status == FINISHED and curve.points[-1].status == DYNAMIC
     if falls or curve.ended_by is not None:
         event = curve.ended_by or first_collapse(curve.events)
-        note = (
-            f"The structure falls from its last state at rest, at a control displacement of "
-            f"{d[-1]:.4g} m under a multiplier of {x[-1]:.3g}"
-            + ("" if event is None else f", where {event.what}")
-            + ": the collapse is taken there."
-        )
-        return float(d[-1]), False, note
+        there = {"place": float(d[-1]), "multiplier": float(x[-1])}
+        if event is None:
+            return float(d[-1]), False, say("mechanism.falls", **there)
+        return float(d[-1]), False, say("mechanism.falls_where", what=event.what, **there)
     if top == len(x) - 1 or x[-1] > LOW * x[top]:
         return None, False, ""
     before = top + int(np.argmax(d[top:] >= (1.0 - TAIL) * d[-1]))
@@ -120,8 +112,5 @@ def _collapse(curve: CapacityCurve, d: Array, x: Array) -> tuple[float | None, b
     if slope >= 0.0:
         return None, False, ""
     end = float(d[-1] - x[-1] / slope)
-    note = (
-        f"The collapse displacement, {end:.4g} m, is an extrapolation: the last static branch, "
-        f"traced to a multiplier of {x[-1]:.3g} at {d[-1]:.4g} m, goes straight on to zero."
-    )
-    return end, True, note
+    known = {"multiplier": float(x[-1]), "place": float(d[-1])}
+    return end, True, say("mechanism.extrapolated", end=end, **known)

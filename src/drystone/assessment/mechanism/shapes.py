@@ -19,6 +19,7 @@ from drystone.assessment.mechanism.bodies import AT_REST, SAME, find_macro_block
 from drystone.assessment.mechanism.field import VelocityField, chord, less
 from drystone.curve import FINISHED, PASSED, STATIC, CapacityCurve
 from drystone.geometry import motion
+from drystone.language import said_end, say
 from drystone.loading.base import masses_of
 from drystone.model import Model
 
@@ -130,7 +131,7 @@ def tangent_shape(curve: CapacityCurve, model: Model, row: int) -> MechanismShap
         raise AssessmentError(
             f"the control point stands still at {curve.points[row].control_displacement:.4g} m"
         )
-    how = f"the tangent at {curve.points[row].control_displacement:.4g} m"
+    how = say("mechanism.tangent", place=curve.points[row].control_displacement)
     return _shape(curve, model, over, row=row, how=how, turned=poses[row])
 
 
@@ -283,18 +284,16 @@ def _past_the_peak(curve: CapacityCurve) -> tuple[int, int, str]:
     if run:
         fallen = [k for k in run[FEWEST:] if x[k] <= PASSED * x[run[0]]]
         end = fallen[0] if fallen else run[-1]
-        return run[0], end, "the tangent just past the peak, without the elastic part"
+        return run[0], end, say("mechanism.past_peak")
     if not curve.peak_passed and curve.status != FINISHED:
-        raise UnfinishedError(
-            f"the curve has not passed its peak yet ({curve.status}: {curve.reason}): trace it to "
-            "its end"
-        )
+        known = {"status": curve.status, "reason": said_end(curve.reason)}
+        raise UnfinishedError(say("refused.before_peak", **known))
     if top + 1 < len(curve.points):
-        return top, top + 1, "the jump from the highest state at rest"
+        return top, top + 1, say("mechanism.jump")
     before = [k for k in _run(curve, top) if k < top]
     if not before:
         raise UnfinishedError("the curve has one point at rest: there is no mechanism to be seen")
-    return before[-FEWEST:][0], top, "the tangent before the last point"
+    return before[-FEWEST:][0], top, say("mechanism.before_last")
 
 
 def _branches(curve: CapacityCurve, top: int) -> Iterator[list[int]]:
@@ -366,10 +365,8 @@ def _spread(curve: CapacityCurve) -> list[int]:
 
 def _poses(curve: CapacityCurve) -> Array:
     if len(curve.points) < 2:
-        raise UnfinishedError(
-            f"the curve has {len(curve.points)} points ({curve.status}: {curve.reason}): trace it "
-            "to its end"
-        )
+        known = {"status": curve.status, "reason": said_end(curve.reason)}
+        raise UnfinishedError(say("refused.points", n=len(curve.points), **known))
     if curve.poses is None:
         raise UnfinishedError(
             "the curve has no poses, by which blocks that move as one are told: trace it with "

@@ -18,6 +18,7 @@ from drystone.assessment.mechanism.shapes import (
     initial_shape,
 )
 from drystone.curve import FINISHED, CapacityCurve
+from drystone.language import Saying, said_end, say
 from drystone.loading.base import masses_of
 from drystone.model import Model
 
@@ -110,7 +111,7 @@ def reduced(
         collapse_displacement=envelope.collapse_displacement,
         collapse_extrapolated=envelope.collapse_extrapolated,
         notes=notes,
-        losses=[(event.control_displacement, str(event)) for event in curve.events],
+        losses=[(event.control_displacement, event.said) for event in curve.events],
         out_of_plane=share_out_of_plane(model.assembly, shape, model.load_along),
     )
     return Reduction(
@@ -133,10 +134,7 @@ def _known_collapse(envelope: Envelope, curve: CapacityCurve, model: Model) -> E
     place = stands_on_its_axis(curve, model)
     if place is None or abs(place - end) > AGREEMENT * end:
         return envelope
-    note = (
-        f"The curve of the one body that moves is a straight line to {end:.4g} m, where its weight "
-        f"stands above the axis about which it turns (by geometry {place:.4g} m)."
-    )
+    note = say("mechanism.straight", end=end, place=place)
     return replace(envelope, collapse_extrapolated=False, collapse_note=note)
 
 
@@ -160,38 +158,26 @@ def pattern_share(model: Model, shape: MechanismShape) -> tuple[float, tuple[str
             'ground acceleration it stands for; take pattern = "mass"'
         )
     share = work / own
-    note = (
-        f'The load pattern is "{pattern.name}": {share:.4g} times its multiplier is that of forces '
-        "in proportion to mass that do the same work in the mechanism."
-    )
-    return share, (note,)
+    return share, (say("mechanism.pattern", name=pattern.name, share=share),)
 
 
 def _notes(
     curve: CapacityCurve, model: Model, shape: MechanismShape, grouping: str
-) -> tuple[str, ...]:
+) -> tuple[Saying, ...]:
     """What was assumed, and what to mind."""
-    plural = "" if shape.n_bodies == 1 else "s"
-    bodies = (
-        f"{shape.n_bodies} rigid macro-block{plural} of {shape.n_moving} blocks"
-        if grouping == "macro_blocks"
-        else f"the {shape.n_moving} moving blocks one by one, which overstates e* and a*"
-    )
-    notes = [f"The mechanism is {shape.clause}; masses are those of {bodies}."]
+    if grouping == "macro_blocks":
+        key = "mechanism.one_body" if shape.n_bodies == 1 else "mechanism.bodies"
+        notes = [say(key, how=shape.clause, n=shape.n_bodies, blocks=shape.n_moving)]
+    else:
+        notes = [say("mechanism.of_blocks", how=shape.clause, blocks=shape.n_moving)]
     if shape.twists:
-        notes.append(
-            f"The mechanism twists: points move by {shape.torsion:.2g} of the control point's "
-            "velocity by rotations out of the plane of the load. The codes' methods are calibrated "
-            "for plane motion of all bodies (Circ. 7/2019 C8.7.1.2.1.6)."
-        )
+        notes.append(say("mechanism.twists", torsion=shape.torsion))
     if curve.blocks_left:
-        names = ", ".join(f'"{b.block}"' for b in curve.blocks_left[:5])
-        notes.append(
-            f"Blocks left the structure on the way ({names}): beyond that the curve is that of the "
-            "rest."
-        )
+        names = [f'"{b.block}"' for b in curve.blocks_left[:5]]
+        notes.append(say("mechanism.blocks_left", names=names))
     if curve.status != FINISHED:
-        notes.append(f"The curve is not complete ({curve.status}): {curve.reason}.")
+        end = said_end(curve.reason)
+        notes.append(say("mechanism.unfinished", status=curve.status, reason=end))
     return tuple(notes)
 
 

@@ -22,6 +22,7 @@ from drystone.assessment.methods.base import (
 from drystone.assessment.methods.ground import bearable
 from drystone.assessment.methods.inelastic import check_on_the_ground
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
+from drystone.language import say
 
 NAME = "asce41"
 STATES = ("IO", "LS", "CP")
@@ -42,10 +43,7 @@ SECANT_SHARE = 0.6
 #: lambda of (7-33), near a fault or not.
 NEAR_FAULT = {True: 0.8, False: 0.2}
 
-UNCERTAIN = (
-    "ASCE 41-17 (7-28) to (7-33): from memory and second hand; the sources tell the site classes "
-    "of C_1 differently.",
-)
+UNCERTAIN = (say("asce41.text"),)
 
 
 def storeys_shape_factor(storeys: float) -> float:
@@ -232,10 +230,10 @@ def _state(
     own = None if limit is None else capacity.spectral_at(limit)
     asked, borne, why = oscillator.target(spectrum), None, ""
     if own is not None:
-        borne, why = bearable(spectrum, oscillator.target, own), "displacement limit given"
+        borne, why = bearable(spectrum, oscillator.target, own), say("governs.given")
         valid = bearable(spectrum, lambda s: oscillator.ratio(s) / oscillator.most(s), 1.0)
         if valid is not None and (borne is None or valid < borne):
-            borne, why = valid, "mu_max of (7-32)"
+            borne, why = valid, say("governs.largest_ratio")
     return LimitState(
         name=name,
         limit_displacement=own,
@@ -250,7 +248,7 @@ def _state(
         satisfied=None if own is None else asked <= own and ratio <= most,
         verified=verified,
         governed_by=why,
-        clause="ASCE 41-17 7.4.3.3, (7-28) to (7-33)",
+        clause=say("clause.asce"),
         details={"strength_ratio": ratio, "largest_strength_ratio": most},
     )
 
@@ -287,16 +285,10 @@ def _answer(
     notes: tuple[str, ...],
 ) -> Assessment:
     """The result with what was assumed."""
-    said = [
-        "C_0 = Gamma of the mechanism at the control point; the descent is taken as P-Delta alone, "
-        "as of rigid blocks.",
-    ]
+    said = [say("asce41.shape")]
     without = [state.name for state in found if state.satisfied is None]
     if without:
-        said.append(
-            f"No verdict for {', '.join(without)}: ASCE 41-17 has no acceptance displacements for "
-            "walls of blocks, and none were given."
-        )
+        said.append(say("asce41.without", states=without))
     used = tuple(given.values())
     return Assessment(
         method=NAME,
@@ -314,7 +306,7 @@ def _answer(
         },
         assumptions=common.assumptions(capacity, used) + notes + tuple(said),
         uncertain=common.uncertain(capacity, used, found, *UNCERTAIN),
-        weighs_most="the acceptance displacements, which are the user's",
+        weighs_most=say("asce41.weight"),
     )
 
 

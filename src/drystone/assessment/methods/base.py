@@ -12,6 +12,7 @@ from drystone.assessment.bilinear import Bilinear
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, MissingError
 from drystone.assessment.spectra.base import Spectrum
+from drystone.language import Saying, say
 
 __all__ = [
     "Assessment",
@@ -190,15 +191,21 @@ class Assessment:
         return min(known) if known else None
 
     @property
-    def sentence(self) -> str:
+    def sentence(self) -> Saying:
         """The verdict with the governing state and the assumption that weighs most."""
         state = self.governing
         if state is None:
-            return f"{self.method}: no limit state was verified."
-        verdict = "satisfied" if self.satisfied else "not satisfied"
-        weight = f"; what weighs most: {self.weighs_most}" if self.weighs_most else ""
-        but = f", but {self.caution}" if self.caution else ""
-        return f"{self.method}: {verdict}{but}; {state.name} governs, {_compared(state)}{weight}."
+            return say("verdict.none", method=self.method)
+        nothing = say("verdict.nothing")
+        return say(
+            "verdict.sentence",
+            method=self.method,
+            answer=say("verdict.satisfied" if self.satisfied else "verdict.failed"),
+            but=say("verdict.but", caution=self.caution) if self.caution else nothing,
+            state=state.name,
+            compared=_compared(state),
+            weight=say("verdict.weight", what=self.weighs_most) if self.weighs_most else nothing,
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """What assessment.json holds, SI units; None where the method has no such number."""
@@ -271,31 +278,30 @@ def spectra_of(
         verified = tuple(spectra)
     notes: tuple[str, ...] = ()
     if shared:
-        notes = (
-            f"One ground motion, {next(iter(spectra.values())).label}, serves for "
-            f"{', '.join(spectra)}; the verdict rests on {', '.join(verified)}.",
-        )
+        label = next(iter(spectra.values())).label
+        names = {"states": list(spectra), "verified": list(verified)}
+        notes = (say("common.one_motion", label=label, **names),)
     return spectra, verified, notes
 
 
-def _compared(state: LimitState) -> str:
+def _compared(state: LimitState) -> Saying:
     """The governing numbers of a state in words."""
     capacity, demand = state.ground_acceleration_capacity, state.ground_acceleration_demand
     index = state.safety_index
-    text = "no safety index" if index is None else f"safety index zeta_E = {index:.3f}"
+    more = say("verdict.nothing")
     if index is None and state.limit_displacement is not None:
-        return f"{text}: the demand lies beyond the collapse"
-    if capacity is not None and demand is not None:
-        text += (
-            f" (ground acceleration {capacity / GRAVITY:.3f} g borne, {demand / GRAVITY:.3f} g "
-            "at the site)"
-        )
+        more = say("verdict.beyond")
+    elif capacity is not None and demand is not None:
+        more = say("verdict.by_ground", borne=capacity / GRAVITY, asked=demand / GRAVITY)
     elif state.limit_displacement is not None and state.displacement_demand is not None:
-        text += (
-            f" (displacement {state.limit_displacement:.4g} m borne, "
-            f"{state.displacement_demand:.4g} m asked for)"
+        more = say(
+            "verdict.by_displacement",
+            borne=state.limit_displacement,
+            asked=state.displacement_demand,
         )
-    return text
+    if index is None:
+        return say("verdict.no_index", more=more)
+    return say("verdict.index", index=index, more=more)
 
 
 def _or_infinite(value: float | None) -> float:

@@ -9,9 +9,10 @@ from drystone.assessment.errors import positive
 from drystone.assessment.methods.base import LimitState, Settings
 from drystone.assessment.methods.ground import RETURN_PERIOD_UNCERTAIN
 from drystone.assessment.spectra.base import Spectrum
+from drystone.language import say
 
 #: What governs a state that ends where something local fails.
-LOCAL = "local displacement limit"
+LOCAL = say("governs.local")
 
 
 def limit(capacity: Capacity, settings: Settings, state: str, own: float) -> tuple[float, str]:
@@ -27,18 +28,12 @@ def assumptions(capacity: Capacity, spectra: Sequence[Spectrum]) -> tuple[str, .
     """Sentences of capacity and spectra, each once."""
     said = [
         *capacity.notes,
-        f"Reading {capacity.reading}: {READINGS[capacity.reading]}.",
+        say("reading.said", name=capacity.reading, what=READINGS[capacity.reading]),
     ]
     if capacity.reading == "energy" and capacity.kinetic_factor is None:
-        said.append(
-            "The kinetic energy is that of the bodies' centroids along the load alone: what they "
-            "turn and rise is left out, so that one body alone counts as a third too stiff."
-        )
+        said.append(say("reading.kinetic"))
     if capacity.collapse_extrapolated:
-        said.append(
-            "The collapse displacement lies beyond the last point of the curve: it is "
-            "extrapolated along a straight line."
-        )
+        said.append(say("capacity.extrapolated"))
     said += [note for spectrum in spectra for note in spectrum.notes]
     return tuple(dict.fromkeys(said))
 
@@ -51,9 +46,7 @@ def uncertain(
     if any(state.return_period_capacity is not None for state in states):
         said.append(RETURN_PERIOD_UNCERTAIN)
     if capacity.reading == "literal_ec8":
-        said.append(
-            "Reading literal_ec8: displacements and verdict depend on where the control point is."
-        )
+        said.append(say("reading.control_point"))
     said += [note for spectrum in spectra for note in spectrum.uncertain]
     return tuple(dict.fromkeys(said))
 
@@ -64,10 +57,7 @@ def weight(capacity: Capacity, *first: str) -> str:
         if words:
             return words
     if capacity.collapse_extrapolated:
-        return "the collapse displacement is extrapolated beyond the traced curve"
+        return say("capacity.weight_extrapolated")
     if capacity.reading == "base_shear" and capacity.participating_mass_ratio < 0.95:
-        return (
-            f"which blocks count as one body (e* = {capacity.participating_mass_ratio:.3f}; "
-            "accelerations go with 1/e*)"
-        )
-    return "only actions that last to the collapse are in the curve"
+        return say("capacity.weight_bodies", ratio=capacity.participating_mass_ratio)
+    return say("capacity.weight_actions")

@@ -14,6 +14,7 @@ from drystone.assessment.methods.inelastic import (
     target,
 )
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
+from drystone.language import say
 
 NAME = "ec8-n2"
 STATES = ("DL", "SD", "NC")
@@ -25,10 +26,7 @@ SIGNIFICANT_SHARE = 0.75
 #: The curve is to reach this many target displacements, EN 1998-1:2004 4.3.3.4.2.3(1).
 REACH = 1.5
 
-UNCERTAIN = (
-    "EN 1998-1:2004 Annex B and EN 1998-3:2004 Annex C: from memory and second hand, not checked "
-    "against the standards' text."
-)
+UNCERTAIN = say("ec8_n2.text")
 
 
 def target_displacement(
@@ -78,8 +76,8 @@ def _state(
         **of_the_ground(spectrum, borne),
         satisfied=found.displacement <= limit,
         verified=verified,
-        governed_by="displacement",
-        clause="EN 1998-1:2004 (B.8) to (B.13), EN 1998-3:2004 C.3.3",
+        governed_by=say("governs.displacement"),
+        clause=say("clause.ec8"),
         details={
             "elastic_displacement_demand": found.elastic_displacement,
             "strength_ratio": found.strength_ratio,
@@ -102,7 +100,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
     c = capacity.read_as(settings.reading)
     given, verified, notes = spectra_of(spectra, STATES, REFERENCE, settings)
     check_on_the_ground(given.values(), NAME)
-    ultimate, why = in_plane.ultimate(c, settings, "NC", "displacement limit")
+    ultimate, why = in_plane.ultimate(c, settings, "NC", say("in_plane.limit"))
     d, a = c.spectral_displacement, c.spectral_acceleration
     curve = bilinear(d, a, "ec8", ultimate=ultimate)
     own = {
@@ -132,9 +130,8 @@ def _said(capacity: Capacity, found: list[LimitState], why: str) -> tuple[str, .
     """What was assumed by the method."""
     last = float(capacity.spectral_displacement[-1])
     short = [
-        f"The curve ends at {last:.4g} m, short of 1.5 times the target displacement of "
-        f"{state.name} (EN 1998-1:2004 4.3.3.4.2.3(1))."
+        say("ec8_n2.short", last=last, state=state.name)
         for state in found
         if state.displacement_demand is not None and last < REACH * state.displacement_demand
     ]
-    return (f"NC: {why}; the bilinear ends there (EN 1998-1:2004 B.3).", *short)
+    return (say("ec8_n2.near_collapse", why=why), *short)

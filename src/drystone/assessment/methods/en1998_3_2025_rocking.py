@@ -16,6 +16,7 @@ from drystone.assessment.methods.base import Assessment, LimitState, Settings, S
 from drystone.assessment.methods.ground import bearable, of_the_ground
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum, damping_factor
 from drystone.assessment.spectra.floor import FloorSpectrum
+from drystone.language import Saying, say
 
 NAME = "en1998-3-2025-rocking"
 STATES = ("DL", "SD", "NC")
@@ -32,9 +33,8 @@ RESISTANCE_FACTORS = {1: 1.55, 2: 1.40, 3: 1.30}
 STRONG_BLOCKS = 1.2
 
 UNCERTAIN = (
-    "EN 1998-3:2025 11.3.3.3, 11.4.2(5), 11.5.2.2: from an engineer's notes, not the standard.",
-    "EN 1998-3:2025: damping of the limit states and gamma_Sd are the user's; their values in the "
-    "standard are not known here.",
+    say("en1998_3_2025.text"),
+    say("en1998_3_2025.values"),
 )
 
 
@@ -100,7 +100,7 @@ def _activation(
         **of_the_ground(spectrum, borne),
         satisfied=demand(spectrum) <= limit,
         verified=verified,
-        governed_by="activation",
+        governed_by=say("governs.activation"),
         clause="EN 1998-3:2025 11.5.2.2",
     )
 
@@ -139,8 +139,8 @@ def _ultimate(
         **of_the_ground(spectrum, borne),
         satisfied=asked <= d / factors.resistance,
         verified=verified,
-        governed_by=why or f"{SHARES[name]:g} of the collapse displacement",
-        clause="EN 1998-3:2025 (11.40) to (11.45)",
+        governed_by=why or say("governs.share", share=SHARES[name]),
+        clause=say("clause.rocking_2025"),
         details={"factored_limit_displacement": d / factors.resistance},
     )
 
@@ -165,7 +165,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         held = name in verified
         if name == "DL":
             if settings.elastic_period is None and name not in owed:
-                left_out.append("DL (no elastic period)")
+                left_out.append(say("en1998_3_2025.no_period"))
                 continue
             found.append(_activation(c, spectrum, settings, factors, held))
         elif name in settings.damping:
@@ -176,7 +176,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
                 "here; give the ratio that you answer for"
             )
         else:
-            left_out.append(f"{name} (no damping)")
+            left_out.append(say("en1998_3_2025.no_damping", state=name))
     used = tuple(given[state.name] for state in found)
     return Assessment(
         method=NAME,
@@ -190,27 +190,22 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         quantities={"resistance_factor": factors.resistance, "demand_factor": factors.demand},
         assumptions=common.assumptions(c, used) + notes + _said(left_out, settings),
         uncertain=common.uncertain(c, used, found, *_uncertain(used)),
-        weighs_most=common.weight(
-            c, "damping and gamma_Sd, whose values in the standard are not known here"
-        ),
+        weighs_most=common.weight(c, say("en1998_3_2025.weight")),
     )
 
 
-def _said(left_out: list[str], settings: Settings) -> tuple[str, ...]:
+def _said(left_out: list[Saying], settings: Settings) -> tuple[str, ...]:
     """What was assumed by the method."""
     said = [local.collapse_assumption()]
     if left_out:
-        said.append(f"Left out: {', '.join(left_out)}.")
+        said.append(say("en1998_3_2025.left_out", states=left_out))
     if settings.confidence_factor is not None:
-        said.append("gamma_Rd takes the place of the confidence factor, which is not applied.")
+        said.append(say("en1998_3_2025.resistance"))
     return tuple(said)
 
 
 def _uncertain(used: tuple[Spectrum, ...]) -> tuple[str, ...]:
     said = list(UNCERTAIN)
     if any(isinstance(s, FloorSpectrum) for s in used):
-        said.append(
-            "EN 1998-3:2025 (11.44), (11.45): the floor spectrum of Circ. 7/2019 C7.2.3 stands for "
-            "that of the standard."
-        )
+        said.append(say("en1998_3_2025.floor"))
     return tuple(said)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from drystone.assessment.spectra.base import Spectrum
+from drystone.language import say
 
 #: Points of the search for the first crossing.
 N_POINTS = 96
@@ -126,7 +127,4 @@ def of_the_ground(spectrum: Spectrum, borne: float | None) -> dict[str, Any]:
 
 
 #: For results that hold `return_period_borne`.
-RETURN_PERIOD_UNCERTAIN = (
-    "Return periods that are borne: a_g to the power 1/0.41 (NTC) or 3 (EN 1998-1) in place of the "
-    "hazard of the site; the exponents were not checked against a source."
-)
+RETURN_PERIOD_UNCERTAIN = say("common.return_period")

@@ -10,6 +10,7 @@ from drystone.assessment.errors import AssessmentError
 from drystone.assessment.methods import common
 from drystone.assessment.methods.base import Assessment, LimitState, Settings
 from drystone.assessment.spectra.base import Spectrum
+from drystone.language import say
 
 #: Share of the momentum of a mechanism above which it is one out of plane.
 OUT_OF_PLANE = 0.5
@@ -37,7 +38,7 @@ def ultimate(
             raise
         return capacity.spectral_at(given), limit_name
     limit, why = common.limit(capacity, settings, state, own)
-    return limit, limit_name if why else "80 per cent of the peak"
+    return limit, limit_name if why else say("in_plane.eighty")
 
 
 def limits(capacity: Capacity, settings: Settings, own: Mapping[str, float]) -> dict[str, float]:
@@ -78,10 +79,7 @@ def answer(
     if residual is not None:
         quantities["residual_strength_ratio"] = residual
     if settings.confidence_factor is not None:
-        said += (
-            "The confidence factor divides strengths of materials in the model, not the curve: it "
-            "is not applied here.",
-        )
+        said += (say("in_plane.confidence"),)
     return Assessment(
         method=method,
         capacity=capacity,
@@ -97,8 +95,7 @@ def answer(
         uncertain=common.uncertain(capacity, used, found, *uncertain),
         weighs_most=common.weight(
             capacity,
-            f"the bilinear, which yields at {curve.yield_displacement:.4g} m (other rules give "
-            "other periods T*)",
+            say("in_plane.weight", place=curve.yield_displacement),
         ),
         caution=caution,
     )
@@ -107,19 +104,12 @@ def answer(
 def _placed(capacity: Capacity, method: str) -> tuple[str, tuple[str, ...]]:
     """What goes with the verdict on a mechanism out of plane, and what the method is meant for."""
     share = capacity.out_of_plane
+    caution: str = ""
     if share is None:
-        said = "whether the mechanism is one was not looked at"
+        how = say("in_plane.unknown")
     elif share > OUT_OF_PLANE:
-        caution = (
-            "the mechanism is out of plane, for which this method is not meant: take one for local "
-            "mechanisms"
-        )
-        said = (
-            f"by the sizes of what moves {100.0 * share:.0f} per cent of the momentum is of walls "
-            "no thicker along the motion than across it, out of their plane; methods for local "
-            "mechanisms are meant for that (Circ. 7/2019 C8.7.1.2)"
-        )
-        return caution, (f"{method} is for walls that move in their plane: {said}.",)
+        caution = say("in_plane.caution")
+        how = say("in_plane.out", percent=100.0 * share)
     else:
-        said = "that the model shows one, and no section through a wall, is taken from its sizes"
-    return "", (f"{method} is for walls that move in their plane: {said}.",)
+        how = say("in_plane.by_sizes")
+    return caution, (say("in_plane.placed", method=method, how=how),)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.methods.base import Settings
+from drystone.language import say
 
 
 def is_linear(settings: Settings) -> bool:
@@ -32,12 +33,7 @@ def collapse(capacity: Capacity, settings: Settings) -> float:
     """d0* [m]; `AssessmentError` where the curve has no collapse."""
     end = capacity.spectral_collapse_displacement
     if end is None:
-        raise AssessmentError(
-            f'method "{settings.method}" needs the displacement at which nothing is carried any '
-            "more, and the curve does not come down to it: trace it further, to a smaller "
-            "stop_multiplier and a larger max_displacement (ntc2018-local and ntc2009-local do "
-            'with kinematics = "linear", for which the activation multiplier is enough)'
-        )
+        raise AssessmentError(say("refused.no_collapse", method=settings.method))
     return end
 
 
@@ -59,8 +55,4 @@ def acceleration(capacity: Capacity, displacement: float, straight: bool) -> flo
 
 def collapse_assumption() -> str:
     """What d0 stands on."""
-    return (
-        "The collapse displacement is that of the curve given: only actions that last to the "
-        "collapse may be in it, no ties, neighbours' friction or arches that are lost before "
-        "(Circ. 7/2019 C8.7.1.2.1.6)."
-    )
+    return say("common.collapse")

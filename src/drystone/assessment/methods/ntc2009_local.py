@@ -14,6 +14,7 @@ from drystone.assessment.methods.base import Assessment, LimitState, Settings, S
 from drystone.assessment.methods.ground import bearable, of_the_ground
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
 from drystone.assessment.spectra.floor import FloorSpectrum
+from drystone.language import say
 
 NAME = "ntc2009-local"
 STATES = ("SLD", "SLV")
@@ -25,10 +26,7 @@ ULTIMATE_SHARE, SECANT_SHARE = 0.4, 0.4
 #: q of the linear check of the SLV, C8A.4.2.3.
 BEHAVIOUR_FACTOR = 2.0
 
-UNCERTAIN = (
-    "Circ. 617/2009 C8A.4: the text was not at hand, the numbers of its equations are not certain; "
-    "the rules of 2019 replace it."
-)
+UNCERTAIN = say("ntc2009_local.text")
 
 
 def secant_period(displacement: float, acceleration: float) -> float:
@@ -76,7 +74,7 @@ def _by_acceleration(
         **of_the_ground(spectrum, borne),
         satisfied=a0 >= demand,
         verified=verified,
-        governed_by="activation" if name == "SLD" else "activation times q = 2",
+        governed_by=say("governs.activation" if name == "SLD" else "governs.activation_q"),
         clause="Circ. 617/2009 C8A.4.2.3",
     )
 
@@ -106,7 +104,7 @@ def _by_displacement(
         **of_the_ground(spectrum, borne),
         satisfied=demand <= d,
         verified=verified,
-        governed_by=why or f"{ULTIMATE_SHARE:g} of the collapse displacement",
+        governed_by=why or say("governs.share", share=ULTIMATE_SHARE),
         clause="Circ. 617/2009 C8A.4.2.3",
         details={"secant_displacement": at, "secant_acceleration": a},
     )
@@ -146,7 +144,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         spectra=given,
         assumptions=common.assumptions(c, used) + notes + _said(settings, given, linear),
         uncertain=common.uncertain(c, used, found, UNCERTAIN),
-        weighs_most=common.weight(c, "the linear check with q = 2" if linear else ""),
+        weighs_most=common.weight(c, say("ntc2009_local.weight_linear") if linear else ""),
     )
 
 
@@ -155,9 +153,9 @@ def _said(settings: Settings, given: Mapping[str, Spectrum], linear: bool) -> tu
     if not linear:
         said.append(local.collapse_assumption())
         if settings.straight_capacity is not False:
-            said.append("The straight line a0 (1 - d/d0) of C8A.4.2.2 stands for the curve.")
+            said.append(say("ntc2009_local.straight"))
     if any(isinstance(s, FloorSpectrum) and len(s.modes) > 1 for s in given.values()):
-        said.append("The rules of 2009 use the first mode of the building alone.")
+        said.append(say("ntc2009_local.first_mode"))
     if any(s.site_specific for s in given.values()):
-        said.append("The spectrum of the site is read at T_s alone, as the rules of 2009 have it.")
+        said.append(say("ntc2009_local.site"))
     return tuple(said)

@@ -16,6 +16,7 @@ from drystone.assessment.methods.base import Assessment, LimitState, Settings, S
 from drystone.assessment.methods.ground import bearable, of_the_ground, summit
 from drystone.assessment.methods.inelastic import check_on_the_ground, target
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
+from drystone.language import say
 
 NAME = "ntc2018-global"
 STATES = ("SLO", "SLD", "SLV", "SLC")
@@ -30,9 +31,7 @@ MOST_STRENGTH_RATIO = {"SLV": 3.0, "SLC": 4.0}
 #: k of (C7.3.10) by capacity of dissipation.
 DISSIPATION = {"high": 1.0, "moderate": 0.66, "low": 0.33}
 
-UNCERTAIN = (
-    "NTC 2018 7.3.4.2: the groups of force distributions were not checked against a source.",
-)
+UNCERTAIN = (say("ntc2018_global.groups"),)
 
 #: Displacements at which procedure B looks for its intersection.
 N_POINTS = 32
@@ -197,13 +196,13 @@ def _state(
     found = target(spectrum, curve)
     demand = procedure.demand(spectrum)
     by_displacement = procedure.borne(spectrum, limit)
-    borne, why = by_displacement, "displacement"
+    borne, why = by_displacement, say("governs.displacement")
     most = MOST_STRENGTH_RATIO.get(name)
     by_ratio = None
     if most is not None:
         by_ratio = bearable(spectrum, lambda s: target(s, curve).strength_ratio, most)
         if by_ratio is not None and (borne is None or by_ratio < borne):
-            borne, why = by_ratio, f"q* = {most:g}"
+            borne, why = by_ratio, say("governs.strength_ratio", most=most)
     return LimitState(
         name=name,
         limit_displacement=limit,
@@ -221,7 +220,7 @@ def _state(
         ),
         verified=verified,
         governed_by=why,
-        clause="Circ. 7/2019 (C7.3.7) to (C7.3.10), C8.7.1.3.1",
+        clause=say("clause.global"),
         details={
             "elastic_displacement_demand": found.elastic_displacement,
             "strength_ratio": found.strength_ratio,
@@ -239,9 +238,7 @@ def _procedure(
     """Procedure A or B of the settings, and what was assumed."""
     name = settings.procedure or "A"
     if name == "A":
-        return _procedure_a(curve), (
-            "Procedure A of Circ. 7/2019 C7.3.4.2: displacements of the bilinear by (C7.3.8)."
-        )
+        return _procedure_a(curve), say("ntc2018_global.procedure_a")
     if name != "B":
         raise AssessmentError(f'procedure "{name}" is not known: "A" or "B" of C7.3.4.2')
     kind = settings.need(
@@ -252,9 +249,9 @@ def _procedure(
     d, a = capacity.spectral_displacement, capacity.spectral_acceleration
     stiffness = initial_stiffness(d, a, share)
     ultimate = curve.ultimate_displacement
-    return _procedure_b(capacity, stiffness, DISSIPATION[kind], ultimate), (
-        f"Procedure B of Circ. 7/2019 C7.3.4.2 with {kind} dissipation, k = {DISSIPATION[kind]:g}."
-    )
+    factor = DISSIPATION[kind]
+    said = say("ntc2018_global.procedure_b", kind=say(f"ntc2018_global.{kind}"), factor=factor)
+    return _procedure_b(capacity, stiffness, factor, ultimate), said
 
 
 def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessment:
@@ -271,7 +268,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
     c = capacity.read_as(settings.reading)
     given, verified, notes = spectra_of(spectra, STATES, REFERENCE, settings)
     check_on_the_ground(given.values(), NAME)
-    ultimate, why = in_plane.ultimate(c, settings, "SLC", "drift limit")
+    ultimate, why = in_plane.ultimate(c, settings, "SLC", say("in_plane.drift"))
     share = settings.secant_share or SECANT_SHARE
     curve = bilinear(
         c.spectral_displacement,
@@ -303,11 +300,9 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
 
 def _said(settings: Settings, why: str, share: float) -> tuple[str, ...]:
     said = [
-        f"SLC: {why}; the bilinear ends there and its first branch passes through {share:g} of the "
-        "peak.",
-        "One distribution of forces: the verdict asks for two of them, each in both senses (NTC "
-        "2018 7.3.4.2).",
+        say("ntc2018_global.collapse", why=why, share=share),
+        say("ntc2018_global.distribution"),
     ]
     if "SLC" not in settings.displacement_limits:
-        said.append("No drift limit of piers was given: the residual strength alone sets the SLC.")
+        said.append(say("ntc2018_global.no_drift"))
     return tuple(said)

@@ -23,6 +23,7 @@ from drystone.assessment.spectra.base import (
     largest_displacement,
 )
 from drystone.assessment.spectra.floor import FloorSpectrum
+from drystone.language import say
 
 NAME = "ntc2018-local"
 STATES = ("SLD", "SLV", "SLC")
@@ -117,7 +118,7 @@ def activation_state(
         **of_the_ground(spectrum, borne),
         satisfied=a0 >= demand,
         verified=verified,
-        governed_by="activation",
+        governed_by=say("governs.activation"),
         clause="Circ. 7/2019 (C8.7.1.9)" if free else "Circ. 7/2019 (C8.7.1.8)",
     )
 
@@ -136,7 +137,7 @@ def _ultimate_state(
     d, why = common.limit(capacity, settings, name, own)
     lost = sudden_loss(capacity) if name == "SLV" and not settings.straight_capacity else None
     if lost is not None and lost < d:
-        d, why = lost, "sudden loss of more than half the strength"
+        d, why = lost, say("governs.sudden")
     a = local.acceleration(capacity, d, bool(settings.straight_capacity)) / factor
     period = limit_period(d, a, name)
     t0 = settings.elastic_period
@@ -144,10 +145,10 @@ def _ultimate_state(
     by_displacement = bearable(
         spectrum, lambda s: displacement_demand(s, period, rule.damping, t0), d
     )
-    why = why or f"{rule.share:g} of the collapse displacement"
+    why = why or say("governs.share", share=rule.share)
     borne, governed = by_displacement, why
     if borne is not None and activation is not None and activation > borne:
-        borne, governed = activation, "activation"
+        borne, governed = activation, say("governs.activation")
     return LimitState(
         name=name,
         limit_displacement=d,
@@ -191,7 +192,7 @@ def _linear_state(
         **of_the_ground(spectrum, borne),
         satisfied=borne is None or borne >= spectrum.ground_acceleration,
         verified=verified,
-        governed_by="activation times q = 2",
+        governed_by=say("governs.activation_q"),
         clause="Circ. 7/2019 C8.7.1.2.1.7",
     )
 
@@ -252,30 +253,24 @@ def _said(
     """What was assumed by the method."""
     said: list[str] = []
     if settings.elastic_period is None:
-        said.append(
-            "The mechanism is rigid until it rocks, as that of a wall tied to its neighbours: "
-            "accelerations of the ground, not of a period T_0, move it (Circ. 7/2019 C8.7.1.8)."
-        )
+        said.append(say("ntc2018_local.rigid"))
     if linear:
-        return (*said, "Simplified check with q = 2: displacements are not compared.")
+        return (*said, say("ntc2018_local.linear"))
     said.append(local.collapse_assumption())
     if settings.straight_capacity:
-        said.append("The straight line a0 (1 - d/d0) stands for the curve.")
+        said.append(say("ntc2018_local.straight"))
     if not settings.displacement_limits:
         said.append(_connections(capacity))
     for spectrum in given.values():
         if isinstance(spectrum, FloorSpectrum) and spectrum.acceleration < (
             spectrum.ground_acceleration * spectrum.soil_factor
         ):
-            said.append(
-                "The acceleration of the floor is less than that of the ground, a_g S: the "
-                "mechanism stands low; compare with a mechanism at the ground."
-            )
+            said.append(say("ntc2018_local.low_floor"))
             break
     top = capacity.spectral_displacement[capacity.peak_index]
     end = capacity.spectral_collapse_displacement
     if end is not None and top > RULES["SLV"].share * end:
-        said.append("The peak of the curve lies beyond 0.4 of its collapse displacement.")
+        said.append(say("ntc2018_local.late_peak"))
     return tuple(said)
 
 
@@ -283,35 +278,22 @@ def _connections(capacity: Capacity) -> str:
     """What the curve knows of connections and supports up to the limit of the SLC."""
     end = capacity.collapse_displacement
     if capacity.losses is None or end is None:
-        return (
-            "Whether a connection breaks or a support is lost before 0.4 and 0.6 of the collapse "
-            "displacement was not looked at: no displacement limit was given."
-        )
+        return say("ntc2018_local.not_looked")
     if capacity.losses_before(RULES["SLC"].share * end):
-        return (
-            "Something is lost on the way to 0.6 of the collapse displacement, see the first "
-            "notes, and no displacement limit was given."
-        )
-    return (
-        "No connection of the model breaks and no support is lost before 0.4 and 0.6 of the "
-        "collapse displacement; of connections that are not modelled no displacement limit was "
-        "given."
-    )
+        return say("ntc2018_local.lost")
+    return say("ntc2018_local.nothing_lost")
 
 
 def _uncertain(capacity: Capacity) -> tuple[str, ...]:
     if capacity.reading == "base_shear":
         return ()
-    return (
-        f"Reading {capacity.reading}: Circ. 7/2019 (C8.7.1.3) divides by e*, which is the reading "
-        "base_shear.",
-    )
+    return (say("ntc2018_local.reading", reading=capacity.reading),)
 
 
 def _weight(found: list[LimitState], linear: bool) -> str:
     if linear:
-        return "the simplified q = 2 in place of displacements"
+        return say("ntc2018_local.weight_linear")
     for state in found:
         if state.governed_by == common.LOCAL and state.verified:
-            return f"the displacement limit given for {state.name}"
+            return say("ntc2018_local.weight_limit", state=state.name)
     return ""

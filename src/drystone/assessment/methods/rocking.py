@@ -14,6 +14,7 @@ from drystone.assessment.rocking.block import RockingBlock, equivalent_block
 from drystone.assessment.rocking.motion import MechanismRocker, respond
 from drystone.assessment.rocking.pulse import Pulse, least_amplitude
 from drystone.assessment.rocking.record import Record
+from drystone.language import say
 
 NAME = "rocking"
 STATES = ("SLV", "SLC")
@@ -22,10 +23,7 @@ REFERENCE = "SLV"
 #: Limits of the mean of the largest displacements over d0*, C8.7.1.2.1.8 and C8.7.1.2.1.9.
 SHARES = {"SLV": 0.4, "SLC": 0.6}
 
-UNCERTAIN = (
-    "The equivalent block of a mechanism (p, lambda_0): derived and checked for one block; for "
-    "mechanisms of several blocks from memory of DeJong and Dimitrakopoulos 2014.",
-)
+UNCERTAIN = (say("rocking.text"),)
 
 
 def pulse_facts(pulse: Pulse, block: RockingBlock, level: float) -> dict[str, Any]:
@@ -93,7 +91,7 @@ def _states(
                 control_displacement_demand=None if fallen else capacity.control_at(mean),
                 satisfied=not fallen and mean <= d,
                 verified=name in verified,
-                governed_by=why or f"{SHARES[name]:g} of the collapse displacement",
+                governed_by=why or say("governs.share", share=SHARES[name]),
                 clause="Circ. 7/2019 C8.7.1.2.1.9",
                 details={"mean_peak_acceleration": peak, "overturned": fallen},
             )
@@ -110,8 +108,10 @@ def _overturning(pulses: list[dict[str, Any]], verified: bool) -> LimitState:
         ground_acceleration_demand=worst["amplitude"],
         satisfied=not any(fact["overturns"] for fact in pulses),
         verified=verified,
-        governed_by=f"{worst['kind']} pulse of {worst['duration']:g} s",
-        clause="Housner 1963; condition of overturning without impact",
+        governed_by=say(
+            "governs.pulse", kind=say(f"rocking.{worst['kind']}"), duration=worst["duration"]
+        ),
+        clause=say("clause.dynamics"),
     )
 
 
@@ -179,27 +179,22 @@ def assess(capacity: Capacity, spectra: Spectra | None, settings: Settings) -> A
 def _said(settings: Settings, capacity: Capacity) -> tuple[str, ...]:
     said = []
     if settings.reading != "energy":
-        said.append("Motion is in the reading energy whatever the reading of the settings.")
+        said.append(say("rocking.reading"))
     if settings.confidence_factor is None:
-        said.append("No confidence factor was given, and none is applied.")
+        said.append(say("rocking.no_factor"))
     if settings.records:
-        said.append(
-            f"{len(settings.records)} records, restitution {settings.restitution:g}; the codes ask "
-            "for three records (largest value) or seven (mean)."
-        )
+        known = {"n": len(settings.records), "restitution": settings.restitution}
+        said.append(say("rocking.records", **known))
         if capacity.load_multiplier[0] < 0.5 * capacity.activation_multiplier:
-            said.append(
-                "The curve rises over the stiffness of its joints: the mechanism moves from the "
-                "beginning, without a threshold, and loses energy where it passes zero."
-            )
+            said.append(say("rocking.soft"))
         if settings.sides == "two":
-            said.append("It rocks to the other side by the same curve.")
+            said.append(say("rocking.two_sides"))
     if settings.pulses:
-        said.append("Pulses overturn without an impact, as of a slender block.")
+        said.append(say("rocking.pulses"))
     return tuple(said)
 
 
 def _weight(settings: Settings) -> str:
     if settings.records:
-        return f"the restitution {settings.restitution:g}, and the choice of records"
-    return "the shape of the pulse"
+        return say("rocking.weight_records", restitution=settings.restitution)
+    return say("rocking.weight_pulses")

@@ -13,6 +13,7 @@ from drystone.assessment.spectra.shape import (
     checked_acceleration,
     checked_ground,
 )
+from drystone.language import say
 
 GROUNDS = ("A", "B", "C", "D", "E")
 
@@ -134,10 +135,7 @@ class Ec8Spectrum(ShapedSpectrum):
         if return_period is not None:
             acceleration = acceleration_of_return_period(acceleration, return_period)
         if return_period not in (None, REFERENCE_RETURN_PERIOD):
-            notes = (
-                f"The ground acceleration of {return_period:g} years follows from that of 475 "
-                "years by EN 1998-1:2004 2.1(4) with k = 3.",
-            )
+            notes = (say("ec8.carried", years=return_period),)
         return cls(
             ground_acceleration=acceleration,
             spectrum_type=spectrum_type,
@@ -164,23 +162,19 @@ class Ec8Spectrum(ShapedSpectrum):
     @property
     def label(self) -> str:
         """For people."""
-        return (
-            f"EN 1998-1 type {self.spectrum_type}, ground {self.ground}, "
-            f"a_g = {self.ground_acceleration / GRAVITY:.4g} g"
+        return say(
+            "ec8.label",
+            type=self.spectrum_type,
+            ground=self.ground,
+            ag=self.ground_acceleration / GRAVITY,
         )
 
     @property
     def uncertain(self) -> tuple[str, ...]:
         """What was not checked against the standard."""
-        said: tuple[str, ...] = (
-            "EN 1998-1:2004 Tables 3.2, 3.3 and A.1: recommended values, not checked against the "
-            "standard's text; a National Annex may change them.",
-        )
+        said: tuple[str, ...] = (say("ec8.tables"),)
         if self.spectrum_type == 2:
-            said += (
-                "EN 1998-1:2004 Annex A gives T_E and T_F for type 1; they are used for type 2 as "
-                "well.",
-            )
+            said += (say("ec8.type_2"),)
         return said
 
     @cached_property

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from drystone.assessment.errors import AssessmentError, not_negative, positive
 from drystone.assessment.spectra.base import Spectrum, damping_factor, periods
+from drystone.language import say
 
 Array = NDArray[np.float64]
 
@@ -86,16 +87,16 @@ def first_mode(
                 "a mechanism at a height needs gamma_1: give it, or the number of storeys"
             )
         participation = storeys_participation(storeys)
-        said += (f"gamma_1 = {participation:.4g} of {storeys} storeys, Circ. 7/2019 (C7.2.10).",)
+        said += (say("floor.participation", value=participation, storeys=storeys),)
     if shape is None:
         shape = z / top
-        said += (f"psi_1 = z/H = {shape:.4g}, Circ. 7/2019 (C7.2.10).",)
+        said += (say("floor.shape", value=shape),)
     if period is None:
         period = masonry_period(top)
-        said += (f"T_1 = 0.05 H^0.75 = {period:.4g} s, Circ. 7/2019 (C7.3.2).",)
+        said += (say("floor.period", value=period),)
     period *= positive(period_factor, "the factor of T_1")
     if period_factor != 1.0:
-        said += (f"T_1 is taken {period_factor:g} times as long, for damage: {period:.4g} s.",)
+        said += (say("floor.longer", factor=period_factor, value=period),)
     mode = Mode(period=period, participation=participation, shape=shape, damping=damping)
     return mode, said
 
@@ -145,8 +146,7 @@ class FloorSpectrum:
     @property
     def label(self) -> str:
         """For people."""
-        first = self.modes[0]
-        return f"{self.ground.label}, at a height (T_1 = {first.period:.4g} s)"
+        return say("floor.label", ground=self.ground.label, T1=self.modes[0].period)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -158,8 +158,7 @@ class FloorSpectrum:
         """What the sources tell differently."""
         return (
             *self.ground.uncertain,
-            "Circ. 7/2019 C7.2.6: A_k = 1.1 xi_k^-0.5 eta with xi_k a ratio, though the text says "
-            "per cent: with per cent a floor would not amplify.",
+            say("floor.percent"),
         )
 
     @property

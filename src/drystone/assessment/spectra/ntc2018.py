@@ -18,6 +18,7 @@ from drystone.assessment.spectra.shape import (
     checked_acceleration,
     checked_ground,
 )
+from drystone.language import say
 
 SOILS = ("A", "B", "C", "D", "E")
 
@@ -132,10 +133,13 @@ class NtcSpectrum(ShapedSpectrum):
     @property
     def label(self) -> str:
         """For people."""
-        return (
-            f"NTC 2018, soil {self.soil}, {self.topography}, "
-            f"a_g = {self.ground_acceleration / GRAVITY:.4g} g, F_0 = {self.amplification:g}, "
-            f"T_C* = {self.reference_corner:g} s"
+        return say(
+            "ntc2018.label",
+            soil=self.soil,
+            topography=self.topography,
+            ag=self.ground_acceleration / GRAVITY,
+            F0=self.amplification,
+            TC=self.reference_corner,
         )
 
     @property
@@ -143,28 +147,18 @@ class NtcSpectrum(ShapedSpectrum):
         """What was assumed."""
         said: tuple[str, ...] = ()
         if self.topography != "T1":
-            said += (
-                f"Topography {self.topography} has its largest S_T, that of the top, NTC 2018 "
-                "Table 3.2.V.",
-            )
+            said += (say("ntc2018.topography", topography=self.topography),)
         if self.amplification < 2.2:
-            said += (
-                f"F_0 = {self.amplification:g} lies below 2.2, the least value on the horizontal.",
-            )
+            said += (say("ntc2018.low_F0", F0=self.amplification),)
         return said
 
     @property
     def uncertain(self) -> tuple[str, ...]:
         """What was not checked against the official text."""
-        said: tuple[str, ...] = (
-            "NTC 2018 Tables 3.2.IV, 3.2.V and 3.2.VII: from a transcription.",
-        )
+        said: tuple[str, ...] = (say("ntc2018.tables"),)
         if self.shape.displacement_corner > self.shape.long_period:
-            said += (
-                f"T_D = {self.shape.displacement_corner:.3g} s lies above T_E = "
-                f"{self.shape.long_period:g} s: the formulas of NTC 2018 3.2.3.2.3 are not meant "
-                "for so strong a ground motion.",
-            )
+            corners = {"TD": self.shape.displacement_corner, "TE": self.shape.long_period}
+            said += (say("ntc2018.strong", **corners),)
         return said
 
     @cached_property

@@ -13,6 +13,7 @@ from drystone.assembly import GRAVITY
 from drystone.assessment.columns import checked_columns, read_columns, unit_of
 from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.spectra.base import damping_factor, periods
+from drystone.language import say
 
 Array = NDArray[np.float64]
 
@@ -36,7 +37,7 @@ class TableSpectrum:
     corner: float | None = None  # s, T_C; None: 2 pi max(PSV)/max(S_e)
     site_specific: bool = True
     return_period: float | None = None  # years
-    label: str = "spectrum from a table"
+    label: str = say("table.unnamed")
 
     def __post_init__(self) -> None:
         t, a = checked_columns(self.table_period, self.table_acceleration, self.label, "period")
@@ -79,18 +80,15 @@ class TableSpectrum:
     @property
     def notes(self) -> tuple[str, ...]:
         """What was assumed."""
+        percent = 100.0 * self.table_damping
         said: tuple[str, ...] = (
-            f"The table ends at {self.table_period[-1]:g} s; beyond, the spectral displacement "
-            "stays as it is there.",
-            f"Other dampings than {100.0 * self.table_damping:g} per cent: the table times the "
-            "ratio of eta.",
+            say("table.ends", last=float(self.table_period[-1])),
+            say("table.damping", percent=percent),
         )
         if self.corner is None:
-            said += (
-                f"T_C = {self.corner_period:.4g} s follows from the table, 2 pi max(PSV)/max(S_e).",
-            )
+            said += (say("table.corner", TC=self.corner_period),)
         if self.soil_factor == 1.0:
-            said += ("The ground acceleration is that of the surface, S_e(0) of the table.",)
+            said += (say("table.surface"),)
         return said
 
     @property
@@ -150,7 +148,7 @@ def read_spectrum(
     AssessmentError
         Where the file is missing or is no spectrum: names the line and what would mend it.
     """
-    name = f'spectrum "{Path(path).name}"'
+    name = say("table.name", file=Path(path).name)
     factor = unit_of(unit, name)
     period, value = read_columns(path, HEADER, name)
     if value[0] * factor > MOST * GRAVITY:

@@ -1,0 +1,280 @@
+"""Sentences in several languages: the same keys and fields, nothing that is said past them."""
+
+import json
+import pickle
+import re
+import shutil
+import string
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import drystone as ds
+from drystone.cli import app
+from drystone.document.report import render
+from drystone.events import Event, EventKind, Outcome
+from drystone.language import LANGUAGES, Saying, catalogue, number, said_end, say, speaking, spoken
+from drystone.viewer.folder import Folder
+from sites import TABLES
+
+ROOT = Path(__file__).parents[2]
+FILES = (*catalogue.SENTENCES, catalogue.REPORT)
+OTHERS = [language for language in LANGUAGES if language != "en"]
+
+
+def leaves(table, path=""):
+    """Templates by their path."""
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from leaves(value, f"{path}{key}.")
+        else:
+            yield f"{path}{key}", value
+
+
+def fields_of(template):
+    return sorted((n, form) for _, n, form, _ in string.Formatter().parse(template) if n)
+
+
+@pytest.mark.parametrize("language", OTHERS)
+@pytest.mark.parametrize("name", FILES)
+def test_languages_have_the_same_keys_and_fields(language, name):
+    english = dict(leaves(catalogue.table("en", name)))
+    other = dict(leaves(catalogue.table(language, name)))
+    assert english.keys() == other.keys()
+    for key, template in english.items():
+        assert fields_of(template) == fields_of(other[key]), key
+
+
+@pytest.mark.parametrize("language", OTHERS)
+def test_sentences_are_translated(language):
+    """What is alike in both has no words: signs, symbols, clauses, keys of files."""
+    alike = {
+        key: template
+        for name in FILES
+        for key, template in leaves(catalogue.table("en", name))
+        if template == dict(leaves(catalogue.table(language, name)))[key]
+    }
+    for key, template in alike.items():
+        words = re.findall(r"\b[a-zà-ù]{4,}\b", re.sub(r"{.*?}", "", template))
+        assert set(words) <= {"zeta", "volume"}, (key, template)
+
+
+def test_every_key_is_said_somewhere_and_there_is_none_else():
+    """Keys stand whole in the source, but for those that are made of a name."""
+    source = "\n".join(p.read_text() for p in (ROOT / "src/drystone").rglob("*.py"))
+    made = ("reading.", "status.", "named.", "ntc2018_global.", "rocking.", "screen.")
+    given = {"named", "status"}  # the noun, and how a run ended, are names
+    for key in catalogue.templates("en"):
+        section, last = key.split(".")
+        asked = key.startswith(made) and re.search(rf"[\"']{last}[\"']", source)
+        assert section in given or asked or f'"{key}"' in source, key
+    for key in re.findall(r'say\(\s*"([a-z0-9_A-Z]+\.[a-z0-9_A-Z]+)"', source):
+        assert key in catalogue.templates("en"), key
+
+
+class TestSaying:
+    def test_is_english_text_and_knows_more(self):
+        said = say("mechanism.straight", end=0.4961, place=0.4962)
+        assert "straight line to 0.4961 m" in said and isinstance(said, str)
+        assert "retta fino a 0,4961 m" in said.in_language("it")
+        with speaking("it"):
+            assert spoken(said) == said.in_language("it")
+            assert spoken("words of nobody") == "words of nobody"
+        assert spoken(said) == said
+
+    def test_sayings_in_sayings_and_lists(self):
+        inner = say("verdict.motion", state="SLD", years=50.3)
+        said = say("verdict.missing_motions", states=[inner], tables=["[site.SLD]"])
+        assert "SLD (50 years)" in said and "SLD (50 anni)" in said.in_language("it")
+
+    def test_keys_and_fields_survive_a_file_and_a_process(self):
+        inner = say("verdict.index", index=0.5, more=say("verdict.nothing"))
+        said = say("verdict.weight", what=inner)
+        for again in (
+            Saying.from_dict(json.loads(json.dumps(said.as_dict()))),
+            pickle.loads(pickle.dumps(said)),
+        ):
+            assert again == said and again.in_language("it") == said.in_language("it")
+
+    def test_what_a_file_says_of_another_version_stays(self):
+        assert spoken("text", {"text": {"key": "no.such", "fields": {}}}) == "text"
+
+    def test_an_unknown_language_is_refused(self):
+        with pytest.raises(ValueError, match='no words in "xx"'), speaking("xx"):
+            pass
+
+    def test_numbers(self):
+        with speaking("it"):
+            assert number(0.25) == "0,25" and number(1e-5, ".2g") == "1e-05"
+            assert number(1.5e10, ".2g") == "1,5e+10"
+        assert number(0.25) == "0.25"
+
+
+class TestEnds:
+    """Results keep why a curve ended as English text."""
+
+    @pytest.mark.parametrize(
+        ("english", "italian"),
+        [
+            (
+                "the load multiplier fell below 0.01",
+                "il moltiplicatore delle azioni è sceso sotto 0,01",
+            ),
+            (
+                'the control displacement reached 0.25 m; the block "a.1" left the structure at '
+                "0.05 m (step 7)",
+                'lo spostamento di controllo ha raggiunto 0,25 m; il blocco "a.1" ha lasciato la '
+                "struttura a 0,05 m (passo 7)",
+            ),
+            (
+                '2 blocks ("a", "b") have collapsed: the analysis ends there, [analysis] falling '
+                'is "stop"',
+                '2 blocchi ("a", "b") sono crollati: lì termina l\'analisi, [analysis] falling è '
+                '"stop"',
+            ),
+        ],
+    )
+    def test_is_recognised(self, english, italian):
+        assert said_end(english) == english
+        with speaking("it"):
+            assert spoken(said_end(english)) == italian
+
+    def test_else_it_stays(self):
+        with speaking("it"):
+            assert spoken(said_end("something else; altogether")) == "something else; altogether"
+
+
+def test_events():
+    event = Event(
+        kind=EventKind.BLOCK_FALLEN, step=3, control_displacement=0.1, load_multiplier=0.25,
+        blocks=("a", "b"), motion=0.5, outcome=Outcome.HANGING,
+    )  # fmt: skip
+    english = (
+        'at 0.1 m, multiplier 0.2500: 2 blocks ("a", "b") fall by up to 0.5 m and hang on ties '
+        "without a contact"
+    )
+    assert str(event) == english and type(str(event)) is str
+    assert event.said.in_language("it") == (
+        'a 0,1 m, moltiplicatore 0,2500: 2 blocchi ("a", "b") cadono, fino a 0,5 m e restano '
+        "appesi ai tiranti senza contatti"
+    )
+
+
+@pytest.fixture(scope="module")
+def assessed(tmp_path_factory) -> Path:
+    """A block on a base, assessed in both senses, in English."""
+    folder = tmp_path_factory.mktemp("language")
+    file = folder / "model.toml"
+    life = 'nominal_life = 50\nuse = "II"\n[assessment]'
+    tables = TABLES.replace("[assessment]", life)
+    file.write_text((ROOT / "examples/two_blocks.toml").read_text() + tables)
+    result = CliRunner().invoke(app, ["assess", str(file), "--out", str(folder / "out"), "-q"])
+    assert result.exit_code == 0, result.output
+    return folder / "out"
+
+
+def seen(page):
+    """What a reader sees, without the source of the model and what is hidden."""
+    page = re.sub(r"<(script|style|pre)\b.*?</\1>", " ", page, flags=re.S)
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", page))
+
+
+#: Names that are no words: of methods, engines, strategies, patterns, readings, keys of files, the
+#: program; of the model itself.
+NAMES = {
+    "ntc2018", "local", "equilibrium", "displacement", "mass", "base_shear", "energy", "site",
+    "literal_ec8", "drystone", "stone", "blocks", "Circ", "title", "Two",
+}  # fmt: skip
+
+
+def test_no_word_of_a_report_comes_from_elsewhere(assessed, monkeypatch):
+    """A catalogue of marks in place of words: what can still be read is no language's."""
+
+    def marked(template):
+        parts = []
+        for text, name, form, _ in string.Formatter().parse(template):
+            parts.append(re.sub(r"[^\W_]", "§", text))
+            parts.append("" if name is None else f"{{{name}:{form}}}" if form else f"{{{name}}}")
+        return "".join(parts)
+
+    def masked(value):
+        if isinstance(value, dict):
+            return {key: masked(item) for key, item in value.items()}
+        return marked(value)
+
+    own = catalogue.table.__wrapped__
+    monkeypatch.setattr(
+        catalogue, "table", lambda lang, name: masked(own(lang, name)) if lang == "it" else
+        own(lang, name),
+    )  # fmt: skip
+    catalogue.templates.cache_clear()
+    try:
+        page = seen(render(Folder.read(assessed), language="it"))
+    finally:
+        monkeypatch.undo()
+        catalogue.templates.cache_clear()
+    letters = re.findall(r"[A-Za-z_0-9]*[a-zà-ù]{3,}[a-z_0-9]*", page)
+    digest = re.compile(r"[0-9a-f]{64}")
+    words = {word for word in letters if not digest.fullmatch(word)} - NAMES
+    assert words <= {assessed.name}, words
+    # Decimal points are those of clauses, of the version and of paths alone.
+    rest = re.sub(r"C[0-9.]+|[0-9]+\.[0-9]+\.[0-9]+|\[site\.\w+\]", "", page)
+    assert not re.search(r"\d\.\d", rest), re.findall(r".{20}\d\.\d.{9}", rest)
+
+
+def test_a_report_of_an_english_assessment_in_italian(assessed):
+    page = seen(render(Folder.read(assessed), language="it"))
+    for words in (
+        "moltiplicatore di attivazione",
+        "spostamento di controllo",
+        "fattore di confidenza",
+        "frazione di massa partecipante",
+        "fattore di partecipazione",
+        "indice di sicurezza ζE",
+        "stato limite determinante SLV",
+        "il moltiplicatore delle azioni è sceso sotto 0,01",
+        "Il cinematismo è la tangente subito dopo il picco",
+        "non data: [site.SLD]",
+    ):
+        assert words in page, words
+    assert 'lang="it"' in render(Folder.read(assessed), language="it")
+    assert "activation multiplier" in seen(render(Folder.read(assessed)))
+
+
+def test_the_commands_in_italian(assessed, tmp_path):
+    folder = shutil.copytree(assessed, tmp_path / "out")
+
+    def run(*arguments):
+        result = CliRunner().invoke(app, [*map(str, arguments)])
+        assert result.exit_code == 0, result.output
+        return result.stdout
+
+    told = run("assess", folder, "--language", "it")
+    assert "zeta_E per lettura" in told and "nota: Il cinematismo è" in told
+    assert re.search(r"SLV (sì|NO) +0,\d", told) and "stato limite determinante SLV" in told
+    assert "domanda SLV, smorzamento 8 %" in (folder / "adrs.svg").read_text()
+    stored = json.loads((folder / "assessment.json").read_text())
+    assert stored["language"] == "it" and "verifica" in stored["sentence"]
+    # Keys, status and numbers are those of English.
+    assert stored["status"] == "assessed" and stored["governing_sense"] in stored["senses"]
+    assert 0.0 < stored["limit_states"]["SLV"]["limit_displacement"] < 1.0
+    # A report of it is Italian unless another language is asked for.
+    run("report", folder)
+    assert "Curva di capacità" in (folder / "report.html").read_text()
+    run("report", folder, "--language", "en")
+    page = seen((folder / "report.html").read_text())
+    assert "Capacity curve" in page and "SLV governs, safety index zeta_E" in page
+    assert "Il cinematismo" not in page
+
+
+def test_a_model_may_ask_for_its_language(assessed, tmp_path):
+    file = tmp_path / "model.toml"
+    found = ds.load_results(assessed)
+    file.write_text((assessed.parent / "model.toml").read_text() + 'language = "it"\n')
+    model = ds.read_model(file)
+    ds.save_results(found.curve, model, tmp_path / "out")
+    assert "Curva di capacità" in render(Folder.read(tmp_path / "out"))
+    with pytest.raises(ds.ModelError, match=r"assessment\.language"):
+        file.write_text(file.read_text().replace('"it"', '"fr"'))
+        ds.read_model(file)
