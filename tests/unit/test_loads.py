@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -373,3 +374,40 @@ def test_other_programs_get_the_pattern_mass_alone(tmp_path):
     for other in (tilted, model.with_load(dead_loads=(load,))):
         with pytest.raises(ds.ModelError, match="UDEC gets the"):
             udec.write(replace(other, title="x"))
+
+
+class TestModalOfLooseBlocks:
+    """`Factor is exactly singular`, or the free motion of what touches no support."""
+
+    MOVE = "move them onto one another, or take another pattern"
+
+    def told(self, blocks):
+        joint = ds.JointLaw(friction_coefficient=0.6, normal_stiffness=1e8, shear_stiffness=1e8)
+        pattern = ds.ModalPattern(direction=(1.0, 0.0))
+        model = ds.make_model(blocks, joint=joint, thickness=1.0, load=pattern)
+        with pytest.raises(ds.ModelError, match=f'"modal" has no mode here: .* {self.MOVE}') as e:
+            pattern.mode(model.assembly)
+        return str(e.value)
+
+    def test_blocks_that_touch_no_support_are_named(self):
+        model = ds.read_model(Path(__file__).parent.parent / "cases" / "modal_no_contact.toml")
+        with pytest.raises(ds.ModelError, match=r'blocks "a", "b" have no closed joint'):
+            ds.pushover(model)
+
+    def test_of_many_blocks(self):
+        """From 20 blocks on modes are found otherwise."""
+        floating = [box(f"b{k}", 0.0, 0.1 + 0.2 * k) for k in range(24)]
+        told = self.told([box("ground", -2.0, -0.2, support=True), *floating])
+        assert 'blocks "b0", "b1", "b2", "b3", "b4" and 19 more have' in told
+
+    def test_beside_a_structure_that_stands(self):
+        """Two of three blocks are loose: their free motion has the larger mass."""
+        standing = box("low", 0.0, 0.0)
+        loose = [box("x", 2.0, 0.0), box("y", 2.0, 0.2)]
+        told = self.told([box("ground", 0.0, -0.2, support=True), standing, *loose])
+        assert 'blocks "x", "y" have' in told
+
+
+def box(name, x, y, **more):
+    vertices = [[x, y], [x + 0.4, y], [x + 0.4, y + 0.2], [x, y + 0.2]]
+    return ds.Block(id=name, vertices=vertices, unit_weight=2e4, **more)

@@ -19,8 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import GRAVITY, Assembly
+from drystone.errors import ModelError
 from drystone.loading.base import NO_MASSES, Directed, Masses
 from drystone.loading.dead_forces import DeadForces
+from drystone.names import listed
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -36,6 +38,9 @@ LOOKS, CLOSED = 50, 1e-9
 #: Shift of the stiffness, over the mean of its diagonal: what keeps loose blocks from making it
 #: singular.
 SHIFT = 1e-9
+#: Share of a mode's mass that moves with blocks on no support, from which on it is their free
+#: motion: of modes that vibrate it is zero but for rounding, of free motions one.
+FREE = 0.5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -105,12 +110,20 @@ class ModalPattern(Directed):
 
 
 def first_mode(assembly: Assembly, direction: Array, masses: Masses = NO_MASSES) -> Mode:
-    """The mode with the largest mass along a direction (dim,), of the lowest `MODES`."""
+    """The mode with the largest mass along a direction (dim,), of the lowest `MODES`.
+
+    Raises
+    ------
+    ModelError
+        Nothing vibrates: it is the free motion of blocks that no closed joint ties to a support.
+    """
     free = np.flatnonzero(~assembly.fixed)
     mass = np.array(assembly.mass)
     mass[:, : assembly.dimension] = masses.weights(assembly)[:, None] / GRAVITY
     diagonal = mass[free].ravel()
-    stiffness = _stiffness_at_rest(assembly, masses)
+    stiffness, loose = _stiffness_at_rest(assembly, masses)
+    if not stiffness.count_nonzero():
+        raise _free(assembly, loose)
     square, shapes = _lowest(stiffness, diagonal)
     rigid = np.zeros((len(free), assembly.n_dof))
     rigid[:, : assembly.dimension] = direction
@@ -118,12 +131,27 @@ def first_mode(assembly: Assembly, direction: Array, masses: Masses = NO_MASSES)
     best = int(np.argmax(share))
     shape = np.zeros((assembly.n_bodies, assembly.n_dof))
     shape[free] = shapes[:, best].reshape(len(free), -1)
+    if float((mass * shape**2)[loose].sum()) > FREE:
+        raise _free(assembly, loose)
     along = shape[:, : assembly.dimension] @ direction
     return Mode(
         shape=shape / along[int(np.argmax(np.abs(along)))],
         frequency=float(np.sqrt(max(square[best], 0.0))) / (2.0 * np.pi),
         participation=float(share[best]),
         number=best + 1,
+    )
+
+
+def _free(assembly: Assembly, loose: IntArray) -> ModelError:
+    """The error on blocks that no closed joint ties to a support."""
+    names = [assembly.ids[i] for i in loose]
+    who, have = ("block", "has") if len(names) == 1 else ("blocks", "have")
+    return ModelError(
+        [
+            f'load.pattern: "modal" has no mode here: under the weight {who} {listed(names)} {have} '
+            "no closed joint that leads to a support: move them onto one another, or take another "
+            "pattern"
+        ]
     )
 
 
@@ -145,8 +173,9 @@ def _lowest(stiffness: csc_array, mass: Array) -> tuple[Array, Array]:
     return square[order], shapes[:, order]
 
 
-def _stiffness_at_rest(assembly: Assembly, masses: Masses) -> csc_array:
-    """Stiffness of the movable blocks on the joints that the weight closes, linear."""
+def _stiffness_at_rest(assembly: Assembly, masses: Masses) -> tuple[csc_array, IntArray]:
+    """Stiffness of the movable blocks on the joints that the weight closes, linear; and rows of
+    the blocks that these do not tie to a support."""
     # Imported here because it brings compiled code along, which a schema check does not need.
     from scipy.sparse import csc_array
 
@@ -174,7 +203,19 @@ def _stiffness_at_rest(assembly: Assembly, masses: Masses) -> csc_array:
     weight = masses.weights(assembly)
     dead = np.zeros((assembly.n_bodies, n_dof))
     dead[:, :dim] = -weight[:, None] * assembly.up
-    return _closed(matrix, stiff, dead.ravel()[keep], bonded, CLOSED * float(weight.sum()))
+    least = CLOSED * float(weight.sum())
+    stiffness, closed = _closed(matrix, stiff, dead.ravel()[keep], bonded, least)
+    return stiffness, _loose(assembly, a[closed], b[closed])
+
+
+def _loose(assembly: Assembly, a: IntArray, b: IntArray) -> IntArray:
+    """Rows of blocks that pairs ``a``, ``b`` do not lead to a support."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    n = assembly.n_bodies
+    _, label = connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(n, n)), False)
+    return np.flatnonzero(~np.isin(label, label[assembly.fixed]))
 
 
 def _matrix(rows: Array, columns: IntArray, width: int) -> csc_array:
@@ -189,13 +230,14 @@ def _matrix(rows: Array, columns: IntArray, width: int) -> csc_array:
 
 def _closed(
     matrix: csc_array, stiff: Array, dead: Array, bonded: BoolArray, least: float
-) -> csc_array:
-    """The stiffness with those contacts that press under the dead load, or are bonded."""
+) -> tuple[csc_array, BoolArray]:
+    """The stiffness with those contacts that press under the dead load, or are bonded; and these,
+    (n,)."""
     from scipy.sparse import csc_array, diags_array
     from scipy.sparse.linalg import splu
 
     closed = np.ones(len(stiff), np.bool_)
-    for _ in range(LOOKS):
+    for _ in range(LOOKS if len(stiff) else 0):
         stiffness = _of(matrix, stiff, closed)
         shift = SHIFT * float(stiffness.diagonal().mean())
         x = splu(csc_array(stiffness + shift * diags_array(np.ones(len(dead))))).solve(dead)
@@ -204,7 +246,9 @@ def _closed(
         if np.array_equal(now, closed):
             break
         closed = now
-    return _of(matrix, stiff, closed)
+        if not closed.any():
+            break
+    return _of(matrix, stiff, closed), closed
 
 
 def _of(matrix: csc_array, stiff: Array, closed: BoolArray) -> csc_array:
