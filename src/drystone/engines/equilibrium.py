@@ -51,7 +51,7 @@ from drystone.solvers.linear_step import Loads, PointPace
 from drystone.solvers.piecewise import Accuracy, PathSettings, StepSolution
 from drystone.solvers.static_step import STATUS_OF, Constants, StaticStep
 from drystone.solvers.tie_forces import TieForces
-from drystone.solvers.ways import WayInPlane
+from drystone.solvers.ways import WayInPlane, WayInSpace
 from drystone.solvers.yielding import Way
 from drystone.ties import Bars, TieState
 
@@ -110,8 +110,9 @@ class EquilibriumState:
     settled: float = 0.0  # m or rad, by which supports have moved
     last_settled: float = 0.0  # in the last step
     kept: IntArray | None = None  # (n_pairs,) steps for which features stay; of the plane
+    slope: float = np.nan  # 1/m, of the curve, where it is known
+    softened: bool = False  # whether joints soften, and the slope is with that
     # Of space:
-    slope: float = np.nan  # 1/m, of the curve
     tangent: Array | None = None  # (n, n_dof) per m of the control displacement
     unstable: bool = False  # whether the structure would not keep it
     held: bool = False  # by more inertia, as blocks slid or turned without resistance
@@ -381,19 +382,28 @@ class EquilibriumEngine:
             return last
 
         def way(solved: StepSolution | None, held: Array, fresh: Array) -> Way | None:
-            if not self.strengths.smooth or isinstance(equations, ConeStep):
+            if not self.strengths.smooth:
                 return None
+            strengths, accuracy = self.strengths, step.accuracy
+            if solved is None and self.ties:
+                self.ties.begin(state.ties)
+            at = state.pose, state.slots, state.history, state.branch, step.h
+            if isinstance(equations, ConeStep):
+                if solved is None:
+                    x, demand = step.guess, step.demand
+                    if state.tangent is not None and demand.increment is not None:
+                        x = demand.increment * state.tangent
+                    equations.begin(*at, step.pace, held, fresh)
+                    equations.set_out(x, step.multiplier)
+                slight = self.settings.space.slight * self.problem.assembly.heaviest_weight
+                return WayInSpace(equations, strengths, accuracy, slight)
             x, multiplier = step.guess, step.multiplier
             if solved:
                 x, multiplier = solved.increment, solved.multiplier
             else:
-                if self.ties:
-                    self.ties.begin(state.ties)
-                equations.begin(
-                    state.pose, state.slots, state.history, state.branch, step.h, x, held, fresh
-                )
+                equations.begin(*at, x, held, fresh)
                 equations.branch[:] = state.branch
-            return WayInPlane(equations, self.strengths, step.pace, step.accuracy, x, multiplier)
+            return WayInPlane(equations, strengths, step.pace, accuracy, x, multiplier)
 
         if not self.strengths.any:
             return once(None, None, state.branch, None)
@@ -403,7 +413,7 @@ class EquilibriumEngine:
             state.slots.gap,
             state.branch,
             state.multiplier,
-            np.nan if increment is None else state.slope * increment,
+            state.slope * increment if increment and state.softened else np.nan,
         )
         heaviest = self.problem.assembly.heaviest_weight
         demand = step.demand
@@ -435,7 +445,7 @@ class EquilibriumEngine:
         if state.tangent is not None and demand.increment is not None:
             guesses.append(demand.increment * state.tangent)
         if last is not None:
-            guesses = [last.increment]
+            guesses = [last.increment if near is None else near]
             multiplier = multiplier if pace is None else last.multiplier
         return cone_solution.solve(
             equations,
@@ -690,6 +700,7 @@ class EquilibriumEngine:
             settled=state.settled + (demand.settlement or 0.0),
             last_settled=demand.settlement or 0.0,
             slope=solved.slope,
+            softened=solved.softened,
             tangent=solved.tangent,
             kept=flat.kept.copy() if flat else None,
             unstable=solved.unstable,

@@ -367,7 +367,9 @@ def _shaped(
         excess = _hidden(first, solved, before) or excess
     bend = max(solved.bend, (float(abs(away[off])), float(SHARES[off])))
     bend = bend[0], min(bend[1], FARTHEST)
-    return replace(solved, excess=excess, bend=bend, slope=at_end / increment)
+    if slope is None:
+        return replace(solved, excess=excess, bend=bend)
+    return replace(solved, excess=excess, bend=bend, slope=slope, softened=True)
 
 
 def _hidden(
