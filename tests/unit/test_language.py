@@ -88,6 +88,11 @@ class TestSaying:
         said = say("verdict.missing_motions", states=[inner], tables=["[site.SLD]"])
         assert "SLD (50 years)" in said and "SLD (50 anni)" in said.in_language("it")
 
+    def test_numbers_in_a_list_are_told_apart(self):
+        said = say("load.along", pattern="mass", direction=[0.5, -1.0])
+        assert said == "mass along (0.5, -1)"
+        assert said.in_language("it") == "mass in direzione (0,5; -1)"
+
     def test_keys_and_fields_survive_a_file_and_a_process(self):
         inner = say("verdict.index", index=0.5, more=say("verdict.nothing"))
         said = say("verdict.weight", what=inner)

@@ -10,7 +10,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from drystone.language.catalogue import current, templates, with_mark
+from drystone.language.catalogue import DECIMAL_MARKS, current, templates, with_mark
 
 #: Sections of the tables that results hold as text.
 HAPPENING = ("end", "event", "named")
@@ -125,7 +125,9 @@ class _Words(string.Formatter):
         if isinstance(value, Saying):
             return value.in_language(self.language)
         if isinstance(value, list | tuple):
-            return ", ".join(self.format_field(item, format_spec) for item in value)
+            commas = DECIMAL_MARKS[self.language] == "," and any(type(x) is float for x in value)
+            between = "; " if commas else ", "
+            return between.join(self.format_field(item, format_spec) for item in value)
         if isinstance(value, str):
             return value
         if isinstance(value, float) and not format_spec:
