@@ -606,6 +606,79 @@ class TestJumps:
         at_rest = curve.control_displacement[rest].max()
         assert 0.0 <= curve.ultimate_displacement - at_rest <= STEP
 
+    @pytest.mark.parametrize(
+        ("gone", "multiplier", "ends"),
+        [
+            (26.0, -0.1, True),  # steps, of the control point, beyond `fall_motion`
+            (24.0, -0.1, False),
+            (26.0, 0.1, False),  # what carries on the way is no free fall
+        ],
+    )
+    def test_a_control_point_that_falls_within_a_step_ends_the_curve(self, gone, multiplier, ends):
+        """The structure lets go at 0.1 m, and its engine follows it to where it would carry again.
+
+        Points in motion are shown, and only what was at rest before them counts.
+        """
+
+        class Falling(SlidingStructure):
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                if new.delta < 0.1 or state.delta >= 0.1:
+                    return new, report
+                places = new.delta + STEP * np.linspace(0.0, gone, 5)
+                way = tuple(
+                    (
+                        SlidingState(delta),
+                        replace(
+                            report,
+                            static_multiplier=multiplier,
+                            control_displacement=delta,
+                            dynamic=True,
+                        ),
+                    )
+                    for delta in places
+                )
+                landed = SlidingState(places[-1])
+                rest = replace(
+                    report,
+                    control_displacement=landed.delta,
+                    static_multiplier=0.2,
+                    motion=2.0 * gone * STEP,
+                    crest=0.0,
+                    way=way,
+                )
+                return landed, rest
+
+        curve = trace(Falling(prescribes=True), "displacement")
+        dynamic = curve.column("status") == DYNAMIC
+        assert curve.load_multiplier[dynamic][:5].tolist() == [multiplier] * 5
+        assert curve.status == "finished" and ("collapsed in motion" in curve.reason) == ends
+        if ends:
+            assert dynamic.sum() == 6  # where it has landed is none of rest
+            rest = curve.control_displacement[~dynamic].max()
+            assert curve.ultimate_displacement == rest and rest < 0.1
+        else:
+            assert curve.control_displacement[-1] > 0.1 + STEP * gone
+
+    def test_what_finds_no_rest_is_shown_to_the_end(self):
+        """The points in motion of the last step that was tried, each further on."""
+
+        class Lost(SlidingStructure):
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                if new.delta < 0.1:
+                    return new, report
+                moved = [replace(report, control_displacement=0.1 + x) for x in (0.1, 0.2)]
+                way = tuple((SlidingState(found.control_displacement), found) for found in moved)
+                return state, StepReport(converged=False, reason="it runs away", way=way)
+
+        curve = trace(Lost(prescribes=True), "displacement")
+        assert curve.status == "finished"
+        assert "collapsed in motion" in curve.reason and "it runs away" in curve.reason
+        assert (curve.column("status") == DYNAMIC).tolist()[-3:] == [False, True, True]
+        assert curve.control_displacement[-2:].tolist() == pytest.approx([0.2, 0.3])
+        assert curve.ultimate_displacement == curve.control_displacement[-3]
+
     def test_a_jump_below_the_stop_value_is_not_searched_for_it(self):
         """No multiplier between its ends is at rest: to a hundredth of a step is near enough.
 
