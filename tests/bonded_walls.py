@@ -134,7 +134,7 @@ def energy_of(model: ds.Model, **options) -> tuple[CapacityCurve, Energy]:
         steps.append(engine.came[id(state)])
         state = steps[-1][1]
     total, error, released = 0.0, 0.0, 0.0
-    for new, old, demand, report, _, constants in steps[::-1]:
+    for new, old, demand, _report, _, constants in steps[::-1]:
         if len(new.history) != len(old.history):
             continue
         loads = constants.loads

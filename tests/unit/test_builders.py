@@ -204,8 +204,6 @@ class TestChecks:
             ({"control_block": "base"}, "is a support"),
             ({"control_block": "aa"}, 'did you mean "a"'),
             ({"control_point": (3.0, 3.0)}, "is not on block"),
-            ({"joint": JointLaw(friction_coefficient=-1.0, normal_stiffness=None,
-                                shear_stiffness=None)}, "joint.friction_coefficient"),
             ({"joint_between": {frozenset(("a", "z")): LAW}}, 'joint.between."a z"'),
         ],
     )  # fmt: skip

@@ -148,9 +148,9 @@ def _free(assembly: Assembly, loose: IntArray) -> ModelError:
     who, have = ("block", "has") if len(names) == 1 else ("blocks", "have")
     return ModelError(
         [
-            f'load.pattern: "modal" has no mode here: under the weight {who} {listed(names)} {have} '
-            "no closed joint that leads to a support: move them onto one another, or take another "
-            "pattern"
+            'load.pattern: "modal" has no mode here: '
+            f"under the weight {who} {listed(names)} {have} no closed joint that leads to "
+            "a support: move them onto one another, or take another pattern"
         ]
     )
 
