@@ -24,13 +24,14 @@ from scipy.sparse import csr_array
 Array = NDArray[np.float64]
 
 
-def _dot(a: Array, b: Array) -> Array:
+def dot(a: Array, b: Array) -> Array:
+    """Products of the rows of two arrays, (n,)."""
     return np.asarray(np.einsum("ij,ij->i", a, b))
 
 
 def _length(v: Array) -> Array:
     """Of what follows the first component."""
-    return np.asarray(np.sqrt(_dot(v[:, 1:], v[:, 1:])))
+    return np.asarray(np.sqrt(dot(v[:, 1:], v[:, 1:])))
 
 
 class Cones:
@@ -84,8 +85,8 @@ class Cones:
                 np.sqrt((b[:, 0] - lb) * (b[:, 0] + lb)),
             )
             a, b = a / ra[:, None], b / rb[:, None]
-            w = (a - b) / np.sqrt(2.0 + 2.0 * _dot(a, b))[:, None]
-            w[:, 0] = np.sqrt(1.0 + _dot(w[:, 1:], w[:, 1:]))
+            w = (a - b) / np.sqrt(2.0 + 2.0 * dot(a, b))[:, None]
+            w[:, 0] = np.sqrt(1.0 + dot(w[:, 1:], w[:, 1:]))
             self._w[k], self._eta[k] = w, np.sqrt(ra / rb)
 
     def scaled(self, v: Array, *, inverse: bool = False) -> Array:
@@ -93,7 +94,7 @@ class Cones:
         out = np.empty_like(v)
         sign = -1.0 if inverse else 1.0
         for (a, to), w, eta in zip(self._views(v, out), self._w, self._eta, strict=True):
-            along = _dot(w[:, 1:], a[:, 1:])
+            along = dot(w[:, 1:], a[:, 1:])
             to[:, 0] = w[:, 0] * a[:, 0] + sign * along
             to[:, 1:] = a[:, 1:] + (sign * a[:, 0] + along / (1.0 + w[:, 0]))[:, None] * w[:, 1:]
             to *= (1.0 / eta if inverse else eta)[:, None]
@@ -105,7 +106,7 @@ class Cones:
         for (a, to), w, eta in zip(self._views(v, out), self._w, self._eta, strict=True):
             to[:] = a
             to[:, 0] *= -1.0
-            to += 2.0 * _dot(w, a)[:, None] * w
+            to += 2.0 * dot(w, a)[:, None] * w
             to *= (eta * eta)[:, None]
         return out
 
@@ -123,7 +124,7 @@ class Cones:
         """x o z."""
         out = np.empty_like(x)
         for a, b, to in self._views(x, z, out):
-            to[:, 0] = _dot(a, b)
+            to[:, 0] = dot(a, b)
             to[:, 1:] = a[:, :1] * b[:, 1:] + b[:, :1] * a[:, 1:]
         return out
 
@@ -133,7 +134,7 @@ class Cones:
         for a, b, to in self._views(x, product, out):
             length = _length(a)
             determinant = (a[:, 0] - length) * (a[:, 0] + length)
-            to[:, 0] = (a[:, 0] * b[:, 0] - _dot(a[:, 1:], b[:, 1:])) / determinant
+            to[:, 0] = (a[:, 0] * b[:, 0] - dot(a[:, 1:], b[:, 1:])) / determinant
             to[:, 1:] = (b[:, 1:] - to[:, :1] * a[:, 1:]) / a[:, :1]
         return out
 
@@ -167,8 +168,8 @@ def _roots(a: Array, d: Array) -> list[Array]:
     """Where det(a + s d) = c + 2 b s + square s^2, (n,) each; nan where nowhere."""
     length = _length(a)
     c = (a[:, 0] - length) * (a[:, 0] + length)
-    b = a[:, 0] * d[:, 0] - _dot(a[:, 1:], d[:, 1:])
-    square = d[:, 0] ** 2 - _dot(d[:, 1:], d[:, 1:])
+    b = a[:, 0] * d[:, 0] - dot(a[:, 1:], d[:, 1:])
+    square = d[:, 0] ** 2 - dot(d[:, 1:], d[:, 1:])
     with np.errstate(all="ignore"):
         q = -(b + np.copysign(np.sqrt(b * b - square * c), b))
         return [q / square, c / q]

@@ -173,12 +173,7 @@ class _Newton:
 
     def __init__(self, a: csr_array, a_free: Array, cones: Cones) -> None:
         self.a, self.a_t, self.a_free, self.cones = a, csr_array(a.T), a_free, cones
-        # The order of rows that keeps the factor sparse, from the pattern without cancellation.
-        blocks = cones.matrix()
-        blocks.data[:] = 1.0
-        pattern = abs(a) @ blocks @ abs(a).T
-        pattern = pattern + diags_array(np.asarray(pattern.sum(axis=1)) + 1.0)
-        self._order: IntArray = np.argsort(_factor(pattern, "MMD_AT_PLUS_A").perm_c)
+        self._order = sparse_order(a, cones.matrix())
         self._ordered = csr_array(a[self._order])
         self._ordered_t = csr_array(self._ordered.T)
 
@@ -238,6 +233,16 @@ class _Newton:
     def _rest(self, step: _Step, rp: Array, rf: Array) -> tuple[Array, Array]:
         rows = rp - self.a @ step.x - self.a_free @ step.free
         return rows, rf - self.a_free.T @ step.y
+
+
+def sparse_order(a: csr_array, blocks: csr_array) -> IntArray:
+    """The order of the rows of a that keeps the factor of a times ``blocks`` times a^T sparse."""
+    filled = blocks.copy()
+    filled.data[:] = 1.0
+    pattern = abs(a) @ filled @ abs(a).T  # without cancellation
+    pattern = pattern + diags_array(np.asarray(pattern.sum(axis=1)) + 1.0)
+    order: IntArray = np.argsort(_factor(pattern, "MMD_AT_PLUS_A").perm_c)
+    return order
 
 
 def _factor(normal: csc_array, order: str) -> SuperLU:
