@@ -16,7 +16,13 @@ if TYPE_CHECKING:
     from drystone.limit import Collapse
 
 #: Exit statuses; a structure that cannot be brought down is an answer like any other.
-STATUSES = {"finished": DONE, "locked": DONE, "unstable": WRONG, "failed": UNFINISHED}
+STATUSES = {
+    "finished": DONE,
+    "bracketed": DONE,
+    "locked": DONE,
+    "unstable": WRONG,
+    "failed": UNFINISHED,
+}
 
 
 class Flow(StrEnum):
@@ -35,8 +41,8 @@ Paths = Annotated[
     typer.Option(
         metavar="N",
         min=1,
-        help="Paths of the non-associative scheme. [default: 8, or 1 from 200 blocks on, in space "
-        "from 50]",
+        help="Paths to non-associative collapse states. [default: 8, or 1 from 200 blocks on, in "
+        "space from 50]",
         show_default=False,
     ),
 ]

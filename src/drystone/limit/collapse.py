@@ -12,6 +12,7 @@ from drystone.assembly import Assembly
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.geometry.motion import moved_points
 from drystone.limit import associative as bounds
+from drystone.limit.cones import least_normal
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.non_associative import (
     NonAssociativeSettings,
@@ -19,6 +20,7 @@ from drystone.limit.non_associative import (
     State,
     flow_tangent,
     follow_paths,
+    lower_bound,
     strength_violation,
 )
 from drystone.limit.program import OPTIMAL, UNBOUNDED, Answer
@@ -36,7 +38,7 @@ NO_FORCE = 1e-7
 AT_REST = 1e-6
 #: The same of a fall, which is found to 1e-8 at best and slower where it is just beginning.
 FALLING = 1e-3
-#: Paths of the non-associative scheme by default, and from how many blocks on it is only one.
+#: Paths to non-associative states by default, and from how many blocks on it is only one.
 MANY, FEW, FEW_FROM = 8, 1, {2: 200, 3: 50}
 #: Multipliers that differ by less than this share are one.
 DIFFERENT = 1e-4
@@ -50,17 +52,19 @@ MOST_NAMES = 8
 class Collapse:
     """Result of limit analysis.
 
-    ``status`` is "finished", "unstable" (the structure does not stand under its own weight),
+    ``status`` is "finished", "bracketed" (no collapse state was found; those that there are lie
+    within ``collapse_range``), "unstable" (the structure does not stand under its own weight),
     "locked" (no multiple of the load brings it down) or "failed"; ``reason`` says it in a
     sentence.
     """
 
     flow: str
     load_multiplier: float
-    """Collapse multiplier, of several states the lowest; nan where unstable or failed, inf where
-    locked."""
+    """Collapse multiplier, of several states the lowest; nan where bracketed, unstable or failed,
+    inf where locked."""
     collapse_range: tuple[float, float]
-    """Lowest and highest multiplier of all collapse states that were found."""
+    """Lowest and highest multiplier of all collapse states that were found; where bracketed, what
+    no collapse state lies below and none above."""
     upper_bound: float
     """What no structure with these joints exceeds in its designed shape: the associative
     multiplier."""
@@ -80,9 +84,10 @@ class Collapse:
     friction_violation: float
     """Largest excess over the joint law, over the heaviest weight."""
     dilatancy_violation: float
-    """Largest deviation from the flow rule where contacts slide, over the fastest contact."""
+    """Largest deviation from the flow rule: closing, or opening of contacts that carry force, over
+    the fastest contact."""
     n_iterations: int
-    """Programs (non-associative), else steps of one."""
+    """Programs and factorisations of all paths (non-associative), else steps of one."""
     tie_forces: Array | None = None
     """Of ties at collapse, (n_ties,) [N], tension positive; None where there are none."""
     n_paths: int = 1
@@ -297,8 +302,15 @@ def _non_associative(
         # Where friction can carry any multiple, paths may climb for ever instead.
         if upper == np.inf or paths.n_unbounded:
             return _without(equilibrium, NON_ASSOCIATIVE, "locked", LOCKED)
-        reason = "the scheme did not come to rest on any path: try a smaller beta, or more paths"
-        return _without(equilibrium, NON_ASSOCIATIVE, "failed", reason)
+        if not np.isfinite(upper):
+            return _without(equilibrium, NON_ASSOCIATIVE, "failed", NOT_SOLVED)
+        low = lower_bound(equilibrium, flow_tangent(equilibrium, settings.alpha))
+        reason = (
+            f"no collapse state was found; there is none below {low:.5g} (joints with as much "
+            f"friction as dilatancy) and none above {upper:.5g} (associative): try more paths"
+        )
+        without = _without(equilibrium, NON_ASSOCIATIVE, "bracketed", reason)
+        return replace(without, collapse_range=(low, upper), upper_bound=upper)
     state = min(paths.states, key=lambda one: one.multiplier)
     highest = max(one.highest for one in paths.states)
     velocities = _normalised(equilibrium, state.velocity)
@@ -341,13 +353,18 @@ def _unbalanced_power(equilibrium: Equilibrium, state: State) -> float:
 
 
 def _flow_deviation(equilibrium: Equilibrium, state: State, tangent: Array) -> float:
-    """Largest closing, and at contacts that carry force also opening, off the flow rule."""
+    """Largest closing over the fastest contact, or opening of a contact that carries force.
+
+    Of the latter the lesser of the two, opening over the fastest contact and force beyond the least
+    over the heaviest weight: one of them is nothing in a state.
+    """
     relative = equilibrium.relative(state.velocity)
     largest = float(np.abs(relative).max(initial=0.0))
-    off = relative[:, 0] - tangent * equilibrium.slip(relative)
-    loaded = state.forces[:, 0] > NO_FORCE
-    wrong = np.where(loaded, np.abs(off), np.maximum(-off, 0.0))
-    return float(wrong.max(initial=0.0)) / largest if largest > 0.0 else 0.0
+    if largest == 0.0:
+        return 0.0
+    off = (relative[:, 0] - tangent * equilibrium.slip(relative)) / largest
+    force = state.forces[:, 0] - least_normal(equilibrium)
+    return float(np.where(off > 0.0, np.minimum(off, np.abs(force)), -off).max(initial=0.0))
 
 
 def _unstable(equilibrium: Equilibrium, flow: str, velocity: Array) -> Collapse:

@@ -115,8 +115,8 @@ class ConeProgram:
         """Set the bounds of s."""
         self._bounds = (least, largest)
 
-    def solve(self, *, at_once: bool = False) -> Answer:
-        """Solve from the beginning; with ``at_once`` failed where the first options do not do."""
+    def solve(self) -> Answer:
+        """Solve from the beginning."""
         equal, equal_right = self._equalities()
         above, above_least = self._inequalities()
         cone, cone_right, cones = self._cones()
@@ -125,8 +125,7 @@ class ConeProgram:
         cost = np.zeros(matrix.shape[1])
         cost[-1] = -self._sense * self._scale
         kinds = [(len(equal_right), "zero"), (len(above_least), "nonnegative"), *cones]
-        attempts = 1 if at_once else len(OPTIONS)
-        return self._answer(*minimise(cost, csc_matrix(matrix), right, kinds, attempts))
+        return self._answer(*minimise(cost, csc_matrix(matrix), right, kinds))
 
     def _answer(self, status: str, x: Array, z: Array, n_iterations: int) -> Answer:
         return Answer(
@@ -207,7 +206,6 @@ def minimise(
     matrix: csc_matrix,
     right: Array,
     cones: list[tuple[int, str]],
-    attempts: int = len(OPTIONS),
 ) -> tuple[str, Array, Array, int]:
     """Minimise c.x with b - A x in a product of cones.
 
@@ -218,8 +216,6 @@ def minimise(
     cones
         Rows of each cone and its kind: "zero", "nonnegative", "cone" (its first component is no
         less than the length of the others).
-    attempts
-        How many of the options are tried; what only the last gives may be less exact.
 
     Returns
     -------
@@ -243,7 +239,7 @@ def minimise(
     }
     none = csc_matrix((len(cost), len(cost)))
     best, best_error, n_iterations = (np.zeros(len(cost)), np.zeros(len(right))), np.inf, 0
-    for options in OPTIONS[:attempts]:
+    for options in OPTIONS:
         settings = clarabel.DefaultSettings()
         for name in ("tol_feas", "tol_gap_abs", "tol_gap_rel"):
             setattr(settings, name, TOLERANCE)
@@ -259,8 +255,7 @@ def minimise(
             best, best_error = (x, z), error
         if error <= GOOD:
             break
-    enough = ACCEPTABLE if attempts == len(OPTIONS) else GOOD
-    return OPTIMAL if best_error <= enough else FAILED, *best, n_iterations
+    return OPTIMAL if best_error <= ACCEPTABLE else FAILED, *best, n_iterations
 
 
 def _error(
