@@ -116,6 +116,10 @@ class Event:
     def said(self) -> Saying:
         """Where it happened, and what."""
         place = round(self.control_displacement, PRINTED) + 0.0
+        if self.settling == "rad":
+            return say("event.at_turned", place=math.degrees(place), what=self.what)
+        if self.settling:
+            return say("event.at_settled", place=place, what=self.what)
         return say("event.at", place=place, multiplier=self.load_multiplier, what=self.what)
 
     def __str__(self) -> str:

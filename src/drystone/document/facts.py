@@ -51,10 +51,13 @@ def of_model(model: Model, words: Words) -> list[Row]:
         (words["volume"], number(float(a.volume[~a.fixed].sum()), "m³")),
         (words["weight"], number(float(a.weight[~a.fixed].sum()) / 1e3, "kN")),
         (words["size"], TIMES.join(number(float(side), "m") for side in high - low)),
-        (words["load"], spoken(model.load.words)),
-        (words["control"], words["on_block"].format(point=point, block=a.ids[control.block])),
-        (words["corner"], spoken(a.corner.words)),
     ]
+    if model.settlement is not None:
+        rows.append((words["load"], spoken(model.settlement.words)))
+    else:
+        on = words["on_block"].format(point=point, block=a.ids[control.block])
+        rows += [(words["load"], spoken(model.load.words)), (words["control"], on)]
+    rows.append((words["corner"], spoken(a.corner.words)))
     if a.dimension == 2:
         rows.insert(1, (words["thickness"], number(a.thickness, "m")))
     return rows
@@ -177,8 +180,13 @@ def validity(
     curve: CapacityCurve, model: Model | None, extrapolated: bool, words: Words
 ) -> list[str]:
     """Sentences on how far the results may be trusted, those that apply."""
-    found = [words["rigid"], words["static"], words["joints"], words["pattern"]]
-    if model is not None:
+    if curve.settles:
+        found = [words[key] for key in ("rigid", "settling", "joints", "one_motion")]
+        if model is not None and model.assembly.dimension == 2:
+            found.append(words["plane"])
+    else:
+        found = [words[key] for key in ("rigid", "static", "joints", "pattern")]
+    if model is not None and not curve.settles:
         found.append(words["plane" if model.assembly.dimension == 2 else "torsion"])
     if curve.points:
         for name, values in (
@@ -187,7 +195,7 @@ def validity(
         ):
             if np.any(values):
                 found.append(words[name].format(count=int(np.sum(values))))
-        if not curve.peak_passed:
+        if not curve.peak_passed and not curve.settles:
             found.append(words["no_peak"])
         found += _penetrated(curve, model, words)
     if curve.status != "finished":

@@ -18,7 +18,11 @@ from drystone.document.svg import Drawing, Plot
 from drystone.language import number, spoken
 from drystone.report import Mechanism, draw_mechanism
 from drystone.report.joints import Joints
+from drystone.report.load_arrows import DEAD
+from drystone.report.marks import TIES
 from drystone.report.mechanism import OPEN_JOINT, SLID_JOINT, Drawn
+from drystone.report.quantities import Quantities
+from drystone.ties import ELASTIC
 from drystone.viewer import Mark
 
 Array = NDArray[np.float64]
@@ -30,8 +34,10 @@ DEMAND = ("#c1440e", "#2a7f62", "#7a4b9a", "#8a6d00")
 DASHES = ("7 3", "2 3", "7 3 2 3", "10 4")
 #: Wide and high at most [px].
 WIDE, HIGH = 640.0, 420.0
-#: The picture reaches this share of the structure's size beyond its designed outline, no further.
-MARGIN = 0.6
+#: Width of a picture in space [inches]: half a page, so that its letters are not made smaller.
+HALF_PAGE = 3.6
+#: Dashes of lines in SVG, by the line styles of other pictures.
+LINES = {"-": None, "--": "6 3", ":": "2 3"}
 #: Periods [s] whose rays are drawn.
 RAYS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0)
 
@@ -43,34 +49,51 @@ def curve_svg(
     shown = [(name, curve) for name, curve in curves if curve.points]
     if not shown:
         return ""
-    x = np.concatenate([curve.control_displacement for _, curve in shown])
-    y = np.concatenate([_static(curve) for _, curve in shown])
-    drawing = Drawing(WIDE, 360.0, label=words["curve"])
-    far, high = max(float(x.max()), 1e-9), max(float(np.nanmax(y)), 1e-9)
+    quantities = Quantities.of(shown[0][1])
+    values = [(name, quantities.x(curve), *_both(curve, quantities)) for name, curve in shown]
+    x = np.concatenate([x for _, x, _, _ in values])
+    y = np.concatenate([static for _, _, _, static in values])
+    drawing = Drawing(WIDE, 340.0, label=words["settling" if quantities.settles else "curve"])
+    low, high = min(0.0, float(np.nanmin(y))), max(float(np.nanmax(y)), 0.0)
+    high += 0.12 * ((high - low) or 1e-9)
+    if quantities.settles:
+        x_label = words["motion"].format(unit=quantities.motion_unit)
+        y_label = words["reaction"].format(unit=quantities.force_unit)
+    else:
+        x_label, y_label = words["displacement"], words["multiplier"]
     plot = Plot(
         drawing=drawing,
-        x=(min(0.0, float(x.min())), 1.02 * far),
-        y=(min(0.0, float(np.nanmin(y))), 1.12 * high),
-        x_label=words["displacement"],
-        y_label=words["multiplier"],
+        x=(min(0.0, float(x.min())), 1.02 * max(float(x.max()), 1e-9)),
+        y=(low, high),
+        x_label=x_label,
+        y_label=y_label,
+        left=70.0 if quantities.settles else 58.0,
     )
-    for i, (name, curve) in enumerate(shown):
-        if (curve.column("status") == DYNAMIC).any():
-            plot.line(curve.control_displacement, curve.load_multiplier, class_="jump")
-        style = "curve" if i == 0 else "curve other"
-        plot.line(curve.control_displacement, _static(curve), class_=style)
+    for i, (name, along, whole, static) in enumerate(values):
+        if np.isnan(static).any():
+            plot.line(along, whole, class_="jump")
+        plot.line(along, static, class_="curve" if i == 0 else "curve other")
         if len(shown) > 1:
-            row = int(np.nanargmax(_static(curve)))
-            place = plot.at([curve.control_displacement[row]], [_static(curve)[row]])[0]
+            row = int(np.nanargmax(static))
+            place = plot.at([along[row]], [static[row]])[0]
             drawing.text(name, place[0] + 60.0, place[1] + 14.0 + 16.0 * i, class_="tick")
+    first = shown[0][1]
     for mark in marks:
-        kind = "circle" if mark.kind == "peak" else "diamond"
-        plot.mark(mark.control_displacement, mark.load_multiplier, spoken(mark.name), kind=kind)
+        kind = "circle" if mark.kind in ("peak", "rest") else "diamond"
+        x_mark, y_mark = mark.control_displacement, mark.load_multiplier
+        if quantities.settles:
+            row = first.nearest(mark.control_displacement)
+            x_mark, y_mark = float(quantities.x(first)[row]), float(quantities.y(first)[row])
+        # What happens is told in sentences: as words in the picture it would leave the axes.
+        name = words["event"] if mark.kind == "event" else spoken(mark.name)
+        plot.mark(x_mark, y_mark, name, kind=kind)
     return drawing.source()
 
 
-def _static(curve: CapacityCurve) -> Array:
-    return np.where(curve.column("status") == DYNAMIC, np.nan, curve.load_multiplier)
+def _both(curve: CapacityCurve, quantities: Quantities) -> tuple[Array, Array]:
+    """Ordinates of all points, and those at rest alone, others NaN."""
+    whole = quantities.y(curve)
+    return whole, np.where(curve.column("status") == DYNAMIC, np.nan, whole)
 
 
 def state_picture(mechanism: Mechanism, labels: Sequence[int] | None, label: str) -> str:
@@ -79,7 +102,7 @@ def state_picture(mechanism: Mechanism, labels: Sequence[int] | None, label: str
         return _plane_svg(mechanism, labels, label)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "state.png"
-        draw_mechanism(mechanism, path)
+        draw_mechanism(mechanism, path, width=HALF_PAGE, plain=True)
         data = base64.b64encode(path.read_bytes()).decode("ascii")
     return f'<img alt="{escape(label)}" src="data:image/png;base64,{data}">'
 
@@ -88,7 +111,7 @@ def _plane_svg(mechanism: Mechanism, labels: Sequence[int] | None, label: str) -
     drawn = Drawn.of(mechanism)
     assembly, shapes = mechanism.assembly, drawn.shapes
     moved = shapes.moved(drawn.pose)
-    low, high = _box(shapes.vertices, moved)
+    low, high = drawn.extent()
     sides = high - low
     scale = min(WIDE / sides[0], HIGH / sides[1])
     drawing = Drawing(float(scale * sides[0]), float(scale * sides[1]), label=label)
@@ -118,10 +141,86 @@ def _plane_svg(mechanism: Mechanism, labels: Sequence[int] | None, label: str) -
             drawing.polyline(
                 seen(ends), stroke=SLID_JOINT, stroke_width=2.4 * line, stroke_dasharray="4 2"
             )
+    for ends, state in zip(drawn.ties, _states(mechanism), strict=True):
+        colour, style, _ = TIES[state]
+        drawing.polyline(seen(ends), stroke=colour, stroke_width=2.0, stroke_dasharray=LINES[style])
+        for x, y in seen(ends).tolist():
+            drawing.add("rect", x=x - 2.5, y=y - 2.5, width=5.0, height=5.0, fill=colour)
+    for ends in drawn.loads:
+        _arrow(drawing, seen(ends))
     if mechanism.control_point is not None:
         path = seen(drawn.path_of(mechanism.control_point))
         drawing.polyline(path, class_="designed")
         drawing.add("circle", cx=path[1, 0], cy=path[1, 1], r=4.0, class_="control")
+    return drawing.source()
+
+
+def _states(mechanism: Mechanism) -> list[int]:
+    """What every tie does; elastic where that is not known."""
+    if mechanism.tie_branch is None:
+        return [ELASTIC] * len(mechanism.ties)
+    return [int(state) for state in mechanism.tie_branch]
+
+
+def _arrow(drawing: Drawing, ends: Array) -> None:
+    """The arrow of a dead load, from tail to tip (2, 2)."""
+    tail, tip = ends
+    way = (tip - tail) / max(float(np.linalg.norm(tip - tail)), 1e-9)
+    neck, aside = tip - 8.0 * way, 3.5 * np.array([-way[1], way[0]])
+    drawing.polyline(np.array([tail, neck]), stroke=DEAD, stroke_width=2.2)
+    drawing.polygon(np.array([tip, neck + aside, neck - aside]), fill=DEAD)
+
+
+def legend(mechanisms: Sequence[Mechanism], coloured: bool) -> list[tuple[str, str]]:
+    """What the pictures of states show, each a sign as markup and the key of its words."""
+    drawn = [Drawn.of(mechanism) for mechanism in mechanisms]
+    fixed = mechanisms[0].assembly.fixed
+    moved = any((d.moving | d.gone).any() for d in drawn)
+    rest = any((~d.moving & ~d.gone & ~fixed).any() for d in drawn)
+    signs = [("designed", _box_sign("none", dashed=True))] * moved
+    signs += [("rest", _box_sign(RESTING))] * rest
+    if not coloured:
+        signs += [("moving", _box_sign(MOVING))] * moved
+    signs.append(("support", _box_sign(SUPPORT)))
+    if moved:
+        signs += [("open", _line_sign(OPEN_JOINT, "-")), ("slid", _line_sign(SLID_JOINT, "--"))]
+    for state in sorted({state for mechanism in mechanisms for state in _states(mechanism)}):
+        colour, style, name = TIES[state]
+        signs.append((name.replace(" ", "_"), _line_sign(colour, style)))
+    if any(len(d.loads) for d in drawn):
+        signs.append(("dead_load", _arrow_sign()))
+    if mechanisms[0].control_point is not None:
+        signs.append(("control", _ring_sign()))
+    return [(sign, key) for key, sign in signs]
+
+
+def _sign() -> Drawing:
+    return Drawing(26.0, 14.0)
+
+
+def _box_sign(fill: str, *, dashed: bool = False) -> str:
+    drawing = _sign()
+    style = {"stroke": "#9a9a9a", "stroke_dasharray": "4 3"} if dashed else {"stroke": "#222"}
+    drawing.add("rect", x=1.0, y=1.0, width=24.0, height=12.0, fill=fill, **style)
+    return drawing.source()
+
+
+def _line_sign(colour: str, style: str) -> str:
+    drawing = _sign()
+    line = np.array([[0.0, 7.0], [26.0, 7.0]])
+    drawing.polyline(line, stroke=colour, stroke_width=2.4, stroke_dasharray=LINES[style])
+    return drawing.source()
+
+
+def _arrow_sign() -> str:
+    drawing = _sign()
+    _arrow(drawing, np.array([[1.0, 7.0], [25.0, 7.0]]))
+    return drawing.source()
+
+
+def _ring_sign() -> str:
+    drawing = _sign()
+    drawing.add("circle", cx=13.0, cy=7.0, r=4.0, class_="control")
     return drawing.source()
 
 
@@ -131,14 +230,6 @@ def _fill(fixed: bool, moving: bool, label: int | None) -> str:
     if label is not None:
         return RESTING if label < 0 else BODIES[label % len(BODIES)]
     return MOVING if moving else RESTING
-
-
-def _box(designed: Array, moved: Array) -> tuple[Array, Array]:
-    lower, upper = designed.min(axis=0), designed.max(axis=0)
-    size = float((upper - lower).max())
-    low = np.maximum(np.minimum(lower, moved.min(axis=0)), lower - MARGIN * size) - 0.03 * size
-    high = np.minimum(np.maximum(upper, moved.max(axis=0)), upper + MARGIN * size) + 0.03 * size
-    return low, high
 
 
 def spectra_svg(spectra: Mapping[str, tuple[Spectrum, float]], words: Mapping[str, str]) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from drystone.assembly import GRAVITY
 from drystone.assessment.verdict import sense_words
 from drystone.curve import STATIC, CapacityCurve
-from drystone.document import facts, figures
+from drystone.document import carried, facts, figures, settling
 from drystone.document.judged import Judged
 from drystone.export.folder import whole_file
 from drystone.export.hdf5 import ResultsReader
@@ -23,6 +23,7 @@ from drystone.export.summary import package_version
 from drystone.language import number, speaking, spoken, words
 from drystone.report import Mechanism
 from drystone.report.mechanism import readable_magnification
+from drystone.report.quantities import Quantities
 from drystone.viewer import Mark, page
 from drystone.viewer.contents import marks_of, nearest
 from drystone.viewer.folder import Folder
@@ -96,21 +97,33 @@ def context(found: Folder, date: datetime | None) -> dict[str, Any]:
     marks = [*marks_of(curve), *judged.folder.limit_marks]
     contents = judged.folder.contents()
     ground = judged.drawn_spectra(t["text"]["all_states"])
+    shown = _states_shown(judged)
+    mechanisms = [_mechanism(mark, folder) for mark, folder in shown]
+    coloured = contents.header["dimension"] == 2 and judged.governing.labels is not None
+    signs = figures.legend(mechanisms, coloured) if mechanisms else []
+    settles = curve.settles
     return {
         "t": t,
         "style": _own("report.css"),
-        "title": str(contents.header["title"]) or t["name"],
+        "name": t["name_settling" if settles else "name"],
+        "settles": settles,
+        "title": str(contents.header["title"]) or t["name_settling" if settles else "name"],
         "problem": _problem(curve, model is None, t["text"]),
         "verdict": tell(judged.verdict),
         "satisfied": judged.data.get("satisfied"),
         "caution": bool(judged.data.get("caution")),
         "no_verdict": tell(judged.reason),
+        "outcome": settling.outcome(curve, model, t["text"]) if settles else "",
         "curve": figures.curve_svg(judged.curves, marks, t["plot"]),
-        "sense": judged.sense_sentence(t["text"]),
-        "analysis": facts.of_analysis(curve, model, results.summary, t["facts"]),
+        "sense": "" if settles else judged.sense_sentence(t["text"]),
+        "analysis": settling.of_analysis(curve, model, t["facts"])
+        if settles
+        else facts.of_analysis(curve, model, results.summary, t["facts"]),
         "certificate": facts.of_certificate(curve, model, t["facts"]),
-        "states": [_shown(s, t) for s in _states_shown(judged)],
-        "coloured": contents.header["dimension"] == 2 and judged.governing.labels is not None,
+        "states": [_shown(s, mechanism, t) for s, mechanism in zip(shown, mechanisms, strict=True)],
+        "legend": [(sign, t["legend"][key]) for sign, key in signs],
+        "coloured": coloured,
+        "ties_at": _ties_at(shown, t),
         "assessment": _figures(judged.data, t["facts"]),
         "limit_states": limit_table(judged, t["table"]),
         "asked": _asked(judged.data.get("hazard") or [], t["table"]),
@@ -124,6 +137,8 @@ def context(found: Folder, date: datetime | None) -> dict[str, Any]:
         "model": facts.of_model(model, t["facts"]) if model else [],
         "materials": facts.of_materials(model.assembly) if model else [],
         "laws": facts.of_laws(model.assembly, t["table"]) if model else [],
+        "ties": carried.of_ties(model.ties, t["ties"]) if model else [],
+        "dead_loads": carried.of_dead_loads(model, t["loads"]) if model else [],
         "notes": list(model.notes) if model else [],
         "validity": facts.validity(
             curve, model, bool(judged.data.get("collapse_extrapolated")), t["validity"]
@@ -149,11 +164,16 @@ def _problem(curve: CapacityCurve, unreadable: bool, text: Mapping[str, str]) ->
 
 
 def _states_shown(judged: Judged) -> list[tuple[Mark, Folder]]:
-    """Peak, limit states, the last point at rest, each with the folder whose curve it is on."""
+    """Peak, limit states, the last point at rest, each with the folder whose curve it is on.
+
+    Of supports that move their first, least, greatest and last reaction.
+    """
     folder = judged.governing
     curve = folder.results.curve
     if not curve.points or folder.results.model is None:
         return []
+    if curve.settles:
+        return [(mark, folder) for mark in marks_of(curve) if mark.kind == "rest"]
     last = [point for point in curve.points if point.status == STATIC][-1]
     end = Mark(
         name="end",
@@ -167,40 +187,75 @@ def _states_shown(judged: Judged) -> list[tuple[Mark, Folder]]:
     return [(m, folder) for i, m in enumerate(chosen) if rows[i] not in rows[:i]]
 
 
-def _shown(shown: tuple[Mark, Folder], t: Mapping[str, Any]) -> dict[str, str]:
-    """A picture of the structure at a mark, with its words."""
-    mark, folder = shown
+def _mechanism(mark: Mark, folder: Folder) -> Mechanism:
+    """The structure at a mark, as it is drawn."""
     results = folder.results
-    model, curve = results.model, results.curve
+    model, curve, poses = results.model, results.curve, results.poses
     assert model is not None
     row = nearest(curve, mark)
-    point, poses = curve.points[row], results.poses
-    gone = curve.gone(model.assembly.ids, point.step)
+    gone = curve.gone(model.assembly.ids, curve.points[row].step)
     pose = np.where(gone[:, None], poses[0], poses[row])
-    factor = readable_magnification(model.assembly, pose, poses[0])
-    known = {"peak": "peak", "highest so far": "highest", "end": "end"}
-    name = t["text"][known[mark.name]] if mark.name in known else spoken(mark.name)
-    caption = t["plot"]["state"].format(
-        name=name,
-        displacement=facts.number(point.control_displacement, "m"),
-        multiplier=facts.number(point.load_multiplier),
-    )
-    mechanism = Mechanism(
+    return Mechanism(
         assembly=model.assembly,
         pose=pose,
         settled=poses[0],
         gone=gone,
         load_direction=model.load_shown,
-        control_point=model.control_point,
-        magnification=factor,
+        control_point=None if model.settlement is not None else model.control_point,
+        ties=model.ties,
+        tie_branch=curve.ties.branch[row] if curve.ties else None,
+        dead_loads=model.dead_loads,
+        magnification=readable_magnification(model.assembly, pose, poses[0]),
     )
-    text = t["text"]
+
+
+def _named(mark: Mark, text: Mapping[str, str]) -> str:
+    """What a mark is called in the language of the report."""
+    known = {"peak": "peak", "highest so far": "highest", "end": "end"}
+    if mark.name in known:
+        return text[known[mark.name]]
+    return spoken(mark.name)
+
+
+def _shown(
+    shown: tuple[Mark, Folder], mechanism: Mechanism, t: Mapping[str, Any]
+) -> dict[str, str]:
+    """A picture of the structure at a mark, with its words."""
+    mark, folder = shown
+    curve = folder.results.curve
+    point = curve.points[nearest(curve, mark)]
+    name, quantities = _named(mark, t["text"]), Quantities.of(curve)
+    if curve.settles:
+        caption = t["plot"]["settling_state"].format(
+            name=name,
+            motion=quantities.motion_text(point.control_displacement),
+            reaction=quantities.force_text(point),
+        )
+    else:
+        caption = t["plot"]["state"].format(
+            name=name,
+            displacement=facts.number(point.control_displacement, "m"),
+            multiplier=facts.number(point.load_multiplier),
+        )
+    text, factor = t["text"], mechanism.magnification
     scale = text["true"] if factor == 1.0 else text["magnified"].format(factor=number(factor, "g"))
     return {
         "picture": figures.state_picture(mechanism, folder.labels, caption),
         "caption": caption,
         "scale": scale,
     }
+
+
+def _ties_at(shown: list[tuple[Mark, Folder]], t: Mapping[str, Any]) -> dict[str, Any] | None:
+    """What ties carry in the states that are drawn: a head and a row for each; None without."""
+    if not shown:
+        return None
+    curve = shown[0][1].results.curve
+    if curve.ties is None:
+        return None
+    rows = [nearest(curve, mark) for mark, _ in shown]
+    head = [t["ties"]["tie"], *(_named(mark, t["text"]) for mark, _ in shown)]
+    return {"head": head, "rows": carried.ties_at(curve.ties, rows, t["ties"])}
 
 
 def _figures(data: Mapping[str, Any], t: Mapping[str, str]) -> list[facts.Row]:

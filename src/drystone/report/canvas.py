@@ -41,12 +41,14 @@ def literal(text: str) -> str:
     return printable(shown).replace("$", r"\$")
 
 
-def save(figure: Figure, path: Path | str, format: str = "png") -> None:
+def save(
+    figure: Figure, path: Path | str, format: str = "png", resolution: int = RESOLUTION
+) -> None:
     """Write the figure, as PNG where nothing is said."""
     with warnings.catch_warnings():
         # A title may be in letters that the font has no picture of: they become boxes.
         warnings.filterwarnings("ignore", message="Glyph .* missing from")
-        figure.savefig(Path(path), format=format, dpi=RESOLUTION, facecolor="white")
+        figure.savefig(Path(path), format=format, dpi=resolution, facecolor="white")
 
 
 def plain_axes(axes: Axes) -> None:

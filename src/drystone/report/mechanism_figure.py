@@ -46,6 +46,8 @@ def draw_mechanism(
     title: str = "",
     scale: str = "",
     format: str = "png",
+    width: float = 8.0,
+    plain: bool = False,
 ) -> None:
     """Write a picture: joints that opened in red, those that slid in blue.
 
@@ -59,10 +61,20 @@ def draw_mechanism(
         What to say of the displacements' scale, where it is neither true nor a magnification.
     format
         Of the file: "png", "svg" or "pdf".
+    width
+        Of the picture [inches].
+    plain
+        Without title and legend, for a page that has its own.
     """
-    figure = canvas.new_figure(8.0, 8.0)
+    figure = canvas.new_figure(width, width)
     axes = figure.subplots()
     plot_mechanism(axes, mechanism)
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    shape = (top - bottom) / (right - left)
+    if plain:
+        figure.set_size_inches(width, float(np.clip(width * shape, 0.5 * width, 1.5 * width)))
+        canvas.save(figure, path, format, 2 * canvas.RESOLUTION)
+        return
     magnification = mechanism.magnification
     if not scale:
         scale = (
@@ -73,10 +85,9 @@ def draw_mechanism(
     figure.suptitle(f"{title}\n{scale}" if title else scale, fontsize=11)
     handles, labels = axes.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=9, frameon=False)
-    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     beside, around = 0.7, 1.9  # inches for the y axis, and for title, scale, x axis and legend
-    height = (8.0 - beside) * (top - bottom) / (right - left) + around
-    figure.set_size_inches(8.0, float(np.clip(height, 4.0, 12.0)))
+    height = (width - beside) * shape + around
+    figure.set_size_inches(width, float(np.clip(height, 0.5 * width, 1.5 * width)))
     canvas.save(figure, path, format)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.curve import CapacityCurve, CurvePoint
+from drystone.language import number
 
 Array = NDArray[np.float64]
 
@@ -49,22 +50,25 @@ class Quantities:
     def motion_text(self, value: float) -> str:
         """An abscissa as results have it [m, rad], with its unit."""
         if self is ROTATION:
-            return f"{self.per_unit * value:.4g}°"
+            return f"{number(self.per_unit * value)}°"
         return length_text(value)
 
     def force_text(self, point: CurvePoint) -> str:
         """The ordinate of a point with its unit."""
         value = float(getattr(point, self.column))
         if not self.settles:
-            return f"{value:.3f}"
-        return f"{float(f'{value:.4g}'):.10g} {self.force_unit}"  # four digits, no exponent
+            return number(value, ".3f")
+        four = number(float(f"{value:.4g}"), ".10g")  # digits, without an exponent
+        return f"{four} {self.force_unit}"
 
 
 def length_text(metres: float) -> str:
     """A length in metres, or in millimetres where it is small."""
     if metres == 0.0:
         return "0 m"
-    return f"{metres:.3f} m" if abs(metres) >= MILLIMETRES_BELOW else f"{metres * 1e3:.2f} mm"
+    if abs(metres) >= MILLIMETRES_BELOW:
+        return f"{number(metres, '.3f')} m"
+    return f"{number(metres * 1e3, '.2f')} mm"
 
 
 def state_text(curve: CapacityCurve, point: CurvePoint) -> str:

@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 COLLAPSE = "#b2182b"
 
 
-def marked_points(curve: CapacityCurve) -> list[tuple[str, CurvePoint]]:
-    """First, least, greatest and last reaction of the points at rest; each point once."""
+def marked_points(curve: CapacityCurve) -> list[tuple[tuple[str, ...], CurvePoint]]:
+    """First, least, greatest and last reaction of the points at rest; each point once, with all
+    its names."""
     static = [point for point in curve.points if point.status != DYNAMIC] or list(curve.points)
     chosen = [
         ("first", static[0]),
@@ -34,7 +35,7 @@ def marked_points(curve: CapacityCurve) -> list[tuple[str, CurvePoint]]:
     for name, point in chosen:
         names.setdefault(point.step, []).append(name)
     by_step = {point.step: point for _, point in chosen}
-    return [(" and ".join(name), by_step[step]) for step, name in names.items()]
+    return [(tuple(name), by_step[step]) for step, name in names.items()]
 
 
 def plot_settling(axes: Axes, curves: Sequence[tuple[str, CapacityCurve]]) -> None:
@@ -66,7 +67,7 @@ def plot_settling(axes: Axes, curves: Sequence[tuple[str, CapacityCurve]]) -> No
 
 
 def _mark(axes: Axes, curve: CapacityCurve, quantities: Quantities) -> None:
-    for (name, point), marker in zip(marked_points(curve), "osDX", strict=False):
+    for (names, point), marker in zip(marked_points(curve), "osDX", strict=False):
         at = quantities.motion_text(point.control_displacement)
         axes.plot(
             quantities.per_unit * point.control_displacement,
@@ -75,7 +76,7 @@ def _mark(axes: Axes, curve: CapacityCurve, quantities: Quantities) -> None:
             color=canvas.INK,
             markersize=6,
             linestyle="none",
-            label=f"{name}: {quantities.force_text(point)} at {at}",
+            label=f"{' and '.join(names)}: {quantities.force_text(point)} at {at}",
             zorder=6,
         )
     first = curve.first_collapse

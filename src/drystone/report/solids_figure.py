@@ -108,7 +108,7 @@ def plot_solids(axes: Axes, mechanism: Mechanism, drawn: Drawn) -> None:
     axes.set_axis_off()
     if mechanism.load_direction is not None:
         _plot_load(axes, camera, shapes.vertices[~assembly.fixed[shapes.owner]], mechanism)
-    _plot_scale(axes, camera, float(sides.max()))
+    _plot_scale(axes, camera, float(sides.max()), seen)
 
 
 def _block_colours(drawn: Drawn, assembly: Assembly) -> Colours:
@@ -305,13 +305,19 @@ def _plot_load(axes: Axes, camera: Camera, free: Array, mechanism: Mechanism) ->
     axes.set_ylim(bottom, max(top, tail[1] + room, tip[1] + room))
 
 
-def _plot_scale(axes: Axes, camera: Camera, size: float) -> None:
-    """The directions of x, y and z, each as long as is written below; the axes make room."""
+def _plot_scale(axes: Axes, camera: Camera, size: float, seen: Seen) -> None:
+    """The directions of x, y and z, each as long as is written below; where blocks are in the
+    corner the axes make room under it."""
     length = _round_length(0.16 * size)
     arms: Any = camera.seen(length * np.eye(3))[:, :2]
     left, (bottom, top) = axes.get_xlim()[0], axes.get_ylim()
     room = 0.25 * length
-    origin: Any = np.array([left + 1.5 * room, bottom]) - np.minimum(arms.min(axis=0), 0.0)
+    low, high = np.minimum(arms.min(axis=0), 0.0), np.maximum(arms.max(axis=0), 0.0)
+    wide, tall = high - low + (3.0 * room, 2.0 * room + 0.06 * (top - bottom))
+    if _is_taken(seen, np.array([left, bottom]), np.array([left + wide, bottom + tall])):
+        bottom -= tall
+        axes.set_ylim(bottom, top)
+    origin: Any = np.array([left + 1.5 * room, bottom]) - low
     origin[1] += 0.06 * (top - bottom)
     for name, arm in zip("xyz", arms, strict=True):
         arrow = {"arrowstyle": "-|>", "linewidth": 1.2, "color": canvas.INK, "shrinkA": 0}
@@ -325,6 +331,13 @@ def _plot_scale(axes: Axes, camera: Camera, size: float) -> None:
         f"{length:g} m each", (left, bottom), xytext=(3, 3), textcoords="offset points",
         fontsize=9, bbox=BACKING, zorder=9,
     )  # fmt: skip
+
+
+def _is_taken(seen: Seen, low: Array, high: Array) -> bool:
+    """Whether something is drawn between two corners (2,) of the picture [m]."""
+    corners = np.column_stack((np.array([low, high]), np.zeros(2)))
+    (left, bottom), (right, top) = seen.frame.at(corners).clip(0.0).astype(int).tolist()
+    return bool((seen.face[bottom : top + 1, left : right + 1] != NOTHING).any())
 
 
 def _round_length(wanted: float) -> float:

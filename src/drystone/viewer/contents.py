@@ -34,8 +34,9 @@ from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.motion import turns
 from drystone.geometry.outlines import Outlines
 from drystone.geometry.polyhedra import Polyhedra
-from drystone.language import say
+from drystone.language import Saying, say
 from drystone.model import Model
+from drystone.report.settling_figure import marked_points
 from drystone.viewer.bodies import Bodies
 from drystone.viewer.codec import Pack
 from drystone.viewer.joints import Assigned, Assigner, Joints, Resultants
@@ -54,6 +55,13 @@ FEWEST_POINTS = 60
 MOST_CONTACTS = 250_000
 #: Contact points that are worked on at once.
 BATCH = 300_000
+#: Sentences that name reactions of supports that move.
+REACTIONS = {
+    "first": "mark.first_reaction",
+    "least": "mark.least_reaction",
+    "greatest": "mark.greatest_reaction",
+    "last": "mark.last_reaction",
+}
 #: Bits that are kept of a centre of pressure: 1/2000 of the largest arm.
 BITS_OF_ARMS = 12
 
@@ -147,6 +155,8 @@ def marks_of(curve: CapacityCurve) -> list[Mark]:
     """Peak, first collapse of a part and ultimate displacement of a curve, those that it has."""
     if not curve.points:
         return []
+    if curve.settles:
+        return [*_reactions(curve), *_first_collapse(curve)]
     peaks = [(curve.name_of_peak, curve.peak, "peak")]
     if curve.rises_after_collapse:
         peaks = [
@@ -162,16 +172,7 @@ def marks_of(curve: CapacityCurve) -> list[Mark]:
         )
         for name, peak, kind in peaks
     ]
-    first = curve.first_collapse
-    if first is not None:
-        found.append(
-            Mark(
-                name=first.what,
-                control_displacement=first.control_displacement,
-                load_multiplier=first.load_multiplier,
-                kind="event",
-            )
-        )
+    found += _first_collapse(curve)
     if curve.ultimate_displacement is not None:
         found.append(
             Mark(
@@ -182,6 +183,41 @@ def marks_of(curve: CapacityCurve) -> list[Mark]:
             )
         )
     return found
+
+
+def _reactions(curve: CapacityCurve) -> list[Mark]:
+    """First, least, greatest and last reaction of supports that move."""
+    return [
+        Mark(
+            name=_reaction(names),
+            control_displacement=point.control_displacement,
+            load_multiplier=point.load_multiplier,
+            kind="rest",
+        )
+        for names, point in marked_points(curve)
+    ]
+
+
+def _reaction(names: Sequence[str]) -> Saying:
+    """What a reaction is called that is the first, the least, and so on."""
+    *others, last = (say(REACTIONS[name]) for name in names)
+    for name in reversed(others):
+        last = say("mark.and", first=name, second=last)
+    return last
+
+
+def _first_collapse(curve: CapacityCurve) -> list[Mark]:
+    first = curve.first_collapse
+    if first is None:
+        return []
+    return [
+        Mark(
+            name=first.what,
+            control_displacement=first.control_displacement,
+            load_multiplier=first.load_multiplier,
+            kind="event",
+        )
+    ]
 
 
 @dataclass(frozen=True, kw_only=True)
