@@ -7,11 +7,11 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
-from test_loaded_pictures import piers
 
 import drystone as ds
 from drystone.document.report import render
 from drystone.viewer.folder import Folder
+from piers import piers
 
 DATE = datetime(2024, 5, 6, 7, 8, tzinfo=UTC)
 

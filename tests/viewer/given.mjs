@@ -5,7 +5,7 @@ import { Record } from "../../src/drystone/viewer/assets/data.js";
 const square = [-0.5, -0.5, 0.5, -0.5, 0.5, 0.5, -0.5, 0.5];
 
 /** Three points; at the last the upper block has turned by `angle` and moved by 0.1 m. */
-export function twoSquares({ left = {}, angle = 0.2 } = {}) {
+export function twoSquares({ left = {}, angle = 0.2, carried = {} } = {}) {
   const f4 = (values, ...shape) => ({ shape, values: Float32Array.from(values) });
   const u4 = (values, ...shape) => ({ shape, values: Uint32Array.from(values) });
   // motion: (3 points, 3 components, 2 blocks)
@@ -29,6 +29,7 @@ export function twoSquares({ left = {}, angle = 0.2 } = {}) {
     left,
     macro_blocks: {},
     load_direction: [1, 0],
+    ...carried,
     control: { block: 1, point: [0.5, 2], direction: [1, 0] },
   };
   return new Record(header, {
@@ -51,12 +52,31 @@ export function twoSquares({ left = {}, angle = 0.2 } = {}) {
     force: f4([2000, 0, 2000, 500, 1800, 900], 3, 2, 1),
     arm: f4([0, 0.25, 0.5], 3, 1, 1),
     state: { shape: [3, 1], values: Uint8Array.from([1, 3, 2]) },
+    ...(carried.ties && {
+      tie_force: f4([0, 5000, 8000], 3, 1),
+      tie_state: { shape: [3, 1], values: Uint8Array.from([0, 1, 2]) },
+    }),
     contact_count: u4([2, 1, 1], 3),
     contact_joint: u4([0, 0, 0, 0], 4),
     contact_arm: f4([-0.5, 0.5, 0.25, 0.5], 4, 1),
     contact_force: f4([1000, 0, 1000, 0, 2000, 500, 1800, 900], 4, 2),
   });
 }
+
+/** A tie from the ground to the upper block's left top corner, and a load on the middle of its top. */
+export const CARRIED = {
+  ties: [
+    {
+      name: "rod",
+      from: { block: -1, point: [-4, 2] },
+      to: { block: 1, point: [-0.5, 2] },
+      strength: 8000,
+      pretension: 0,
+    },
+  ],
+  dead_loads: [{ name: "roof", kind: "surcharge", on: "upper", force: [0, -3000], mass: true, stage: 1 }],
+  arrows: [{ block: 1, tip: [0, 2], way: [0, -0.4] }],
+};
 
 export function near(actual, expected, tolerance = 1e-6) {
   const [a, b] = [[actual].flat(3), [expected].flat(3)];

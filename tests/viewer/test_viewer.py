@@ -18,6 +18,7 @@ from drystone.viewer import contents_of_folder, contents_of_model, page
 from drystone.viewer.codec import Pack, round_to_integers
 from drystone.viewer.folder import Folder
 from drystone.viewer.page import MODULES, asset, script
+from piers import piers
 
 HERE = Path(__file__).parent
 EXAMPLES = HERE.parents[1] / "examples"
@@ -43,7 +44,7 @@ def test_the_tests_of_its_own():
         [NODE, "--test", *files], capture_output=True, text=True, check=False, timeout=120
     )
     assert done.returncode == 0, done.stdout[-5000:]
-    assert int(re.search(r"^# pass (\d+)$", done.stdout, re.M)[1]) >= 30
+    assert int(re.search(r"^# pass (\d+)$", done.stdout, re.M)[1]) >= 36
 
 
 @needs_node
@@ -261,3 +262,25 @@ def test_forms_of_import_that_are_not_known_are_an_error(monkeypatch):
 def test_three_comes_with_its_licence():
     assert "MIT" in asset("three.LICENSE")
     assert "@license" in asset("three.module.min.js")[:200]
+
+
+def test_a_page_knows_ties_and_dead_loads(tmp_path):
+    """Where they are as designed, and what ties carry at every point that is shown."""
+    model = piers(control_block="left").with_analysis(max_displacement=0.02)
+    curve = ds.pushover(model)
+    ds.save_results(curve, model, tmp_path / "out")
+    found = Folder.read(tmp_path / "out")
+    made = contents_of_folder(found.results)
+    curve = found.results.curve
+    (tie,) = made.header["ties"]
+    origin = np.array(made.header["origin"])
+    assert (tie["name"], tie["strength"]) == ("anchor", 1e3)
+    assert tie["from"]["block"] == 1 and tie["to"]["block"] == -1
+    assert origin + tie["to"]["point"] == pytest.approx([-3.0, 1.5])
+    assert [load["name"] for load in made.header["dead_loads"]] == ["roof", "load 2"]
+    assert [arrow["block"] for arrow in made.header["arrows"]] == [2, 1]
+    assert origin + made.header["arrows"][0]["tip"] == pytest.approx([2.25, 2.0])
+    streams = {stream["name"]: stream for stream in made.pack.table}
+    n = len(curve.points)
+    assert streams["tie_force"]["shape"] == streams["tie_state"]["shape"] == [n, 1]
+    assert contents_of_model(model).header["ties"] == made.header["ties"]

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 #: Colours of dead loads and of patterns; the longest arrow over the structure's size.
 DEAD, PATTERN = "#7a4b9a", "#2a7f62"
@@ -35,8 +36,9 @@ def arrows_of(
     *,
     present: NDArray[np.bool_] | None = None,
     linear: bool = False,
-) -> Array:
-    """Tails and tips of arrows, one for each load on each of its blocks, (m, 2, dim) [m].
+) -> tuple[IntArray, Array]:
+    """Arrows, one for each load on each of its blocks: the blocks' rows (m,), tails and tips (m, 2,
+    dim) [m].
 
     Parameters
     ----------
@@ -51,7 +53,7 @@ def arrows_of(
     most = max((float(np.linalg.norm(load.force, axis=1).max()) for load in loads), default=0.0)
     free = np.vstack([block.vertices for block in assembly.blocks if not block.support])
     longest = LENGTH * float(np.ptp(free, axis=0).max())
-    found = [np.zeros((0, 2, assembly.dimension))]
+    found, on = [np.zeros((0, 2, assembly.dimension))], [np.zeros(0, np.int64)]
     for load in loads:
         size = np.linalg.norm(load.force, axis=1)
         drawn = (size > SLIGHT * most) & (True if present is None else present)
@@ -66,8 +68,9 @@ def arrows_of(
         if pose is not None:
             tips = moved_points(tips, rows, assembly.centroid, pose, linear=linear)
         lengths = longest * np.maximum(size[rows] / most, SHORTEST)
+        on.append(rows)
         found.append(np.stack((tips - lengths[:, None] * ways, tips), axis=1))
-    return np.concatenate(found)
+    return np.concatenate(on), np.concatenate(found)
 
 
 def dead_arrows(
@@ -77,7 +80,7 @@ def dead_arrows(
     *,
     present: NDArray[np.bool_] | None = None,
     linear: bool = False,
-) -> Array:
+) -> tuple[IntArray, Array]:
     """Those of dead loads, see `arrows_of`."""
     forces = [load.forces(assembly) for load in loads]
     return arrows_of(assembly, forces, pose, present=present, linear=linear)
@@ -91,7 +94,7 @@ def pattern_arrows(model: Model) -> Array:
     if model.load.name == "mass":
         return np.zeros((0, 2, model.assembly.dimension))
     pattern = Acting.of(model.assembly, model.load, model.dead_loads).pattern
-    return arrows_of(model.assembly, [pattern])
+    return arrows_of(model.assembly, [pattern])[1]
 
 
 def plot_arrows(

@@ -84,6 +84,8 @@ class Drawn:
         ends = ends.reshape(-1, assembly.dimension)
         owner = [end.row(assembly) for t in ties for end in (t.start, t.end)]
         moved = moved_points(ends, np.array(owner, np.int64), shapes.centroid, pose, linear=linear)
+        loads = mechanism.dead_loads
+        _, arrows = dead_arrows(assembly, loads, pose, present=~gone, linear=linear)
         return cls(
             shapes=shapes,
             pose=pose,
@@ -92,9 +94,7 @@ class Drawn:
             gone=gone,
             visible=min(VISIBLE * float(displacement.max(initial=0.0)), compliant),
             ties=moved.reshape(len(ties), 2, assembly.dimension),
-            loads=dead_arrows(
-                assembly, mechanism.dead_loads, pose, present=~gone, linear=shapes.linear
-            ),
+            loads=arrows,
             designed=np.vstack((shapes.vertices, ends)),
         )
 

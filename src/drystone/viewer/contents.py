@@ -10,6 +10,7 @@ The header is JSON: names, weights, the curve, marks on it.  The streams are arr
     joint_corners, joint_polygon, joint_owner       polygons of joints, m from block a's centroid
     force, arm, state   (p, c, k) of joints, see `joints.Resultants`
     contact_...         of single contact points, where these are few enough
+    tie_force, tie_state                            (p, n_ties) of ties, where there are some
 
 p are the points of the curve that are kept, ``rows`` of the header says which; components come
 before blocks and joints, which then lie one after the other.
@@ -36,7 +37,9 @@ from drystone.geometry.outlines import Outlines
 from drystone.geometry.polyhedra import Polyhedra
 from drystone.language import Saying, say
 from drystone.model import Model
+from drystone.report.quantities import Quantities
 from drystone.report.settling_figure import marked_points
+from drystone.viewer import carried
 from drystone.viewer.bodies import Bodies
 from drystone.viewer.codec import Pack
 from drystone.viewer.joints import Assigned, Assigner, Joints, Resultants
@@ -123,6 +126,7 @@ def contents_of_folder(
         if len(rows):
             counts = reader.n_contacts()
             _put_states(pack, reader, blocks, joints, poses[rows], np.array(rows), counts)
+            carried.put_ties(pack, curve, rows)
             header["all_contacts"] = int(counts[rows].sum()) <= MOST_CONTACTS
         _put_joints(pack, joints, blocks, results.model)
     return Contents(header=plain(header), pack=pack)
@@ -347,8 +351,11 @@ def _all_vertices(found: Mapping[str, Any]) -> Array:
 def _of_model(model: Model, origin: Array) -> dict[str, Any]:
     control = model.control_point
     return {
-        "load_direction": model.load_along,
-        "control": {
+        **carried.header_of(model, origin),
+        "load_direction": model.load_shown,
+        "control": None
+        if model.settlement is not None
+        else {
             "block": control.block,
             "point": control.point - origin,
             "direction": control.direction,
@@ -377,11 +384,18 @@ def nearest(curve: CapacityCurve, mark: Mark) -> int:
 
 def _curve(curve: CapacityCurve, rows: list[int]) -> dict[str, Any]:
     points = [curve.points[row] for row in rows]
+    shown = Quantities.of(curve)
     return {
+        "axes": {
+            "motion": shown.motion,
+            "motion_unit": shown.motion_unit,
+            "force": shown.force,
+            "force_unit": shown.force_unit,
+        },
         "n_points": len(curve.points),
         "step": [point.step for point in points],
-        "displacement": _short([point.control_displacement for point in points]),
-        "multiplier": _short([point.load_multiplier for point in points]),
+        "displacement": _short(shown.x(curve)[rows]),
+        "multiplier": _short(shown.y(curve)[rows]),
         "dynamic": [point.status == DYNAMIC for point in points],
         "unstable": [point.unstable for point in points],
         "residual": _short([point.residual for point in points]),
@@ -391,11 +405,12 @@ def _curve(curve: CapacityCurve, rows: list[int]) -> dict[str, Any]:
 
 def _mark(mark: Mark, curve: CapacityCurve, rows: list[int]) -> dict[str, Any]:
     row = nearest(curve, mark)
+    shown, height = Quantities.of(curve), mark.load_multiplier
     return {
         "name": mark.name,
         "kind": mark.kind,
-        "displacement": mark.control_displacement,
-        "multiplier": mark.load_multiplier,
+        "displacement": shown.per_unit * mark.control_displacement,
+        "multiplier": float(shown.y(curve)[row]) if shown.settles else height,
         "point": int(np.argmin(np.abs(np.array(rows) - row))),
     }
 

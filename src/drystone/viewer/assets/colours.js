@@ -28,6 +28,10 @@ STATE_NAMES[STICKING] = "sticking";
 STATE_NAMES[SLIDING] = "sliding";
 STATE_NAMES[PARTLY_OPEN] = "partly open";
 
+export const TIE_COLOURS = [rgb("#84bdb9"), rgb("#1b7f79"), rgb("#e07b00"), rgb("#8a8a8a")];
+export const TIE_NAMES = ["slack", "elastic", "yielding", "broken"];
+export const DEAD_LOAD = rgb("#7a4b9a");
+
 export const FORCE = rgb("#0b3c6f");
 export const THRUST = rgb("#8a1c5a");
 

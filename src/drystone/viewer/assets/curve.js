@@ -4,6 +4,7 @@
 import { digits } from "./format.js";
 
 const NS = "http://www.w3.org/2000/svg";
+const FORCES = 68; // instead of the left margin, where the ordinate is a force
 const MARGIN = { left: 52, right: 14, top: 14, bottom: 40 };
 
 /** Round values from low to high, about `count` of them. */
@@ -85,12 +86,13 @@ export class CurvePlot {
     const [width, height] = [Math.max(box.width, 120), Math.max(box.height, 90)];
     this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     this.svg.replaceChildren();
+    this.left = curve.axes && curve.axes.force_unit ? FORCES : MARGIN.left;
     const peak = marks.find((mark) => mark.kind === "peak");
     let [low, high] = [Math.min(0, ...curve.displacement), Math.max(...curve.displacement)];
     if (this.zoomed && peak) [low, high] = [0, 4 * peak.displacement];
-    const most = Math.max(...curve.multiplier);
+    const most = Math.max(0, ...curve.multiplier);
     const least = Math.min(0, ...curve.multiplier.filter((value, k) => !curve.dynamic[k]));
-    this.x = new Axis(low, high, MARGIN.left, width - MARGIN.right);
+    this.x = new Axis(low, high, this.left, width - MARGIN.right);
     this.y = new Axis(least, 1.1 * most || 1, height - MARGIN.bottom, MARGIN.top);
     this.xs = curve.displacement.map((value) => this.x.at(value));
     this.ys = curve.multiplier.map((value) => this.y.at(value));
@@ -107,11 +109,12 @@ export class CurvePlot {
   }
 
   _axes(width, height) {
-    const [bottom, left] = [height - MARGIN.bottom, MARGIN.left];
+    const [bottom, left] = [height - MARGIN.bottom, this.left];
     const defs = this._add("defs", {});
     const area = this._add("clipPath", { id: "plot-area" }, defs);
     this._add("rect", { x: left - 8, y: 0, width: width - left, height: bottom + 8 }, area);
-    const small = this.x.high < 0.1;
+    const axes = this.record.curve.axes || { motion: "control displacement", motion_unit: "m" };
+    const small = axes.motion_unit === "m" && this.x.high < 0.1;
     for (const value of ticks(this.x.low, this.x.high, Math.max(2, width / 90))) {
       const x = this.x.at(value);
       this._add("line", { x1: x, x2: x, y1: MARGIN.top, y2: bottom, class: "grid" });
@@ -123,8 +126,10 @@ export class CurvePlot {
       this._text(digits(value, 3), left - 6, y + 4, "end");
     }
     const middle = 0.5 * (left + width - MARGIN.right);
-    this._text(`control displacement [${small ? "mm" : "m"}]`, middle, height - 8, "middle");
-    const label = this._text("load multiplier λ", 0, 0, "middle");
+    const unit = small ? "mm" : axes.motion_unit;
+    this._text(`${axes.motion} [${unit}]`, middle, height - 8, "middle");
+    const force = axes.force_unit ? `${axes.force} [${axes.force_unit}]` : "load multiplier λ";
+    const label = this._text(force, 0, 0, "middle");
     label.setAttribute("transform", `translate(13 ${0.5 * (MARGIN.top + bottom)}) rotate(-90)`);
   }
 
@@ -136,7 +141,9 @@ export class CurvePlot {
     if (mark.kind === "peak" || mark.kind === "rest") this._add("circle", { cx: x, cy: y, r: 4 }, group);
     else this._add("path", { d: `M${x - 5} ${y}L${x} ${y - 5}L${x + 5} ${y}L${x} ${y + 5}Z` }, group);
     const right = x > 0.75 * this.x.to;
-    const text = this._text(mark.name, x + (right ? -8 : 8), y - 7, right ? "end" : "start", group);
+    // What happens is told by the title and by the mark's button: it would leave the axes.
+    const words = mark.kind === "event" ? "a part collapses" : mark.name;
+    const text = this._text(words, x + (right ? -8 : 8), y - 7, right ? "end" : "start", group);
     text.setAttribute("class", "name");
   }
 

@@ -30,8 +30,11 @@ export class Record {
     this.motionScale = streams.motion_scale;
     this.joints = new Joints(streams, this);
     this.contacts = Contacts.of(streams);
+    this.ties = new Ties(header.ties || [], streams, this);
+    this.arrows = header.arrows || [];
     this.box = this._box(() => true);
     this.movable = this._box((i) => !this.support[i]);
+    this.extent = this._extent();
     this.grain = this._grain();
     this.size = Math.max(...[0, 1, 2].map((i) => this.box.high[i] - this.box.low[i]));
   }
@@ -66,6 +69,33 @@ export class Record {
       }
     }
     return { low, high };
+  }
+
+  /** The box around all that is drawn as designed: blocks, ends of ties, arrows of dead loads. */
+  _extent() {
+    const [low, high] = [[...this.box.low], [...this.box.high]];
+    const hold = (p) => {
+      for (let k = 0; k < 3; k++) {
+        low[k] = Math.min(low[k], p[k]);
+        high[k] = Math.max(high[k], p[k]);
+      }
+    };
+    for (let i = 0; i < this.ties.n; i++) this.ties.endsAt(this.settled, i).forEach(hold);
+    for (const arrow of this.arrows) this.arrowAt(this.settled, arrow).forEach(hold);
+    return { low, high };
+  }
+
+  /** Tail and tip of the arrow of a dead load in the poses: it keeps its direction. */
+  arrowAt(poses, { block, tip, way }) {
+    const at = this.carried(poses, block, tip);
+    return [at.map((value, k) => value - (way[k] || 0)), at];
+  }
+
+  /** A point as designed, carried along by a block; -1 is the ground. */
+  carried(poses, block, point) {
+    const p = [0, 1, 2].map((k) => point[k] || 0);
+    if (block < 0) return p;
+    return place(poses, block, ...p.map((value, k) => value - this.centroid[3 * block + k]), [0, 0, 0]);
   }
 
   /** Distance of the farthest vertex from its centroid, of a block in the middle of all [m]. */
@@ -138,8 +168,7 @@ export class Record {
   controlPoint(poses) {
     const control = this.header.control;
     if (!control) return null;
-    const arm = [0, 1, 2].map((k) => (control.point[k] || 0) - this.centroid[3 * control.block + k]);
-    const at = (where) => place(where, control.block, ...arm, [0, 0, 0]);
+    const at = (where) => this.carried(where, control.block, control.point);
     return { start: at(this.settled), now: at(poses) };
   }
 }
@@ -248,6 +277,39 @@ export class Joints {
       for (let k = 0; k < 3; k++) out[k] += value * axis[k];
     });
     return out;
+  }
+}
+
+export const SLACK = 0;
+export const ELASTIC = 1;
+export const YIELDING = 2;
+export const BROKEN = 3;
+
+/** Ties and springs between two blocks, or a block and the ground. */
+export class Ties {
+  constructor(ties, streams, record) {
+    this.record = record;
+    this.ties = ties;
+    this.n = ties.length;
+    this.force = streams.tie_force;
+    this.state = streams.tie_state;
+  }
+
+  /** Both ends of tie i in the poses. */
+  endsAt(poses, i) {
+    return [this.ties[i].from, this.ties[i].to].map(({ block, point }) =>
+      this.record.carried(poses, block, point),
+    );
+  }
+
+  /** What tie i does at point k; elastic where there is no curve. */
+  stateAt(k, i) {
+    return this.state ? this.state.values[k * this.n + i] : ELASTIC;
+  }
+
+  /** Force in tie i at point k [N], tension positive; its pretension where there is no curve. */
+  forceAt(k, i) {
+    return this.force ? this.force.values[k * this.n + i] : this.ties[i].pretension;
   }
 }
 

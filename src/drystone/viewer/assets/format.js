@@ -23,6 +23,17 @@ export function multiplier(value) {
   return Number.isFinite(value) ? value.toFixed(4) : "–";
 }
 
+/** A value on the curve's abscissa: a length, or an angle in degrees where supports turn. */
+export function motion(axes, value) {
+  return axes && axes.motion_unit === "°" ? `${digits(value, 4)}°` : length(value);
+}
+
+/** A value on its ordinate: a multiplier, or the reaction of supports that move. */
+export function ordinate(axes, value) {
+  if (!axes || !axes.force_unit) return multiplier(value);
+  return axes.force_unit === "N m" ? `${force(value)} m` : force(value);
+}
+
 /** A number with at most so many significant digits, without zeros at the end. */
 export function digits(value, most) {
   if (value === 0) return "0";

@@ -9,7 +9,9 @@ import { Gestures } from "./gestures.js";
 import { KEYS, action, takesKey } from "./keyboard.js";
 import { overlay } from "./overlays.js";
 import { PAINTINGS, paint, paintJoints } from "./painting.js";
-import { jointsOf, legend, list, ofBlock, ofJoint, ofPoint } from "./panel.js";
+import {
+  carriedLegend, jointsOf, legend, list, ofBlock, ofJoint, ofLoads, ofPoint, ofTies,
+} from "./panel.js"; // prettier-ignore
 import { Picker } from "./picking.js";
 import { Ribbons } from "./ribbons.js";
 import { WebScene, context } from "./scene.js";
@@ -24,11 +26,11 @@ export class Viewer {
   constructor(record) {
     this.record = record;
     this.canvas = $("picture");
-    this.camera = new Camera(record.box, record.dimension, record.header.load_direction);
+    this.camera = new Camera(record.extent, record.dimension, record.header.load_direction);
     this.section = new Section(record.box);
     this.picker = new Picker(record);
     this.ribbons = new Ribbons();
-    this.show = { joints: false, forces: false, thrust: false, marks: true, through: false };
+    this.show = { joints: false, forces: false, thrust: false, marks: true, through: false, ties: true, loads: true };
     this.by = "displacement";
     this.factor = 1;
     this.selected = null; // { block } or { joint }
@@ -155,7 +157,8 @@ export class Viewer {
 
   _tell(shown, joints) {
     const { record, point } = this;
-    legend($("legend"), shown, joints);
+    legend($("legend"), shown, joints, carriedLegend(record, point, this.show));
+    list($("ties"), ofTies(record, point));
     const rows = ofPoint(record, point);
     const factor = this._factor();
     if (factor !== 1) rows.push(["displacements", `× ${factor}`]);
@@ -255,6 +258,10 @@ export class Viewer {
       const block = record.names.indexOf($("name").value.trim());
       this.select(block >= 0 ? { block } : null);
     });
+    for (const [box, count] of [["ties", record.ties.n], ["loads", record.arrows.length]]) {
+      for (const part of document.querySelectorAll(`[data-of="${box}"]`)) part.hidden = !count;
+    }
+    list($("loads"), ofLoads(record));
     list($("keys"), KEYS.map(({ shown, does }) => [shown, does]));
   }
 

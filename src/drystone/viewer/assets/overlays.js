@@ -1,7 +1,9 @@
 // What is drawn over the blocks: joints in their states, forces, thrust, load, control point.
 
-import { FORCE, INK, SELECTED, STATE_COLOURS, THRUST } from "./colours.js";
-import { OPEN, SLIDING, STICKING } from "./data.js";
+import {
+  DEAD_LOAD, FORCE, INK, SELECTED, STATE_COLOURS, THRUST, TIE_COLOURS,
+} from "./colours.js"; // prettier-ignore
+import { BROKEN, OPEN, SLACK, SLIDING, STICKING, YIELDING } from "./data.js";
 import { POSE } from "./rotation.js";
 
 /** Longest arrow of a force, over the structure's size and over that of its blocks. */
@@ -19,6 +21,8 @@ export function overlay(ribbons, record, poses, k, show, selected, section) {
   if (show.joints) drawJoints(ribbons, record, poses, k, shown);
   if (show.forces) drawForces(ribbons, record, poses, k, shown);
   if (show.thrust) drawThrust(ribbons, record, poses, k, shown);
+  if (show.ties) drawTies(ribbons, record, poses, k, shown);
+  if (show.loads) drawDeadLoads(ribbons, record, poses, shown);
   if (show.marks) drawControl(ribbons, record, poses);
   if (selected && selected.joint !== undefined) {
     drawSelected(ribbons, record, poses, k, selected.joint);
@@ -121,7 +125,31 @@ function drawThrust(ribbons, record, poses, k, shown) {
   }
 }
 
+/** Width of a tie by what it does [px]. */
+const TIE_WIDTHS = { [SLACK]: 1.5, 1: 3, [YIELDING]: 4, [BROKEN]: 1 };
+
+/** Ties from end to end, before everything: their ends are within blocks. */
+function drawTies(ribbons, record, poses, k, shown) {
+  const { ties } = record;
+  for (let i = 0; i < ties.n; i++) {
+    const [p, q] = ties.endsAt(poses, i);
+    if (!shown(p) && !shown(q)) continue;
+    const state = ties.stateAt(k, i);
+    ribbons.push(p, q, TIE_COLOURS[state], TIE_WIDTHS[state], { front: true });
+  }
+}
+
+/** Arrows of dead loads, on blocks that are there. */
+function drawDeadLoads(ribbons, record, poses, shown) {
+  for (const arrow of record.arrows) {
+    if (poses[arrow.block * POSE + 3]) continue;
+    const [tail, tip] = record.arrowAt(poses, arrow);
+    if (shown(tip)) ribbons.push(tail, tip, DEAD_LOAD, 2.5, { head: true, front: true });
+  }
+}
+
 function drawControl(ribbons, record, poses) {
+  if (record.header.load_direction) drawLoad(ribbons, record);
   const control = record.controlPoint(poses);
   if (!control) return;
   ribbons.push(control.start, control.now, INK, 1.2, { front: true });
@@ -131,7 +159,6 @@ function drawControl(ribbons, record, poses) {
     const [p, q] = [-arm, arm].map((s) => control.now.map((value, c) => value + s * axis[c]));
     ribbons.push(p, q, INK, 2.5, { front: true });
   }
-  if (record.header.load_direction) drawLoad(ribbons, record);
 }
 
 /** The arrow of the load pattern, beside the structure where the load comes from. */

@@ -1,8 +1,11 @@
 // What stands beside the picture in words: the state that is shown, the block or joint that was
 // clicked, the legend.
 
-import { OKABE_ITO, RESTING, STATE_COLOURS, STATE_NAMES, SUPPORT, css, gradient } from "./colours.js";
-import { degrees, digits, force, length, multiplier } from "./format.js";
+import {
+  DEAD_LOAD, OKABE_ITO, RESTING, STATE_COLOURS, STATE_NAMES, SUPPORT, TIE_COLOURS, TIE_NAMES, css,
+  gradient,
+} from "./colours.js"; // prettier-ignore
+import { degrees, digits, force, length, motion, ordinate } from "./format.js";
 import { POSE, angle } from "./rotation.js";
 
 /** Name and value of what is told of a point of the curve. */
@@ -11,13 +14,34 @@ export function ofPoint(record, k) {
   if (!curve) return [["state", "as designed"]];
   const rows = [
     ["point", `${curve.step[k]} of ${curve.n_points - 1}`],
-    ["control displacement", length(curve.displacement[k])],
-    ["load multiplier", multiplier(curve.multiplier[k])],
+    [curve.axes ? curve.axes.motion : "control displacement", motion(curve.axes, curve.displacement[k])],
+    [curve.axes ? curve.axes.force : "load multiplier", ordinate(curve.axes, curve.multiplier[k])],
     ["residual", digits(curve.residual[k], 2)],
   ];
   if (curve.dynamic[k]) rows.push(["state", "dynamic: on the way between states at rest"]);
   else if (curve.unstable[k]) rows.push(["state", "an equilibrium that does not last"]);
   return rows;
+}
+
+/** Ties and dead loads of which so many are listed. */
+const MOST = 200;
+
+/** Force, strength and state of every tie at point k. */
+export function ofTies(record, k) {
+  const { ties } = record;
+  return ties.ties.slice(0, MOST).map(({ name, strength }, i) => {
+    const most = Number.isFinite(strength) && strength !== null ? ` of ${force(strength)}` : "";
+    return [name, `${force(ties.forceAt(k, i))}${most}, ${TIE_NAMES[ties.stateAt(k, i)]}`];
+  });
+}
+
+/** Kind, resultant and place of every dead load. */
+export function ofLoads(record) {
+  return (record.header.dead_loads || []).slice(0, MOST).map((load) => {
+    const size = force(Math.hypot(...load.force));
+    const mass = load.mass ? ", with mass" : "";
+    return [load.name, `${load.kind}, ${size} on ${load.on}, stage ${load.stage}${mass}`];
+  });
 }
 
 export function ofBlock(record, k, poses, i) {
@@ -92,7 +116,7 @@ export function list(element, rows) {
 }
 
 /** The legend of how blocks and joints are coloured. */
-export function legend(element, shown, joints) {
+export function legend(element, shown, joints, more = []) {
   const parts = [];
   if (shown.kind === "scale") {
     const bar = document.createElement("div");
@@ -115,7 +139,20 @@ export function legend(element, shown, joints) {
     STATE_COLOURS.forEach((colour, state) => parts.push(swatch(colour, STATE_NAMES[state])));
   }
   if (shown.kind !== "none") parts.push(swatch(SUPPORT, "support"));
+  for (const [colour, words] of more) parts.push(swatch(colour, words));
   element.replaceChildren(...parts);
+}
+
+/** Colours and words of the ties and dead loads that are drawn at point k. */
+export function carriedLegend(record, k, show) {
+  const found = [];
+  const { ties } = record;
+  if (show.ties) {
+    const states = new Set(ties.ties.map((tie, i) => ties.stateAt(k, i)));
+    for (const state of [...states].sort()) found.push([TIE_COLOURS[state], `${TIE_NAMES[state]} tie`]);
+  }
+  if (show.loads && record.arrows.length) found.push([DEAD_LOAD, "dead load"]);
+  return found;
 }
 
 function swatch(colour, words) {
