@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drystone.assessment.errors import AssessmentError, positive
+from drystone.language import say
 
 Array = NDArray[np.float64]
 
@@ -62,10 +63,8 @@ def drop_point(displacement: ArrayLike, ordinate: ArrayLike, share: float) -> fl
     level = share * f[top]
     below = np.flatnonzero(f[top:] <= level)
     if not len(below):
-        raise AssessmentError(
-            f"the curve ends at {d[-1]:.4g} m with {f[-1] / f[top]:.0%} of its peak: it is not "
-            f"past {share:.0%}; trace it further, or give a displacement limit that is met before"
-        )
+        left = float(f[-1] / f[top])
+        raise AssessmentError(say("refused.not_past", end=float(d[-1]), left=left, share=share))
     i = top + int(below[0])
     if i == 0:
         return float(d[0])
@@ -99,10 +98,7 @@ def bilinear(
         ultimate = drop_point(d, f, RESIDUAL[rule])
     end = positive(ultimate, "the ultimate displacement")
     if end > d[-1] * (1.0 + 1e-12):
-        raise AssessmentError(
-            f"the curve ends at {d[-1]:.4g} m, before the {end:.4g} m of its bilinear: trace it "
-            "further"
-        )
+        raise AssessmentError(say("refused.short", last=float(d[-1]), end=end))
     before = d < end
     d, f = np.append(d[before], end), np.append(f[before], np.interp(end, d, f))
     area = float(np.sum(0.5 * (f[1:] + f[:-1]) * np.diff(d)))
@@ -119,10 +115,7 @@ def initial_stiffness(displacement: ArrayLike, ordinate: ArrayLike, share: float
         raise AssessmentError(f"the share of the secant lies between 0 and 1, not {share:g}")
     level = share * f.max()
     if f[0] >= level:
-        raise AssessmentError(
-            "the curve begins above its secant: bodies are rigid and have no elastic branch; use a "
-            "method for local mechanisms, or joints with stiffness"
-        )
+        raise AssessmentError(say("refused.rigid"))
     i = int(np.argmax(f >= level))
     part = (level - f[i - 1]) / (f[i] - f[i - 1])
     return float(level / (d[i - 1] + part * (d[i] - d[i - 1])))
@@ -132,15 +125,9 @@ def _level_at_peak(top: float, area: float, end: float) -> Bilinear:
     """d*_y = 2 (d*_m - E*_m/F*_y), EN 1998-1:2004 (B.6)."""
     start = 2.0 * (end - area / top)
     if start <= 1e-12 * end:
-        raise AssessmentError(
-            "the curve is level from its beginning: it has no elastic branch, and no period T*"
-        )
+        raise AssessmentError(say("refused.level"))
     if start >= end * (1.0 - 1e-12):
-        raise AssessmentError(
-            f"the bilinear of EN 1998-1 (B.6) would yield at {start:.4g} m, not before its end at "
-            f"{end:.4g} m: the curve has softened too far; end it at 80 per cent of the peak, or "
-            "use a method for rocking mechanisms"
-        )
+        raise AssessmentError(say("refused.softened", start=start, end=end))
     return Bilinear(yield_displacement=start, yield_acceleration=top, ultimate_displacement=end)
 
 
@@ -148,10 +135,7 @@ def _level_by_area(stiffness: float, area: float, end: float) -> Bilinear:
     """F_y = k d_u - sqrt((k d_u)^2 - 2 k E), k the first branch and E the area."""
     square = (stiffness * end) ** 2 - 2.0 * stiffness * area
     if square < -1e-12 * (stiffness * end) ** 2:
-        raise AssessmentError(
-            "no bilinear has the area of the curve: it lies above its own first branch; end it "
-            "further on, or take another share of the peak for the secant"
-        )
+        raise AssessmentError(say("refused.area"))
     level = stiffness * end - float(np.sqrt(max(square, 0.0)))
     return Bilinear(
         yield_displacement=level / stiffness, yield_acceleration=level, ultimate_displacement=end

@@ -59,10 +59,7 @@ def participation(
         raise AssessmentError("masses are above zero, and a shape is of finite numbers")
     first, second, total = float(m @ phi), float(m @ phi**2), float(m.sum())
     if first <= 0.0:
-        raise AssessmentError(
-            "the mechanism does not move along the load: the masses times their shape add up to "
-            f"{first:g} kg; choose a control point that moves with the load"
-        )
+        raise AssessmentError(say("refused.not_along", momentum=first))
     ratio = first**2 / (total * second)
     kinetic = None if kinetic_mass is None else first / positive(kinetic_mass, "kinetic_mass")
     return Participation(first / second, ratio, ratio * total, total, first, kinetic)
@@ -268,8 +265,7 @@ class Capacity:
             if self.collapse_displacement is not None and spectral_displacement > 0.0:
                 return 0.0
             raise AssessmentError(
-                f"the curve is not known at d* = {spectral_displacement:.4g} m: it ends at "
-                f"{d[-1]:.4g} m; trace it further"
+                say("refused.not_known", place=float(spectral_displacement), end=float(d[-1]))
             )
         return float(np.interp(spectral_displacement, d, a))
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from drystone.commands.outcome import INTERRUPTED, fail
 from drystone.export.senses import FORWARD, OPPOSITE, OPPOSITE_FOLDER
+from drystone.language import said_end, say
 
 if TYPE_CHECKING:
     from drystone.assessment.verdict import Verdict
@@ -178,6 +179,7 @@ def _traced_one(name: str, model: Model, folder: Path, ask: Tracing, *, part_of:
 
 def _traced_opposite(model: Model, folder: Path, ask: Tracing) -> Sense:
     """The model under the load turned round; where it cannot be traced, why."""
+    from drystone.assessment.verdict import sense_words
     from drystone.builders.errors import ModelError
     from drystone.engines.base import EngineError
 
@@ -189,7 +191,7 @@ def _traced_opposite(model: Model, folder: Path, ask: Tracing) -> Sense:
         )
         return _traced_one(OPPOSITE, turned, folder, ask, part_of=model.sha256)
     except (EngineError, ModelError, ValueError) as error:  # of a pattern of one sense the last
-        problem = f"{OPPOSITE} there is no curve: {error}"
+        problem = say("refused.no_curve", sense=sense_words(OPPOSITE), why=str(error))
     return Sense(
         name=OPPOSITE,
         model=turned,
@@ -207,7 +209,6 @@ def _judged(name: str, model: Model, curve: CapacityCurve, folder: Path, sha256:
     from drystone.assessment.errors import UnfinishedError
     from drystone.assessment.request import request_of
     from drystone.assessment.verdict import sense_words, verdict_on
-    from drystone.language import say
 
     request = request_of(model.site, model.assessment)
     try:
@@ -224,7 +225,10 @@ def _judged(name: str, model: Model, curve: CapacityCurve, folder: Path, sha256:
             problem=problem,
             warnings=() if name == FORWARD else (problem,),
         )
-    warnings = () if curve.status == "finished" else (f"{curve.status}: {curve.reason}",)
+    warnings: tuple[str, ...] = ()
+    if curve.status != "finished":
+        known = {"status": curve.status, "reason": said_end(curve.reason)}
+        warnings = (say("refused.incomplete", **known),)
     return Sense(
         name=name,
         model=model,

@@ -110,10 +110,7 @@ def initial_shape(curve: CapacityCurve, model: Model) -> MechanismShape:
         field = less(field, chord(assembly, poses[0], poses[rate]), share)
     over = field.carried_to(assembly.centroid).over(control, control.point)
     if over is None:
-        raise AssessmentError(
-            "the control point stands still in the mechanism: choose one that moves with it, "
-            "[control] in the model file"
-        )
+        raise AssessmentError(say("refused.control_still"))
     return _shape(curve, model, over, row=top, how=how)
 
 
@@ -205,7 +202,7 @@ def _shape(
     present = _present(curve, model, row)
     labels = find_macro_blocks(assembly, field, direction, gone=~present)
     if not (labels >= 0).any():
-        raise AssessmentError("no block moves along the load in the mechanism")
+        raise AssessmentError(say("refused.none_moves"))
     mass, delta = _masses(model), field.along(direction)
     moving = labels >= 0
     whole = np.bincount(labels[moving], weights=mass[moving])
@@ -292,7 +289,7 @@ def _past_the_peak(curve: CapacityCurve) -> tuple[int, int, str]:
         return top, top + 1, say("mechanism.jump")
     before = [k for k in _run(curve, top) if k < top]
     if not before:
-        raise UnfinishedError("the curve has one point at rest: there is no mechanism to be seen")
+        raise UnfinishedError(say("refused.one_point"))
     return before[-FEWEST:][0], top, say("mechanism.before_last")
 
 

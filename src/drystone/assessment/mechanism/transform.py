@@ -153,10 +153,7 @@ def pattern_share(model: Model, shape: MechanismShape) -> tuple[float, tuple[str
     work = float((forces * shape.field.velocity)[present].sum())
     own = float(masses.weights(assembly)[present] @ shape.delta[present])
     if not work > 0.0:
-        raise AssessmentError(
-            f'the load pattern "{pattern.name}" does no work in the mechanism: nothing says which '
-            'ground acceleration it stands for; take pattern = "mass"'
-        )
+        raise AssessmentError(say("refused.no_work", name=pattern.name))
     share = work / own
     return share, (say("mechanism.pattern", name=pattern.name, share=share),)
 

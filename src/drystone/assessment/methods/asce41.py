@@ -134,10 +134,7 @@ def idealised(capacity: Capacity) -> Bilinear:
     end = float(d[top])
     share = SECANT_SHARE
     if top == 0 or end <= 0.0:
-        raise AssessmentError(
-            f'method "{NAME}" needs a curve with an elastic branch; this one begins at its peak: '
-            "use a method for rocking mechanisms"
-        )
+        raise AssessmentError(say("refused.begins_at_peak", method=NAME))
     for _ in range(50):
         found = bilinear(d, a, "ntc2018", ultimate=end, secant_share=share)
         new = SECANT_SHARE * min(found.yield_acceleration / float(a[top]), 1.0)
@@ -221,11 +218,7 @@ def _state(
     """The target displacement against the user's acceptance displacement, where (7-32) holds."""
     ratio, most = oscillator.ratio(spectrum), oscillator.most(spectrum)
     if ratio > most and verified:
-        raise AssessmentError(
-            f'method "{NAME}" does not apply: mu_strength = {ratio:.3g} exceeds mu_max = '
-            f"{most:.3g} of ASCE 41-17 (7-32), the strength falls too fast after the peak; "
-            'take non-linear dynamics, method "rocking"'
-        )
+        raise AssessmentError(say("refused.asce41", method=NAME, ratio=ratio, most=most))
     limit = settings.displacement_limits.get(name)
     own = None if limit is None else capacity.spectral_at(limit)
     asked, borne, why = oscillator.target(spectrum), None, ""

@@ -46,10 +46,7 @@ def acceleration(capacity: Capacity, displacement: float, straight: bool) -> flo
     else:
         value = capacity.acceleration_at(displacement)
     if value <= 0.0:
-        raise AssessmentError(
-            f"nothing is carried at d* = {displacement:.4g} m, where a limit state lies: the curve "
-            "ends before; check its collapse displacement"
-        )
+        raise AssessmentError(say("refused.nothing_carried", place=displacement))
     return value
 
 
