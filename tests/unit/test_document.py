@@ -106,6 +106,10 @@ def test_a_folder_s_own_assessment_goes_before(asked, tmp_path):
     (tmp_path / "assessment.json").write_text(json.dumps(data))
     page = render(Folder.read(tmp_path), date=DATE)
     assert 'class="verdict fails"' in page and "decided elsewhere" in page
+    # One that holds, but by a method that is not meant for the mechanism, is not shown as good.
+    data |= {"satisfied": True, "caution": "the mechanism is out of plane"}
+    (tmp_path / "assessment.json").write_text(json.dumps(data))
+    assert 'class="verdict none"' in render(Folder.read(tmp_path), date=DATE)
 
 
 def test_without_an_assessment_it_says_so_and_what_to_do(plain):

@@ -11,6 +11,8 @@ import pytest
 from typer.testing import CliRunner
 
 import drystone as ds
+from drystone.assessment.bilinear import drop_point
+from drystone.assessment.errors import AssessmentError
 from drystone.cli import app
 from drystone.document.report import render
 from drystone.events import Event, EventKind, Outcome
@@ -148,6 +150,13 @@ class TestEnds:
     def test_else_it_stays(self):
         with speaking("it"):
             assert spoken(said_end("something else; altogether")) == "something else; altogether"
+
+
+def test_why_a_curve_gives_no_verdict():
+    with pytest.raises(AssessmentError, match="with 95% of its peak: it is not past 80%") as caught:
+        drop_point([0.0, 1.0, 2.0], [0.0, 1.0, 0.95], 0.8)
+    assert "non è scesa sotto il 80%" in caught.value.said.in_language("it")
+    assert AssessmentError("in words").said == "in words"
 
 
 def test_events():
