@@ -32,7 +32,8 @@ def assumptions(capacity: Capacity, spectra: Sequence[Spectrum]) -> tuple[str, .
     ]
     if capacity.reading == "energy" and capacity.kinetic_factor is None:
         said.append(say("reading.kinetic"))
-    if capacity.collapse_extrapolated:
+    told = any(getattr(note, "key", "") == "mechanism.extrapolated" for note in capacity.notes)
+    if capacity.collapse_extrapolated and not told:
         said.append(say("capacity.extrapolated"))
     said += [note for spectrum in spectra for note in spectrum.notes]
     return tuple(dict.fromkeys(said))
