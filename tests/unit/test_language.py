@@ -6,6 +6,7 @@ import re
 import shutil
 import string
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from typer.testing import CliRunner
@@ -14,15 +15,22 @@ import drystone as ds
 from drystone.assessment.bilinear import drop_point
 from drystone.assessment.errors import AssessmentError
 from drystone.cli import app
+from drystone.commands.options import Language
 from drystone.document.report import render
 from drystone.events import Event, EventKind, Outcome
 from drystone.language import LANGUAGES, Saying, catalogue, number, said_end, say, speaking, spoken
+from drystone.modelfile.assessing import AssessmentSection
 from drystone.viewer.folder import Folder
 from sites import TABLES
 
 ROOT = Path(__file__).parents[2]
 FILES = (*catalogue.SENTENCES, catalogue.REPORT)
 OTHERS = [language for language in LANGUAGES if language != "en"]
+
+
+def test_languages_are_those_of_the_key_and_of_the_option():
+    key = AssessmentSection.model_fields["language"].annotation
+    assert set(get_args(get_args(key)[0])) == set(LANGUAGES) == set(map(str, Language))
 
 
 def leaves(table, path=""):

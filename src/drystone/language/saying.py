@@ -8,8 +8,6 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any, Self
 
-import numpy as np
-
 from drystone.language.catalogue import DECIMAL_MARKS, current, templates, with_mark
 
 #: Sections of the tables that results hold as text.
@@ -162,9 +160,7 @@ def _plain(value: Any) -> Any:
         return {"said": value.as_dict()}
     if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
-    if isinstance(value, np.generic):
-        return value.item()
-    return value
+    return value if isinstance(value, str | int | float) else float(value)
 
 
 def _whole(value: Any) -> Any:
