@@ -383,16 +383,24 @@ class CapacityCurve:
         n = event.step + 1
         n += n < len(self.points) and self.points[n].status == DYNAMIC
         return replace(
-            self,
-            points=self.points[:n],
-            poses=None if self.poses is None else self.poses[:n],
-            contacts=None if self.contacts is None else self.contacts[:n],
-            ties=None if self.ties is None else self.ties.until(n),
+            self.first(n),
             blocks_left=tuple(b for b in self.blocks_left if b.step <= event.step),
             events=tuple(e for e in self.events if e.step < event.step),
             status=FINISHED,
             reason=str(event),
             ended_by=event,
+        )
+
+    def first(self, n: int) -> CapacityCurve:
+        """The curve of its first ``n`` points, with what happened up to the last of them."""
+        return replace(
+            self,
+            points=self.points[:n],
+            poses=None if self.poses is None else self.poses[:n],
+            contacts=None if self.contacts is None else self.contacts[:n],
+            ties=None if self.ties is None else self.ties.until(n),
+            blocks_left=tuple(b for b in self.blocks_left if b.step < n),
+            events=tuple(e for e in self.events if e.step < n),
         )
 
     def gone(self, ids: Sequence[str], step: int) -> NDArray[np.bool_]:

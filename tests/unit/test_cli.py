@@ -14,6 +14,7 @@ import warnings
 from dataclasses import replace
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import synthetic
@@ -28,6 +29,7 @@ from drystone.export.benchmark import recorded_curves
 from drystone.export.directory import ResultsDirectory
 from drystone.export.folder import FolderLock
 from drystone.export.own_files import FILES
+from drystone.export.results import load_results
 from drystone.progress import progress_for
 from drystone.progress.forecast import Forecast
 from drystone.progress.points import Bar, Lines, clock_time
@@ -208,7 +210,8 @@ def test_a_second_run_into_one_folder_exits_with_2(here, analysis, reads):
 
 
 def test_a_full_disk_exits_with_3_and_keeps_the_curve(here, analysis, reads, monkeypatch):
-    """The recorder fails after some points: they are in curve.csv, and the summary says why."""
+    """The recorder fails after some points: all files have those of them that are on the disk, and
+    the summary says why."""
     from drystone.export.hdf5 import ResultsWriter
 
     append = ResultsWriter.append
@@ -224,7 +227,50 @@ def test_a_full_disk_exits_with_3_and_keeps_the_curve(here, analysis, reads, mon
     result = drystone("run", "wall.toml", "--json")
     assert result.exit_code == 3 and "No space left on device" in result.stderr
     assert json.loads(result.stdout)["status"] == "stopped"
-    assert len((here / "wall-results/curve.csv").read_text().splitlines()) == 1 + 10
+    kept = load_results(here / "wall-results").curve
+    assert 0 < len(kept.points) <= 10
+    assert len((here / "wall-results/curve.csv").read_text().splitlines()) == 1 + len(kept.points)
+    assert f"of 10 points results.h5 took the first {len(kept.points)}" in kept.reason
+    assert kept.status == "stopped" and kept.reason == json.loads(result.stdout)["reason"]
+    for command in ("report", "view"):
+        told = drystone(command, "wall-results")
+        assert "the curve is not whole: " in told.stderr and "No space left" in told.stderr
+
+
+def test_a_disk_without_room_for_the_first_point_is_left_as_it_was(
+    here, analysis, reads, monkeypatch
+):
+    """`results.h5` was left without a point, and report and viewer made pages of it."""
+    from drystone.export.diskfile import DiskFile
+
+    commit, done = DiskFile.commit, []
+
+    def full(self):
+        done.append(self)
+        if len(done) > 1:  # the layout has room, the first chunks have not
+            raise OSError(28, "No space left on device")
+        commit(self)
+
+    monkeypatch.setattr(DiskFile, "commit", full)
+    analysis(synthetic.pushover)
+    result = drystone("run", "wall.toml")
+    assert result.exit_code != 0 and "nothing was written" in result.stderr
+    assert "No space left on device" in result.stderr
+    assert list(here.iterdir()) == []
+
+
+def test_files_of_results_that_disagree_say_so(here, analysis, reads):
+    analysis(synthetic.pushover)
+    drystone("run", "wall.toml")
+    folder = here / "wall-results"
+    with h5py.File(folder / "results.h5", "r+") as file:
+        file.attrs["status"] = "running"  # the disk was full as it ended
+    assert load_results(folder).curve.status == "finished"
+    text = (folder / "summary.json").read_text()
+    n = json.loads(text)["n_points"]
+    (folder / "summary.json").write_text(text.replace(f'"n_points": {n}', f'"n_points": {n + 9}'))
+    assert f"has {n} points, and summary.json is of {n + 9}" in load_results(folder).curve.reason
+    assert "trace it again" in drystone("view", "wall-results").stderr
 
 
 def test_an_analysis_that_stops_exits_with_3_and_keeps_what_it_has(here, analysis, reads):
@@ -303,12 +349,15 @@ def test_control_c_while_the_program_is_loaded(tmp_path, milliseconds):
     code = (
         "import os, signal, sys, threading, time\n"
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        "from drystone.cli import main\n"
+        "after = float(sys.argv.pop()) / 1e3\n"
         "def press():\n"
-        "    time.sleep(float(sys.argv.pop()) / 1e3)\n"
+        "    time.sleep(after)\n"
         "    os.kill(os.getpid(), signal.SIGINT)\n"
-        "threading.Thread(target=press).start()\n"
-        "while len(sys.argv) > 3: time.sleep(1e-4)\n"
+        "class Finder:  # the first that is loaded of others\n"
+        "    def find_spec(name, *_):\n"
+        "        if name == 'typer': threading.Thread(target=press).start()\n"
+        "sys.meta_path.insert(0, Finder)\n"
+        "from drystone.cli import main\n"
         "main()\n"
     )
     (tmp_path / "wall.toml").write_text("[wall]\nnumber = 1\n")

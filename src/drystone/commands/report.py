@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from drystone.commands.options import AsJson, Language, Quiet
-from drystone.commands.outcome import DONE, emit, outcome
+from drystone.commands.outcome import DONE, emit, outcome, tell
 from drystone.commands.view import Results
 
 
@@ -41,6 +41,7 @@ def report(
 
         path = folder / "report.html" if out is None else out
         found = Folder.read(folder)
+        tell(found.warnings)
         check_place(path)
         for kept in (folder / RESULTS, folder / ASSESSMENT):
             check_apart(kept, [path])

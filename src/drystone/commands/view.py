@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drystone.commands.options import AsJson, Quiet
-from drystone.commands.outcome import DONE, emit, outcome
+from drystone.commands.outcome import DONE, emit, outcome, tell
 
 if TYPE_CHECKING:
     from drystone.viewer.folder import Folder
@@ -47,6 +47,7 @@ def view(
         if path.suffix.lower() not in (*ANIMATIONS, *PAGES):
             raise OutputError(f"--out: {path}: must end in .html, .gif or .mp4")
         found = Folder.read(folder)
+        tell(found.warnings)
         check_place(path)
         check_apart(folder / RESULTS, [path])
         if found.results.model is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -15,6 +16,7 @@ from drystone.curve import CapacityCurve, CurvePoint
 from drystone.export.csv import write_curve, write_ties
 from drystone.export.folder import (
     FolderLock,
+    OutputError,
     as_output_error,
     check_apart,
     check_writable,
@@ -125,7 +127,12 @@ class ResultsDirectory:
         if self._writer is None:
             self._writer = in_a_sentence(self._open)
         writer = self._writer
-        in_a_sentence(lambda: writer.append(point, pose, contacts, self._ties))
+        try:
+            in_a_sentence(lambda: writer.append(point, pose, contacts, self._ties))
+        except OutputError:
+            if not writer.n_kept:
+                self._withdraw(writer)
+            raise
 
     def end(self, curve: CapacityCurve) -> None:
         """Write everything that stands at the end: figures of the analysis first, pictures last."""
@@ -158,8 +165,19 @@ class ResultsDirectory:
         clear(self.path)
         return ResultsWriter(self.path / RESULTS, self._model, *self._names, part_of=self._part_of)
 
+    def _withdraw(self, writer: ResultsWriter) -> None:
+        """Leave nothing of results of which the disk does not take the first point."""
+        with suppress(OSError):
+            writer.close()
+        (self.path / RESULTS).unlink(missing_ok=True)
+        for empty in (self.path / PARAVIEW, self.path):
+            with suppress(OSError):  # of something else that is in it
+                empty.rmdir()
+        self._writer = None
+
     def _finish(self, curve: CapacityCurve) -> None:
-        """What fails of ``results.h5`` keeps nothing from the short files, which may find room."""
+        """What fails of ``results.h5`` keeps nothing from the short files, which may find room, of
+        the points that it has."""
         model, writer = self._model, self._writer
         assert model is not None and writer is not None
         failure: OSError | None = None
@@ -169,6 +187,8 @@ class ResultsDirectory:
             failure = error
             if curve.status == "finished":
                 curve = replace(curve, status="stopped", reason=str(as_output_error(error)))
+        if writer.n_kept < len(curve.points):
+            curve = _as_kept(curve, writer.n_kept)
         self.summary = summarise(curve, model) | {
             "associative_multiplier": self._beside.associative,
             "non_associative_multiplier": self._beside.non_associative,
@@ -232,6 +252,12 @@ class ResultsDirectory:
         for format in self._formats:
             with whole_file((self.path / MECHANISM_FIGURE).with_suffix(f".{format}")) as draft:
                 draw_mechanism(mechanism, draft, title=title, format=format)
+
+
+def _as_kept(curve: CapacityCurve, n: int) -> CapacityCurve:
+    """The points that the disk has taken: all files of a folder are of the same."""
+    lost = f"of {len(curve.points)} points {RESULTS} took the first {n}, and all files have these"
+    return replace(curve.first(n), reason=f"{curve.reason}; {lost}")
 
 
 def files_of(folder: Path) -> list[Path]:

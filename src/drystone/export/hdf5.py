@@ -105,6 +105,7 @@ class ResultsWriter:
         self._disk = DiskFile(path)
         self._file = h5py.File(self._disk, "w")
         self.whole = True  # the disk took everything so far
+        self.n_kept = 0  # points on the disk
         self._points: list[CurvePoint] = []
         self._poses: list[Array] = []
         self._contacts: list[ContactForces] = []
@@ -157,6 +158,7 @@ class ResultsWriter:
                 self.whole = False
                 raise
         self._written = time.monotonic()
+        self.n_kept = self._n_points
 
     def close(self, curve: CapacityCurve | None = None) -> None:
         """Write what waits, and how the analysis ended where it did.  May be called twice.

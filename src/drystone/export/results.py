@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, overload
 
@@ -150,6 +150,7 @@ def load_results(path: Path | str) -> Results:
         with ResultsReader(file) as stored:
             model = _model_of(stored)
             curve = _curve_of(stored, StoredContacts(file, stored.n_points), model)
+            curve = _ended(curve, folder, str(stored.attribute("model_sha256")))
             groups: dict[str, Any] = Named("group", stored.groups())
             digest, part_of = str(stored.attribute("model_sha256")), stored.part_of()
     except (OSError, KeyError) as error:
@@ -221,6 +222,27 @@ def _curve_of(
         ties=ties,
         motion_unit=model.settlement.unit if model is not None and model.settlement else "m",
     )
+
+
+def _ended(curve: CapacityCurve, folder: Path, digest: str) -> CapacityCurve:
+    """The curve with the end that ``summary.json`` tells, where the disk was too full to tell it
+    beside the points."""
+    if curve.status != RUNNING:
+        return curve
+    try:
+        told = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+        if told["model_sha256"] != digest:
+            return curve
+        status, reason, n = str(told["status"]), str(told["reason"]), int(told["n_points"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return curve
+    if n != len(curve.points):
+        status = "stopped"
+        reason = (
+            f"{RESULTS} has {len(curve.points)} points, and {SUMMARY} is of {n}: it was not "
+            "written to its end, trace it again"
+        )
+    return replace(curve, status=status, reason=reason)
 
 
 def _summary_of(folder: Path, curve: CapacityCurve, model: Model | None) -> dict[str, Any]:

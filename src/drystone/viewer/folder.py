@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from drystone.curve import FINISHED
 from drystone.export.folder import OutputError
 from drystone.export.own_files import ASSESSMENT
 from drystone.export.results import Results, load_results
@@ -28,6 +29,12 @@ class Folder:
     assessment: Mapping[str, Any] = field(default_factory=dict)
 
     sense: str = FORWARD  # that of the results among those that were assessed
+
+    @property
+    def warnings(self) -> list[str]:
+        """What to say of a curve that has not come to its end."""
+        curve = self.results.curve
+        return [f"warning: the curve is not whole: {curve.reason}"] * (curve.status != FINISHED)
 
     @classmethod
     def read(cls, path: Path | str) -> Folder:
