@@ -12,6 +12,7 @@ import numpy as np
 
 from drystone.engines.distinct import DistinctEngine, DistinctState
 from drystone.engines.equilibrium import EquilibriumEngine, EquilibriumState
+from drystone.engines.nscd import NscdEngine, NscdState
 from drystone.kernels import law as joint_law
 
 
@@ -39,6 +40,10 @@ class KeptDistinct(KeptStates, DistinctEngine):
 
 
 class KeptEquilibrium(KeptStates, EquilibriumEngine):
+    """See `KeptStates`."""
+
+
+class KeptNscd(KeptStates, NscdEngine):
     """See `KeptStates`."""
 
 
@@ -81,4 +86,25 @@ def to_distinct(engine: DistinctEngine, problem, state: EquilibriumState) -> Dis
         due=state.due,
         gone=state.gone,
         ties=state.ties,
+    )
+
+
+def from_nscd(
+    engine: DistinctEngine, problem, state: NscdState, multiplier: float
+) -> DistinctState:
+    """For an engine that has not been started; joints have the shear that they carry."""
+    begun = engine.release(problem, state.pose)
+    history = np.zeros((len(state.reaction), begun.history.shape[1]))
+    history[:, joint_law.SHEAR :] = state.reaction[:, 1:]
+    history[:, joint_law.BROKEN] = 1.0
+    return replace(
+        begun,
+        multiplier=multiplier,
+        pairs=state.pairs,
+        slots=state.slots,
+        history=history,
+        reaction=state.reaction,
+        status=np.zeros(len(state.status), np.int64),
+        margin=np.full(len(state.reaction), np.inf),
+        gone=state.gone,
     )

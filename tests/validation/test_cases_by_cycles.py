@@ -83,9 +83,11 @@ def test_what_is_driven_takes_the_branch_of_slow_loading(share):
     model = model.with_joint(friction_coefficient=friction)
     curve = ds.pushover(model, engine="distinct", max_displacement=0.11)
     at = np.linspace(0.06, 0.11, 21)
-    rest = static.column("status") == "static"
-    there = np.interp(at, static.control_displacement[rest], static.load_multiplier[rest])
-    here = np.interp(at, curve.control_displacement, curve.load_multiplier)
+    here, there = (
+        np.interp(at, c.control_displacement[rest], c.load_multiplier[rest])
+        for c in (curve, static)
+        for rest in [c.column("status") == "static"]
+    )
     assert np.median(np.abs(here - there)) <= 5e-3 * static.peak.load_multiplier
 
 
