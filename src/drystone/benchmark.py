@@ -137,7 +137,12 @@ def _analyse(
     try:
         with progress(f"wall {wall}, {engine}", model) as tell:
             curve = pushover(
-                model, engine=engine, strategy=strategy, progress=tell, keep_poses=True
+                model,
+                engine=engine,
+                strategy=strategy,
+                progress=tell,
+                keep_poses=True,
+                keep_contacts=True,
             )
         reason = curve.reason
     except EngineError as error:
@@ -166,7 +171,7 @@ def _row(run: BenchmarkRun, spread: float | None) -> BenchmarkRow:
         associative_multiplier=run.beside.associative,
         non_associative_multiplier=run.beside.non_associative,
         collapse_range=run.beside.collapse_range,
-        warning=run.beside.warning(curve.peak.load_multiplier) if curve else None,
+        warning=run.beside.warning(curve, run.model) if curve else None,
         peak_multiplier=curve.peak.load_multiplier if curve else None,
         peak_displacement=curve.peak.control_displacement if curve else None,
         ultimate_displacement=curve.ultimate_displacement if curve else None,

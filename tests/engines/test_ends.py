@@ -131,7 +131,7 @@ def test_a_bound_on_the_whole_structure_is_none_on_the_rest():
     assert bound.associative == pytest.approx(0.2, abs=1e-6)
     assert curve.peak.load_multiplier > 0.39
     assert 0.19 < curve.capacity.load_multiplier <= 0.2 + 1e-6  # the last point before it slides
-    assert bound.warning(curve.capacity.load_multiplier) is None
+    assert bound.warning(curve, falling()) is None
 
 
 @pytest.mark.parametrize(("at", "said"), [(-1.7e-8, "0 m"), (5.21e-5, "5.21e-05 m")])

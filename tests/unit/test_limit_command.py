@@ -135,9 +135,13 @@ def test_beside_a_curve():
 
 
 def test_a_peak_above_the_bound_is_told():
-    beside = Beside(associative=0.6)
-    assert beside.warning(0.6) is None and Beside().warning(9.0) is None
-    assert "exceeds the associative" in beside.warning(0.62)
+    model = ds.read_model(EXAMPLES / "two_blocks.toml")
+    curve = ds.pushover(model, max_steps=10)
+    peak = curve.capacity.load_multiplier
+    assert Beside().warning(curve, model) is None
+    assert Beside(associative=peak * (1.0 - 0.9e-4)).warning(curve, model) is None
+    told = Beside(associative=peak * (1.0 - 1.1e-4)).warning(curve, model)
+    assert "lies above the associative collapse multiplier" in told
 
 
 @pytest.mark.parametrize(

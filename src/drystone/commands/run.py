@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -150,12 +151,27 @@ def run(
             fail(exit_code(curve.status), [reason], as_json=as_json, status=curve.status)
         if curve.status != "finished":
             tell([f"{curve.status}: {curve.reason}"])
-        tell(remarks(curve, model, beside))
+        told = _with_stored(curve, folder) if beside.is_exceeded(curve) else curve
+        tell(remarks(told, model, beside))
         if as_json:
             emit({**(results.summary or {}), "directory": str(folder)})
         else:
             typer.echo(report(printable(model.title), curve, folder, beside))
     raise typer.Exit(exit_code(curve.status))
+
+
+def _with_stored(curve: CapacityCurve, folder: Path) -> CapacityCurve:
+    """The curve with the poses and contacts that its recorder has written."""
+    from drystone.export.folder import OutputError
+    from drystone.export.results import load_results
+
+    try:
+        stored = load_results(folder).curve
+    except OutputError:  # a full disk, of which the curve's status tells
+        return curve
+    if len(stored.points) != len(curve.points):
+        return curve
+    return replace(curve, poses=stored.poses, contacts=stored.contacts)
 
 
 def remarks(curve: CapacityCurve, model: Model, beside: Beside) -> list[str]:
@@ -185,7 +201,7 @@ def remarks(curve: CapacityCurve, model: Model, beside: Beside) -> list[str]:
             f'the control point, on the block "{control}", does not move in the mechanism of limit '
             "analysis: put [control] on the part that moves"
         )
-    warning = beside.warning(capacity.load_multiplier)
+    warning = beside.warning(curve, model)
     return [*found, warning] if warning else found
 
 
@@ -256,7 +272,10 @@ def _limits(beside: Beside) -> str:
 
     found = []
     if beside.associative is not None:
-        found.append(f"{beside.associative:.4f} associative")
+        bound = beside.upper_bound
+        wide = bound is not None and f"{bound:.4f}" != f"{beside.associative:.4f}"
+        more = f" (across corners up to {bound:.4f})" if wide else ""
+        found.append(f"{beside.associative:.4f} associative{more}")
     if beside.collapse_range is not None:
         found.append(f"{range_text(beside.collapse_range, 4)} non-associative")
     return ", ".join(found + [beside.note] * bool(beside.note))

@@ -193,6 +193,7 @@ class ResultsDirectory:
             "associative_multiplier": self._beside.associative,
             "non_associative_multiplier": self._beside.non_associative,
             "collapse_range": plain(self._beside.collapse_range),
+            "upper_bound": plain(self._beside.upper_bound),
         }
         with uninterrupted():
             write_curve(curve, self.path / CURVE)

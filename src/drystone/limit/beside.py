@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from drystone.curve import CapacityCurve
 from drystone.limit.collapse import (
     ASSOCIATIVE,
     FLOWS,
@@ -13,6 +14,7 @@ from drystone.limit.collapse import (
     Collapse,
     collapse_loads,
 )
+from drystone.limit.excess import exceeds, why_above
 from drystone.limit.non_associative import NonAssociativeSettings
 from drystone.limit.watch import fastest_point, leaves_still
 from drystone.model import Model
@@ -24,10 +26,6 @@ from drystone.ranges import MOST_BLOCKS
 MOST_NON_ASSOCIATIVE = {2: 120, 3: 20}
 #: Paths of that scheme: from associative forces and from those at rest, which often differ.
 PATHS = 2
-#: A peak may exceed the associative multiplier by this share before it is a fault.
-MARGIN = 1e-3
-#: Nor by this multiplier, where that is next to nothing: weights are balanced as finely at best.
-LEAST = 1e-4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +37,8 @@ class Beside:
     """The lowest collapse state found."""
     collapse_range: tuple[float, float] | None = None
     """Lowest and highest non-associative multiplier found."""
+    upper_bound: float | None = None
+    """What blocks carry at most in their designed shape, see `Collapse.upper_bound`."""
     control_still: bool = False
     """Whether the associative mechanism leaves the control point where it is."""
     fastest: ControlPoint | None = None
@@ -55,16 +55,19 @@ class Beside:
         }
         return {label: value for label, value in found.items() if value is not None}
 
-    def warning(self, peak: float) -> str | None:
-        """A sentence where a peak lies above what no structure of rigid blocks can carry."""
-        if self.associative is None or peak <= self.associative * (1.0 + MARGIN) + LEAST:
+    def is_exceeded(self, curve: CapacityCurve) -> bool:
+        """Whether the capacity of a curve lies above the associative multiplier."""
+        capacity = curve.capacity.load_multiplier
+        return self.associative is not None and exceeds(capacity, self.associative)
+
+    def warning(self, curve: CapacityCurve, model: Model) -> str | None:
+        """A sentence where a capacity lies above the associative multiplier, and why it does.
+
+        The cause is looked for in what the curve has kept of contacts and poses, see `excess`.
+        """
+        if self.associative is None:
             return None
-        return (
-            f"the peak multiplier {peak:.4f} exceeds the associative collapse multiplier "
-            f"{self.associative:.4f}, which bounds what rigid blocks carry before they have moved: "
-            "the blocks have moved until then, or touch in places that are no joints of limit "
-            "analysis"
-        )
+        return why_above(curve, model, self.associative)
 
 
 def limits_beside(model: Model) -> Beside:
@@ -90,6 +93,7 @@ def limits_beside(model: Model) -> Beside:
         control_still=still,
         fastest=fastest,
         associative=values.get(ASSOCIATIVE),
+        upper_bound=found[ASSOCIATIVE].upper_bound if ASSOCIATIVE in found else None,
         non_associative=values.get(NON_ASSOCIATIVE),
         collapse_range=found[NON_ASSOCIATIVE].collapse_range if NON_ASSOCIATIVE in found else None,
         note=missing[0] if missing else "",

@@ -13,7 +13,9 @@ from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.geometry.motion import moved_points
 from drystone.limit import associative as bounds
 from drystone.limit.cones import least_normal
+from drystone.limit.edges import Edges
 from drystone.limit.equilibrium import Equilibrium
+from drystone.limit.joints import ContactPoints, contact_points
 from drystone.limit.non_associative import (
     NonAssociativeSettings,
     Paths,
@@ -66,8 +68,9 @@ class Collapse:
     """Lowest and highest multiplier of all collapse states that were found; where bracketed, what
     no collapse state lies below and none above."""
     upper_bound: float
-    """What no structure with these joints exceeds in its designed shape: the associative
-    multiplier."""
+    """What no structure of these blocks exceeds in its designed shape: the associative multiplier,
+    where blocks meet at corners (`limit.edges`) with all that these can carry; inf where friction
+    may carry any multiple."""
     status: str
     reason: str
     velocities: Array
@@ -139,17 +142,48 @@ def collapse_loads(
     settings: NonAssociativeSettings | None = None,
 ) -> tuple[Collapse, ...]:
     """The same for several flows at once, which share their work."""
-    equilibrium = Equilibrium.of(model.assembly, model.load, model.dead_loads, model.ties)
+    edges = Edges.of(model.assembly)
+    equilibrium = _balance(model, contact_points(model.assembly, edges=edges))
     if model.settlement is not None:
         return tuple(_without(equilibrium, flow, "failed", NO_LOAD) for flow in flows)
+    most = None
+    if edges.corner.any():
+        points = contact_points(model.assembly, edges=edges, corners=True)
+        most = bound_with(model, points)
+    return _of_flows(model, equilibrium, flows, settings, most)
+
+
+def bound_with(model: Model, points: ContactPoints) -> float:
+    """The associative multiplier with other contact points than those of the joints: inf where
+    they carry any multiple of the load, nan where the structure does not stand on them."""
+    (found,) = _of_flows(model, _balance(model, points), (ASSOCIATIVE,), None, None)
+    return found.load_multiplier
+
+
+def _balance(model: Model, points: ContactPoints) -> Equilibrium:
+    loads = model.load, model.dead_loads, model.ties
+    return Equilibrium.of(model.assembly, *loads, points=points)
+
+
+def _of_flows(
+    model: Model,
+    equilibrium: Equilibrium,
+    flows: Sequence[str],
+    settings: NonAssociativeSettings | None,
+    most: float | None,
+) -> tuple[Collapse, ...]:
+    """``most`` is the upper bound where it is not the associative multiplier."""
     bonds = equilibrium.cohesion.any() or equilibrium.tension.any()
     if model.load.turns_gravity and (bonds or equilibrium.untilted is not None):
-        return tuple(_tilted(equilibrium, flow, settings) for flow in flows)
-    return _collapses(equilibrium, flows, settings)
+        return tuple(_tilted(equilibrium, flow, settings, most) for flow in flows)
+    return _collapses(equilibrium, flows, settings, most)
 
 
 def _tilted(
-    equilibrium: Equilibrium, flow: str, settings: NonAssociativeSettings | None
+    equilibrium: Equilibrium,
+    flow: str,
+    settings: NonAssociativeSettings | None,
+    most: float | None,
 ) -> Collapse:
     """Of a load that shrinks as it turns, by the cosine of the angle: strengths, and loads that do
     not, count as much more.
@@ -165,7 +199,7 @@ def _tilted(
             cohesion=equilibrium.cohesion / cosine,
             tension=equilibrium.tension / cosine,
         )
-        (found,) = _collapses(stronger, (flow,), settings)
+        (found,) = _collapses(stronger, (flow,), settings, most)
         multiplier = found.load_multiplier
         if not np.isfinite(multiplier) or abs(multiplier - last) <= SAME_TILT * abs(multiplier):
             break
@@ -174,7 +208,10 @@ def _tilted(
 
 
 def _collapses(
-    equilibrium: Equilibrium, flows: Sequence[str], settings: NonAssociativeSettings | None
+    equilibrium: Equilibrium,
+    flows: Sequence[str],
+    settings: NonAssociativeSettings | None,
+    most: float | None,
 ) -> tuple[Collapse, ...]:
     assembly = equilibrium.assembly
     dead = bounds.dead_load_factor(equilibrium)
@@ -185,10 +222,11 @@ def _collapses(
         return tuple(_unstable(equilibrium, flow, falling) for flow in flows)
     answer = bounds.collapse(equilibrium)
     settings = settings or NonAssociativeSettings(n_paths=default_paths(assembly))
+    upper = answer.factor if most is None else max(answer.factor, most)
     results = []
     for flow in flows:
         if flow == ASSOCIATIVE:
-            results.append(_associative(equilibrium, answer))
+            results.append(_associative(equilibrium, answer, upper))
         else:
             start = answer.forces[:, 0] if answer.status == OPTIMAL else None
             paths = follow_paths(
@@ -197,7 +235,7 @@ def _collapses(
                 resting=dead.forces[:, 0],
                 settings=settings,
             )
-            results.append(_non_associative(equilibrium, paths, settings, answer.factor))
+            results.append(_non_associative(equilibrium, paths, settings, answer.factor, upper))
     return tuple(results)
 
 
@@ -267,7 +305,7 @@ def is_locked(model: Model) -> bool:
     return collapse_load(model, settings=few).status == "locked"
 
 
-def _associative(equilibrium: Equilibrium, answer: Answer) -> Collapse:
+def _associative(equilibrium: Equilibrium, answer: Answer, bound: float) -> Collapse:
     if answer.status != OPTIMAL:
         if answer.status == UNBOUNDED:
             return _without(equilibrium, ASSOCIATIVE, "locked", LOCKED)
@@ -280,9 +318,9 @@ def _associative(equilibrium: Equilibrium, answer: Answer) -> Collapse:
         flow=ASSOCIATIVE,
         load_multiplier=answer.factor,
         collapse_range=(answer.factor, answer.factor),
-        upper_bound=answer.factor,
+        upper_bound=bound,
         status="finished",
-        reason=f"a mechanism of {_blocks(len(moving))} forms",
+        reason=f"a mechanism of {_blocks(len(moving))} forms{_at_corners(answer.factor, bound)}",
         velocities=velocities,
         contacts=_contacts(equilibrium, answer.forces, answer.velocity),
         tie_forces=equilibrium.tie_forces(answer.forces),
@@ -295,22 +333,38 @@ def _associative(equilibrium: Equilibrium, answer: Answer) -> Collapse:
     )
 
 
+def _at_corners(multiplier: float, bound: float) -> str:
+    """What is said of an upper bound that is another one than the associative multiplier."""
+    if bound == np.inf:
+        return "; load carried between blocks that meet at a corner may keep it at any multiplier"
+    if not _differ(multiplier, bound):
+        return ""
+    return f"; load carried between blocks that meet at a corner may keep it up to {bound:.5g}"
+
+
 def _non_associative(
-    equilibrium: Equilibrium, paths: Paths, settings: NonAssociativeSettings, upper: float
+    equilibrium: Equilibrium,
+    paths: Paths,
+    settings: NonAssociativeSettings,
+    associative: float,
+    upper: float,
 ) -> Collapse:
+    """``associative`` is the multiplier with the same joints, ``upper`` what no structure of these
+    blocks exceeds."""
     if not paths.states:
         # Where friction can carry any multiple, paths may climb for ever instead.
-        if upper == np.inf or paths.n_unbounded:
+        if associative == np.inf or paths.n_unbounded:
             return _without(equilibrium, NON_ASSOCIATIVE, "locked", LOCKED)
-        if not np.isfinite(upper):
+        if not np.isfinite(associative):
             return _without(equilibrium, NON_ASSOCIATIVE, "failed", NOT_SOLVED)
         low = lower_bound(equilibrium, flow_tangent(equilibrium, settings.alpha))
         reason = (
             f"no collapse state was found; there is none below {low:.5g} (joints with as much "
-            f"friction as dilatancy) and none above {upper:.5g} (associative): try more paths"
+            f"friction as dilatancy) and none above {associative:.5g} (associative): try more "
+            "paths"
         )
         without = _without(equilibrium, NON_ASSOCIATIVE, "bracketed", reason)
-        return replace(without, collapse_range=(low, upper), upper_bound=upper)
+        return replace(without, collapse_range=(low, associative), upper_bound=upper)
     state = min(paths.states, key=lambda one: one.multiplier)
     highest = max(one.highest for one in paths.states)
     velocities = _normalised(equilibrium, state.velocity)
@@ -321,7 +375,7 @@ def _non_associative(
             f"; the multiplier is not unique: collapse states from {state.multiplier:.5g} to "
             f"{highest:.5g} were found"
         )
-    if _differ(state.multiplier, upper):
+    if upper < np.inf and _differ(state.multiplier, upper):
         reason += f"; loaded from rest it may carry more, but at most {upper:.5g} (associative)"
     tangent = flow_tangent(equilibrium, settings.alpha)
     return Collapse(

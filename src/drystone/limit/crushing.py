@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
-from drystone.limit.joints import ContactPoints
+from drystone.limit.joints import ContactPoints, joined
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -116,11 +116,7 @@ def with_rests(points: ContactPoints, still: int) -> tuple[ContactPoints, IntArr
         crushing=np.full(n, np.inf),
         joint=np.full(n, -1),
     )
-    both = {
-        key.name: np.concatenate((getattr(points, key.name), getattr(rest, key.name)))
-        for key in fields(ContactPoints)
-    }
-    return ContactPoints(**both), crushed
+    return joined(points, rest), crushed
 
 
 def rows_of(points: ContactPoints, crushed: IntArray, force: float) -> tuple[csc_array, Array]:

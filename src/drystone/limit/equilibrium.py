@@ -63,9 +63,14 @@ class Equilibrium:
         load: LoadPattern,
         dead_loads: Sequence[DeadLoad] = (),
         ties: Sequence[Tie] = (),
+        *,
+        points: ContactPoints | None = None,
     ) -> Equilibrium:
-        """Set up the balance in the designed shape; all ``dead_loads`` act from the start."""
-        points = spread(contact_points(assembly))
+        """Set up the balance in the designed shape; all ``dead_loads`` act from the start.
+
+        ``points`` are those of the assembly's joints unless they are given.
+        """
+        points = spread(contact_points(assembly) if points is None else points)
         n_drawn, (held, lever) = len(ties), rollers(assembly)
         ties = (*ties, *held)
         points = with_ties(points, assembly, ties, np.append(np.ones(n_drawn), lever))

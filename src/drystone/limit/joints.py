@@ -2,12 +2,13 @@
 
 Limit analysis works in the designed shape: a joint is where faces of two blocks lie on each other,
 and all it can carry is carried by forces at its corners, in the plane at its two ends.  Where edges
-are rounded or cut off the corners lie back from them, as far as the contact shapes reach.
+are rounded or cut off the corners lie back from them, as far as the contact shapes reach.  Blocks
+that touch in less than a face have the contacts of the engines, see `edges`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from drystone.geometry.interfaces import corner_shares
 from drystone.geometry.outlines import Outlines
 from drystone.geometry.polyhedra import Polyhedra
 from drystone.geometry.solid_parts import touched_edges
+from drystone.limit.edges import Edges
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -49,8 +51,15 @@ class ContactPoints:
         return self.position.shape[1]
 
 
-def contact_points(assembly: Assembly, *, set_back: float | None = None) -> ContactPoints:
-    """The contact points of an assembly: the corners of its joints, in the plane two to a joint.
+def contact_points(
+    assembly: Assembly,
+    *,
+    set_back: float | None = None,
+    edges: Edges | None = None,
+    corners: bool = False,
+) -> ContactPoints:
+    """The contact points of an assembly: the corners of its joints, in the plane two to a joint,
+    and where blocks touch in less than a face.
 
     A joint so small that the treated corners leave nothing of it has none.
 
@@ -58,18 +67,48 @@ def contact_points(assembly: Assembly, *, set_back: float | None = None) -> Cont
     ----------
     set_back
         How far from the edges of the faces the points lie [m], instead of where the treated corners
-        of the blocks leave them.
+        of the blocks leave them.  Edges on faces touch nothing then.
+    edges
+        Where blocks touch in less than a face, if that is known already.
+    corners
+        Whether blocks that meet at a corner have contacts, too, in all directions: what is carried
+        across is no more than what these can carry.
     """
     joints = assembly.interfaces
     shapes, setback = _setbacks(assembly, set_back)
-    corners, offset = joints.between_edges(shapes, setback)
+    places, offset = joints.between_edges(shapes, setback)
     joint = np.repeat(np.arange(len(offset) - 1), np.diff(offset))
     still = assembly.fixed[joints.block_a] & assembly.fixed[joints.block_b]
     kept = np.flatnonzero(~still[joint])
     row = joint[kept]
-    a, b = joints.block_a[row], joints.block_b[row]
-    normal, tangent = joints.normal[row], joints.tangent[row]
-    area = assembly.thickness * joints.size[row] * corner_shares(corners, offset)[kept]
+    of_faces = points_at(
+        assembly,
+        blocks=(joints.block_a[row], joints.block_b[row]),
+        position=places[kept],
+        normal=joints.normal[row],
+        tangent=joints.tangent[row],
+        area=assembly.thickness * joints.size[row] * corner_shares(places, offset)[kept],
+        joint=row,
+    )
+    if set_back:
+        return of_faces
+    return joined(of_faces, _of_edges(assembly, edges or Edges.of(assembly), corners))
+
+
+def points_at(
+    assembly: Assembly,
+    *,
+    blocks: tuple[IntArray, IntArray],
+    position: Array,
+    normal: Array,
+    tangent: Array,
+    area: Array,
+    joint: IntArray,
+) -> ContactPoints:
+    """Contact points with the laws of their blocks' joints; the arrays are those of the record.
+
+    Those of no ``joint``, -1, are not crushed: engines do not crush edges either.
+    """
     laws = [
         (
             law.friction_coefficient,
@@ -80,22 +119,56 @@ def contact_points(assembly: Assembly, *, set_back: float | None = None) -> Cont
         )
         for law in assembly.laws
     ]
-    of_joint = np.array(laws)[assembly.law_index(a, b)].T
+    of_joint = np.array(laws)[assembly.law_index(*blocks)].T
     friction, dilatancy, cohesion, tension, crushing = of_joint
     across = [np.cross(normal, tangent)] if assembly.dimension == 3 else []
     return ContactPoints(
-        block_a=a,
-        block_b=b,
-        position=corners[kept],
+        block_a=blocks[0],
+        block_b=blocks[1],
+        position=position,
         frame=np.stack((normal, tangent, *across), axis=1),
         area=area,
         friction=friction,
         dilatancy=np.minimum(dilatancy, friction),
         cohesion=cohesion * area,
         tension=tension * area,
-        crushing=crushing * area,
-        joint=row,
+        crushing=np.where(joint >= 0, crushing * area, np.inf),
+        joint=joint,
     )
+
+
+def joined(*parts: ContactPoints) -> ContactPoints:
+    """The points of several records, one after the other."""
+    return ContactPoints(
+        **{
+            key.name: np.concatenate([getattr(part, key.name) for part in parts])
+            for key in fields(ContactPoints)
+        }
+    )
+
+
+def _of_edges(assembly: Assembly, edges: Edges, corners: bool) -> ContactPoints:
+    """Contact points of blocks that touch in less than a face."""
+    rows = np.flatnonzero(~edges.corner | corners)
+    normal = edges.normal[rows]
+    return points_at(
+        assembly,
+        blocks=(edges.block_a[rows], edges.block_b[rows]),
+        position=edges.position[rows],
+        normal=normal,
+        tangent=_across(normal),
+        area=edges.area[rows],
+        joint=np.full(len(rows), -1),
+    )
+
+
+def _across(normal: Array) -> Array:
+    """A unit vector normal to each (n, dim): any one, as friction is alike in all directions."""
+    if normal.shape[1] == 2:
+        return np.column_stack((normal[:, 1], -normal[:, 0]))
+    axis = np.eye(3)[np.abs(normal).argmin(axis=1)]
+    across = np.cross(normal, axis)
+    return np.asarray(across / np.linalg.norm(across, axis=1)[:, None])
 
 
 def _setbacks(assembly: Assembly, set_back: float | None) -> tuple[Outlines | Polyhedra, Array]:

@@ -9,14 +9,13 @@ row of its own in the balance holds the two together.  Elongation and pretension
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from drystone.assembly import Assembly
-from drystone.limit.joints import ContactPoints
+from drystone.limit.joints import ContactPoints, joined
 from drystone.ties import Tie, TieEnd
 from drystone.ties import spring as spring_between
 
@@ -60,13 +59,7 @@ def with_ties(
         **common,
     )
     second = ContactPoints(block_a=still, block_b=still, tension=nothing, **common)
-    parts = points, first, second
-    return ContactPoints(
-        **{
-            key.name: np.concatenate([getattr(part, key.name) for part in parts])
-            for key in fields(ContactPoints)
-        }
-    )
+    return joined(points, first, second)
 
 
 def rollers(assembly: Assembly) -> tuple[tuple[Tie, ...], Array]:

@@ -1,0 +1,154 @@
+"""Why a curve lies above the associative multiplier: three causes, each looked for at the point.
+
+Limit analysis bounds what rigid blocks carry in their designed shape, by the joints that they have
+there.  A static point of a curve balances by its certificate, so that what lies above the bound is
+no longer that structure.  Before the point
+
+1. a part has moved by itself: an event, and the multiplier is that of what stands afterwards;
+2. blocks carry each other that share no joint: at corners where they meet (see `edges`), or that
+   did not touch as designed.  Limit analysis with their contacts as well then carries as much;
+3. else blocks have moved, and the place of joints and weights with them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.forces import ContactForces
+from drystone.curve import CapacityCurve, CurvePoint
+from drystone.events import COLLAPSES, EventKind
+from drystone.geometry.motion import translations, turns
+from drystone.limit.collapse import NO_FORCE, bound_with
+from drystone.limit.edges import Edges
+from drystone.limit.joints import ContactPoints, contact_points, joined, points_at
+from drystone.model import Model
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: A multiplier may lie above by this share of the bound, or by this much where the bound is next to
+#: nothing: without friction, where it is zero, engines leave up to 4e-7.
+MARGIN, LEAST = 1e-4, 1e-5
+#: Pairs of blocks named in a sentence.
+FEW = 3
+
+
+def exceeds(multiplier: float, bound: float) -> bool:
+    """Whether a multiplier lies above a bound by more than what is left open of both."""
+    return multiplier > bound + max(MARGIN * abs(bound), LEAST)
+
+
+def why_above(curve: CapacityCurve, model: Model, bound: float) -> str | None:
+    """A sentence where the capacity of a curve lies above the bound, with its cause."""
+    point = curve.capacity
+    if not exceeds(point.load_multiplier, bound):
+        return None
+    return (
+        f"the {'capacity' if curve.rises_after_collapse else curve.name_of_peak} of "
+        f"{_digits(point.load_multiplier, bound)} lies above the associative collapse multiplier "
+        f"{_digits(bound, point.load_multiplier)} of the structure as designed, "
+        f"{_cause(curve, model, point)}"
+    )
+
+
+def _digits(value: float, other: float) -> str:
+    """As many digits as tell two numbers apart, four at least."""
+    for digits in range(4, 9):
+        if f"{value:.{digits}f}" != f"{other:.{digits}f}":
+            break
+    return f"{round(value, digits) + 0.0:.{digits}f}"
+
+
+def _cause(curve: CapacityCurve, model: Model, point: CurvePoint) -> str:
+    before = [
+        event
+        for event in curve.events
+        if event.step < point.step
+        and (event.kind in COLLAPSES or event.kind is EventKind.LOSS_OF_EQUILIBRIUM)
+    ]
+    if before:
+        return f"because before {before[0].what} ({before[0].place}): the load is what is left's"
+    if curve.contacts is None:
+        return (
+            "because blocks have moved until then, or carry where they share no joint: contacts "
+            "were not kept, which would tell"
+        )
+    contacts = curve.contacts[point.step]
+    at_corners, others = _beyond_joints(contacts, model)
+    beyond = np.concatenate((at_corners, others))
+    if len(beyond):
+        designed = contact_points(model.assembly)
+        reached = bound_with(model, joined(designed, _points(contacts, beyond, model)))
+        causes = [
+            *[f"{_pairs(contacts, at_corners, model)} across a corner"] * (len(at_corners) > 0),
+            *[f"{_pairs(contacts, others, model)} that did not touch"] * (len(others) > 0),
+        ]
+        carries = f"because load is carried between {' and between '.join(causes)}"
+        if not exceeds(point.load_multiplier, reached):
+            return f"{carries}: with these contacts limit analysis gives {reached:.4f}"
+        return f"{carries}, and {_motion(curve, model, point)}"
+    return f"because {_motion(curve, model, point)}"
+
+
+def _beyond_joints(contacts: ContactForces, model: Model) -> tuple[IntArray, IntArray]:
+    """Rows of contacts that carry where limit analysis has no joint: of blocks that meet at a
+    corner as designed, and of blocks that do not touch."""
+    assembly = model.assembly
+    n = assembly.n_bodies
+    designed, edges = contact_points(assembly), Edges.of(assembly)
+    carrying = contacts.normal_reaction > NO_FORCE * assembly.heaviest_weight
+    pair = _key(contacts.block_a, contacts.block_b, n)
+    joined_pair = np.isin(pair, _key(designed.block_a, designed.block_b, n))
+    beyond = carrying & ~joined_pair
+    corner = np.isin(pair, _key(edges.block_a, edges.block_b, n))
+    return np.flatnonzero(beyond & corner), np.flatnonzero(beyond & ~corner)
+
+
+def _key(a: IntArray, b: IntArray, n: int) -> IntArray:
+    """One number for a pair of blocks, in either order."""
+    return np.asarray(np.minimum(a, b) * n + np.maximum(a, b))
+
+
+def _points(contacts: ContactForces, rows: IntArray, model: Model) -> ContactPoints:
+    """Contacts of the curve as points of limit analysis, where they are then."""
+    return points_at(
+        model.assembly,
+        blocks=(contacts.block_a[rows], contacts.block_b[rows]),
+        position=contacts.position[rows],
+        normal=contacts.normal[rows],
+        tangent=contacts.tangents[rows, 0],
+        area=contacts.area[rows],
+        joint=np.full(len(rows), -1),
+    )
+
+
+def _pairs(contacts: ContactForces, rows: IntArray, model: Model) -> str:
+    """The pairs of blocks of some contacts, those that carry most first."""
+    ids = model.assembly.ids
+    force: dict[tuple[str, str], float] = {}
+    for i in rows:
+        pair = (ids[contacts.block_a[i]], ids[contacts.block_b[i]])
+        force[pair] = force.get(pair, 0.0) + contacts.normal_reaction[i]
+    first = sorted(force, key=lambda pair: -force[pair])[:FEW]
+    named = ", ".join(f'"{a}" and "{b}"' for a, b in first)
+    if len(force) == 1:
+        return f"the blocks {named}"
+    more = ", ..." if len(force) > FEW else ""
+    return f"{len(force)} pairs of blocks ({named}{more})"
+
+
+def _motion(curve: CapacityCurve, model: Model, point: CurvePoint) -> str:
+    """How far blocks have moved and turned from where they were designed, as a clause."""
+    if curve.poses is None:
+        return (
+            f"blocks have moved until then, the control point by {point.control_displacement:.3g} m"
+        )
+    pose = curve.poses[point.step]
+    far = float(np.linalg.norm(translations(pose), axis=1).max())
+    turned = turns(pose)
+    turn = np.abs(turned) if turned.ndim == 1 else np.linalg.norm(turned, axis=1)
+    return (
+        f"blocks have moved by up to {far:.3g} m and turned by up to {turn.max():.2g} until then "
+        f"(joints are pressed by up to {point.penetration:.2g} m)"
+    )
