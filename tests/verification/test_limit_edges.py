@@ -158,7 +158,7 @@ def test_blocks_that_come_to_touch_are_the_cause():
     curve = ds.pushover(model, max_displacement=1.2e-3)
     told = limits_beside(model).warning(curve, model)
     assert "lies above the associative collapse multiplier 0.3000" in told
-    assert '"block" and "base stop"' in told and "did not touch" in told
+    assert '"block" and "base stop"' in told and "did not touch, apart by up to 0.001 m" in told
     assert "smaller steps" not in told
 
 
@@ -186,3 +186,10 @@ def test_without_friction_nothing_exceeds_nothing():
     assert beside.associative == pytest.approx(0.0, abs=1e-9)
     curve = ds.pushover(model, max_displacement=0.01)
     assert beside.warning(curve, model) is None
+
+
+def test_a_motion_that_is_too_small_is_no_cause():
+    model = plank_on_ridges(joint(0.7, 1e10), space=False)
+    curve = ds.pushover(model, max_steps=4)
+    low = replace(limits_beside(model), associative=0.1)
+    assert "too little to be the cause: doubt this point" in low.warning(curve, model)

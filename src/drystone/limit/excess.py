@@ -30,6 +30,10 @@ IntArray = NDArray[np.int64]
 #: A multiplier may lie above by this share of the bound, or by this much where the bound is next to
 #: nothing: without friction, where it is zero, engines leave up to 4e-7.
 MARGIN, LEAST = 1e-4, 1e-5
+#: Blocks that turn by t change a multiplier of sliding by (1 + mu^2) t, the slope of tan, and those
+#: that move by u over blocks of size s change arms by u / s.  An excess beyond so many times that
+#: has no such cause.
+FAR_OFF = 10.0
 #: Pairs of blocks named in a sentence.
 FEW = 3
 
@@ -48,7 +52,7 @@ def why_above(curve: CapacityCurve, model: Model, bound: float) -> str | None:
         f"the {'capacity' if curve.rises_after_collapse else curve.name_of_peak} of "
         f"{_digits(point.load_multiplier, bound)} lies above the associative collapse multiplier "
         f"{_digits(bound, point.load_multiplier)} of the structure as designed, "
-        f"{_cause(curve, model, point)}"
+        f"{_cause(curve, model, point, bound)}"
     )
 
 
@@ -60,7 +64,7 @@ def _digits(value: float, other: float) -> str:
     return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
-def _cause(curve: CapacityCurve, model: Model, point: CurvePoint) -> str:
+def _cause(curve: CapacityCurve, model: Model, point: CurvePoint, bound: float) -> str:
     before = [
         event
         for event in curve.events
@@ -82,13 +86,18 @@ def _cause(curve: CapacityCurve, model: Model, point: CurvePoint) -> str:
         reached = bound_with(model, joined(designed, _points(contacts, beyond, model)))
         causes = [
             *[f"{_pairs(contacts, at_corners, model)} across a corner"] * (len(at_corners) > 0),
-            *[f"{_pairs(contacts, others, model)} that did not touch"] * (len(others) > 0),
+            *[
+                f"{_pairs(contacts, others, model)} that did not touch, apart by up to "
+                f"{_apart(contacts, others, model):.2g} m as designed"
+            ]
+            * (len(others) > 0),
         ]
         carries = f"because load is carried between {' and between '.join(causes)}"
         if not exceeds(point.load_multiplier, reached):
             return f"{carries}: with these contacts limit analysis gives {reached:.4f}"
-        return f"{carries}, and {_motion(curve, model, point)}"
-    return f"because {_motion(curve, model, point)}"
+        bound = max(bound, reached)
+        return f"{carries}, and {_motion(curve, model, point, bound)}"
+    return f"because {_motion(curve, model, point, bound)}"
 
 
 def _beyond_joints(contacts: ContactForces, model: Model) -> tuple[IntArray, IntArray]:
@@ -138,17 +147,32 @@ def _pairs(contacts: ContactForces, rows: IntArray, model: Model) -> str:
     return f"{len(force)} pairs of blocks ({named}{more})"
 
 
-def _motion(curve: CapacityCurve, model: Model, point: CurvePoint) -> str:
+def _apart(contacts: ContactForces, rows: IntArray, model: Model) -> float:
+    """Largest gap as designed of the pairs of blocks of some contacts [m]."""
+    packed, gaps = model.assembly.packed, []
+    for a, b in set(zip(contacts.block_a[rows], contacts.block_b[rows], strict=True)):
+        p, q = (np.flatnonzero(packed.body == block) for block in (a, b))
+        p, q = np.repeat(p, len(q)), np.tile(q, len(p))
+        gaps.append(-float(packed.overlap_depths(p, q).max()))
+    return max(gaps)
+
+
+def _motion(curve: CapacityCurve, model: Model, point: CurvePoint, bound: float) -> str:
     """How far blocks have moved and turned from where they were designed, as a clause."""
     if curve.poses is None:
-        return (
-            f"blocks have moved until then, the control point by {point.control_displacement:.3g} m"
-        )
+        far = point.control_displacement
+        return f"blocks have moved until then, the control point by {far:.3g} m"
     pose = curve.poses[point.step]
     far = float(np.linalg.norm(translations(pose), axis=1).max())
     turned = turns(pose)
-    turn = np.abs(turned) if turned.ndim == 1 else np.linalg.norm(turned, axis=1)
-    return (
-        f"blocks have moved by up to {far:.3g} m and turned by up to {turn.max():.2g} until then "
+    turn = float((np.abs(turned) if turned.ndim == 1 else np.linalg.norm(turned, axis=1)).max())
+    text = (
+        f"blocks have moved by up to {far:.3g} m and turned by up to {turn:.2g} until then "
         f"(joints are pressed by up to {point.penetration:.2g} m)"
     )
+    assembly = model.assembly
+    friction = max(law.friction_coefficient for law in assembly.laws)
+    change = (1.0 + friction**2) * turn + far / assembly.smallest_extent
+    if point.load_multiplier - bound > FAR_OFF * change * max(1.0, abs(bound)):
+        return f"{text}, which is too little to be the cause: doubt this point"
+    return text
