@@ -15,17 +15,14 @@ from drystone.limit.collapse import (
     collapse_loads,
 )
 from drystone.limit.excess import exceeds, why_above
-from drystone.limit.non_associative import NonAssociativeSettings
 from drystone.limit.watch import fastest_point, leaves_still
 from drystone.model import Model
 from drystone.monitor import ControlPoint
 from drystone.ranges import MOST_BLOCKS
 
-#: Structures of more blocks than these are left out of the non-associative scheme, which solves
-#: dozens of programs; those of more than `MOST_BLOCKS` altogether.
-MOST_NON_ASSOCIATIVE = {2: 120, 3: 20}
-#: Paths of that scheme: from associative forces and from those at rest, which often differ.
-PATHS = 2
+#: Structures of more blocks than these are left out of the non-associative flow, which takes up to
+#: thirty times as long as the associative; those of more than `MOST_BLOCKS` altogether.
+MOST_NON_ASSOCIATIVE = {2: 120, 3: 150}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,18 +68,23 @@ class Beside:
 
 
 def limits_beside(model: Model) -> Beside:
-    """Both multipliers, the non-associative one along few paths."""
+    """Both multipliers."""
     n_blocks, dimension = model.assembly.n_blocks, model.assembly.dimension
     if model.settlement is not None:
         return Beside(note="supports move, and no load grows")
     if n_blocks > MOST_BLOCKS[dimension]:
         return Beside(note=f"{n_blocks} blocks are left to the command `limit`")
     flows = FLOWS if n_blocks <= MOST_NON_ASSOCIATIVE[dimension] else (ASSOCIATIVE,)
-    results = collapse_loads(model, flows=flows, settings=NonAssociativeSettings(n_paths=PATHS))
+    results = collapse_loads(model, flows=flows)  # as `drystone limit` has them
     found = {
         result.flow: result
         for result in results
         if result.status == "finished" and np.isfinite(result.load_multiplier)
+    }
+    ranges = {
+        result.flow: result.collapse_range
+        for result in results
+        if result.flow in found or result.status == "bracketed"
     }
     values = {flow: result.load_multiplier for flow, result in found.items()}
     missing = [result.reason for result in results if result.flow not in values]
@@ -95,7 +97,7 @@ def limits_beside(model: Model) -> Beside:
         associative=values.get(ASSOCIATIVE),
         upper_bound=found[ASSOCIATIVE].upper_bound if ASSOCIATIVE in found else None,
         non_associative=values.get(NON_ASSOCIATIVE),
-        collapse_range=found[NON_ASSOCIATIVE].collapse_range if NON_ASSOCIATIVE in found else None,
+        collapse_range=ranges.get(NON_ASSOCIATIVE),
         note=missing[0] if missing else "",
     )
 
