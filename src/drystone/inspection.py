@@ -94,8 +94,7 @@ def inspect(model: Model) -> Inspection:
     keep = ~(assembly.fixed[packed.body[p]] & assembly.fixed[packed.body[q]])
     p, q = p[keep], q[keep]
     loose = ~(assembly.fixed[joints.block_a] & assembly.fixed[joints.block_b])
-    # Once each: next to a block as thin as the tolerance, one may have a joint at either face.
-    n_joints = len(set(zip(joints.block_a[loose], joints.block_b[loose], strict=True)))
+    n_joints = joint_count(assembly)
     movable = ~assembly.fixed
     parts = movable[packed.body]
     problems = (*model.notes, *doubts(model, packed, p, q))
@@ -120,6 +119,14 @@ def inspect(model: Model) -> Inspection:
         warnings=(*_law_notes(assembly), *problems),
         problems=problems,
     )
+
+
+def joint_count(assembly: Assembly) -> int:
+    """Pairs of blocks with joints between them, but for supports."""
+    joints = assembly.interfaces
+    loose = ~(assembly.fixed[joints.block_a] & assembly.fixed[joints.block_b])
+    # Once each: next to a block as thin as the tolerance, one may have a joint at either face.
+    return len(set(zip(joints.block_a[loose], joints.block_b[loose], strict=True)))
 
 
 def _dead_load(model: Model) -> Array:

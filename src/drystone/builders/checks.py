@@ -144,13 +144,17 @@ def _ambiguous(blocks: Sequence[Block], of_groups: Mapping[frozenset[str], Joint
     return found
 
 
-def layout_problems(assembly: Assembly, place: Place) -> list[str]:
+#: What closes overlaps of blocks that one file holds, as messages name it.
+CLOSING = "overlap = {:g} in [[import]]"
+
+
+def layout_problems(assembly: Assembly, place: Place, closing: str = CLOSING) -> list[str]:
     """No support, nothing that moves, blocks that overlap or touch nothing."""
     problems = []
     if assembly.n_supports == 0:
         problems.append(
-            "block: no block is a support: set support = true in one, or base = true in [wall] "
-            "or [[build]]"
+            "block: no block is a support: set support = true in one, base = true in [wall] "
+            "or [[build]], or support or support_below in [[import]]"
         )
     if assembly.n_blocks == 0:
         problems.append("block: every block is a support, nothing can move: add a block")
@@ -163,12 +167,15 @@ def layout_problems(assembly: Assembly, place: Place) -> list[str]:
     for k in np.flatnonzero(depth > OVERLAPPING * size).tolist():
         pair = int(a[k]), int(b[k])
         deepest[pair] = max(float(depth[k]), deepest.get(pair, 0.0))
+    most: dict[str, float] = {}  # of the blocks that one table [[import]] reads
+    for (i, j), by in deepest.items():
+        if table := _table_of(place(i), place(j)):
+            most[table] = max(by, most.get(table, 0.0))
     for (i, j), by in deepest.items():
         first, second = place(i), place(j)
         mend = "move them apart, or make one smaller"
-        of_one_file = first.startswith("import[") and first.split(" ")[0] == second.split(" ")[0]
-        if assembly.dimension == 3 and of_one_file:
-            mend += f", or let overlap = {_upwards(by):g} in [[import]] close the joint"
+        if table := _table_of(first, second):
+            mend += f", or let {closing.format(_upwards(most[table]))} close the joint"
         problems.append(f"{first} and {second} overlap by {millimetres(by)}: {mend}")
     touches = np.zeros(assembly.n_bodies, dtype=bool)
     near = depth >= -TOUCHING * size
@@ -176,6 +183,12 @@ def layout_problems(assembly: Assembly, place: Place) -> list[str]:
     if assembly.n_bodies > 1:
         problems.extend(_lonely(packed, np.flatnonzero(~touches & ~assembly.fixed), place))
     return problems
+
+
+def _table_of(first: str, second: str) -> str:
+    """The table [[import]] that both places are of; "" where there is none."""
+    table = first.split(" ")[0]
+    return table if table.startswith("import[") and table == second.split(" ")[0] else ""
 
 
 def _upwards(value: float) -> float:

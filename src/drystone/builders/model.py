@@ -118,7 +118,7 @@ def make_model(
     if settlement is not None and load is None and load_direction is None:
         load = NoPattern(direction=np.eye(dimension)[min(1, dimension - 2)])
     pattern = _pattern(load, load_direction, dimension)
-    assembly, amended = _assembly(
+    assembly, amended = assembly_of(
         blocks,
         joint,
         dict(joint_between or {}),
@@ -192,7 +192,7 @@ def _pattern(
         raise ModelError([f"load.direction: {error}"]) from None
 
 
-def _assembly(
+def assembly_of(
     blocks: Sequence[Block],
     joint: JointLaw,
     between: Mapping[frozenset[str], JointLaw],

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,25 +15,40 @@ from drystone.commands.outcome import DONE, WRONG, emit, fail, outcome
 if TYPE_CHECKING:
     from drystone.inspection import Inspection
     from drystone.model import Model
+    from drystone.modelfile.sketch import Sketch
 
 #: What a model that cannot be read has none of.
 COUNTS = ("n_blocks", "n_supports", "n_joints", "n_contacts", "weight")
 
 
-def check(model_file: ModelFile, as_json: AsJson = False, quiet: Quiet = False) -> None:
+def check(
+    model_file: ModelFile,
+    blocks: Annotated[
+        bool, typer.Option("--blocks", help="List the blocks: name, place, size, groups.")
+    ] = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
     """Say what a model file holds, or what is wrong with it.
 
-    Warnings, on what is hardly meant or cannot stand, leave the exit status at 0.
+    Warnings, on what is hardly meant or cannot stand, leave the exit status at 0. Of a drawing, and
+    of a file without supports, materials, joints or load yet, the blocks are told.
     """
     with outcome(as_json=as_json):
-        from drystone.engines import engine_names
+        from drystone.commands.sketches import block_lines, block_rows, model_or_sketch
         from drystone.inspection import inspect
-        from drystone.modelfile import ModelError, read_model
+        from drystone.modelfile import ModelError
+        from drystone.modelfile.sketch import Sketch
 
         try:
-            model = read_model(model_file, need_stiffness=False, engines=engine_names())
+            model, wrong = model_or_sketch(model_file)
         except ModelError as error:
             fail(WRONG, error.problems, as_json=as_json, extra=dict.fromkeys(COUNTS))
+        listed = block_lines(model.assembly) if blocks else []
+        rows = {"blocks": block_rows(model.assembly)} if blocks else {}
+        if isinstance(model, Sketch):
+            _tell_sketch(model_file, model, wrong, listed, rows, as_json=as_json)
+            raise typer.Exit(DONE)
         found = inspect(model)
         against, reaction, why_not = statics(model)
         problems = [*found.problems, *against]
@@ -40,10 +56,65 @@ def check(model_file: ModelFile, as_json: AsJson = False, quiet: Quiet = False) 
             mended = [asdict(record) for record in model.mended]
             carried = {"reaction": reaction, "reaction_note": why_not}
             more = {"status": "valid", "problems": problems, "mended": mended}
-            emit({**asdict(found), **carried, **more})
+            emit({**asdict(found), **carried, **more, **rows})
         else:
-            typer.echo(report(found, problems, reaction, why_not))
+            typer.echo("\n".join([report(found, problems, reaction, why_not), *listed]))
     raise typer.Exit(DONE)
+
+
+def _tell_sketch(
+    path: Path,
+    sketch: Sketch,
+    wrong: Sequence[str],
+    listed: Sequence[str],
+    rows: dict[str, Any],
+    *,
+    as_json: bool,
+) -> None:
+    """What there is of blocks that are no model yet, and what is missing; exits if wrong."""
+    from drystone.builders.words import printable
+    from drystone.commands.sketches import lacking, refused
+    from drystone.inspection import joint_count
+
+    against = refused(sketch, wrong)
+    if against:
+        if len(sketch.overlaps[0]):
+            against.append(f"{path}: drystone show draws in red where blocks overlap")
+        if listed and not as_json:
+            typer.echo("\n".join(listed))
+        extra = {**dict.fromkeys(COUNTS), **rows}
+        fail(WRONG, against, as_json=as_json, extra=extra)
+    assembly = sketch.assembly
+    n_joints = joint_count(assembly)
+    if as_json:
+        emit(
+            {
+                "status": "incomplete",
+                "title": sketch.title,
+                "dimension": assembly.dimension,
+                "n_blocks": assembly.n_blocks,
+                "n_supports": assembly.n_supports,
+                "n_joints": n_joints,
+                "n_contacts": assembly.points * n_joints,
+                "weight": None,
+                "missing": list(sketch.missing),
+                "problems": [lacking(sketch)],
+                "notes": list(sketch.notes),
+                "mended": [asdict(record) for record in sketch.mended],
+                **rows,
+            }
+        )
+        return
+    lines = [
+        printable(sketch.title),
+        f"  blocks         {assembly.n_blocks}",
+        f"  supports       {assembly.n_supports}",
+        f"  joints         {n_joints}",
+        *(f"  note: {note}" for note in sketch.notes),
+        f"  warning: {lacking(sketch)}",
+        *listed,
+    ]
+    typer.echo("\n".join(lines))
 
 
 def mode_rows(found: Inspection) -> list[tuple[str, str]]:

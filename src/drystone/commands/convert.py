@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from drystone.commands.options import AsJson, Quiet
 from drystone.commands.outcome import DONE, emit, outcome
+
+if TYPE_CHECKING:
+    from drystone.assembly import Block
 
 #: Endings of model files; JSON may be one, or an assembly of COMPAS.
 MODEL = "model"
@@ -201,6 +205,7 @@ def _from_drawing(
         raise ModelError(wrong)
     settings = ImportSettings(file=source, format=kind, **own)
     made = from_drawing(settings, like)
+    _check_blocks(made.blocks, source, file)
     file.write_text(made.text, encoding="utf-8", newline="\n")
     found: dict[str, Any] = {
         "target": MODEL,
@@ -214,6 +219,25 @@ def _from_drawing(
         found["notes"].append(f"what was done to which block is in {report.name}")
         found["mended_file"] = str(report)
     return found
+
+
+def _check_blocks(blocks: Sequence[Block], source: Path, file: Path) -> None:
+    """Refuse a model that would be refused when it is read, with a picture that shows where."""
+    from drystone.builders.errors import ModelError
+    from drystone.builders.words import quoted
+    from drystone.modelfile.sketch import Sketch
+    from drystone.report.sketch_figure import draw_sketch
+
+    places = [f"import[1] block {quoted(block.id)}" for block in blocks]
+    sketch = Sketch.of(blocks, title=source.stem, places=places, closing="--overlap {:g}")
+    if not sketch.problems:
+        return
+    problems = [f"{source}: {one.replace('import[1] ', '')}" for one in sketch.problems]
+    if len(sketch.overlaps[0]):
+        picture = file.with_suffix(".png")
+        draw_sketch(sketch, picture)
+        problems.append(f"{picture} shows in red where; {file} is not written")
+    raise ModelError(problems)
 
 
 def _from_model(source: Path, kind: str, file: Path, to: str | None) -> dict[str, Any]:

@@ -25,32 +25,52 @@ def show(
             show_default=False,
         ),
     ] = None,
+    names: Annotated[
+        bool, typer.Option("--names", help="Write the names of the blocks into the picture.")
+    ] = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
     """Draw a model: blocks, supports, load, control point, and the joints found with their areas.
 
-    Faces that lie near each other without a joint are red.
+    Faces that lie near each other without a joint are red. Of a drawing, and of a file that is no
+    model yet, the blocks are drawn, in red where they overlap.
     """
     with outcome(as_json=as_json):
-        from drystone.engines import engine_names
+        from drystone.commands.sketches import lacking, model_or_sketch, refused
         from drystone.export.folder import check_apart
-        from drystone.modelfile import ModelError, read_model
+        from drystone.modelfile import ModelError
+        from drystone.modelfile.sketch import Sketch
         from drystone.report.model_figure import ENDINGS, draw_model
 
         path = Path(f"{model_file.stem}.png") if out is None else out
         if path.suffix.lower() not in (*ENDINGS, PAGE):
             raise ModelError([f"--out: {path}: must end in {', '.join((*ENDINGS, PAGE))}"])
         check_apart(model_file, [path])
-        model = read_model(model_file, need_stiffness=False, engines=engine_names())
-        if path.suffix.lower() == PAGE:
+        page = path.suffix.lower() == PAGE
+        if names and page:
+            raise ModelError(["--names: is of pictures, the page tells names itself"])
+        model, wrong = model_or_sketch(model_file)
+        missing: list[str] = []
+        if isinstance(model, Sketch):
+            from drystone.report.sketch_figure import draw_sketch
+
+            against = refused(model, wrong)
+            if page:
+                raise ModelError(against or [f"--out: {path}: {lacking(model)}: take a picture"])
+            draw_sketch(model, path, names=names)
+            if against:
+                raise ModelError([*against, f"{path} shows the blocks"])
+            missing = [lacking(model)]
+        elif page:
             from drystone.viewer import contents_of_model, write_page
 
             write_page(contents_of_model(model), path)
         else:
-            draw_model(model, path, title=model.title)
+            draw_model(model, path, title=model.title, names=names)
         if as_json:
-            emit({"status": "done", "file": str(path)})
+            more = {"problems": missing} if missing else {}
+            emit({"status": "done", "file": str(path), **more})
         elif not quiet:
-            typer.echo(f"{path} is written")
+            typer.echo("\n".join([f"{path} is written", *(f"  note: {one}" for one in missing)]))
     raise typer.Exit(DONE)

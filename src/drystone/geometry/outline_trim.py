@@ -62,6 +62,18 @@ def trimmed(
     return {i: [Part(outline) for outline in parts[i]] for i in cut}, cut
 
 
+def common(p: Array, q: Array) -> Array | None:
+    """What two convex parts share, (n, 2) [m]; None where that is next to nothing."""
+    edges = np.roll(q, -1, axis=0) - q
+    normals = np.column_stack((edges[:, 1], -edges[:, 0]))
+    normals /= np.hypot(edges[:, 0], edges[:, 1])[:, None]
+    left: Array | None = p
+    for normal, start in zip(normals, q, strict=True):
+        if left is not None:
+            left = _below(left, normal, float(normal @ start))
+    return left
+
+
 def _overlap(p: Array, q: Array) -> tuple[Array, float, float]:
     """The unit normal from p to q along which they overlap least, how far q reaches down along it
     and p up [m]."""

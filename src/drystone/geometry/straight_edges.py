@@ -158,25 +158,30 @@ class _Beams:
     def hinges(self, place: Array, load: Array, far: BoolArray, stiff: BoolArray) -> IntArray:
         """Which loads become hinges: on each line with points that are too far off, that of the
         largest moment, outwards where there is one."""
-        if not far.any():
+        moved = np.isin(self.line, np.unique(self.line[far[self.ends].any(axis=1)]))
+        if not moved.any():
             return np.zeros(0, np.int64)
         moment = np.zeros(len(load))
         a, m, b = (place[self.ends[:, k]] for k in range(3))
         length = np.hypot(*(b - a).T)
         along = np.clip(np.sum((m - a) * (b - a), axis=1) / length, 0.0, length)
-        for beam in np.unique(self.beam):
-            own = np.flatnonzero(self.beam == beam)
+        for own in _groups(self.beam, moved):
             x, span = along[own], length[own[0]]
             low, high = np.minimum(x[:, None], x), np.maximum(x[:, None], x)
             moment[own] = (low * (span - high) / span) @ load[own]
         found = []
-        for line in np.unique(self.line[far[self.ends].any(axis=1)]).tolist():
-            own = np.flatnonzero((self.line == line) & ~stiff)
+        for own in _groups(self.line, moved & ~stiff):
             outward = own[moment[own] < 0.0]
             own = outward if len(outward) else own
-            if len(own):
-                found.append(own[np.argmax(np.abs(moment[own]))])
+            found.append(own[np.argmax(np.abs(moment[own]))])
         return np.array(found, np.int64)
+
+
+def _groups(number: IntArray, some: BoolArray) -> list[IntArray]:
+    """Rows that are some, by their numbers."""
+    rows = np.flatnonzero(some)
+    rows = rows[np.argsort(number[rows], kind="stable")]
+    return np.split(rows, np.flatnonzero(np.diff(number[rows])) + 1) if len(rows) else []
 
 
 def _off(place: Array, ends: IntArray) -> tuple[Array, Array, Array]:

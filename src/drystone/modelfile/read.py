@@ -24,7 +24,7 @@ from drystone.model import Analysis, Model
 from drystone.modelfile.assessing import assessment_of, site_of
 from drystone.modelfile.builds import BuildSection
 from drystone.modelfile.groups import grouped
-from drystone.modelfile.imports import imports_of
+from drystone.modelfile.imports import Imports, imports_of
 from drystone.modelfile.loads import dead_loads_of, pattern_of
 from drystone.modelfile.parse import parse
 from drystone.modelfile.schema import AnalysisSection, ExceptionSection, ModelSection
@@ -121,14 +121,11 @@ def _model(
     sha256: str,
     folder: str | None = None,
 ) -> Model:
-    section = _checked(data)
+    section = checked(data)
     if folder is None:
         folder = str(Path(source).parent) if source else ""
     problems: list[str] = []
-    blocks, places = _blocks(section, data, problems)
-    imports = imports_of(section, _unit_weights(section), source, problems)
-    places = [*places, *imports.places]
-    blocks = grouped([*blocks, *imports.blocks], section.group, problems)
+    blocks, places, imports = blocks_of(section, data, source, problems)
     control_block, control_point = section.control.block, section.control.point
     if imports.control and control_block is None and control_point is None:
         control_block, control_point = imports.control
@@ -146,7 +143,7 @@ def _model(
         blocks,
         joint=joint,
         joint_between=between,
-        corner=Corner(radius=section.corner.radius or None, chamfer=section.corner.chamfer or None),
+        corner=corner_of(section),
         thickness=section.thickness,
         points=section.contact.points if section.contact else None,
         load=pattern_of(section.load, section.dimension) if section.load else None,
@@ -169,6 +166,11 @@ def _model(
     )
 
 
+def corner_of(section: ModelSection) -> Corner:
+    """How corners are treated."""
+    return Corner(radius=section.corner.radius or None, chamfer=section.corner.chamfer or None)
+
+
 def _analysis(section: AnalysisSection) -> Analysis:
     return Analysis(
         engine=section.engine,
@@ -182,7 +184,7 @@ def _analysis(section: AnalysisSection) -> Analysis:
     )
 
 
-def _checked(data: dict[str, Any]) -> ModelSection:
+def checked(data: dict[str, Any]) -> ModelSection:
     """The file's keys, types and ranges, and which shapes its blocks have."""
     given = data.get("dimension")
     dimension = given if given in (2, 3) and not isinstance(given, bool) else None
@@ -194,6 +196,17 @@ def _checked(data: dict[str, Any]) -> ModelSection:
     if problems:
         raise ModelError(problems)
     return section
+
+
+def blocks_of(
+    section: ModelSection, data: dict[str, Any], source: str | None, problems: list[str]
+) -> tuple[list[Block], list[str], Imports]:
+    """All blocks with their groups, the place of each for messages, and what was imported; what is
+    wrong is added to ``problems``."""
+    blocks, places = _blocks(section, data, problems)
+    imports = imports_of(section, _unit_weights(section), source, problems)
+    blocks = grouped([*blocks, *imports.blocks], section.group, problems)
+    return blocks, [*places, *imports.places], imports
 
 
 def _blocks(

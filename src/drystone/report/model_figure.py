@@ -21,6 +21,7 @@ from drystone.report.camera import Camera
 from drystone.report.load_arrows import PATTERN, pattern_arrows, plot_arrows
 from drystone.report.mechanism import Mechanism
 from drystone.report.mechanism_figure import plot_mechanism
+from drystone.report.names import plot_names
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,8 +37,11 @@ WIDELY = 10.0
 WIDTH = 7.0
 
 
-def draw_model(model: Model, path: Path | str, *, title: str = "") -> None:
-    """Write a picture of a model as designed; its format is that of the ending, see `ENDINGS`."""
+def draw_model(model: Model, path: Path | str, *, title: str = "", names: bool = False) -> None:
+    """Write a picture of a model as designed; its format is that of the ending, see `ENDINGS`.
+
+    With ``names``, blocks are named.
+    """
     assembly = model.assembly
     figure = canvas.new_figure(2.0 * WIDTH, WIDTH)
     left, right = figure.subplots(1, 2)
@@ -52,9 +56,11 @@ def draw_model(model: Model, path: Path | str, *, title: str = "") -> None:
             dead_loads=model.dead_loads,
         ),
     )
-    camera = _camera(assembly, model.load_shown)
+    camera = camera_before(assembly, model.load_shown)
     seen = camera.seen if camera else np.asarray
     plot_arrows(left, pattern_arrows(model), seen, PATTERN, f'pattern "{model.load.name}"')
+    if names:
+        plot_names(left, assembly, camera)
     shown = plot_joints(right, assembly, model.load_shown)
     right.set_xlim(left.get_xlim())
     right.set_ylim(left.get_ylim())
@@ -85,7 +91,7 @@ def plot_joints(axes: Axes, assembly: Assembly, direction: Array | None) -> Any:
 
     ``direction`` (dim,) is that of the load, if any, which the camera looks at in space.
     """
-    camera = _camera(assembly, direction)
+    camera = camera_before(assembly, direction)
     if camera is not None:
         axes.set_axis_off()
     axes.set_aspect("equal")
@@ -95,7 +101,7 @@ def plot_joints(axes: Axes, assembly: Assembly, direction: Array | None) -> Any:
     return shown
 
 
-def _camera(assembly: Assembly, direction: Array | None) -> Camera | None:
+def camera_before(assembly: Assembly, direction: Array | None) -> Camera | None:
     """That of all pictures of a structure in space."""
     if assembly.dimension == 2:
         return None
