@@ -73,7 +73,8 @@ def convert(
     tolerance: Annotated[
         float | None,
         typer.Option(
-            help="Largest motion of a vertex, over its block's shortest edge. [default: 0.02]",
+            help="Largest motion of a vertex, over its block's shortest edge, in the plane its "
+            "least width. [default: 0.02]",
             show_default=False,
         ),
     ] = None,
@@ -86,7 +87,7 @@ def convert(
     ] = None,
     overlap: Annotated[
         float | None,
-        typer.Option(help="Overlaps up to which [m] are cut off. [default: 0]", show_default=False),
+        typer.Option(help="Overlaps up to which [m] are closed. [default: 0]", show_default=False),
     ] = None,
     like: Annotated[
         Path | None,

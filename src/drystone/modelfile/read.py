@@ -24,6 +24,7 @@ from drystone.model import Analysis, Model
 from drystone.modelfile.assessing import assessment_of, site_of
 from drystone.modelfile.builds import BuildSection
 from drystone.modelfile.groups import grouped
+from drystone.modelfile.holding import with_holders
 from drystone.modelfile.imports import Imports, imports_of
 from drystone.modelfile.loads import dead_loads_of, pattern_of
 from drystone.modelfile.parse import parse
@@ -130,6 +131,7 @@ def _model(
     if imports.control and control_block is None and control_point is None:
         control_block, control_point = imports.control
     joint, between = _laws(section, blocks, need_stiffness, problems)
+    section = with_holders(section, blocks, problems)
     engine = section.analysis.engine
     if engines is not None and engine not in engines:
         problems.append(

@@ -203,7 +203,7 @@ class ImportSection(Section):
     support_below: Annotated[float, ranged("coordinate")] | None = None  # m
     tolerance: Annotated[float, ranged("tolerance")] = TOLERANCE
     bent_faces: Annotated[Literal["fans", "bends"], Spatial] = "fans"
-    overlap: Annotated[float, ranged("overlap"), Spatial] = 0.0  # m
+    overlap: Annotated[float, ranged("overlap")] = 0.0  # m
     name: Name | None = None
     group: Name | None = None
     origin: Place | None = None  # m

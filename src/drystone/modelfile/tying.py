@@ -27,7 +27,7 @@ from drystone.vectors import unit_vector
 class EndSection(Section):
     """Either end of a tie."""
 
-    block: str = Field(description='the id of a block, or block = "ground"')
+    block: str | None = None  # or "ground"; by default the block that holds the point
     point: Place = Field(description="where, in metres, on the block as designed")
 
 
