@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from dataclasses import replace
 from importlib.util import find_spec
@@ -14,7 +15,7 @@ import drystone as ds
 import elevations
 from builders import rectangle
 from built import LAW
-from drystone.builders import make_model
+from drystone.builders import ModelError, make_model
 from drystone.builders.checks import OVERLAPPING
 from drystone.drawings.drawing import Shape
 from drystone.drawings.outlines import mended_outlines
@@ -41,19 +42,26 @@ def overlap_of(blocks):
 
 def model_of(blocks):
     blocks = [replace(block, unit_weight=20e3, material="") for block in blocks]
-    return make_model(blocks, joint=LAW, thickness=0.5, load_direction=(1.0, 0.0))
+    return make_model(
+        blocks,
+        joint=LAW,
+        thickness=0.5,
+        load_direction=(1.0, 0.0),
+        place=lambda i: f'import[1] block "{i}"',
+    )
 
 
-def check_elevation(seed, noise):
+def check_elevation(seed, noise, overlap=0.0):
     """An elevation drawn with noise [m], mended: all that is promised of it."""
     fits, own = elevations.clean(seed)
     shapes = elevations.shapes(elevations.drawn(own, noise, seed))
-    blocks, records = mended_outlines(shapes, TOLERANCE)
+    blocks, records = mended_outlines(shapes, TOLERANCE, overlap)
+    model = model_of(blocks)  # raises where blocks overlap
     assert overlap_of(blocks) < OVERLAPPING
     width = {shape.name: polygon.least_width(shape.vertices) for shape in shapes}
     for record in records:
-        assert record.how_much <= TOLERANCE * width[record.block] * (1.0 + 1e-6), record
-    model = model_of(blocks)
+        most = max(TOLERANCE * width[record.block], overlap)
+        assert record.how_much <= most * (1.0 + 1e-6), record
     wanted = elevations.joint_lengths(fits)
     found = elevations.joint_lengths(model.assembly.blocks)
     # A joint has two ends, each off by as much as one that was drawn: sqrt(2) of the noise and of
@@ -77,12 +85,19 @@ def test_an_elevation_drawn_by_hand_has_the_joints_of_the_clean_one(seed):
 @pytest.mark.slow  # a minute
 @pytest.mark.parametrize("noise", NOISES)
 def test_forty_elevations_drawn_by_hand(noise):
-    failed = []
+    refused, other = [], []
     for seed in SEEDS:
-        worst, off = check_elevation(seed, noise)
+        try:
+            worst, off = check_elevation(seed, noise)
+        except ModelError as error:
+            refused.append(seed)
+            (overlap,) = {
+                float(x) for x in re.findall("overlap = (.*) in", "".join(error.problems))
+            }
+            worst, off = check_elevation(seed, noise, overlap)
         if worst > off:
-            failed.append((seed, worst))
-    assert len(failed) <= 2, failed
+            other.append((seed, worst))
+    assert len(refused) <= 2 and not other, (refused, other)
 
 
 @pytest.mark.parametrize("seed", [1, 3, 5])

@@ -1,4 +1,4 @@
-"""Drawings that are no model yet, or none that can be one: check, show, convert; names of blocks."""
+"""Drawings that are no model yet, or cannot be one: check, show, convert; names of blocks."""
 
 from __future__ import annotations
 
