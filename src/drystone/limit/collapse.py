@@ -44,8 +44,9 @@ FALLING = 1e-3
 MANY, FEW, FEW_FROM = 8, 1, {2: 200, 3: 50}
 #: Multipliers that differ by less than this share are one.
 DIFFERENT = 1e-4
-#: Solutions for a turned load, and change of the multiplier at which it stands.
-TILTS, SAME_TILT = 60, 1e-9
+#: Solutions for a turned load, and change of the multiplier at which it stands: as finely as it is
+#: known, a non-associative one in space to some 3e-7.
+TILTS, SAME_TILT = 60, {ASSOCIATIVE: 1e-9, NON_ASSOCIATIVE: 1e-6}
 #: Blocks named in a sentence.
 MOST_NAMES = 8
 
@@ -190,7 +191,7 @@ def _tilted(
 
     For friction alone that makes no difference; else it is repeated until it stands.
     """
-    cosine, last = 1.0, np.nan
+    cosine, last, same = 1.0, np.nan, SAME_TILT[flow]
     beside = equilibrium.untilted
     for _ in range(TILTS):
         stronger = replace(
@@ -201,7 +202,7 @@ def _tilted(
         )
         (found,) = _collapses(stronger, (flow,), settings, most)
         multiplier = found.load_multiplier
-        if not np.isfinite(multiplier) or abs(multiplier - last) <= SAME_TILT * abs(multiplier):
+        if not np.isfinite(multiplier) or abs(multiplier - last) <= same * abs(multiplier):
             break
         last, cosine = multiplier, 1.0 / np.sqrt(1.0 + multiplier**2)
     return found

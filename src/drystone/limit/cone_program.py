@@ -167,8 +167,8 @@ class ConeProgram:
         needed = np.flatnonzero(free & (slides | (tip < self._least)))
         rows = [self._columns(needed, 0, -np.ones(len(needed)))]
         right = [-np.maximum(self._least, tip)[needed] / self._force]
-        aside = np.flatnonzero(slides) if self._dim == 3 else np.zeros(0, np.int64)
-        for sign in (-1.0, 1.0):
+        aside = np.flatnonzero(slides)
+        for sign in (-1.0, 1.0) if self._dim == 3 else ():
             row = self._columns(aside, 0, -ASIDE * self._slope[aside])
             for k, across in ((0, -self._way[aside, 1]), (1, self._way[aside, 0])):
                 row = row + self._columns(aside, 1 + k, sign * across)

@@ -58,11 +58,11 @@ SMOOTH_FROM = {2: INTERIOR_POINT_FROM, 3: 0}
 #: Factorisations that one curve of `coulomb_path` may take, all together, and from where on no
 #: further one is begun.  Random structures of up to 40 blocks took 35 to 180, facades of 125 from
 #: 120 to more than 700.
-MOST_OF_ONE, MOST_OF_ALL, ENOUGH = 450, 900, 300
+MOST_OF_ONE, MOST_OF_ALL, ENOUGH = 450, 900, 250
 #: Curves that may fail beside those that are asked for.
 MORE = 2
 #: Passes of the scheme of programs in space, each of which is as much as the associative program.
-FEW_PASSES = 20
+FEW_PASSES = 12
 #: Weights of the newest normal forces on paths besides the first two.
 BETAS = (1.0, 0.3)
 
@@ -135,8 +135,8 @@ def follow_paths(
         Normal forces under the dead load alone.
     """
     slope = flow_tangent(equilibrium, settings.alpha)
-    dimension, n_paths = equilibrium.points.dimension, settings.n_paths
-    if equilibrium.assembly.n_blocks < SMOOTH_FROM[dimension]:
+    n_paths = settings.n_paths
+    if not _is_large(equilibrium):
         starts = _starts(associative, resting, settings)
         paths = _by_programs(equilibrium, slope, starts, settings)
         found = paths.states or paths.n_unbounded
@@ -204,6 +204,10 @@ def _from_smooth(
         )
         states.append(_certify(equilibrium, end.velocity, slope, end.n_factorisations) or own)
     return Paths(states=tuple(states), n_unbounded=unbounded, n_failed=failed, n_iterations=work)
+
+
+def _is_large(equilibrium: Equilibrium) -> bool:
+    return equilibrium.assembly.n_blocks >= SMOOTH_FROM[equilibrium.points.dimension]
 
 
 def flow_tangent(equilibrium: Equilibrium, alpha: float) -> Array:
@@ -299,7 +303,7 @@ def compatible_forces(
     slip = equilibrium.slip(relative)
     slides = slip > still
     opens = relative[:, 0] > slope * slip + still
-    program = force_program(
+    program = (ConeProgram if _is_large(equilibrium) else ForceProgram)(
         equilibrium,
         column=equilibrium.live,
         right=-equilibrium.dead,
