@@ -395,8 +395,9 @@ class EquilibriumEngine:
                         x = demand.increment * state.tangent
                     equations.begin(*at, step.pace, held, fresh)
                     equations.set_out(x, step.multiplier)
-                slight = self.settings.space.slight * self.problem.assembly.heaviest_weight
-                return WayInSpace(equations, strengths, accuracy, slight)
+                space = self.settings.space
+                slight = space.slight * self.problem.assembly.heaviest_weight
+                return WayInSpace(equations, strengths, accuracy, space, slight)
             x, multiplier = step.guess, step.multiplier
             if solved:
                 x, multiplier = solved.increment, solved.multiplier
@@ -457,7 +458,7 @@ class EquilibriumEngine:
                 calm=state.calm or last is not None,
                 unstable=state.unstable,
                 held=state.held,
-                slope=state.slope,
+                slope=np.nan if state.softened else state.slope,
             ),
             dynamic=demand.time_step > 0.0,
             thorough=demand.thorough,

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from drystone.contact.strengths import Strengths
 from drystone.solvers import piecewise
+from drystone.solvers.cone_solution import SpaceSettings, grows
 from drystone.solvers.cone_step import ConeStep
 from drystone.solvers.linear_step import Pace
 from drystone.solvers.piecewise import Accuracy, StepSolution
@@ -108,9 +109,15 @@ class WayInSpace:
     """That of a `ConeStep` from where it is; forces that blocks meet with are ``slight`` [N]."""
 
     def __init__(
-        self, step: ConeStep, strengths: Strengths, accuracy: Accuracy, slight: float
+        self,
+        step: ConeStep,
+        strengths: Strengths,
+        accuracy: Accuracy,
+        settings: SpaceSettings,
+        slight: float,
     ) -> None:
         self.step, self.strengths, self.accuracy, self.slight = step, strengths, accuracy, slight
+        self.settings = settings
         self.by_multiplier, self.tangent, self.at_end = 0.0, np.zeros_like(step.x), np.nan
 
     @property
@@ -186,4 +193,6 @@ class WayInSpace:
         step.frame.columns[0] = 0.0
         self.at_end = step.solve(1.0)
         self.tangent = step.frame.columns[0].copy()
-        return self.at_end if step.stable and np.isfinite(self.at_end) else None
+        if not (step.stable and np.isfinite(self.at_end)):
+            return None
+        return None if grows(step, self.accuracy, self.settings) else self.at_end

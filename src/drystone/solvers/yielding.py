@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from drystone.contact.strengths import Reached, Strengths, difference
 from drystone.kernels import softening
 from drystone.kernels.contacts import Pairs
-from drystone.kernels.law import H_ROOM
+from drystone.kernels.law import H_PULL, H_ROOM, N_HISTORY
 from drystone.kernels.yielding import BONDED, CRUSHED, OPEN, STICKING, TORN
 from drystone.solvers.piecewise import StepSolution
 from drystone.solvers.static_step import Ended
@@ -43,6 +43,10 @@ MOST_SOLUTIONS, FEW_SOLUTIONS = 60, 6
 #: which what contacts hold may still change.
 MOST_ITERATIONS, MOST_HALVINGS, LEFT = 20, 4, 5e-4
 
+
+#: What bonds that soften must hold, over the force by which it may change in a step, for the
+#: tangent to be gone on along: those that are all but lost give a structure no direction.
+WORTH = 1.0
 
 #: What may be missing of the pacing displacement [m].
 LAG = 1e-12
@@ -172,7 +176,8 @@ def solve(
     relaxation = _Relaxation(strengths, law)
     near: Array | None = None
     slope: float | None = None
-    fallen, most = 0, MOST_SOLUTIONS if lets_go or not strengths.smooth else FEW_SOLUTIONS
+    patient = lets_go or not strengths.smooth or history.shape[1] > N_HISTORY
+    fallen, most = 0, MOST_SOLUTIONS if patient else FEW_SOLUTIONS
     begun = _Come(np.arange(len(law)), history, history, now, np.inf)
     # A curve that has a tangent is gone on along it.
     solved = _UNSOLVED
@@ -203,7 +208,9 @@ def solve(
                 there = _Come.to(step, strengths, history)
                 if there.change <= tolerance:
                     strengths.write(law, there.reached, there.after)
-                    return _shaped(stood, first, start, increment, slope, fallen > 0, lets_go)
+                    end = _shaped(stood, first, start, increment, slope, fallen > 0, lets_go)
+                    worth = _worth(strengths, law, there, step.ended(), WORTH * tolerance)
+                    return end if worth else replace(end, softened=False, slope=np.nan)
             now = _at(found.reached, now, come.origin)
         elif going:
             now, fallen = relaxation.next(now, come.reached, come.origin), fallen + 1
@@ -233,6 +240,15 @@ class _Come(NamedTuple):
         held = strengths.held(law, before, reached)
         change = difference(held, end.held, end.normal, end.area)
         return cls(end.origin, before, end.after, reached, change)
+
+
+def _worth(strengths: Strengths, law: IntArray, come: _Come, end: Ended, least: float) -> bool:
+    """Whether contacts that soften hold more than a force [N], as far as they are bonds."""
+    if (strengths.yields & ~strengths.bonded).any() or np.isfinite(strengths.crush).any():
+        return True
+    soft = strengths.bonded[law] & (come.reached.softened > 0.0)
+    holds = (end.held[:, H_PULL] + end.held[:, H_ROOM]) * end.area
+    return bool(holds[soft].max(initial=0.0) > least)
 
 
 class _Settled(NamedTuple):
@@ -345,8 +361,8 @@ def _shaped(
     Of a curve that has tangents at both ends: what the cubic through them has.  Where joints have
     let go on the way, it may have gone along the first tangent to just before the end.
     """
-    if increment is None or solved.bend is None:
-        return solved if increment is not None else replace(solved, excess=None)
+    if increment is None:
+        return replace(solved, excess=None)
     before, after = start.multiplier, solved.multiplier
     known = first.multiplier if first else after
     rise = start.rise if np.isfinite(start.rise) else known - before
@@ -365,7 +381,7 @@ def _shaped(
         excess = max(before + share * rise - top, 0.0), share
     if first and not np.isfinite(start.rise):
         excess = _hidden(first, solved, before) or excess
-    bend = max(solved.bend, (float(abs(away[off])), float(SHARES[off])))
+    bend = max(solved.bend or (0.0, 0.0), (float(abs(away[off])), float(SHARES[off])))
     bend = bend[0], min(bend[1], FARTHEST)
     if slope is None:
         return replace(solved, excess=excess, bend=bend)
