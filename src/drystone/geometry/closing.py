@@ -152,18 +152,30 @@ def _made(
     made = list(outlines)
     for i in np.flatnonzero(~fixed).tolist():
         loop, inserted = np.array(points.loops[i]), np.array(points.inserted[i])
-        kept = kept_of[i]
+        size = float(np.ptp(outlines[i], axis=0).max())
+        kept = _turning(found.place[loop], kept_of[i], ROUNDING * size)
         lost = len(outlines[i]) - np.count_nonzero(~inserted)  # with their edges
         moved = np.linalg.norm(found.place[loop] - points.drawn[i], axis=1)[~inserted]
         way[i] = float(moved.max(initial=0.0))
         bent[i] = np.count_nonzero(inserted & kept)
         left_out[i] = np.count_nonzero(~inserted & ~kept) + lost
-        size = float(np.ptp(outlines[i], axis=0).max())
         if way[i] > ROUNDING * size or bent[i] or left_out[i]:
             made[i] = found.place[loop[kept]]
         else:
             way[i] = 0.0
     return Closed(tuple(made), way, bent, left_out)
+
+
+def _turning(place: Array, kept: BoolArray, near: float) -> BoolArray:
+    """Which of the points kept bend an outline: those that others' edges hold straight do not."""
+    rows = np.flatnonzero(kept)
+    while len(rows) > 3:
+        off = polygon.bends(place[rows])
+        least = int(np.argmin(off))
+        if off[least] > near:
+            break
+        rows = np.delete(rows, least)
+    return np.asarray(np.isin(np.arange(len(kept)), rows))
 
 
 def _misfitting(outlines: Sequence[Array], near: Array, size: Array) -> BoolArray:

@@ -170,6 +170,7 @@ def bends(vertices: Array) -> Array:
 def least_width(vertices: Array) -> float:
     """Least extent of an outline along the normals of its edges [m]."""
     edges = _following(vertices) - vertices
+    edges = edges[edges.any(axis=1)]
     normal = np.column_stack((edges[:, 1], -edges[:, 0]))
     normal /= np.hypot(edges[:, 0], edges[:, 1])[:, None]
     return float(np.ptp(vertices @ normal.T, axis=0).min())
