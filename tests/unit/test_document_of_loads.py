@@ -87,8 +87,8 @@ def spreading(**more) -> ds.Model:
 @pytest.mark.parametrize(
     ("motion", "unit", "force"),
     [
-        ({"direction": np.array([0.0, -1.0]), "largest": 0.05}, "[m]", "[N]"),
-        ({"centre": np.array([1.0, 0.0]), "clockwise": True, "largest": 0.05}, "[°]", "[N m]"),
+        ({"direction": np.array([0.0, -1.0]), "max": 0.05}, "[m]", "[N]"),
+        ({"centre": np.array([1.0, 0.0]), "clockwise": True, "max": 3.0}, "[°]", "[N m]"),
     ],
     ids=["along", "about"],
 )
@@ -110,3 +110,13 @@ def test_a_report_of_supports_that_move_speaks_of_them(tmp_path, motion, unit, f
         "Verdict",
     ):
         assert other not in seen, other
+
+
+def test_the_same_in_italian(loaded, tmp_path):
+    """Nothing of the tables is left in English, and decimals have their comma."""
+    seen = text_of(render(loaded, language="it", date=DATE))
+    for words in ("Tiranti e molle", "terreno (-3;", "snervato", "in sommità", "verso il basso"):
+        assert words in seen, words
+    settles = folder_of(spreading(direction=np.array([0.0, -1.0]), max=0.05), tmp_path / "out")
+    seen = text_of(render(settles, language="it", date=DATE))
+    assert "appoggi spostati di 0,050 m" in seen and "reazione minima" in seen
