@@ -411,9 +411,12 @@ class DisplacementControl:
         return Decision(accept=False, demand=self._demand(state), state=state)
 
     def _lost(self, state: _State, report: StepReport, reason: str) -> Decision:
-        """The end where no step leads on: a collapse where blocks were seen to go far in it."""
+        """The end where no step leads on: a collapse where blocks were seen to run away.
+
+        What has only not come to rest yet may do so.
+        """
         end = End(reason=reason)
-        if report.way:
+        if report.way and report.dynamic:
             how = f"no rest was found for what moves: {report.reason}"
             end = collapsed(how, state.highest, self.settings.stop_multiplier)
         return Decision(

@@ -98,7 +98,7 @@ class Demand:
 @dataclass(frozen=True, kw_only=True)
 class StepReport:
     """What came of one step.  Of one that failed, only `converged`, `reason`, `n_iterations`,
-    `turn` and `way` count."""
+    `turn` and `way` count, and `dynamic`, which is then whether blocks run away."""
 
     converged: bool
     reason: str = ""

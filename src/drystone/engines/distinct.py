@@ -740,7 +740,7 @@ class DistinctEngine:
             if increment:
                 crest = self._drive(state, work, increment)
         except RunAwayError as error:
-            return state, _failed(str(error), work)
+            return state, _failed(str(error), work, runs_away=True)
         new, figures = self._balance(state, work, guided=True)
         excess = crest - max(state.multiplier, new.multiplier)
         return new, replace(figures, crest=max(excess, 0.0) if increment else None)
@@ -753,7 +753,7 @@ class DistinctEngine:
             if work.relax(guided=guided):
                 return self._rest(state, work)
         except RunAwayError as error:
-            return state, _failed(str(error), work)
+            return state, _failed(str(error), work, runs_away=True)
         left = work.meter[explicit.RESIDUAL] / self.scale
         return state, _failed(
             f"an unbalanced force of {left:.1e} weights is left after {work.n_cycles} cycles", work
@@ -1006,9 +1006,13 @@ def _gone_on_with(array: NDArray[Any], source: IntArray) -> NDArray[Any]:
     return after
 
 
-def _failed(reason: str, work: Workspace) -> StepReport:
+def _failed(reason: str, work: Workspace, *, runs_away: bool = False) -> StepReport:
     return StepReport(
-        converged=False, reason=reason, n_iterations=work.n_cycles, way=tuple(work.way)
+        converged=False,
+        reason=reason,
+        n_iterations=work.n_cycles,
+        way=tuple(work.way),
+        dynamic=runs_away,
     )
 
 
