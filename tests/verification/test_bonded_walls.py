@@ -58,9 +58,7 @@ def test_contacts_made_on_the_way_are_crushed_and_have_residual_friction():
         compressive_strength=2e6,
     )
     block = ds.Block(id="b", vertices=rectangle(0.0, 0.0, 1.0, 1.0), unit_weight=2e4)
-    base = ds.Block(
-        id="a", vertices=rectangle(-1.0, -1.0, 3.0, 1.0), unit_weight=2e4, support=True
-    )
+    base = ds.Block(id="a", vertices=rectangle(-1.0, -1.0, 3.0, 1.0), unit_weight=2e4, support=True)
     model = ds.make_model([base, block], joint=law, thickness=1.0, load_direction=(1.0, 0.0))
     fresh = Strengths(model.assembly).fresh
     assert np.allclose(fresh[:, H_CRUSH], 2e6)

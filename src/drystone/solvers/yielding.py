@@ -180,7 +180,7 @@ def solve(
     fallen, most = 0, MOST_SOLUTIONS if patient else FEW_SOLUTIONS
     begun = _Come(np.arange(len(law)), history, history, now, np.inf)
     # A curve that has a tangent is gone on along it.
-    solved = _UNSOLVED
+    solved, ways = _UNSOLVED, history.shape[1] == N_HISTORY and strengths.smooth
     for k in range(most + 1):
         going: StepSolution | None = None
         come = begun
@@ -193,9 +193,11 @@ def solve(
                 come = _Come.to(step, strengths, history)
                 if come.change <= tolerance:
                     strengths.write(law, come.reached, come.after)
-                    if first is solved:  # nothing has yielded
+                    if first is solved and ways:  # nothing has yielded
                         return solved
-                    return _shaped(solved, first, start, increment, slope, fallen > 0, lets_go)
+                    return _shaped(
+                        solved, first, start, increment, slope, fallen > 0, lets_go, ways
+                    )
                 near = solved.increment
             elif k > 1 or np.isfinite(start.rise):
                 return solved
@@ -355,6 +357,7 @@ def _shaped(
     slope: float | None,
     fallen: bool,
     lets_go: bool,
+    ways: bool = True,
 ) -> StepSolution:
     """The solution of a step, with what it may hide of the curve; see `StepSolution`.
 
@@ -363,6 +366,8 @@ def _shaped(
     """
     if increment is None:
         return replace(solved, excess=None)
+    if first and slope is None and not ways:
+        return replace(solved, excess=_hidden(first, solved, start.multiplier))
     before, after = start.multiplier, solved.multiplier
     known = first.multiplier if first else after
     rise = start.rise if np.isfinite(start.rise) else known - before
