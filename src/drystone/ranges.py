@@ -113,6 +113,30 @@ RANGES = {
 MOST_BLOCKS = {2: 2000, 3: 500}
 
 
+#: What is counted before any work on it, so that what nobody means is refused at once.  Twice the
+#: largest wall that was traced (benchmarks/results/scale.md), and drawings of as many solids with
+#: ten vertices and faces each; files have some 300 bytes for each of these.
+LARGEST = {
+    "blocks": 20_000,
+    "vertices": 200_000,
+    "faces": 200_000,
+    "faces of one solid": 5_000,  # with each of which each of its vertices is compared
+    "file": 64_000_000,  # bytes
+    "name": 200,  # letters
+}
+#: Pairs of boxes that meet, over the number of boxes, from 2 million pairs on: bricks have 6 to 26,
+#: and blocks on the same place as many as there are.
+CROWDED, CROWD = 500, 2_000_000
+
+
+def too_many(what: str, count: float) -> str | None:
+    """What is wrong with so many of something, as the end of a sentence."""
+    most = LARGEST[what]
+    if count <= most:
+        return None
+    return f"has {count:,.0f} {what}, and {most:,} are the most that are read: take a part of it"
+
+
 def problem(name: str, value: Any) -> str | None:
     """What is wrong with the number of that name, as a sentence "name: must be ..."."""
     found_wrong = RANGES[name].problem(value) if name in RANGES else None

@@ -27,6 +27,9 @@ from drystone.ranges import problem
 #: Overlap, relative to the smaller block, that is taken for rounding of the coordinates.
 OVERLAPPING = 1e-6
 
+#: Overlaps that are told, each in a sentence.
+MOST_TOLD = 1000
+
 #: Names a block by its row, as its author would look for it.
 Place = Callable[[int], str]
 
@@ -171,7 +174,10 @@ def layout_problems(assembly: Assembly, place: Place, closing: str = CLOSING) ->
     for (i, j), by in deepest.items():
         if table := _table_of(place(i), place(j)):
             most[table] = max(by, most.get(table, 0.0))
-    for (i, j), by in deepest.items():
+    for told, ((i, j), by) in enumerate(deepest.items()):
+        if told == MOST_TOLD:
+            problems.append(f"block: {len(deepest) - told:,} more pairs of blocks overlap")
+            break
         first, second = place(i), place(j)
         mend = "move them apart, or make one smaller"
         if table := _table_of(first, second):

@@ -27,8 +27,8 @@ from drystone.geometry.mended import Mended
 from drystone.loading import DeadLoad, LoadPattern, MassPattern, NoPattern
 from drystone.model import Analysis, Model, Origin
 from drystone.monitor import ControlPoint
-from drystone.names import there_is_no
-from drystone.ranges import problem
+from drystone.names import quoted, there_is_no
+from drystone.ranges import LARGEST, problem, too_many
 from drystone.settlement import Settlement
 from drystone.site import AssessmentInput, Site
 from drystone.ties import Tie, problems_of
@@ -114,6 +114,7 @@ def make_model(
         With everything that was found wrong.
     """
     place = place or (lambda i: f'block "{blocks[i].id}"')
+    _raise(_too_large(blocks))
     dimension = blocks[0].dimension if blocks else len(load_direction or (0.0, 0.0))
     if settlement is not None and load is None and load_direction is None:
         load = NoPattern(direction=np.eye(dimension)[min(1, dimension - 2)])
@@ -157,6 +158,17 @@ def make_model(
     if source is None or sha256 is None:
         return model
     return replace(model, origin=Origin(path=source, sha256=sha256, contents=model.contents))
+
+
+def _too_large(blocks: Sequence[Block]) -> list[str]:
+    """More blocks than anything takes, names that fill screens."""
+    found = [f"block: the model {wrong}"] if (wrong := too_many("blocks", len(blocks))) else []
+    return found + [
+        f"{quoted(block.id)}: the id has {len(block.id):,} letters: give it at most "
+        f"{LARGEST['name']}"
+        for block in blocks
+        if len(block.id) > LARGEST["name"]
+    ]
 
 
 def _unknown_parts(assembly: Assembly, assessment: AssessmentInput | None) -> list[str]:

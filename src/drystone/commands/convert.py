@@ -161,9 +161,12 @@ def kind_of(source: Path, name: str | None) -> str:
 
 
 def _holds(source: Path, words: bytes) -> bool:
+    from drystone.builders.contents import read_bytes
+    from drystone.builders.errors import ModelError
+
     try:
-        return words in source.read_bytes()
-    except OSError:
+        return words in read_bytes(source, "the file")
+    except ModelError:
         return False
 
 

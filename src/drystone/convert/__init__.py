@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
+from drystone.builders.contents import read_bytes
 from drystone.builders.errors import ModelError
 from drystone.convert import drawings, lmgc90, threedec, udec, vtk
 from drystone.convert.common import Written
@@ -103,7 +104,11 @@ def read(path: str | PathLike[str], target: str | None = None) -> Model:
     found = target_of(path, target)
     if found.read is None:
         raise ModelError([f"{path}: a file for {found.name} holds no model, only its geometry"])
-    return found.read(Path(path).read_text(encoding="utf-8"))
+    try:
+        text = read_bytes(Path(path), "the file").decode("utf-8")
+    except ModelError as error:
+        raise ModelError(f"{path}: {problem}" for problem in error.problems) from None
+    return found.read(text)
 
 
 __all__ = ["TARGETS", "Target", "convert", "read", "target_of"]

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from drystone.builders.contents import read_bytes
 from drystone.builders.errors import ModelError
 from drystone.drawings.drawing import MOST, Drawing, Shape, number, tidy_name, whole
 
@@ -199,7 +200,7 @@ def _states(beside: Path | None) -> dict[tuple[str, int], dict[str, float]]:
         return {}
     found: dict[tuple[str, int], dict[str, float]] = {}
     own: dict[str, float] = {}
-    for row, line in enumerate(path.read_text(encoding="utf-8", errors="replace").splitlines(), 1):
+    for row, line in enumerate(_lines(path), 1):
         words = line.split()
         if len(words) >= 2 and words[0] in ("RBDY2", "RBDY3") and words[1].isdigit():
             own = found.setdefault((words[0], int(words[1])), {})
@@ -209,6 +210,11 @@ def _states(beside: Path | None) -> dict[tuple[str, int], dict[str, float]]:
     return found
 
 
+def _lines(path: Path) -> list[str]:
+    """Of a file beside the drawing."""
+    return read_bytes(path, "the file").decode("utf-8", errors="replace").splitlines()
+
+
 def _held(beside: Path | None) -> dict[str, set[int]]:
     """Bodies with driven degrees of freedom, by their kinds, from DRV_DOF.DAT."""
     held: dict[str, set[int]] = {}
@@ -216,7 +222,7 @@ def _held(beside: Path | None) -> dict[str, set[int]]:
     if path is None or not path.is_file():
         return held
     body: tuple[str, int] | None = None
-    for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+    for line in _lines(path):
         words = line.split()
         if len(words) >= 2 and words[0] in ("RBDY2", "RBDY3") and words[1].isdigit():
             body = words[0], int(words[1])

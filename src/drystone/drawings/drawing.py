@@ -12,6 +12,7 @@ from drystone.builders.errors import ModelError
 from drystone.builders.words import quoted
 from drystone.geometry.meshes import Mesh, shells
 from drystone.geometry.solid import Faces
+from drystone.ranges import LARGEST, too_many
 
 Array = NDArray[np.float64]
 
@@ -24,8 +25,8 @@ CONTROL_LAYERS = ("control", "control point")
 
 #: Coordinates beyond which nothing is drawn.
 FARTHEST = 1e12
-#: Vertices or faces that no drawing of blocks has.
-MOST = 5_000_000
+#: Vertices or faces that a drawing has at most.
+MOST = LARGEST["vertices"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -118,6 +119,13 @@ def check_faces(n: int, faces: Sequence[Sequence[int]], place: str = "") -> None
                 raise ModelError(
                     [f"{place}face {k} names vertex {i + 1}, and there are {n}: the file is torn"]
                 )
+
+
+def check_counts(vertices: int, faces: int) -> None:
+    """Raise `ModelError` where a drawing has more of them than are read; before they are."""
+    for what, count in (("vertices", vertices), ("faces", faces)):
+        if wrong := too_many(what, count):
+            raise ModelError([wrong])
 
 
 def check_places(shapes: Sequence[Shape]) -> None:

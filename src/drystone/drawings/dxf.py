@@ -24,6 +24,7 @@ from drystone.drawings.drawing import (
     SUPPORT_LAYERS,
     Drawing,
     Shape,
+    check_counts,
     check_faces,
     shapes_of_mesh,
     tidy_name,
@@ -103,12 +104,11 @@ def _document(contents: bytes) -> tuple[Any, list[str]]:
         from ezdxf import recover
     except ImportError:
         raise ModelError([MISSING]) from None
-    if len(contents) > 500_000_000:
-        raise ModelError(["is larger than any drawing of blocks"])
     if not _BEGINNING.match(contents):  # and nothing of a file that is another's is quoted
         raise ModelError(
             ["is no DXF file: its first line is no group code, nor is it a binary one"]
         )
+    check_counts(contents.count(b"VERTEX"), contents.count(b"3DFACE"))
     with _overheard() as told:
         try:
             document, auditor = recover.read(io.BytesIO(contents))

@@ -11,7 +11,8 @@ from drystone.builders.contents import read_bytes
 from drystone.builders.errors import ModelError
 from drystone.builders.words import printable, quoted, suggestion
 from drystone.drawings import bodies, compas, dxf, ifc, obj, ply, stl
-from drystone.drawings.drawing import Drawing, check_places
+from drystone.drawings.drawing import Drawing, check_counts, check_places
+from drystone.ranges import too_many
 
 #: Reads a file: its contents, its path, and the dimension of the model, if it is known.
 Read = Callable[[bytes, Path, int | None], Drawing]
@@ -79,6 +80,15 @@ def read_drawing(path: Path, name: str | None = None, dimension: int | None = No
         ) from None
     except (MemoryError, RecursionError):
         raise ModelError(["is too large, or nested too deeply, to be read"]) from None
+    check_counts(
+        sum(len(shape.vertices) for shape in drawing.shapes if not shape.faces),
+        sum(len(shape.faces) for shape in drawing.shapes),
+    )
+    for shape in drawing.shapes:
+        if wrong := too_many("faces of one solid", len(shape.faces)):
+            raise ModelError([f"{quoted(shape.name)}: {wrong}"])
+    if wrong := too_many("blocks", len(drawing.shapes)):
+        raise ModelError([wrong])
     check_places(drawing.shapes)
     return replace(drawing, sha256=_digest(contents, path, kind.beside))
 
@@ -89,6 +99,6 @@ def _digest(contents: bytes, path: Path, beside: tuple[str, ...]) -> str:
     found = hashlib.sha256(contents).hexdigest()
     for other in others:
         found = hashlib.sha256(
-            (found + _digest(other.read_bytes(), other, ())).encode()
+            (found + _digest(read_bytes(other, "the file"), other, ())).encode()
         ).hexdigest()
     return found

@@ -8,7 +8,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from drystone.builders.errors import ModelError
-from drystone.drawings.drawing import Drawing, Shape, number, shapes_of_mesh, tidy_name, whole
+from drystone.drawings.drawing import (
+    Drawing,
+    Shape,
+    check_counts,
+    number,
+    shapes_of_mesh,
+    tidy_name,
+    whole,
+)
 
 
 @dataclass
@@ -25,6 +33,7 @@ def read(contents: bytes) -> Drawing:
     """The blocks of a file; raises `ModelError`."""
     text = contents.decode("utf-8", errors="replace").replace("\\\r\n", " ").replace("\\\n", " ")
     lines = text.splitlines()
+    check_counts(*(sum(line.startswith(key) for line in lines) for key in ("v ", "f ")))
     heading = "o" if any(line.split()[:1] == ["o"] for line in lines) else "g"
     vertices: list[tuple[float, ...]] = []
     found = [_Own("")]

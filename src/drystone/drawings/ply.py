@@ -13,6 +13,7 @@ from drystone.drawings.drawing import (
     MOST,
     Drawing,
     Shape,
+    check_counts,
     check_faces,
     number,
     shapes_of_mesh,
@@ -104,6 +105,7 @@ def _header(text: str) -> tuple[str, list[_Element]]:
             order = _ORDERS[words[0]]
         elif key == "element" and len(words) == 2:
             count = whole(words[1], "header")
+            check_counts(*(count if words[0] == what else 0 for what in ("vertex", "face")))
             if not 0 <= count <= MOST:
                 raise ModelError([f"says {count} rows of {quoted(words[0])}: the file is torn"])
             elements.append(_Element(words[0], count))

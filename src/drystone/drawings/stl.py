@@ -8,9 +8,9 @@ import numpy as np
 
 from drystone.builders.errors import ModelError
 from drystone.drawings.drawing import (
-    MOST,
     Drawing,
     Shape,
+    check_counts,
     number,
     shapes_of_mesh,
     tidy_name,
@@ -21,9 +21,11 @@ from drystone.geometry.flatness import triangles
 def read(contents: bytes) -> Drawing:
     """The blocks of a file; raises `ModelError`."""
     count = int.from_bytes(contents[80:84], "little") if len(contents) >= 84 else -1
-    if count >= 0 and len(contents) == 84 + 50 * count and count <= MOST:
+    if count >= 0 and len(contents) == 84 + 50 * count:
+        check_counts(0, count)
         return _binary(contents, count)
     if contents.lstrip()[:5].lower() == b"solid":
+        check_counts(0, contents.count(b"endfacet"))
         return _text(contents.decode("utf-8", errors="replace"))
     if count < 0:
         raise ModelError(["is too short for an STL file: export it anew"])

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.errors import ModelError
 from drystone.kernels import broad as kernels
+from drystone.ranges import CROWD, CROWDED
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -27,6 +29,11 @@ def candidate_pairs(lower: Array, upper: Array) -> tuple[IntArray, IntArray]:
     -------
     a, b
         (n_pairs,) each, ``a < b``, sorted by ``a`` and then ``b``.
+
+    Raises
+    ------
+    ModelError
+        Nearly all boxes meet nearly all others; they are counted before they are kept.
     """
     lower = np.ascontiguousarray(lower, dtype=np.float64)
     upper = np.ascontiguousarray(upper, dtype=np.float64)
@@ -42,10 +49,18 @@ def candidate_pairs(lower: Array, upper: Array) -> tuple[IntArray, IntArray]:
     start = np.zeros(int(counts.prod()) + 2, np.int64)
     kernels.fill_cells(cells, counts, start, entries)
     out = np.zeros((8 * len(lower), 2), np.int64)
-    found = kernels.pairs_in_cells(lower, upper, cells, counts, start, entries, out)
+    most = max(CROWD, CROWDED * len(lower))
+    found = kernels.pairs_in_cells(lower, upper, cells, counts, start, entries, out, most)
+    if found > most:
+        raise ModelError(
+            [
+                f"block: more than {most:,} pairs of {len(lower):,} blocks, or of their parts, "
+                "stand on the same place: move them apart"
+            ]
+        )
     if found > len(out):
         out = np.zeros((found, 2), np.int64)
-        kernels.pairs_in_cells(lower, upper, cells, counts, start, entries, out)
+        kernels.pairs_in_cells(lower, upper, cells, counts, start, entries, out, most)
     pairs = out[:found]
     pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
     return np.ascontiguousarray(pairs[:, 0]), np.ascontiguousarray(pairs[:, 1])

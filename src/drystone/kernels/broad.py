@@ -72,11 +72,12 @@ def fill_cells(cells, counts, start, entries):
 
 
 @njit(cache=True)
-def pairs_in_cells(lower, upper, cells, counts, start, entries, out):
+def pairs_in_cells(lower, upper, cells, counts, start, entries, out, most):
     """Write intersecting pairs (a < b) into ``out`` (m, 2) and return how many there are.
 
     A pair that shares several cells is taken in the one that holds the lower corner of the
-    boxes' intersection.  With too small an ``out`` the pairs are only counted.
+    boxes' intersection.  With too small an ``out`` the pairs are only counted, up to one more
+    than ``most``.
     """
     dim = lower.shape[1]
     found = 0
@@ -101,4 +102,6 @@ def pairs_in_cells(lower, upper, cells, counts, start, entries, out):
                             out[found, 0] = min(a, b)
                             out[found, 1] = max(a, b)
                         found += 1
+                        if found > most:
+                            return found
     return found

@@ -22,7 +22,7 @@ from pydantic_core import PydanticCustomError
 from drystone.builders.control import NAMED_POINTS
 from drystone.builders.wall import course_problem
 from drystone.builders.words import quoted, suggestion
-from drystone.ranges import RANGES
+from drystone.ranges import LARGEST, RANGES
 
 
 def sentence(text: str) -> PydanticCustomError:
@@ -67,6 +67,8 @@ def in_space_only(value: Any, info: ValidationInfo) -> Any:
 def _name(value: str) -> str:
     if not value.strip() or not value.isprintable():
         raise sentence("must be a name of printable letters on one line")
+    if len(value) > LARGEST["name"]:
+        raise sentence(f"has {len(value):,} letters: a name has at most {LARGEST['name']}")
     return value
 
 

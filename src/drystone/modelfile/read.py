@@ -32,6 +32,7 @@ from drystone.modelfile.schema import AnalysisSection, ExceptionSection, ModelSe
 from drystone.modelfile.sentences import place_of, sentences
 from drystone.modelfile.shapes import ShapeError, shape_of, shape_problems
 from drystone.modelfile.tying import settlement_of, ties_of
+from drystone.ranges import too_many
 
 #: Engines that a model file may name.
 ENGINES = ("equilibrium", "nscd", "distinct", "lmgc90")
@@ -189,6 +190,9 @@ def _analysis(section: AnalysisSection) -> Analysis:
 def checked(data: dict[str, Any]) -> ModelSection:
     """The file's keys, types and ranges, and which shapes its blocks have."""
     given = data.get("dimension")
+    listed = data.get("block")
+    if isinstance(listed, list) and (wrong := too_many("blocks", len(listed))):
+        raise ModelError([f"block: the model {wrong}"])
     dimension = given if given in (2, 3) and not isinstance(given, bool) else None
     problems = shape_problems(data, dimension)
     try:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.builders.errors import ModelError
-from drystone.builders.kinds.stones import positive
+from drystone.builders.kinds.stones import check_count, positive
 from drystone.builders.words import suggestion
 
 Array = NDArray[np.float64]
@@ -165,6 +165,7 @@ def ring(
 
 def _number(voussoirs: int | None, size: float | None, length: float, step: int) -> int:
     """Voussoirs: as given, or the nearest number to a size [m]: odd, or even for ``step`` 2."""
+    check_count(voussoirs if voussoirs is not None else length / float(size or length))
     if voussoirs is None:
         n = length / float(size or length)
         return max(2, 2 * round(0.5 * n)) if step == 2 else max(3, 2 * round(0.5 * (n - 1)) + 1)

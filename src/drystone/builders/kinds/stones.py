@@ -19,14 +19,13 @@ from drystone.geometry import solid
 from drystone.geometry.outline_parts import convex_outlines
 from drystone.geometry.polygon import reflex_corners
 from drystone.geometry.solid import Part
+from drystone.ranges import LARGEST
 
 Array = NDArray[np.float64]
 Depth = tuple[float, float] | None
 
 #: Share of a unit, or of a course, by which a length may miss a whole number of them.
 FITS = 1e-6
-#: Blocks that one builder makes, at most.
-MOST = 100_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,9 +110,10 @@ class Mason:
 
 def check_count(n: float) -> None:
     """Raise `ModelError` where a builder would make more blocks than anything takes."""
-    if n > MOST:
+    most = LARGEST["blocks"]
+    if n > most:
         raise ModelError(
-            [f"gives more than {MOST} blocks: are all lengths in metres? Take larger units"]
+            [f"gives more than {most} blocks: are all lengths in metres? Take larger units"]
         )
 
 
