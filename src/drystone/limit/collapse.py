@@ -44,6 +44,8 @@ FALLING = 1e-3
 MANY, FEW, FEW_FROM = 8, 1, {2: 200, 3: 50}
 #: Multipliers that differ by less than this share are one.
 DIFFERENT = 1e-4
+#: States whose multipliers differ by less than this share have one: it is known no better in space.
+SAME_STATE = 3e-7
 #: Solutions for a turned load, and change of the multiplier at which it stands: as finely as it is
 #: known, a non-associative one in space to some 3e-7.
 TILTS, SAME_TILT = 60, {ASSOCIATIVE: 1e-9, NON_ASSOCIATIVE: 1e-6}
@@ -366,7 +368,8 @@ def _non_associative(
         )
         without = _without(equilibrium, NON_ASSOCIATIVE, "bracketed", reason)
         return replace(without, collapse_range=(low, associative), upper_bound=upper)
-    state = min(paths.states, key=lambda one: one.multiplier)
+    tangent = flow_tangent(equilibrium, settings.alpha)
+    state = _lowest(equilibrium, paths.states, tangent)
     highest = max(one.highest for one in paths.states)
     velocities = _normalised(equilibrium, state.velocity)
     moving = _moving(equilibrium.assembly, velocities)
@@ -378,7 +381,6 @@ def _non_associative(
         )
     if upper < np.inf and _differ(state.multiplier, upper):
         reason += f"; loaded from rest it may carry more, but at most {upper:.5g} (associative)"
-    tangent = flow_tangent(equilibrium, settings.alpha)
     return Collapse(
         flow=NON_ASSOCIATIVE,
         load_multiplier=state.multiplier,
@@ -397,6 +399,17 @@ def _non_associative(
         n_iterations=paths.n_iterations,
         n_paths=len(paths.states),
     )
+
+
+def _lowest(equilibrium: Equilibrium, states: Sequence[State], tangent: Array) -> State:
+    """The state of the lowest multiplier; of those that share it, the one nearest to the flow rule.
+
+    Mechanisms of the curves in `coulomb_path` are off by what is left of their smoothing, those of
+    programs by rounding.
+    """
+    lowest = min(state.multiplier for state in states)
+    same = [s for s in states if s.multiplier <= lowest + SAME_STATE * abs(lowest)]
+    return min(same, key=lambda state: _flow_deviation(equilibrium, state, tangent))
 
 
 def _unbalanced_power(equilibrium: Equilibrium, state: State) -> float:

@@ -56,6 +56,7 @@ class Equilibrium:
     """(n_rows,) what of the dead load stays as large where gravity turns; None for all patterns but
     `tilt`, and where there is none."""
 
+    # Long: rows of blocks, then of ties, then of crushed joints, each in their units.
     @classmethod
     def of(
         cls,
