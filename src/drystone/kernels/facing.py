@@ -35,6 +35,13 @@ HELD = 1e-3
 #: rounding of places, and less than a gap that a drawing means.
 TIED = 1e-6
 
+#: Where parts meet in an edge or a point alone, another face separates them as soon as it does so
+#: by this share of their size more than the present one: a rounding.  Such parts may come apart
+#: along each of these faces' normals.  If the face were kept as flush ones are (HELD), it would
+#: hold parts that slide past each other: two stones on two, head joints in line, carried a tenth to
+#: a half more.
+EDGED = 1e-9
+
 #: An edge that lies on a face but for less than this angle [rad] rests on it at both of its ends.
 FLAT = 0.05
 
@@ -166,3 +173,18 @@ def untied(
         if found < 0 or worth - best > HELD * abs(worth):
             found, best, apart_found = f, worth, by
     return found, apart_found
+
+
+# Many: arrays one by one, for records that are handed on count references at every pair.
+@njit(cache=True)
+def lies_on(
+    first, ring, corner, vertex, normal, plane, extent, turn, body, face, q, kept, deepest, t1, t2,
+    reference, incident, polygon, name,
+):  # fmt: skip
+    """Whether part q lies on a face by more than an edge or a point."""
+    face_q, cosine = incident_face(first, ring, corner, vertex, normal, face, q, kept, deepest)
+    worth = _worth(
+        ring, corner, vertex, normal, plane, extent, turn, body, face, face_q, cosine, t1, t2,
+        reference, incident, polygon, name,
+    )  # fmt: skip
+    return worth > 0.0

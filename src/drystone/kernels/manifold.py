@@ -91,11 +91,13 @@ from drystone.kernels.contacts import (
     B,
 )
 from drystone.kernels.facing import (
+    EDGED,
     HELD,
     LEAST_SHARE,
     TIED,
     edge_on_face,
     incident_face,
+    lies_on,
     project_both,
     untied,
 )
@@ -529,16 +531,29 @@ def _find(shapes, pose, world, of_pair, reach, points, which, value):
         )
         if apart_b > limit:
             continue
-        slack, tie = HELD * min(size[p], size[q]), TIED * min(size[p], size[q])
+        smaller = min(size[p], size[q])
+        slack, tie, edged = HELD * smaller, TIED * smaller, EDGED * smaller
         best = max(apart_a, apart_b)
+        holds_a = held_a >= best - edged or (held_a >= best - slack and lies_on(
+            first, ring, corner, vertex, normal, plane, extent, turn, a, kept_a, q, kept_b,
+            held_a + slack, t1, t2, reference, incident, polygon, name,
+        ))  # fmt: skip
+        holds_b = held_b >= best - edged or (held_b >= best - slack and lies_on(
+            first, ring, corner, vertex, normal, plane, extent, turn, b, kept_b, p, kept_a,
+            held_b + slack, t1, t2, reference, incident, polygon, name,
+        ))  # fmt: skip
+        prefers_a = apart_a >= apart_b - edged or (apart_a >= apart_b - slack and lies_on(
+            first, ring, corner, vertex, normal, plane, extent, turn, a, face_a, q, kept_b,
+            apart_a + slack, t1, t2, reference, incident, polygon, name,
+        ))  # fmt: skip
         stop, tried, least = begin, -1, np.inf
         p_is_a, face_p, face_q, cosine = True, face_a, face_b, 0.0
         for attempt in range(2):
-            if attempt == 0 and held_a >= best - slack:
+            if attempt == 0 and holds_a:
                 p_is_a, face_p, apart = True, kept_a, held_a
-            elif attempt == 0 and held_b >= best - slack:
+            elif attempt == 0 and holds_b:
                 p_is_a, face_p, apart = False, kept_b, held_b
-            elif apart_a >= apart_b - slack:
+            elif prefers_a:
                 p_is_a = True
                 face_p, apart = untied(
                     first, ring, corner, vertex, normal, plane, extent, turn, a, p, q, face_a,
