@@ -148,3 +148,13 @@ def first_collapse(events: Iterable[Event], may_fall: Collection[str] = ()) -> E
     """The first event that ends the capacity of the structure, see `Event.limits`."""
     limiting = (event for event in events if event.limits(may_fall))
     return min(limiting, key=lambda event: event.step, default=None)
+
+
+def falls_with(events: Iterable[Event], first: Event) -> set[str]:
+    """Ids of all blocks that collapse where an event begins: some fall, some come to rest."""
+    return {
+        block
+        for event in (first, *events)
+        if event.is_collapse and event.step == first.step
+        for block in event.blocks
+    }

@@ -17,7 +17,7 @@ from drystone.builders import make_model
 from drystone.builders.errors import ModelError
 from drystone.curve import DYNAMIC, STATIC
 from drystone.event_log import events_of
-from drystone.events import EventKind, Outcome, first_collapse
+from drystone.events import Event, EventKind, Outcome, falls_with, first_collapse
 from drystone.limit import limits_beside, on_what_moves
 from drystone.model import Analysis
 from drystone.site import AssessmentInput, Site
@@ -189,6 +189,18 @@ def test_a_step_at_rest_in_which_a_block_goes_far_is_a_jump():
     (lost, fallen) = events_of(model, curve.points, poses, curve.contacts)
     assert lost.kind is EventKind.LOSS_OF_EQUILIBRIUM and fallen.blocks == ("small",)
     assert fallen.kind is EventKind.BLOCK_FALLEN and fallen.step == curve.points[-2].step
+
+
+def test_blocks_of_all_events_of_one_jump_fall_together():
+    """Some of them fall and some come to rest elsewhere: a control point on either takes part."""
+    place = {"step": 3, "control_displacement": 0.1, "load_multiplier": 0.2, "motion": 1.0}
+    events = [
+        Event(kind=EventKind.BLOCK_FALLEN, blocks=("a",), outcome=Outcome.AT_REST, **place),
+        Event(kind=EventKind.BLOCK_DISPLACED, blocks=("b",), outcome=Outcome.AT_REST, **place),
+        Event(kind=EventKind.BLOCK_FALLEN, blocks=("c",), **{**place, "step": 9}),
+        Event(kind=EventKind.SUPPORT_LOST, blocks=("base",), **place),
+    ]
+    assert falls_with(events, events[0]) == {"a", "b"}
 
 
 def test_a_jump_that_no_step_would_show_is_no_event():

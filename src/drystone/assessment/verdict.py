@@ -15,7 +15,7 @@ from drystone.assessment.methods.base import Settings, Spectra
 from drystone.assessment.request import Request, request_of, settings_of
 from drystone.assessment.site import MotionAsked, missing_motions, spectra_of_site
 from drystone.curve import FINISHED, STATIC, CapacityCurve
-from drystone.events import first_collapse
+from drystone.events import falls_with, first_collapse
 from drystone.language import Saying, said_end, say
 from drystone.model import Model
 from drystone.site import AssessmentInput, Site
@@ -226,7 +226,7 @@ def _left_behind(curve: CapacityCurve, model: Model) -> list[Saying]:
     """A sentence where the control point is not on what collapses first."""
     event = curve.ended_by or first_collapse(curve.events, model.parts_that_may_fall)
     control = model.assembly.ids[model.control_point.block]
-    if event is None or control in event.blocks:
+    if event is None or control in falls_with(curve.events, event):
         return []
     return [say("verdict.left_behind", block=control, what=event.what)]
 

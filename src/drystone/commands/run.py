@@ -176,6 +176,8 @@ def _with_stored(curve: CapacityCurve, folder: Path) -> CapacityCurve:
 
 def remarks(curve: CapacityCurve, model: Model, beside: Beside) -> list[str]:
     """Sentences on what a reader of the peak alone would miss."""
+    from drystone.events import falls_with
+
     found = []
     first, capacity = curve.first_collapse, curve.capacity
     if first is not None and curve.rises_after_collapse:
@@ -185,7 +187,8 @@ def remarks(curve: CapacityCurve, model: Model, beside: Beside) -> list[str]:
             f"{capacity.load_multiplier:.4f}"
         )
     control = model.assembly.ids[model.control_point.block]
-    if first is not None and control not in first.blocks and curve.points[-1].step > first.step:
+    stays = first is not None and control not in falls_with(curve.events, first)
+    if first is not None and stays and curve.points[-1].step > first.step:
         found.append(
             f'the control point, on the block "{control}", does not take part where '
             f"{first.what} ({first.place}): its displacement does not show that collapse"
