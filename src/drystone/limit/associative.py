@@ -34,8 +34,9 @@ from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer
 
 Array = NDArray[np.float64]
 
-#: From this many blocks on the interior-point method is faster than the simplex method.
-INTERIOR_POINT_FROM = 120
+#: From this many contact points on the interior-point method is asked first in the plane.  On dry
+#: walls it is as fast as the simplex method at 340, twice as fast at 550, five times at 1,100.
+INTERIOR_POINT_FROM = 600
 #: A motion that goes less than this share along the load does not go along it.
 SLIGHT = 1e-6
 
@@ -191,9 +192,8 @@ def _strongest(
 
 def _is_inside(equilibrium: Equilibrium) -> bool:
     """Whether the interior-point method is asked first: in space, and in the plane where there are
-    so many blocks that the simplex method would be slow."""
-    space = equilibrium.points.dimension == 3
-    return space or equilibrium.assembly.n_blocks >= INTERIOR_POINT_FROM
+    so many contact points that the simplex method would be slow."""
+    return equilibrium.points.dimension == 3 or equilibrium.n_contacts >= INTERIOR_POINT_FROM
 
 
 def _by_program(

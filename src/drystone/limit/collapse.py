@@ -380,7 +380,8 @@ def _non_associative(
             f"{highest:.5g} were found"
         )
     if upper < np.inf and _differ(state.multiplier, upper):
-        reason += f"; loaded from rest it may carry more, but at most {upper:.5g} (associative)"
+        what = "associative, across corners" if _differ(associative, upper) else "associative"
+        reason += f"; loaded from rest it may carry more, but at most {upper:.5g} ({what})"
     return Collapse(
         flow=NON_ASSOCIATIVE,
         load_multiplier=state.multiplier,

@@ -53,7 +53,8 @@ Array = NDArray[np.float64]
 #: Relative velocities below this share of the largest are none, in the plane and in space: where
 #: cones are round, the power of a mechanism differs by the square of what its velocities do.
 STILL = {2: 1e-7, 3: 1e-5}
-#: From this many blocks on in the plane, and always in space, curves of `coulomb_path` come first.
+#: From this many contact points on in the plane, and always in space, curves of `coulomb_path` come
+#: first.
 SMOOTH_FROM = {2: INTERIOR_POINT_FROM, 3: 0}
 #: Factorisations that one curve of `coulomb_path` may take, all together, and from where on no
 #: further one is begun.  Random structures of up to 40 blocks took 35 to 180, facades of 125 from
@@ -207,7 +208,7 @@ def _from_smooth(
 
 
 def _is_large(equilibrium: Equilibrium) -> bool:
-    return equilibrium.assembly.n_blocks >= SMOOTH_FROM[equilibrium.points.dimension]
+    return equilibrium.n_contacts >= SMOOTH_FROM[equilibrium.points.dimension]
 
 
 def flow_tangent(equilibrium: Equilibrium, alpha: float) -> Array:
