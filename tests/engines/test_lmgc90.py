@@ -298,13 +298,17 @@ def test_a_facade_in_space_has_all_its_joints():
     model = facade(1e8)
     assembly = model.assembly
     theirs = make_engine("lmgc90")
-    state, _ = theirs.start(problem_of(model))
+    state, report = theirs.start(problem_of(model))
     contacts = theirs.contacts(state)
     carried = state.outcome.contact_force[assembly.fixed].sum(axis=0)
     theirs.close()
     weight = assembly.weight[~assembly.fixed].sum()
-    # 4e-6 were measured: what is left of the motion of settling.
-    np.testing.assert_allclose(carried[:3] / weight, [0.0, 0.0, -1.0], atol=1e-5)
+    # The supports lack the inertia of what still moves, at most the fastest block's acceleration
+    # over gravity; LMGC90 does not settle to the same bits twice (4e-6 to 1.2e-5 were lacking).
+    assert report.acceleration < 1e-3
+    np.testing.assert_allclose(
+        carried[:3] / weight, [0.0, 0.0, -1.0], rtol=0.0, atol=report.acceleration
+    )
     found = Counter(zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True))
     joints = assembly.interfaces
     designed = zip(joints.block_a.tolist(), joints.block_b.tolist(), strict=True)
