@@ -17,9 +17,9 @@ from drystone.assembly import JointLaw
 from drystone.contact.strengths import Strengths
 from drystone.kernels.law import H_CRUSH, H_MU, H_ROOM
 
-#: Seeds, by the dimension.
-FEW = [(2, 0), (2, 3), (2, 4)]
-MANY = [(2, 1), (2, 2)]
+#: Dimension and seed; those of FEW take less than 2 s each.
+FEW = [(2, 0), (2, 1), (2, 3), (2, 4), (3, 1), (3, 2), (3, 3)]
+MANY = [(2, 2), *((2, seed) for seed in range(5, 12)), (3, 0), *((3, seed) for seed in range(4, 8))]
 
 
 def is_whole(curve):
@@ -31,7 +31,8 @@ def is_whole(curve):
 def check(dimension, seed):
     curve, energy = energy_of(bonded_wall(seed, dimension))
     assert is_whole(curve), curve.reason
-    if KINDS[seed % 3] != "crushing":  # what is left is that of bonds; see `energy_of`
+    # Dry contacts whose areas change on the way are off by up to 2e-2, crushed or not.
+    if KINDS[seed % 3] != "crushing":
         assert energy.error < 1e-3
     return curve
 
@@ -41,7 +42,7 @@ def test_traced_whole_with_its_energy(dimension, seed):
     assert len(check(dimension, seed).points) < 300
 
 
-@pytest.mark.slow  # some 6 s
+@pytest.mark.slow  # up to a minute each in space, else some 6 s
 @pytest.mark.parametrize(("dimension", "seed"), MANY)
 def test_many_traced_whole(dimension, seed):
     check(dimension, seed)
