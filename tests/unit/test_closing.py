@@ -94,7 +94,7 @@ def test_forty_elevations_drawn_by_hand(noise):
         except ModelError as error:
             refused.append(seed)
             (overlap,) = {
-                float(x) for x in re.findall("overlap = (.*) in", "".join(error.problems))
+                float(x) for x in re.findall(r"overlap = ([\d.]+) in", " ".join(error.problems))
             }
             worst, off = check_elevation(seed, noise, overlap)
         if worst > off:
