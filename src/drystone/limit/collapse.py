@@ -370,7 +370,7 @@ def _non_associative(
         return replace(without, collapse_range=(low, associative), upper_bound=upper)
     tangent = flow_tangent(equilibrium, settings.alpha)
     state = _lowest(equilibrium, paths.states, tangent)
-    highest = max(one.highest for one in paths.states)
+    highest = max(state.multiplier, *(one.highest for one in paths.states))  # but for rounding
     velocities = _normalised(equilibrium, state.velocity)
     moving = _moving(equilibrium.assembly, velocities)
     reason = f"a mechanism of {_blocks(len(moving))} forms"
