@@ -30,9 +30,7 @@ from drystone.kernels.law import (
     SOFTENED,
     STICKING,
 )
-
-#: How far a bond has softened when it is lost; as far a joint that is crushed may soften.
-LOST = 20.0
+from drystone.kernels.softening import LOST
 
 
 @njit(cache=True)
