@@ -49,7 +49,8 @@ class TestTension:
         most, soft = self.strength * self.area, self.stiffness * self.area
         # Displacements are counted from where its weight has pressed it to.
         opened = curve.column("control_displacement") - self.weight / soft - force / soft
-        assert force.max() == pytest.approx(most, rel=1e-6)
+        # What a step may hide of a peak is 2e-4 of it.
+        assert force.max() == pytest.approx(most, rel=3e-4)
         torn = opened > 0.0
         left = np.exp(-self.strength * opened[torn] / self.energy)
         # Strengths settle to 1e-6 of the weight, a share of the solutions before at a time.

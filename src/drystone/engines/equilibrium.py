@@ -51,7 +51,7 @@ from drystone.solvers.linear_step import Loads, PointPace
 from drystone.solvers.piecewise import Accuracy, PathSettings, StepSolution
 from drystone.solvers.static_step import STATUS_OF, Constants, StaticStep
 from drystone.solvers.tie_forces import TieForces
-from drystone.solvers.ways import WayInPlane
+from drystone.solvers.ways import WayInPlane, WayInSpace
 from drystone.solvers.yielding import Way
 from drystone.ties import Bars, TieState
 
@@ -382,12 +382,22 @@ class EquilibriumEngine:
             return last
 
         def way(solved: StepSolution | None, held: Array, fresh: Array) -> Way | None:
-            if not self.strengths.smooth or isinstance(equations, ConeStep):
+            if not self.strengths.smooth:
                 return None
             strengths, accuracy = self.strengths, step.accuracy
             if solved is None and self.ties:
                 self.ties.begin(state.ties)
             at = state.pose, state.slots, state.history, state.branch, step.h
+            if isinstance(equations, ConeStep):
+                if solved is None:
+                    x, demand = step.guess, step.demand
+                    if state.tangent is not None and demand.increment is not None:
+                        x = demand.increment * state.tangent
+                    equations.begin(*at, step.pace, held, fresh)
+                    equations.set_out(x, step.multiplier)
+                space = self.settings.space
+                slight = space.slight * self.problem.assembly.heaviest_weight
+                return WayInSpace(equations, strengths, accuracy, space, slight)
             x, multiplier = step.guess, step.multiplier
             if solved:
                 x, multiplier = solved.increment, solved.multiplier
@@ -436,7 +446,7 @@ class EquilibriumEngine:
         if state.tangent is not None and demand.increment is not None:
             guesses.append(demand.increment * state.tangent)
         if last is not None:
-            guesses = [last.increment]
+            guesses = [last.increment if near is None else near]
             multiplier = multiplier if pace is None else last.multiplier
         return cone_solution.solve(
             equations,

@@ -440,6 +440,13 @@ def solve(
     )
 
 
+def grows(step: ConeStep, accuracy: Accuracy, settings: SpaceSettings) -> bool:
+    """Whether a structure would leave where it is by one of its lowest modes, by the stiffness that
+    is factorised and has been solved with."""
+    quotients, _ = _Solver(step, accuracy, settings).modes()
+    return not len(quotients) or bool((quotients < -settings.stability.neutral).any())
+
+
 def _reason(found: bool, n_iterations: int, step: ConeStep, accuracy: Accuracy) -> str:
     """Why a step has failed; "" where it has not."""
     if not found:

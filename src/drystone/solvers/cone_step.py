@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.certificate import JudgedContacts
+from drystone.contact.strengths import Strengths
 from drystone.geometry import motion
-from drystone.kernels import cones, lu_numeric, lu_symbolic, path, spatial_step, step
+from drystone.kernels import cones, lu_numeric, lu_symbolic, path, softening, spatial_step, step
 from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import (
     BOND,
@@ -500,6 +501,44 @@ class ConeStep:
             normal=self.by_slot(self.reaction)[:, 0],
             area=np.where(self.known.kind != NONE, self.known.size, 0.0),
         )
+
+    def soften(self, strengths: Strengths, start: Array) -> tuple[IntArray, Array]:
+        """Unbalanced forces, and response, where the step is, with the strengths that joints have
+        there; see `StaticStep.soften`."""
+        self.respond()
+        n = self.n
+        used = self.places.which[:n, 0]
+        law = self.pairs.law_of_slot[used]
+        rows = np.flatnonzero(strengths.yields[law])
+        slot, law = used[rows], law[rows]
+        area, shear = self.known.size[slot], self.trial[rows, 1:]
+        size = np.hypot(*shear.T)
+        gap = self.places.start[rows, spatial_step.GAP_0] + self.now[rows, Y]
+        committed = self.history_before[slot]
+        gap = gap + committed[:, joint_law.DILATION]
+        point = strengths.points(law, start[slot], committed, gap, size / area)
+        p, kn = point.T, self.places.law[rows, spatial_step.KN] / area
+        along = np.divide(shear, size[:, None], out=np.zeros_like(shear), where=size[:, None] > 0.0)
+        across = np.eye(2) - along[:, :, None] * along[:, None, :]
+        share = np.divide(area * p[softening.P_SHEAR], size, out=np.ones(len(rows)), where=size > 0)
+        response, reaction = self.response, self.reaction
+        reaction[rows, 0] = area * p[softening.P_NORMAL]
+        reaction[rows, 1:] = share[:, None] * shear
+        response[rows, 0, 0] = -p[softening.P_NY] / kn
+        response[rows, 0, 1:] = p[softening.P_NT, :, None] * along
+        response[rows, 1:, 0] = (-p[softening.P_TY] / kn)[:, None] * along
+        turning = (along[:, :, None] * along[:, None, :]) * p[softening.P_TT, :, None, None]
+        response[rows, 1:, 1:] = turning + share[:, None, None] * across
+        self.balance(self.reaction)
+        return slot, point
+
+    def take(self, held: Array) -> None:
+        """Take on what joints hold, (n_slots, N_HELD), from here on; unbalanced forces with it."""
+        self.holding[:] = held
+        self._hold(held)
+        self.move(np.zeros_like(self.x), 0.0)
+        self.respond()
+        self.balance(self.reaction)
 
     def _find(self) -> Array:
         """Find the contacts where the blocks are now, into `found`, unless they have been; their

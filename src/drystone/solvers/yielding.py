@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from drystone.contact.strengths import Reached, Strengths, difference
 from drystone.kernels import softening
 from drystone.kernels.contacts import Pairs
-from drystone.kernels.law import H_PULL, H_ROOM, N_HISTORY
+from drystone.kernels.law import H_PULL, H_ROOM
 from drystone.kernels.yielding import BONDED, CRUSHED, OPEN, STICKING, TORN
 from drystone.solvers.piecewise import StepSolution
 from drystone.solvers.static_step import Ended
@@ -36,8 +36,8 @@ IntArray = NDArray[np.int64]
 LEAST_SHARE, MOST_SHARE = 0.3, 10.0
 
 #: Solutions of a step before it counts as failed: where joints may let go in it, and where a
-#: shorter one would rather be tried.
-MOST_SOLUTIONS, FEW_SOLUTIONS = 60, 6
+#: shorter one would rather be tried.  With 15 to 60 of the former twenty random walls end alike.
+MOST_SOLUTIONS, FEW_SOLUTIONS = 30, 6
 
 #: Iterations of Newton's method, halvings of one, and force that it may leave, over the one by
 #: which what contacts hold may still change.
@@ -174,14 +174,14 @@ def solve(
     held, iterations = strengths.held(law, history, now), 0
     fresh = strengths.fresh[law]
     first: StepSolution | None = None
-    relaxation = _Relaxation(strengths, law)
+    relaxation = _Relaxation(strengths, law, leaves=lets_go)
     near: Array | None = None
     slope: float | None = None
-    patient = lets_go or not strengths.smooth or history.shape[1] > N_HISTORY
+    patient = lets_go or not strengths.smooth
     fallen, most = 0, MOST_SOLUTIONS if patient else FEW_SOLUTIONS
-    begun = _Come(np.arange(len(law)), history, history, now, np.inf)
+    begun = _Come(np.arange(len(law)), history, history, now, np.zeros(len(law)), np.inf)
     # A curve that has a tangent is gone on along it.
-    solved, ways = _UNSOLVED, history.shape[1] == N_HISTORY and strengths.smooth
+    solved = _UNSOLVED
     for k in range(most + 1):
         going: StepSolution | None = None
         come = begun
@@ -194,11 +194,9 @@ def solve(
                 come = _Come.to(step, strengths, history)
                 if come.change <= tolerance:
                     strengths.write(law, come.reached, come.after)
-                    if first is solved and ways:  # nothing has yielded
+                    if first is solved:  # nothing has yielded
                         return solved
-                    return _shaped(
-                        solved, first, start, increment, slope, fallen > 0, lets_go, ways
-                    )
+                    return _shaped(solved, first, start, increment, slope, fallen > 0, lets_go)
                 near = solved.increment
             elif k > 1 or np.isfinite(start.rise):
                 return solved
@@ -212,7 +210,7 @@ def solve(
                 if there.change <= tolerance:
                     strengths.write(law, there.reached, there.after)
                     end = _shaped(stood, first, start, increment, slope, fallen > 0, lets_go)
-                    worth = _worth(strengths, law, there, step.ended(), WORTH * tolerance)
+                    worth = _worth(strengths, law, there, WORTH * tolerance)
                     return end if worth else replace(end, softened=False, slope=np.nan)
             now = _at(found.reached, now, come.origin)
         elif going:
@@ -232,6 +230,7 @@ class _Come(NamedTuple):
     before: Array  # (n_slots, N_HISTORY + dim - 2), where the step starts
     after: Array  # likewise, at the end: that of the step
     reached: Reached
+    holds: Array  # (n_slots,) N, that bonds hold
     change: float  # N, by which what contacts hold follows from it anew
 
     @classmethod
@@ -242,16 +241,16 @@ class _Come(NamedTuple):
         reached = strengths.reached(law, before, end.after, end.gap)
         held = strengths.held(law, before, reached)
         change = difference(held, end.held, end.normal, end.area)
-        return cls(end.origin, before, end.after, reached, change)
+        holds = (end.held[:, H_PULL] + end.held[:, H_ROOM]) * end.area
+        return cls(end.origin, before, end.after, reached, holds, change)
 
 
-def _worth(strengths: Strengths, law: IntArray, come: _Come, end: Ended, least: float) -> bool:
+def _worth(strengths: Strengths, law: IntArray, come: _Come, least: float) -> bool:
     """Whether contacts that soften hold more than a force [N], as far as they are bonds."""
     if (strengths.yields & ~strengths.bonded).any() or np.isfinite(strengths.crush).any():
         return True
     soft = strengths.bonded[law] & (come.reached.softened > 0.0)
-    holds = (end.held[:, H_PULL] + end.held[:, H_ROOM]) * end.area
-    return bool(holds[soft].max(initial=0.0) > least)
+    return bool(come.holds[soft].max(initial=0.0) > least)
 
 
 class _Settled(NamedTuple):
@@ -317,10 +316,12 @@ class _Relaxation:
     """What contacts come to, extrapolated from how it changes (Irons and Tuck 1969).
 
     Where joints soften nearly as fast as the structure lets go, one solution takes a small part of
-    the way, and the same part as the one before.
+    the way, and the same part as the one before.  Where ever more is missing, the structure leaves
+    an equilibrium that it would not keep; if it ``leaves`` in this step, it goes ever faster.
     """
 
-    def __init__(self, strengths: Strengths, law: IntArray) -> None:
+    def __init__(self, strengths: Strengths, law: IntArray, *, leaves: bool) -> None:
+        self.leaves = leaves
         self.scale = strengths.per_slip[law], strengths.by_crushing[law]
         self.share, self.last = 1.0, np.zeros(0)
 
@@ -338,8 +339,10 @@ class _Relaxation:
         )
         if len(self.last):
             change = missing - self.last
-            size = float(change @ change)
-            share = -self.share * float(self.last @ change) / size if size > 0.0 else 1.0
+            size, along = float(change @ change), float(self.last @ change)
+            share = -self.share * along / size if size > 0.0 else 1.0
+            if self.leaves and along > 0.0:
+                share = 2.0 * self.share
             self.share = min(max(share, LEAST_SHARE), MOST_SHARE)
         self.last = missing
         more = self.share
@@ -358,7 +361,6 @@ def _shaped(
     slope: float | None,
     fallen: bool,
     lets_go: bool,
-    ways: bool = True,
 ) -> StepSolution:
     """The solution of a step, with what it may hide of the curve; see `StepSolution`.
 
@@ -367,8 +369,6 @@ def _shaped(
     """
     if increment is None:
         return replace(solved, excess=None)
-    if first and slope is None and not ways:
-        return replace(solved, excess=_hidden(first, solved, start.multiplier))
     before, after = start.multiplier, solved.multiplier
     known = first.multiplier if first else after
     rise = start.rise if np.isfinite(start.rise) else known - before
