@@ -1,4 +1,4 @@
-"""Random walls whose joints have bonds that soften, are crushed, or both; and their energy.
+"""Random walls whose joints have bonds that soften, are crushed, or both.
 
     wall = bonded_wall(seed, dimension)
 
@@ -8,15 +8,10 @@ times the least that a bond of that strength and stiffness may have.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 import drystone as ds
 from drystone.builders import panel
-from drystone.curve import CapacityCurve
-from drystone.engines.equilibrium import EquilibriumEngine
-from drystone.kernels.law import DILATION, OPEN, OPENED, SHEAR, SLID
 
 KINDS = ("softening", "crushing", "both")
 
@@ -95,82 +90,3 @@ def bonded_wall(seed: int, dimension: int = 2) -> ds.Model:
         analysis=ds.Analysis(options={"max_displacement": 0.05 * size["height"]}),
         **({} if few else {"thickness": thickness}),
     )
-
-
-@dataclass(frozen=True)
-class Energy:
-    """Of a curve, over the work done along it by load and weight on the way to where it ends."""
-
-    error: float  # what is neither stored nor dissipated, of steps along equilibria
-    released: float  # the same of jumps, which the structure would move with
-
-
-class _Watched(EquilibriumEngine):
-    """Keeps every state, and where it came from."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.came = {}
-
-    def step(self, state, demand):
-        new, report = super().step(state, demand)
-        if report.converged:
-            self.came[id(new)] = (new, state, demand, report, self.laws, self.constants)
-        self.last = new
-        return new, report
-
-
-def energy_of(model: ds.Model, **options) -> tuple[CapacityCurve, Energy]:
-    """The curve of `equilibrium`, and its energy balance, step by step.
-
-    Work of the loads against what is stored, k/2 times the elastic motion squared, and dissipated:
-    by what is torn, slid and crushed, with the mean of the forces at both ends of a step.
-    """
-    engine = _Watched()
-    curve = ds.pushover(model, engine=engine, **options)
-    laws, thickness = engine.laws, engine.constants.thickness
-    state, steps = engine.last, []
-    while id(state) in engine.came:
-        steps.append(engine.came[id(state)])
-        state = steps[-1][1]
-    total, error, released = 0.0, 0.0, 0.0
-    for new, old, demand, _report, _, constants in steps[::-1]:
-        if len(new.history) != len(old.history):
-            continue
-        loads = constants.loads
-        x = new.last_increment
-        force = loads.dead + 0.5 * (new.multiplier + old.multiplier) * loads.pattern
-        work = float(np.vdot(force, x))
-        kn, ks, area = _stiffness(new, laws, thickness)
-        stored = [float(np.sum(_stored(s, kn, ks, area))) for s in (old, new)]
-        lost = float(np.sum(_lost(old, new, ks, area)))
-        off = abs(work - (stored[1] - stored[0]) - lost)
-        total += abs(work)
-        jumps = demand.time_step > 0.0 or demand.over_fold
-        error, released = (error, released + off) if jumps else (error + off, released)
-    return curve, Energy(error / total, released / total)
-
-
-def _stiffness(state, laws, thickness):
-    law = state.pairs.law_of_slot
-    area = state.slots.size * thickness
-    return laws[law, 1], laws[law, 2], area
-
-
-def _stored(state, kn, ks, area):
-    normal, shear = state.reaction[:, 0], state.history[:, SHEAR:]
-    safe = np.where((area > 0.0) & (state.slots.kind != 0), area, np.inf)
-    return 0.5 * normal**2 / (kn * safe) + 0.5 * np.sum(shear**2, axis=1) / (ks * safe)
-
-
-def _lost(old, new, ks, area):
-    mean = 0.5 * (old.reaction + new.reaction)
-    change = new.history - old.history
-    shear = np.hypot.reduce(mean[:, 1:], axis=1) if mean.shape[1] > 2 else np.abs(mean[:, 1])
-    # A dry contact that opens forgets its shear.
-    gone = (old.branch != OPEN) & (new.branch == OPEN) & (area > 0.0)
-    opened = np.where(gone, 0.5 * np.sum(old.history[:, SHEAR:] ** 2, axis=1), 0.0)
-    opened = opened / np.where(gone, ks * area, 1.0)
-    torn = -mean[:, 0] * change[:, OPENED]
-    crushed = -mean[:, 0] * np.minimum(change[:, DILATION], 0.0)
-    return opened + np.maximum(torn, 0.0) + crushed + shear * np.maximum(change[:, SLID], 0.0)
