@@ -84,14 +84,14 @@ def _cause(curve: CapacityCurve, model: Model, point: CurvePoint, bound: float) 
     if len(beyond):
         designed = contact_points(model.assembly)
         reached = bound_with(model, joined(designed, _points(contacts, beyond, model)))
-        causes = [
-            *[f"{_pairs(contacts, at_corners, model)} across a corner"] * (len(at_corners) > 0),
-            *[
+        causes = []
+        if len(at_corners):
+            causes.append(f"{_pairs(contacts, at_corners, model)} across a corner")
+        if len(others):
+            causes.append(
                 f"{_pairs(contacts, others, model)} that did not touch, apart by up to "
                 f"{_apart(contacts, others, model):.2g} m as designed"
-            ]
-            * (len(others) > 0),
-        ]
+            )
         carries = f"because load is carried between {' and between '.join(causes)}"
         if not exceeds(point.load_multiplier, reached):
             return f"{carries}: with these contacts limit analysis gives {reached:.4f}"
