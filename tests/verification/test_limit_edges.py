@@ -14,6 +14,7 @@ from drystone.builders import make_model
 from drystone.events import Event, EventKind
 from drystone.geometry import solid
 from drystone.limit import ASSOCIATIVE, collapse_load, limits_beside
+from drystone.limit.against import carried_against
 from drystone.limit.edges import Edges
 from drystone.limit.joints import contact_points
 from drystone.model import Analysis
@@ -173,6 +174,39 @@ def test_events_and_motion_are_causes():
     )  # fmt: skip
     told = low.warning(replace(curve, events=(event,)), model)
     assert "because before the structure moves by itself, by 0.02 m" in told
+
+
+def leaning():
+    """Two blocks on each other; the bed between falls by 1 in 200 the way they are pushed, so that
+    the upper one slides at 0.2946 and both at 0.3."""
+    outlines = {
+        "base": rectangle(-1.0, -0.3, 3.0, 0.3),
+        "lower": np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.2], [0.0, 0.205]]),
+        "upper": np.array([[0.2, 0.204], [0.8, 0.201], [0.8, 0.3], [0.2, 0.3]]),
+    }
+    return assembled(outlines, joint(0.3, 1e10), space=False)
+
+
+def test_a_multiplier_read_off_a_motion_is_told_from_one_at_rest():
+    model = leaning()
+    sliding = (0.3 - 0.005) / (1.0 + 0.3 * 0.005)
+    beside, collapse = limits_beside(model), collapse_load(model, flow=ASSOCIATIVE)
+    assert beside.associative == pytest.approx(sliding, rel=1e-6)
+    kept = {"keep_poses": True, "keep_contacts": True, "max_displacement": 0.005}
+    curve = ds.pushover(model, engine="nscd", **kept)
+    told = beside.warning(curve, model)
+    assert "because it is read off a motion" in told
+    point = curve.capacity
+    pose, contacts = curve.poses[point.step], curve.contacts[point.step]
+    carried = carried_against(model, collapse.velocities, contacts, pose)
+    assert carried == pytest.approx(sliding, rel=1e-5) and point.load_multiplier > 1.005 * sliding
+    # At rest any mechanism tells the same.
+    still = ds.pushover(model, engine="equilibrium", **kept)
+    assert beside.warning(still, model) is None
+    for point in still.points[1:]:
+        pose, contacts = still.poses[point.step], still.contacts[point.step]
+        carried = carried_against(model, collapse.velocities, contacts, pose)
+        assert carried == pytest.approx(point.load_multiplier, rel=1e-5)
 
 
 def test_without_friction_nothing_exceeds_nothing():

@@ -1,13 +1,15 @@
-"""Why a curve lies above the associative multiplier: three causes, each looked for at the point.
+"""Why a curve lies above the associative multiplier: four causes, each looked for at the point.
 
-Limit analysis bounds what rigid blocks carry in their designed shape, by the joints that they have
-there.  A static point of a curve balances by its certificate, so that what lies above the bound is
-no longer that structure.  Before the point
+Limit analysis bounds what rigid blocks carry at rest in their designed shape, by the joints that
+they have there.  Before or at the point
 
 1. a part has moved by itself: an event, and the multiplier is that of what stands afterwards;
-2. blocks carry each other that share no joint: at corners where they meet (see `edges`), or that
+2. blocks are in motion, as those of `nscd` are, and the multiplier is read off the motion of its
+   step.  On the mechanism of limit analysis the contact forces carry no more than the bound (see
+   `against`); at rest they would carry the same on any;
+3. blocks carry each other that share no joint: at corners where they meet (see `edges`), or that
    did not touch as designed.  Limit analysis with their contacts as well then carries as much;
-3. else blocks have moved, and the place of joints and weights with them.
+4. else blocks have moved, and the place of joints and weights with them.
 """
 
 from __future__ import annotations
@@ -19,7 +21,8 @@ from drystone.contact.forces import ContactForces
 from drystone.curve import CapacityCurve, CurvePoint
 from drystone.events import COLLAPSES, EventKind
 from drystone.geometry.motion import translations, turns
-from drystone.limit.collapse import NO_FORCE, bound_with
+from drystone.limit.against import carried_against
+from drystone.limit.collapse import ASSOCIATIVE, NO_FORCE, bound_with, collapse_load
 from drystone.limit.edges import Edges
 from drystone.limit.joints import ContactPoints, contact_points, joined, points_at
 from drystone.model import Model
@@ -79,6 +82,15 @@ def _cause(curve: CapacityCurve, model: Model, point: CurvePoint, bound: float) 
             "were not kept, which would tell"
         )
     contacts = curve.contacts[point.step]
+    pose = None if curve.poses is None else curve.poses[point.step]
+    mechanism = collapse_load(model, flow=ASSOCIATIVE).velocities
+    carried = carried_against(model, mechanism, contacts, pose)
+    if carried is not None and not exceeds(carried, bound):
+        return (
+            f"because it is read off a motion: {point.applied_multiplier:.4f} is applied there, "
+            f"{100.0 * point.inertia_ratio:.2g} % of which is inertia, and on the mechanism of "
+            f"limit analysis contacts carry {_digits(carried, point.load_multiplier)}"
+        )
     at_corners, others = _beyond_joints(contacts, model)
     beyond = np.concatenate((at_corners, others))
     if len(beyond):
