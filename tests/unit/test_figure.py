@@ -71,6 +71,40 @@ def test_parts_that_are_given_move_as_one_and_keep_their_seam(corner):
     assert made.shapes.vertices.min() == pytest.approx(whole.shapes.vertices.min(), abs=1e-12)
 
 
+def cut_up(how):
+    """A box with faces cut into triangles, or with a vertex more: amid an edge, amid a face."""
+    vertices, faces = solid.box([[0.0, 0.0, 0.0], [0.6, 0.4, 0.3]])
+    if how == "triangles":
+        faces = tuple((f[0], f[k], f[k + 1]) for f in faces for k in (1, 2))
+    elif how == "amid a face":
+        vertices = np.vstack((vertices, vertices[4:].mean(axis=0)))
+        top = tuple((4 + k, 4 + (k + 1) % 4, 8) for k in range(4))
+        faces = (*(face for face in faces if set(face) != {4, 5, 6, 7}), *top)
+    elif how == "amid an edge":
+        vertices = np.vstack((vertices, vertices[4:6].mean(axis=0)))
+        following = {frozenset((4, 5)): (8,)}
+        faces = tuple(
+            tuple(
+                k
+                for i, j in zip(face, (*face[1:], face[0]), strict=True)
+                for k in (i, *following.get(frozenset((i, j)), ()))
+            )
+            for face in faces
+        )
+    return vertices, faces
+
+
+@pytest.mark.parametrize("how", ["triangles", "amid a face", "amid an edge"])
+@pytest.mark.parametrize("given", ["faces", "parts"])
+def test_faces_in_one_plane_are_one_and_vertices_amid_edges_are_left_out(how, given):
+    """Contact is on one face of each part: a block of such parts did not stand."""
+    part = Part(*cut_up(how))
+    figure = Figure.of(*((part.vertices, part.faces) if given == "faces" else ((), (), (part,))))
+    (plain,) = figure.parts
+    assert len(plain.vertices) == 8 and [len(face) for face in plain.faces] == [4] * 6
+    assert figure.volume == pytest.approx(0.072, rel=1e-12)
+
+
 def test_blocks_are_all_of_one_dimension():
     vertices, faces = solid.box([[0.0, 0.0, 0.0], [0.4, 0.6, 1.5]])
     with pytest.raises(GeometryError, match='block "b": has 2 coordinates'):

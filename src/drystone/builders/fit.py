@@ -1,4 +1,5 @@
-"""Outlines as they were drawn, made to fit: turned round, and joints closed that nearly are.
+"""Outlines as they were drawn, made to fit: turned round, vertices amid straight edges left out,
+and joints closed that nearly are.
 
 Drawings are never exact.  A gap or an overlap of a hair between two edges that were meant to lie on
 each other would be a joint that carries nothing, or one under stress before any load.  Edges that
@@ -73,6 +74,42 @@ def _part_turned_round(part: Part) -> Part:
     return part
 
 
+def straightened(blocks: Sequence[Block]) -> tuple[list[Block], tuple[str, ...]]:
+    """The blocks of the plane without vertices amid straight edges, and a sentence on which.
+
+    An edge is as straight as a face of a solid is flat.  Contact between two parts is on one edge
+    of each: half an edge would carry the load of both halves.
+    """
+    straight = [_straightened(block) for block in blocks]
+    pairs = list(zip(straight, blocks, strict=True))
+    ids = [block.id for block, before in pairs if block is not before]
+    if not ids:
+        return list(blocks), ()
+    n = sum(len(before.vertices) - len(block.vertices) for block, before in pairs)
+    what = "1 vertex amid a straight edge was" if n == 1 else f"{n} vertices amid edges were"
+    return straight, (f"block: {what} left out: {listed(ids)}",)
+
+
+def _straightened(block: Block) -> Block:
+    """The block itself where every vertex of it bends its outline, and in space."""
+    if block.dimension == 3:
+        return block
+    parts = [_without_straight(outline) for outline in _outlines_of(block)]
+    if sum(map(len, parts)) == len(block.vertices):
+        return block
+    own = tuple(map(Part, parts)) if block.parts else ()
+    return replace(block, vertices=np.vstack(parts), parts=own)
+
+
+def _without_straight(outline: Array) -> Array:
+    return outline[polygon.turning(outline, solid.FLAT * solid.size_of(outline))]
+
+
+def _outlines_of(block: Block) -> list[Array]:
+    """Of the parts of a block of the plane."""
+    return [part.vertices for part in block.parts] or [block.vertices]
+
+
 def fitted(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], tuple[str, ...]]:
     """The blocks with joints closed that nearly are, and a sentence on what was moved.
 
@@ -86,7 +123,7 @@ def fitted(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], tupl
     """
     if any(block.dimension == 3 for block in blocks):
         return list(blocks), ()
-    shapes = [[part.vertices for part in block.parts] or [block.vertices] for block in blocks]
+    shapes = [_outlines_of(block) for block in blocks]
     # Each part by itself: where two of a block lie on each other, they get one line as well.
     outlines = Outlines.pack([[outline] for own in shapes for outline in own])
     distance = tolerance * float(outlines.edges[1].min())

@@ -21,7 +21,7 @@ from drystone.builders.checks import (
 from drystone.builders.control import choose_control_point
 from drystone.builders.describe import material_names
 from drystone.builders.errors import ModelError
-from drystone.builders.fit import DRAWING_TOLERANCE, fitted, turned_round
+from drystone.builders.fit import DRAWING_TOLERANCE, fitted, straightened, turned_round
 from drystone.geometry import GeometryError
 from drystone.geometry.mended import Mended
 from drystone.loading import DeadLoad, LoadPattern, MassPattern, NoPattern
@@ -215,7 +215,7 @@ def assembly_of(
     drawing_tolerance: float,
     place: Place,
 ) -> tuple[Assembly, tuple[str, ...]]:
-    """The blocks turned round and fitted, and sentences on that; raises `ModelError`."""
+    """The blocks turned round, straightened, fitted, and sentences on that; raises `ModelError`."""
     blocks, turned = turned_round(blocks)
     problems = [f"joint.{wrong}" for wrong in law_problems(joint)]
     for names, law in between.items():
@@ -245,14 +245,23 @@ def assembly_of(
 
     try:
         assembly = build(blocks)
-        blocks, moved = fitted(blocks, drawing_tolerance)
-        if moved:
+        blocks, amended = _fitted(blocks, drawing_tolerance)
+        if amended:
             assembly = build(blocks)
     except GeometryError:  # says the first; look at each block to say them all
         raise ModelError(block_problems(blocks, corner, place)) from None
     if len(set(assembly.ids)) < len(blocks):
         raise ModelError(block_problems(blocks, corner, place))
-    return assembly, turned + moved
+    return assembly, turned + amended
+
+
+def _fitted(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], tuple[str, ...]]:
+    """Blocks with straight edges and closed joints, and sentences on both; an edge may come to be
+    straight as the joint along it is closed."""
+    blocks, straight = straightened(blocks)
+    blocks, moved = fitted(blocks, tolerance)
+    blocks, then = straightened(blocks) if moved else (blocks, ())
+    return list(blocks), straight + moved + then
 
 
 def _depth_problems(

@@ -169,13 +169,7 @@ def _made(
 def _turning(place: Array, kept: BoolArray, near: float) -> BoolArray:
     """Which of the points kept bend an outline: those that others' edges hold straight do not."""
     rows = np.flatnonzero(kept)
-    while len(rows) > 3:
-        off = polygon.bends(place[rows])
-        least = int(np.argmin(off))
-        if off[least] > near:
-            break
-        rows = np.delete(rows, least)
-    return np.asarray(np.isin(np.arange(len(kept)), rows))
+    return np.asarray(np.isin(np.arange(len(kept)), rows[polygon.turning(place[rows], near)]))
 
 
 def _misfitting(outlines: Sequence[Array], near: Array, size: Array) -> BoolArray:

@@ -160,7 +160,7 @@ def _of_parts(parts: tuple[Part, ...]) -> Figure:
                     raise GeometryError("it is not convex: cut it, or give the block as a whole")
             except GeometryError as error:
                 raise GeometryError(f"part {k + 1}: {error}") from None
-            hulls.append(Part(vertices, faces))
+            hulls.append(solid_parts.plain(vertices, faces))
             whole.append(solid.mass_properties(vertices, faces))
         return _of_solid(tuple(hulls), solid.sum_of(whole))
     for k, part in enumerate(parts):

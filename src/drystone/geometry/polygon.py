@@ -167,6 +167,22 @@ def bends(vertices: Array) -> Array:
     return np.where(between, off / np.where(length > 0.0, length, 1.0), np.inf)
 
 
+def turning(vertices: Array, near: float) -> NDArray[np.int64]:
+    """Rows of the vertices that bend an outline; the others lie amid straight edges, within
+    ``near`` [m].
+
+    They go one at a time, the straightest first: neighbours are each other's measure.
+    """
+    rows = np.arange(len(vertices))
+    while len(rows) > 3:
+        off = bends(vertices[rows])
+        least = int(np.argmin(off))
+        if off[least] > near:
+            break
+        rows = np.delete(rows, least)
+    return rows
+
+
 def least_width(vertices: Array) -> float:
     """Least extent of an outline along the normals of its edges [m]."""
     edges = _following(vertices) - vertices

@@ -569,7 +569,10 @@ def is_convex(vertices: Array, faces: Faces, tolerance: float = FLAT) -> bool:
 
 
 def is_plain(vertices: Array, faces: Faces, tolerance: float = FLAT) -> bool:
-    """Whether it is convex, and no face goes on in another one in its plane."""
+    """Whether it is convex, no face goes on in another one in its plane, and no vertex lies amid
+    an edge."""
+    if np.bincount(_loops(faces).corner, minlength=len(vertices)).min() < 3:
+        return False  # of two faces alone are vertices amid an edge
     normal, offset = _planes(vertices, faces)
     off = vertices @ normal.T - offset
     near = tolerance * size_of(vertices)

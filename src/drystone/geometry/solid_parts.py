@@ -66,7 +66,7 @@ def convex_parts(vertices: Array, faces: Faces, tolerance: float = FLAT) -> list
         for cell in _cells(points, cell, _inside(points, cell, surface, near), near)
         if _winding(_middle(points, cell), surface) > 0.5
     ]
-    solids = [_plain(*packed(points, cell), tolerance) for cell in cells]
+    solids = [plain(*packed(points, cell), tolerance) for cell in cells]
     parts = _united(solids, whole, tolerance)
     missing = abs(sum(mass_properties(p.vertices, p.faces).volume for p in parts) - whole)
     # Where a vertex counts as on a plane that it is near to, volume is lost or found.
@@ -226,8 +226,9 @@ def _clipped(piece: Array, height: Array, near: float) -> Array:
 # --- put together again -----------------------------------------------------------------------
 
 
-def _plain(vertices: Array, faces: Faces, tolerance: float) -> Part:
-    """A cell without vertices amid edges and faces; as it is where it is too thin to tell."""
+def plain(vertices: Array, faces: Faces, tolerance: float = FLAT) -> Part:
+    """A convex solid without vertices amid edges and faces; as it is where it is too thin to
+    tell."""
     if is_plain(vertices, faces, tolerance):
         return Part(vertices, faces)
     try:
