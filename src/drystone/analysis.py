@@ -29,6 +29,7 @@ from drystone.control import (
 )
 from drystone.curve import (
     DYNAMIC,
+    FINISHED,
     SETTLEMENT,
     STATIC,
     BlockLeft,
@@ -42,7 +43,7 @@ from drystone.engines import make_engine
 from drystone.engines.base import Demand, Engine, EngineError, Problem, StepReport
 from drystone.engines.framed import FramedEngine, framed
 from drystone.event_log import EventLog
-from drystone.events import named
+from drystone.events import falls_with, named
 from drystone.frame import Frame
 from drystone.kernels.compilation import Compilation
 from drystone.language import say
@@ -108,7 +109,10 @@ def pushover(
     Parameters
     ----------
     model
-        What to analyse; its ``analysis`` gives what is left out here.
+        What to analyse; its ``analysis`` gives what is left out here.  A control point that nobody
+        has named, and that is no part of the first collapse, is put where the mechanism of limit
+        analysis moves, if it moves elsewhere alone: the curve is traced once more, and its
+        `reason` and `control_point` say so.  With a recorder or an engine of one's own it stays.
     engine
         Name of an engine, or one of your own (see `engines.base.Engine`).
     strategy
@@ -134,30 +138,70 @@ def pushover(
         The engine cannot do what is asked; `UnstableError` where the structure does not stand
         under its own weight.
     """
-    begun = time.perf_counter()
     named = engine is None or isinstance(engine, str)
-    solver: Any = make_engine(str(engine or model.analysis.engine)) if named else framed(engine)
-    name = SETTLEMENT if model.settlement else strategy or model.analysis.strategy
+    asked = str(engine or model.analysis.engine)
     model = _with_options(model, options)
-    control = make_control(name, solver, model)
+
+    def traced(model: Model) -> CapacityCurve:
+        solver: Any = make_engine(asked) if named else framed(engine)
+        small = recorder is None and model.assembly.n_bodies <= MOST_KEPT
+        run = _Run(
+            model=model,
+            solver=solver,
+            strategy=SETTLEMENT if model.settlement else strategy or model.analysis.strategy,
+            later=named and isinstance(solver, FramedEngine),
+            stops=(model.analysis.falling or default_falling) == STOP,
+            recorder=recorder,
+            progress=None,
+            keep_poses=small if keep_poses is None else keep_poses,
+            keep_contacts=small if keep_contacts is None else keep_contacts,
+        )
+        return _traced(run, progress, threads)
+
+    curve = traced(model)
+    if recorder is not None or not named or _is_enough(curve, model):
+        return curve
+    # Asked only now: a curve whose control point is part of its first collapse needs no other, and
+    # limit analysis takes a tenth of its time.
+    from drystone.limit import on_what_moves
+
+    watching = on_what_moves(model)
+    if watching is model:
+        return curve
+    moved = say("end.control_moved", block=model.assembly.ids[watching.control_point.block])
+    again = traced(watching)
+    return replace(
+        again,
+        reason="; ".join((again.reason, moved)),
+        wall_time=curve.wall_time + again.wall_time,
+        compile_time=curve.compile_time + again.compile_time,
+    )
+
+
+def _is_enough(curve: CapacityCurve, model: Model) -> bool:
+    """Whether a curve shows all that another control point could: it was interrupted, somebody has
+    named its control point, or this is part of the first collapse."""
+    if curve.status == "interrupted" or not model.control_point.default:
+        return True
+    first = curve.first_collapse
+    if first is None:
+        return curve.status == FINISHED
+    return model.assembly.ids[model.control_point.block] in falls_with(curve.events, first)
+
+
+def _traced(
+    run: _Run, progress: Callable[[CurvePoint], None] | bool | None, threads: int | None
+) -> CapacityCurve:
+    """The curve of a run that has not begun; its engine is closed."""
+    begun = time.perf_counter()
+    model = run.model
+    control = make_control(run.strategy, run.solver, model)
     shows: Any = nullcontext(progress)
     if progress is None or isinstance(progress, bool):
         shows = points_shown(model.title or "pushover", model.analysis.stop_multiplier, progress)
-    small = recorder is None and model.assembly.n_bodies <= MOST_KEPT
-    run = _Run(
-        model=model,
-        solver=solver,
-        strategy=name,
-        later=named and isinstance(solver, FramedEngine),
-        stops=(model.analysis.falling or default_falling) == STOP,
-        recorder=recorder,
-        progress=None,
-        keep_poses=small if keep_poses is None else keep_poses,
-        keep_contacts=small if keep_contacts is None else keep_contacts,
-    )
     # Threads of LAPACK only get in each other's way on systems of this size.
     lapack = threadpool_limits(limits=1, user_api="blas")
-    with closing(solver), lapack, limited(threads), Compilation() as compilation, shows as told:
+    with closing(run.solver), lapack, limited(threads), Compilation() as compilation, shows as told:
         run.progress = told
         end = run.traced(control)
     return run.finished(*end, time.perf_counter() - begun, compilation.seconds)
@@ -345,6 +389,7 @@ class _Run:
             stop_multiplier=self.model.analysis.stop_multiplier,
             settlement=self.settlement,
             motion_unit=self.model.settlement.unit if self.model.settlement else "m",
+            control_point=self.model.control_point,
             blocks_left=tuple(self.left),
             events=self.log.end(),
             wall_time=seconds - compiling,

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from drystone.contact.forces import ContactForces
 from drystone.events import PRINTED, Event, first_collapse
 from drystone.language import say
+from drystone.monitor import ControlPoint
 from drystone.ties import STATES, TieState
 
 if TYPE_CHECKING:
@@ -208,6 +209,13 @@ class CapacityCurve:
     ties: TieRecord | None = None  # None where there are none
     ended_by: Event | None = None  # of a curve that was cut off there, see `until`
     motion_unit: str = "m"  # of control displacements; "rad" where supports pace it that turn
+    control_point: ControlPoint | None = None  # None of curves that were read: that of their model
+
+    def traced_of(self, model: Model) -> Model:
+        """The model with the control point that the curve was traced with."""
+        if self.control_point is None or model.control_point is self.control_point:
+            return model
+        return replace(model, control_point=self.control_point)
 
     def column(self, name: str) -> NDArray[Any]:
         """One quantity over all points, (n_points,); the names are the fields of `CurvePoint`."""
@@ -241,7 +249,8 @@ class CapacityCurve:
         Parameters
         ----------
         model
-            What was traced; its ``site`` and ``assessment`` say what is asked.
+            What was traced, wherever its control point; its ``site`` and ``assessment`` say what
+            is asked.
         site
             In place of the model's own.
         options
@@ -256,7 +265,7 @@ class CapacityCurve:
         """
         from drystone.assessment.verdict import assessed
 
-        return assessed(self, model, site=site, **options)
+        return assessed(self, self.traced_of(model), site=site, **options)
 
     @property
     def control_displacement(self) -> Array:

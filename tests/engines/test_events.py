@@ -18,6 +18,7 @@ from drystone.builders.errors import ModelError
 from drystone.curve import DYNAMIC, STATIC
 from drystone.event_log import events_of
 from drystone.events import Event, EventKind, Outcome, falls_with, first_collapse
+from drystone.language import said_end, say
 from drystone.limit import limits_beside, on_what_moves
 from drystone.model import Analysis
 from drystone.site import AssessmentInput, Site
@@ -264,6 +265,11 @@ class TestAssessment:
         assert any("was not looked at" in note for note in again.assumptions)
 
 
+def said_of(block):
+    """What is said of a control point that was put on a block."""
+    return str(say("end.control_moved", block=block))
+
+
 class TestWhatMoves:
     """Limit analysis finds that the small block slides; the tall one, the highest, stands still."""
 
@@ -276,10 +282,33 @@ class TestWhatMoves:
         curve = traced(watching, falling="stop")
         assert curve.capacity.load_multiplier == pytest.approx(0.2, abs=4e-3)
 
+    def test_python_puts_it_there_as_run_does_and_says_so(self, tmp_path):
+        model = beside(control=None)
+        watching = on_what_moves(model, limits_beside(model))
+        curve, known = ds.pushover(model), ds.pushover(watching)
+        np.testing.assert_array_equal(curve.load_multiplier, known.load_multiplier)
+        np.testing.assert_array_equal(curve.control_displacement, known.control_displacement)
+        assert curve.control_point.block == watching.control_point.block
+        assert curve.reason == "; ".join((known.reason, said_of("small")))
+        spoken = said_end(curve.reason).in_language("it")
+        assert 'il punto di controllo è sul blocco "small"' in spoken
+        # What is made of the curve is of that point, whatever the model at hand says.
+        ds.save_results(curve, model, tmp_path / "out")
+        control = ds.load_results(tmp_path / "out").model.control_point
+        assert control.block == watching.control_point.block
+        assert curve.traced_of(model).control_point is curve.control_point
+
+    def test_a_curve_of_what_collapses_is_traced_once(self):
+        model = ds.published_wall(1)
+        seen = []
+        curve = ds.pushover(model, progress=seen.append)
+        assert len(seen) == len(curve.points) and curve.control_point is model.control_point
+
     def test_one_that_was_named_stays_and_is_told(self):
         model = beside(control="tall")
         found = limits_beside(model)
         assert found.control_still and on_what_moves(model, found) is model
+        assert said_of("small") not in traced(model).reason
 
     def test_who_named_it_is_known_after_a_change(self):
         assert beside(control=None).with_joint(friction_coefficient=0.5).control_point.default

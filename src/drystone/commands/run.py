@@ -177,6 +177,7 @@ def _with_stored(curve: CapacityCurve, folder: Path) -> CapacityCurve:
 def remarks(curve: CapacityCurve, model: Model, beside: Beside) -> list[str]:
     """Sentences on what a reader of the peak alone would miss."""
     from drystone.events import falls_with
+    from drystone.language import say
 
     found = []
     first, capacity = curve.first_collapse, curve.capacity
@@ -194,11 +195,7 @@ def remarks(curve: CapacityCurve, model: Model, beside: Beside) -> list[str]:
             f"{first.what} ({first.place}): its displacement does not show that collapse"
         )
     if model.control_point is beside.fastest:
-        found.append(
-            f'the control point is on the block "{control}": the one that is highest, and furthest '
-            "along the load, does not move in the mechanism of limit analysis, and [control] names "
-            "none"
-        )
+        found.append(say("end.control_moved", block=control))
     elif beside.control_still:
         found.append(
             f'the control point, on the block "{control}", does not move in the mechanism of limit '

@@ -42,7 +42,7 @@ def save_results(
     curve
         With poses and contacts, which `pushover` keeps by default.
     model
-        What was analysed.
+        What was analysed, wherever its control point.
     path
         The folder; made where it is missing.  Results in it are replaced.
     mechanism_displacement
@@ -64,6 +64,7 @@ def save_results(
         raise ValueError(f"the curve is read from {path} as it is written: name another folder")
     from drystone.limit import limits_beside  # takes long, which reading results need not
 
+    model = curve.traced_of(model)
     with ResultsDirectory(
         path, mechanism_displacement=mechanism_displacement, beside=limits_beside(model)
     ) as results:

@@ -12,6 +12,7 @@ from drystone.limit.collapse import (
     FLOWS,
     NON_ASSOCIATIVE,
     Collapse,
+    collapse_load,
     collapse_loads,
 )
 from drystone.limit.excess import exceeds, why_above
@@ -110,11 +111,23 @@ def _mechanism(model: Model, collapse: Collapse | None) -> tuple[bool, ControlPo
     return True, None if fastest is model.control_point else fastest
 
 
-def on_what_moves(model: Model, beside: Beside) -> Model:
-    """The model; with its control point on the part that moves, where nobody has named one."""
-    if beside.fastest is None or not model.control_point.default:
+def on_what_moves(model: Model, beside: Beside | None = None) -> Model:
+    """The model; with its control point on the part that moves, where nobody has named one.
+
+    ``beside`` is what limit analysis has found, where that is known.
+    """
+    if not model.control_point.default or model.settlement is not None:
         return model
-    return replace(model, control_point=beside.fastest)
+    fastest = _fastest(model) if beside is None else beside.fastest
+    return model if fastest is None else replace(model, control_point=fastest)
+
+
+def _fastest(model: Model) -> ControlPoint | None:
+    """As `Beside.fastest`, by the associative mechanism alone."""
+    if model.assembly.n_blocks > MOST_BLOCKS[model.assembly.dimension]:
+        return None
+    collapse = collapse_load(model, flow=ASSOCIATIVE)
+    return _mechanism(model, collapse if collapse.status == "finished" else None)[1]
 
 
 def range_text(collapse_range: tuple[float, float], digits: int) -> str:
