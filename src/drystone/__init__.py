@@ -1,7 +1,5 @@
 """drystone: pushover curves of masonry made of blocks, past the peak and down to nothing."""
 
-from __future__ import annotations
-
 __version__ = "0.1.0"
 
 # The command line begins here: no module is imported before it has seen to signals.
@@ -109,7 +107,7 @@ _PLACES = {
 __all__ = [*_PLACES, "__version__"]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> "Any":
     if name not in _PLACES:
         raise AttributeError(f"module 'drystone' has no attribute {name!r}")
     from importlib import import_module

@@ -1,11 +1,11 @@
 """The command line: ``drystone COMMAND``.
 
-Nothing is imported here before signals are seen to.
+Nothing is imported here before signals are seen to.  Before that, Ctrl-C is answered by Python with
+a traceback: while it starts by itself, and while the script that an installer has made imports
+`re`.
 """
 
-from __future__ import annotations
-
-import signal
+import _signal  # `signal` makes enumerations of it, which takes longer than all else here
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -18,14 +18,14 @@ def main() -> None:
     Ctrl-C ends it at once and silently while it is loaded, until a command takes care of it in
     `drystone.commands.outcome`.
     """
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    if _signal.getsignal(_signal.SIGINT) is _signal.default_int_handler:
+        _signal.signal(_signal.SIGINT, _signal.SIG_DFL)
     from drystone.commands.app import app
 
     app()
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> "Any":
     if name != "app":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from drystone.commands.app import app

@@ -20,6 +20,7 @@ import pytest
 import synthetic
 from typer.testing import CliRunner
 
+import drystone as drystone_package
 from drystone import kernels
 from drystone.benchmark import benchmark
 from drystone.builders.errors import ModelError
@@ -36,6 +37,8 @@ from drystone.progress.points import Bar, Lines, clock_time
 
 #: Modules that take long to load, which help and version must not wait for.
 HEAVY = ("numpy", "scipy", "numba", "h5py", "matplotlib", "rich.progress")
+#: Where the package is, for Python started without its site.
+SOURCE = str(Path(drystone_package.__file__).parents[1])
 
 
 @pytest.fixture
@@ -341,6 +344,21 @@ def test_control_c_leaves_a_valid_folder(tmp_path):
         *("summary.json", "curve.csv", "curve.png", "mechanism.png", "results.h5", "paraview")
     }
     assert b"Traceback" not in err
+
+
+def test_nothing_is_loaded_before_control_c_is_seen_to():
+    """Each millisecond before is one in which Python answers it, with a traceback."""
+    code = (
+        "import sys; before = set(sys.modules); import drystone.cli\n"
+        "print(sorted(set(sys.modules) - before))"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-I", "-S", "-c", f"import sys; sys.path.insert(0, {SOURCE!r}); {code}"],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert ended.stdout.strip() == "['drystone', 'drystone.cli']", ended.stderr
 
 
 @pytest.mark.parametrize("milliseconds", [0, 5, 20, 40, 60, 100, 300, 600])
