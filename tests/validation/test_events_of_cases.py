@@ -100,3 +100,21 @@ def test_what_is_left_does_not_give_the_peak():
     assert curve.rises_after_collapse
     assert curve.capacity.load_multiplier < 0.32 < 0.5 < curve.peak.load_multiplier
     assert "highest of what is left" in repr(curve)
+
+
+def test_stones_that_hang_on_friction_do_so_as_long_as_the_shear_stiffness_lets_them():
+    """The engine nscd takes sticking as rigid, and goes by 0.3205, where soft joints lose b23: so
+    does equilibrium with joints as stiff as that.  Both peaks lie between the collapse states."""
+    model = model_of("voronoi3")
+    assert to_the_collapse("voronoi3").capacity.load_multiplier == pytest.approx(0.3205, abs=1e-3)
+    stiff = ds.pushover(model.with_joint(shear_stiffness=1e11), falling="stop")
+    rigid = ds.pushover(model, engine="nscd", falling="stop", max_displacement=0.01)
+    assert stiff.first_collapse is None and rigid.first_collapse is None
+    # The engine nscd has the load of where a step begins: 1.7e-3 here, 3e-4 with steps of 0.2 mm.
+    peaks = [curve.peak.load_multiplier for curve in (stiff, rigid)]
+    assert peaks[1] == pytest.approx(peaks[0], rel=3e-3)
+    low, high = ds.collapse_load(model, flow="non-associative").collapse_range
+    assert low < 0.3205 < min(peaks) and max(peaks) < high
+    # What carries is closed.
+    contacts = rigid.contacts[int(np.argmax(rigid.load_multiplier))]
+    assert contacts.gap[contacts.normal_reaction > 1e-3].max() < 0.0
