@@ -12,7 +12,7 @@ from builders import UNIT_WEIGHT, rectangle
 from drystone.assembly import Assembly, Block, Corner
 from drystone.builders import make_model
 from drystone.events import Event, EventKind
-from drystone.geometry import solid
+from drystone.geometry import polygon, solid
 from drystone.limit import ASSOCIATIVE, collapse_load, limits_beside
 from drystone.limit.against import carried_against
 from drystone.limit.edges import Edges
@@ -67,6 +67,36 @@ def bar_between_rims(law, **options):
     return assembled(outlines, law, **options)
 
 
+def birds_mouth(law, seat, heel, **options):
+    """A rafter whose notch sits on the edge of a wall, its far end, without friction, on a post.
+
+    The faces of the notch open from those of the wall by angles [degrees].  Beside the model the
+    multiplier at which the wall turns over, pushed by the rafter, whose far end slides along.
+    """
+    rise, lean = np.tan(np.radians([seat, heel]))
+    width, far = 0.4, 1.2
+    rafter = [
+        *[(-0.3, -0.3), (-0.3 * lean, -0.3), (0.0, 0.0), (0.7, 0.7 * rise)],
+        *[(0.9, 0.1), (far, 0.1), (far, 0.6), (-0.3, 0.6)],
+    ]
+    outlines = {
+        "base": rectangle(-1.0, -1.3, 2.0, 0.3),
+        "base post": rectangle(1.0, -1.3, 0.3, 1.4),
+        "wall": rectangle(0.0, -1.0, width, 1.0),
+        "rafter": rafter,
+    }
+    between = {
+        frozenset(("base post", "rafter")): joint(0.0, law.normal_stiffness),
+        frozenset(("base", "wall")): joint(0.9, law.normal_stiffness),
+    }
+    mass = polygon.mass_properties(np.array(rafter))
+    (x, z), heavy, light = mass.centroid, mass.area, width
+    turn = width / far  # of the rafter, over that of the wall
+    held = heavy * (width - turn * x) + light * 0.5 * width
+    pushed = heavy * (1.0 + turn * z) + light * 0.5
+    return assembled(outlines, law, between=between, **options), held / pushed
+
+
 def crossing(law, **options):
     """Two blocks beside each other upon two others: head joints run through.
 
@@ -102,6 +132,20 @@ def test_what_rests_on_edges_stands_and_carries(make, friction, expected, space)
     # Joints of 1e10 Pa/m close by less than a micrometre.
     assert 0.999 * expected < peak < expected * (1.0 + 1e-5)
     assert limits_beside(model).associative == found.load_multiplier
+
+
+@pytest.mark.parametrize("space", [False, True])
+@pytest.mark.parametrize(("seat", "heel"), [(0.0, 5.0), (2.0, 5.0), (2.0, 20.0)])
+def test_a_notch_holds_on_an_edge_by_both_its_faces(seat, heel, space):
+    """Each part of the notch by itself could leave along several normals: taken for corners, they
+    carried nothing: the rafter fell, or slid off at the friction of its seat."""
+    model, expected = birds_mouth(joint(0.5, 1e10), seat, heel, space=space)
+    found = collapse_load(model, flow=ASSOCIATIVE)
+    assert found.load_multiplier == pytest.approx(expected, abs=EXACT)
+    assert found.upper_bound == pytest.approx(found.load_multiplier, abs=EXACT)
+    assert collapse_load(model).load_multiplier == pytest.approx(expected, abs=EXACT)
+    peak = ds.pushover(model, max_displacement=0.005).peak.load_multiplier
+    assert 0.999 * expected < peak < expected * (1.0 + 1e-5)
 
 
 @pytest.mark.parametrize("corner", [Corner(radius=0.01), Corner(chamfer=0.01)])

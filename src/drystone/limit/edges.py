@@ -11,14 +11,22 @@ no convex set.  With the contact along one normal a course could not slide past 
 where head joints run through; with none nothing is carried across the edge.  The latter is what
 joints of limit analysis are, as edges are never quite sharp.  What is carried across lies between
 normals, in the sum of the cones around all of them, which bounds it.
+
+An edge in a notch is no such corner: the part on either side of the notch's root lets it go along
+several normals, but both together along those of the notch alone.  Where two blocks touch in one
+place by several parts, each choice of a normal for each part leaves a cone of velocities; where one
+choice's holds those of all others, they are free along that one, and the contacts are joints.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import nnls
 
 from drystone.assembly import Assembly
 from drystone.contact.detection import Detector
@@ -32,6 +40,8 @@ IntArray = NDArray[np.int64]
 #: Normals of faces that enclose less than this angle [rad] are one direction: blocks as long as
 #: wide that turn by it open or close by what touches.
 ALIKE = TOUCHING
+#: Choices of normals in one place that are looked at; beyond, it stays a corner.
+MOST_CHOICES = 64
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,11 +69,15 @@ class Edges:
         near = TOUCHING * packed.pair_size(part_a, part_b)
         rows, normals, corner = [], [], []
         known: dict[tuple[int, int], list[Array]] = {}
+        options = []
         for i, pair in enumerate(zip(part_a.tolist(), part_b.tolist(), strict=True)):
             if pair not in known:
                 known[pair] = _directions(assembly, seam, *pair, near[i])
-            several = len(known[pair]) > 1
-            for normal in known[pair] if several else [found.normal[i]]:
+            options.append(known[pair] if len(known[pair]) > 1 else [found.normal[i]])
+        options = _in_notches(assembly, found, near, options)
+        for i, own in enumerate(options):
+            several = len(own) > 1
+            for normal in own:
                 rows.append(i)
                 normals.append(normal)
                 corner.append(several)
@@ -125,6 +139,71 @@ def _directions(
             if all(np.linalg.norm(normal - other) > ALIKE for other in found):
                 found.append(normal)
     return found
+
+
+def _in_notches(
+    assembly: Assembly, found: ContactForces, near: Array, options: Sequence[list[Array]]
+) -> list[list[Array]]:
+    """The normals of each contact, only one of them where those of the other parts of its two
+    blocks that touch in the same place leave no choice; see the module."""
+    chosen = list(options)
+    joints = assembly.interfaces
+    for i in [k for k, own in enumerate(options) if len(own) > 1]:
+        a, b, place = found.block_a[i], found.block_b[i], found.position[i]
+        # Blocks of one part each have no notch.
+        if max(len(assembly.figures[k].parts) for k in (a, b)) == 1:
+            continue
+        same = (found.block_a == a) & (found.block_b == b)
+        same &= np.linalg.norm(found.position - place, axis=1) <= near[i]
+        same[i] = False
+        low, high = min(a, b), max(a, b)
+        sense = 1.0 if a == low else -1.0
+        faces = [
+            sense * joints.normal[j]
+            for j in np.flatnonzero((joints.block_a == low) & (joints.block_b == high))
+            if _is_on(joints.corners[joints.offset[j] : joints.offset[j + 1]], place, near[i])
+        ]
+        others = [options[k] for k in np.flatnonzero(same).tolist()]
+        normal = _widest([options[i], *others], faces)
+        if normal is not None:
+            chosen[i] = [normal]
+    return chosen
+
+
+def _is_on(corners: Array, place: Array, near: float) -> bool:
+    """Whether a place lies on a joint, a segment or a convex polygon by its corners (n, dim)."""
+    edge = np.roll(corners, -1, axis=0) - corners
+    arm = place - corners
+    if corners.shape[1] == 2:
+        along = float(arm[0] @ edge[0]) / float(edge[0] @ edge[0])
+        return bool(np.linalg.norm(arm[0] - np.clip(along, 0.0, 1.0) * edge[0]) <= near)
+    normal = np.cross(edge, np.roll(edge, -1, axis=0)).sum(axis=0)
+    normal /= np.linalg.norm(normal)
+    inwards = np.cross(normal, edge)
+    inwards /= np.linalg.norm(inwards, axis=1)[:, None]
+    inside = np.sum(arm * inwards, axis=1).min() >= -near
+    return bool(inside and abs(arm[0] @ normal) <= near)
+
+
+def _widest(options: Sequence[Sequence[Array]], always: Sequence[Array]) -> Array | None:
+    """The first of the normals chosen where one choice, of one of each of the ``options``, leaves
+    all the velocities that any does; None where none does.  Those ``always`` there go with each.
+
+    One leaves all that another does if its normals are sums of the other's (Farkas).
+    """
+    if np.prod([len(own) for own in options]) > MOST_CHOICES:
+        return None
+    choices = [[*choice, *always] for choice in product(*options)]
+    for choice in choices:
+        own = choice[: len(options)]
+        if all(_is_sum(normal, other) for other in choices for normal in own):
+            return own[0]
+    return None
+
+
+def _is_sum(normal: Array, of: Sequence[Array]) -> bool:
+    """Whether a unit vector is a sum of multiples of others, none of them negative."""
+    return bool(nnls(np.array(of).T, normal)[1] <= ALIKE)
 
 
 def _faces(assembly: Assembly, part: int) -> tuple[Array, Array, slice]:
