@@ -85,10 +85,10 @@ class TestTimeStep:
     def test_mass_scaling_lengthens_it(self):
         engine = DistinctEngine()
         state = engine.release(problem_of(small_wall()))
-        real, dt = engine.masses(state.slots, state.pairs, state.pose, real=True)
+        real, dt = engine.masses(state.slots, state.pairs, state.pose, state.history, real=True)
         np.testing.assert_array_equal(real, engine.problem.assembly.mass)
         engine.settings = replace(engine.settings, mass_scaling=100.0)
-        scaled, longer = engine.masses(state.slots, state.pairs, state.pose, real=True)
+        scaled, longer = engine.masses(state.slots, state.pairs, state.pose, state.history, real=True)
         assert longer == pytest.approx(10.0 * dt)
         assert (scaled >= real).all()
 
@@ -110,7 +110,7 @@ class TestMasses:
         lifted = model.assembly.rest_pose()
         lifted[2, 1] = 0.05  # out of the reach within which contacts count
         state = engine.release(problem_of(model), lifted)
-        mass, _ = engine.masses(state.slots, state.pairs, state.pose, real=False)
+        mass, _ = engine.masses(state.slots, state.pairs, state.pose, state.history, real=False)
         assert (mass[1:] > 0.0).all()
         work = Workspace(engine, state, real_masses=False)
         assert work.relax(guided=False)
@@ -125,7 +125,7 @@ class TestMasses:
         pose = problem.assembly.rest_pose()
         pose[1, 1] = 0.3
         state = engine.release(problem, pose)
-        mass, dt = engine.masses(state.slots, state.pairs, state.pose, real=False)
+        mass, dt = engine.masses(state.slots, state.pairs, state.pose, state.history, real=False)
         work = Workspace(engine, state, real_masses=False)
         work.run(50)
         np.testing.assert_array_equal(mass, engine.problem.assembly.mass)

@@ -459,7 +459,12 @@ class Workspace:
             return
         self.weighed = self.motion.pose.copy()
         self.mass, self.dt = engine.masses(
-            self.slots, self.pairs, self.motion.pose, real=self.real_masses, ties=self.ties
+            self.slots,
+            self.pairs,
+            self.motion.pose,
+            self.history,
+            real=self.real_masses,
+            ties=self.ties,
         )
         moves = np.broadcast_to(~acting.fixed[:, None], self.mass.shape)
         inverse = np.divide(1.0, self.mass, out=np.zeros_like(self.mass), where=moves)
@@ -576,7 +581,14 @@ class DistinctEngine:
         )
 
     def masses(
-        self, slots: Slots, pairs: Pairs, pose: Array, *, real: bool, ties: TieForces | None = None
+        self,
+        slots: Slots,
+        pairs: Pairs,
+        pose: Array,
+        history: Array,
+        *,
+        real: bool,
+        ties: TieForces | None = None,
     ) -> tuple[Array, float]:
         """Masses (n, n_dof) and the stable time step [s] that goes with them, of slots in a pose.
 
@@ -590,13 +602,18 @@ class DistinctEngine:
 
         A block that meets another and leaves it within one cycle takes energy from nowhere beyond
         sqrt(2) / omega: undamped motion with impacts wants a safety factor below 0.7.
-        Contacts that are open count where they may close before the next search.
+        Contacts that are open count where they may close before the next search, and those whose
+        bond is not lost wherever they are: what was torn pulls along its elastic line, k_n, and
+        sticks with k_s, however far it has opened.
         """
         assembly, s = self.problem.assembly, self.settings
         blocks = np.zeros((assembly.n_bodies, assembly.n_dof, assembly.n_dof))
         contacts = self.detector.pack(pairs, pose, slots, self.laws)
         watched = np.inf if real else 3.0 * max(self.search_reach, WATCHED * self.size)
-        explicit.stiffness_blocks(self.dof, contacts, slots.gap[contacts.slot], watched, blocks)
+        known = history[contacts.slot]
+        away = slots.gap[contacts.slot] - known[:, joint_law.DILATION]
+        acts = (away <= watched) | self._bonded(pairs.law_of_slot[contacts.slot], known)
+        explicit.stiffness_blocks(self.dof, contacts, acts, blocks)
         if ties is not None and self.bars.n_ties:
             ties.act(pose)
             ties.add_twice(blocks)
@@ -612,6 +629,12 @@ class DistinctEngine:
         if scaling == 1.0:
             return assembly.mass, dt
         return np.maximum(assembly.mass, needed * dt**2), dt
+
+    def _bonded(self, law: IntArray, history: Array) -> BoolArray:
+        """Contacts (n,) whose bond is not lost, by the rows of their laws and their histories."""
+        strengths = [joint_law.COHESION, joint_law.TENSION, joint_law.COHESIVE, joint_law.PULLS]
+        has_bond = (self.laws[:, strengths] > 0.0).any(axis=1)
+        return np.asarray(has_bond[law] & (history[:, joint_law.BROKEN] == 0.0))
 
     def elastic_energy(self, pairs: Pairs, slots: Slots, history: Array) -> float:
         """Energy that the joints store [J]."""

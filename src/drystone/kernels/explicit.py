@@ -233,15 +233,15 @@ def place(motion):
 
 
 @njit(cache=True)
-def stiffness_blocks(dof, contacts, gap, watched, blocks):
+def stiffness_blocks(dof, contacts, acts, blocks):
     """Add 2 sum k h h^T over the contacts of each body, (n, n_dof, n_dof); h are the gradients.
 
-    Contacts whose ``gap`` (n_contacts,) is more than ``watched`` [m] are left out.
+    Contacts that do not ``act`` (n_contacts,) are left out.
     """
     n_dof, n_rows = len(dof), 2 if len(dof) == 3 else 3
     which, rows, table = contacts
     for c in range(which.shape[0]):
-        if gap[c] > watched:
+        if not acts[c]:
             continue
         kn, ks = 2.0 * table[c, STIFF_N], 2.0 * table[c, STIFF_T]
         for side in range(2):
