@@ -41,7 +41,13 @@ from drystone.engines.base import (
 )
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
-from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
+from drystone.engines.measures import (
+    LoadArrays,
+    StepOutcome,
+    not_crushed,
+    report,
+    unstable_sentence,
+)
 from drystone.kernels import explicit
 from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import BODY_A, BODY_B, NONE, SHIFT, SLOT, Pairs, Slots
@@ -998,7 +1004,7 @@ class DistinctEngine:
             acceleration=acceleration,
             velocity=velocity,
             contact_force=forces.contact,
-            slots=work.slots,
+            slots=not_crushed(work.slots, work.history) if self.strengths.any else work.slots,
             status=work.status,
             certificate=work.ties.marked(certify(contacts, forces, self.extent, acting.fixed)),
             motion=self.detector.farthest(increment),

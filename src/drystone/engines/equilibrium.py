@@ -37,7 +37,13 @@ from drystone.engines.base import (
 )
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
-from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
+from drystone.engines.measures import (
+    LoadArrays,
+    StepOutcome,
+    not_crushed,
+    report,
+    unstable_sentence,
+)
 from drystone.geometry import motion
 from drystone.kernels import law as joint_law
 from drystone.kernels.contacts import Pairs, Slots
@@ -775,7 +781,7 @@ class EquilibriumEngine:
             acceleration=acceleration,
             velocity=x / h,
             contact_force=contact_force,
-            slots=self._not_crushed(new),
+            slots=not_crushed(new.slots, new.history) if self.strengths.any else new.slots,
             status=STATUS_OF[new.branch],
             certificate=self.ties.marked(certificate) if self.ties else certificate,
             settled=new.settled,
@@ -783,14 +789,6 @@ class EquilibriumEngine:
             n_iterations=n_iterations,
         )
         return report(self.problem, loads, outcome)
-
-    def _not_crushed(self, state: EquilibriumState) -> Slots:
-        """The contacts of a state with gaps less what has crushed them, which is no penetration."""
-        if not self.strengths.any:
-            return state.slots
-        slots = state.slots.copied()
-        slots.gap[:] -= np.minimum(state.history[:, joint_law.DILATION], 0.0)
-        return slots
 
     def _inherited(
         self, source: IntArray, then: EquilibriumState, now: Slots

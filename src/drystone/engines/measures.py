@@ -12,6 +12,7 @@ from drystone.contact.certificate import Certificate
 from drystone.engines.base import Problem, StepReport
 from drystone.kernels import measures as kernels
 from drystone.kernels.contacts import Slots
+from drystone.kernels.law import DILATION
 from drystone.loading import Acting
 
 Array = NDArray[np.float64]
@@ -93,6 +94,16 @@ class LoadArrays:
             return replace(self, dead=share * self.dead, acting=self.acting.scaled(share))
         dead = (1.0 - share) * before.dead + share * self.dead
         return replace(self, dead=dead, acting=self.acting.after(before.acting, share))
+
+
+def not_crushed(slots: Slots, history: Array) -> Slots:
+    """Contacts with gaps less what has crushed them, which is no penetration.
+
+    ``history`` (n_slots, N_HISTORY or more), see `kernels.law`.
+    """
+    slots = slots.copied()
+    slots.gap[:] -= np.minimum(history[:, DILATION], 0.0)
+    return slots
 
 
 def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepReport:
