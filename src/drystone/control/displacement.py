@@ -396,6 +396,9 @@ class DisplacementControl:
                         f"friction, or no first step was found: {report.reason}"
                     )
                 return self._lost(state, report, reason)
+        elif state.stage == CROSSING and report.way and report.dynamic:
+            # The step has followed the collapse itself: there is nothing to creep through.
+            return self._lost(state, report, report.reason)
         elif state.stage == CROSSING:
             # A jump that seemed to be over was not: something moves slowly yet.
             time_step = max(s.time_step, 1.5 * state.rested)
