@@ -16,6 +16,7 @@ from drystone.builders.wall import coursed_wall
 from drystone.engines.base import Demand, EngineError, UnstableError
 from drystone.engines.distinct import DistinctEngine, DistinctSettings, Workspace
 from drystone.kernels import explicit
+from drystone.kernels.law import BROKEN
 from drystone.limit import ASSOCIATIVE, collapse_load
 from drystone.model import Model
 from structures import structure
@@ -88,7 +89,9 @@ class TestTimeStep:
         real, dt = engine.masses(state.slots, state.pairs, state.pose, state.history, real=True)
         np.testing.assert_array_equal(real, engine.problem.assembly.mass)
         engine.settings = replace(engine.settings, mass_scaling=100.0)
-        scaled, longer = engine.masses(state.slots, state.pairs, state.pose, state.history, real=True)
+        scaled, longer = engine.masses(
+            state.slots, state.pairs, state.pose, state.history, real=True
+        )
         assert longer == pytest.approx(10.0 * dt)
         assert (scaled >= real).all()
 
@@ -118,6 +121,34 @@ class TestMasses:
         closing = np.array([0.6, 0.2]) * UNIT_WEIGHT / JOINT.normal_stiffness
         expected = -np.array([closing[0], closing.sum()])
         np.testing.assert_allclose(work.motion.pose[1:, 1], expected, rtol=1e-3)
+
+    @pytest.mark.parametrize(("broken", "n_felt"), [(0.0, 2), (1.0, 1)])
+    def test_a_joint_that_was_torn_counts_as_long_as_its_bond_is_not_lost(self, broken, n_felt):
+        """However far it has opened: it pulls with all its stiffness, and sticks."""
+        law = JointLaw(
+            friction_coefficient=0.7,
+            normal_stiffness=1e9,
+            shear_stiffness=4e8,
+            cohesion=8e4,
+            tensile_strength=5e4,
+            shear_fracture_energy=100.0,
+            tensile_fracture_energy=20.0,
+            residual_friction_coefficient=0.6,
+        )
+        engine = DistinctEngine()
+
+        def mass_of_lower(n_blocks, lift):
+            problem = problem_of(stack(*[(0.4, 0.4)] * n_blocks, joint=law))
+            pose = problem.assembly.rest_pose()
+            pose[-1, 1] = lift
+            state = engine.release(problem, pose)
+            state.history[:, BROKEN] = np.where(state.slots.gap > 0.0, broken, 0.0)
+            mass, _ = engine.masses(state.slots, state.pairs, pose, state.history, real=False)
+            return mass[1]
+
+        # Far beyond what may close before the next search; arms are longer by a fiftieth, too.
+        lift = 0.02 * 0.4
+        np.testing.assert_allclose(mass_of_lower(2, lift), mass_of_lower(n_felt, 0.0), rtol=3e-2)
 
     def test_where_nothing_touches_blocks_fall_with_their_own(self):
         engine = DistinctEngine()

@@ -342,6 +342,32 @@ class TestExcess:
         assert 0.1 - 2.0 * STEP < curve.ultimate_displacement < 0.1
 
 
+class RunningAway(SlidingStructure):
+    """Beyond 0.1 m its steps follow its blocks in motion until they are far away."""
+
+    def __init__(self):
+        super().__init__(prescribes=True)
+        self.n_lost = 0
+
+    def step(self, state, demand):
+        new, report = super().step(state, demand)
+        if new.delta < 0.1:
+            return new, report
+        self.n_lost += 1
+        reason = "blocks run away"
+        way = ((new, replace(report, dynamic=True)),)
+        return state, StepReport(converged=False, reason=reason, way=way, dynamic=True)
+
+
+def test_what_a_step_has_followed_to_where_blocks_run_away_is_not_crept_through():
+    """Halved down to the smallest step, and one across: then the structure has collapsed."""
+    engine = RunningAway()
+    curve = trace(engine, "displacement", displacement_step=STEP)
+    assert curve.status == "finished" and "collapsed" in curve.reason
+    assert engine.n_lost <= 20
+    assert curve.control_displacement[-1] > 0.09
+
+
 class Toppling(SlidingStructure):
     """A block falls at 0.1 m, in twenty steps, with which the control point moves so far.
 

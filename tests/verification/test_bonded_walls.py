@@ -9,6 +9,8 @@ through in eight parts.
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -17,8 +19,11 @@ from bonded_walls import KINDS, bonded_wall
 from builders import rectangle
 from drystone.assembly import JointLaw
 from drystone.contact.strengths import Strengths
+from drystone.engines.distinct import DistinctEngine
 from drystone.kernels.law import H_CRUSH, H_MU, H_ROOM
 from joint_energy import energy_of
+
+CASES = Path(__file__).parent.parent / "cases"
 
 #: Dimension and seed; those of FEW take less than 2 s each.
 FEW = [(2, 0), (2, 1), (2, 3), (2, 4), (3, 1), (3, 2), (3, 3)]
@@ -48,6 +53,64 @@ def test_traced_whole_with_its_energy(dimension, seed):
 @pytest.mark.parametrize(("dimension", "seed"), MANY)
 def test_many_traced_whole(dimension, seed):
     check(dimension, seed)
+
+
+class Counting(DistinctEngine):
+    """Counts the cycles of all steps, also of those that are tried again."""
+
+    def __init__(self):
+        super().__init__()
+        self.n_cycles = 0
+
+    def step(self, state, demand):
+        new, report = super().step(state, demand)
+        self.n_cycles += report.n_iterations
+        return new, report
+
+
+def as_dry(model):
+    return model.with_joint(
+        cohesion=0.0,
+        tensile_strength=0.0,
+        tensile_fracture_energy=None,
+        shear_fracture_energy=None,
+        residual_friction_coefficient=None,
+        compressive_strength=np.inf,
+        compressive_fracture_energy=None,
+    )
+
+
+@pytest.mark.slow  # 15 s
+def test_cycles_take_a_bonded_wall_as_far_as_a_dry_one():
+    """What was torn and is not lost has its stiffness: left out of the masses, a block vibrated
+    from one cycle to the next, and steps did not come to rest in a million."""
+    model, counts = ds.read_model(CASES / "bonded_wall.toml"), []
+    for made in (model, as_dry(model)):
+        engine = Counting()
+        curve = ds.pushover(made, engine=engine)
+        assert "the control displacement reached" in curve.reason
+        counts.append(engine.n_cycles)
+        if made is model:
+            peak = curve.peak.load_multiplier
+    assert counts[0] < 2 * counts[1]
+    assert peak == pytest.approx(ds.pushover(model).peak.load_multiplier, rel=1e-2)
+
+
+def test_what_crushes_a_joint_is_no_penetration():
+    """A block that rocks on its toe: its joint closes elastically by f_c / k_n at most."""
+    law = JointLaw(
+        friction_coefficient=0.7,
+        normal_stiffness=1e9,
+        shear_stiffness=4e8,
+        compressive_strength=1e5,
+    )
+    block = ds.Block(id="b", vertices=rectangle(-0.2, 0.0, 0.4, 1.0), unit_weight=2e4)
+    base = ds.Block(id="a", vertices=rectangle(-1.0, -1.0, 2.0, 1.0), unit_weight=2e4, support=True)
+    model = ds.make_model(
+        [base, block], joint=law, thickness=1.0, load_direction=(1.0, 0.0), points=6
+    )
+    curve = ds.pushover(model, engine="distinct", max_displacement=0.05)
+    assert max(point.penetration for point in curve.points) < 1.01e5 / 1e9
 
 
 def test_contacts_made_on_the_way_are_crushed_and_have_residual_friction():

@@ -50,7 +50,17 @@ from drystone.engines.measures import (
 )
 from drystone.kernels import explicit
 from drystone.kernels import law as joint_law
-from drystone.kernels.contacts import BODY_A, BODY_B, NONE, SHIFT, SLOT, Pairs, Slots
+from drystone.kernels.contacts import (
+    BODY_A,
+    BODY_B,
+    EDGE_A,
+    EDGE_B,
+    NONE,
+    SHIFT,
+    SLOT,
+    Pairs,
+    Slots,
+)
 from drystone.kernels.explicit import Drive, FrozenContacts, Loads, Motion
 from drystone.kernels.law import N_HISTORY
 from drystone.kernels.residual import add_contact_forces
@@ -301,13 +311,40 @@ class Workspace:
         """Cycles until all is balanced; whether they got there.  Raises `RunAwayError`.
 
         What does not come to rest soon moves on: it jumps to another shape, slowly at first, and
-        what vibrates upon this would have local damping hold it back.
+        what vibrates upon this would have local damping hold it back.  Where what presses there
+        does so on faces that do not separate the blocks most any more, they come to rest again.
         """
+        if not self._relaxed(guided=guided):
+            return False
+        if not self._others_separate():
+            return True
+        self.search()
+        return self._relaxed(guided=guided)
+
+    def _relaxed(self, *, guided: bool) -> bool:
         s = self.engine.settings
         tolerance = s.tolerance * self.engine.scale
         if self.run(s.hold_cycles, guided=guided, tolerance=tolerance):
             return True
         return self.run(s.jump_cycles, guided=guided, combined=True, tolerance=tolerance)
+
+    def _others_separate(self) -> bool:
+        """Whether blocks that press each other would do so on other faces in the present poses.
+
+        Blocks that meet in an edge or a corner are separated alike by faces of several directions,
+        and after a motion far below that between two searches by another one.
+        """
+        self.unpack()
+        now = self.engine.detector.find(self.pairs, self.motion.pose, self.slots)
+        pair, n_pairs = self.pairs.of_slot, len(self.pairs.which)
+        faces = [EDGE_A, EDGE_B]
+        presses = np.flatnonzero((self.slots.kind != NONE) & (self.reaction[:, 0] > 0.0))
+        used = np.flatnonzero(now.kind != NONE)
+        first = np.full(n_pairs, -1, np.int64)
+        first[pair[used]] = used
+        then = first[pair[presses]]
+        same = (self.slots.which[presses][:, faces] == now.which[then][:, faces]).all(axis=1)
+        return not bool((same & (then >= 0)).all())
 
     def gone(self, since: Array | None = None) -> Array:
         """How far each block has moved since the step began, or since a pose [m], (n,)."""
@@ -639,7 +676,7 @@ class DistinctEngine:
     def _bonded(self, law: IntArray, history: Array) -> BoolArray:
         """Contacts (n,) whose bond is not lost, by the rows of their laws and their histories."""
         strengths = [joint_law.COHESION, joint_law.TENSION, joint_law.COHESIVE, joint_law.PULLS]
-        has_bond = (self.laws[:, strengths] > 0.0).any(axis=1)
+        has_bond = np.asarray((self.laws[:, strengths] > 0.0).any(axis=1))
         return np.asarray(has_bond[law] & (history[:, joint_law.BROKEN] == 0.0))
 
     def elastic_energy(self, pairs: Pairs, slots: Slots, history: Array) -> float:
