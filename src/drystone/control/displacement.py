@@ -44,6 +44,9 @@ FOLLOWING, NEARING, CROSSING = 0, 1, 2
 #: A step in which the curve rises by less than this share of what it did may hide its peak.
 KINK = 0.1
 
+#: Parts of the way through a step whose mean multipliers an engine looks at.
+PARTS = 10
+
 #: Share of a step from which on it is not worth taking again to there.
 ALL_BUT = 0.98
 
@@ -278,13 +281,16 @@ class DisplacementControl:
         s = self.settings
         multiplier = report.static_multiplier
         finest = min(least, s.refined_share * state.closing)
+        ahead = state.slope * state.increment
         if report.crest is not None:
             calmer = self._calmer(state, report, scale, finest)
             if calmer is not None:
                 return calmer
-            if multiplier < state.last and report.crest <= 0.2 * s.crest_share * scale:
+            # A mean over a part of the way shows no peak that is sharper than the part is long.
+            unseen = ahead / PARTS if state.last == state.highest else 0.0
+            seen = unseen <= s.crest_share * scale
+            if multiplier < state.last and seen and report.crest <= 0.2 * s.crest_share * scale:
                 return None  # nor was there a peak on the way
-        ahead = state.slope * state.increment
         if state.last != state.highest or ahead <= 0.0:
             return None
         rise = max(multiplier - state.last, 0.0)
