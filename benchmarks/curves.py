@@ -15,12 +15,12 @@ import harness  # first: it holds the libraries' threads to one
 import numpy as np
 
 import drystone as ds
+from drystone.contact.rows import IN_PLANE
+from drystone.dynamics import nlgs
+from drystone.dynamics import sweeps as kernels
+from drystone.dynamics.nscd import NscdEngine
 from drystone.engines import engine_names
 from drystone.engines.base import EngineError
-from drystone.engines.nscd import NscdEngine
-from drystone.kernels import nlgs as kernels
-from drystone.kernels.rows import IN_PLANE
-from drystone.solvers import nlgs
 
 SWEEPS = 2000
 
@@ -35,7 +35,7 @@ class SweepTiming:
 
 
 def time_sweep(name: str, model: ds.Model) -> SweepTiming:
-    """Time ``kernels.nlgs.sweep`` on the contacts of the step in which the peak is found."""
+    """Time ``dynamics.sweeps.sweep`` on the contacts of the step in which the peak is found."""
     caught: list[tuple[Any, ...]] = []
     original = nlgs.solve
 

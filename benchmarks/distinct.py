@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import harness  # first: it holds the libraries' threads to one
 
 import drystone as ds
+from drystone.dynamics.distinct import DistinctEngine, Workspace
 from drystone.engines.base import Demand, Problem
-from drystone.engines.distinct import DistinctEngine, Workspace
 
 CYCLES = 20_000
 

@@ -19,11 +19,11 @@ import harness  # first: it holds the libraries' threads to one
 import numpy as np
 
 import drystone as ds
-from drystone.analysis import pushover
-from drystone.curve import DYNAMIC, CapacityCurve
+from drystone.analysis.driver import pushover
 from drystone.engines import engine_names, make_engine
 from drystone.engines.base import EngineError
-from drystone.model import Model
+from drystone.model.model import Model
+from drystone.results.curve import DYNAMIC, CapacityCurve
 
 #: Engines that are timed in a single run: they need no warming up, and are slow.
 ONCE = ("lmgc90", "distinct")

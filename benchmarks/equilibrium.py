@@ -19,11 +19,11 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
 import drystone as ds
-from drystone.assembly import Assembly
-from drystone.curve import DYNAMIC, CapacityCurve
-from drystone.engines.equilibrium import EquilibriumEngine
-from drystone.kernels import lu_numeric
-from drystone.solvers.static_step import StaticStep
+from drystone.model.assembly import Assembly
+from drystone.results.curve import DYNAMIC, CapacityCurve
+from drystone.statics.equilibrium import EquilibriumEngine
+from drystone.statics.linear import numeric as lu_numeric
+from drystone.statics.plane.static_step import StaticStep
 
 Array = NDArray[np.float64]
 

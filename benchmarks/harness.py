@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import drystone as ds
-from drystone.curve import DYNAMIC
+from drystone.results.curve import DYNAMIC
 
 RESULTS = Path(__file__).parent / "results"
 LIBRARIES = ("numpy", "scipy", "numba")

@@ -17,10 +17,10 @@ import numpy as np
 from walls import running_bond
 
 import drystone as ds
-from drystone.assembly import Corner
-from drystone.builders import PUBLISHED_WALLS, circular_arch, make_model
-from drystone.builders.published import CORNER_RADIUS, JOINT, UNIT_WEIGHT
 from drystone.limit import collapse_load, collapse_loads, least_standing
+from drystone.model.assembly import Corner
+from drystone.model.builders import PUBLISHED_WALLS, circular_arch, make_model
+from drystone.model.builders.published import CORNER_RADIUS, JOINT, UNIT_WEIGHT
 
 #: Units a course and courses of the large walls.
 LARGE = ((16, 20), (31, 32), (20, 50), (50, 50), (100, 100))

@@ -23,8 +23,8 @@ import numpy as np
 from walls import facade, facade_of
 
 import drystone as ds
-from drystone.curve import DYNAMIC, CurvePoint
 from drystone.engines.base import EngineError
+from drystone.results.curve import DYNAMIC, CurvePoint
 
 BLOCKS = (50, 500, 5000, 10_000)
 #: Walls of fewer blocks than this tell of the cost of a step, not of how it grows.

@@ -11,12 +11,12 @@ from functools import partial
 import harness  # first: it holds the libraries' threads to one
 import numpy as np
 
-from drystone.assembly import Assembly, Block, JointLaw
 from drystone.contact.detection import Detector
-from drystone.geometry import solid
+from drystone.geometry.space import solid
 from drystone.limit.associative import collapse
 from drystone.limit.equilibrium import Equilibrium
-from drystone.loading import MassPattern
+from drystone.model.assembly import Assembly, Block, JointLaw
+from drystone.model.loading import MassPattern
 
 UNIT = np.array([0.4, 0.2, 0.175])  # m
 LAW = JointLaw(friction_coefficient=0.65, normal_stiffness=1e9, shear_stiffness=1e9)

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import drystone as ds
-from drystone.assembly import Block, Corner
-from drystone.builders import coursed_wall, make_model
-from drystone.builders.published import CORNER_RADIUS, JOINT, THICKNESS, UNIT, UNIT_WEIGHT
+from drystone.model.assembly import Block, Corner
+from drystone.model.builders import coursed_wall, make_model
+from drystone.model.builders.published import CORNER_RADIUS, JOINT, THICKNESS, UNIT, UNIT_WEIGHT
 
 BAY = 6  # units of a bay, from the middle of one pier to that of the next
 SILL = 4  # courses under an opening; the first is one of whole units

@@ -15,8 +15,8 @@ from pathlib import Path
 import drystone as ds
 from drystone.engines import engine_names
 from drystone.engines.base import EngineError
+from drystone.io.modelfile.read import model_from_text
 from drystone.limit import ASSOCIATIVE, NON_ASSOCIATIVE
-from drystone.modelfile.read import model_from_text
 
 PAGE = Path(__file__).with_name("features.md")
 WORKS = "●"

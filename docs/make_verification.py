@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 import drystone as ds
-from drystone.assembly import Block, Corner, JointLaw
-from drystone.builders import PUBLISHED_WALLS, make_model
-from drystone.curve import STATIC
 from drystone.engines import engine_names
 from drystone.engines.base import EngineError
-from drystone.geometry import solid
+from drystone.geometry.space import solid
+from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.builders import PUBLISHED_WALLS, make_model
+from drystone.results.curve import STATIC
 
 Array = NDArray[np.float64]
 PAGE = Path(__file__).with_name("verification.md")

@@ -6,7 +6,7 @@ the same size therefore give nearly the same peak, and sharp corners a higher on
 """
 
 import drystone as ds
-from drystone.builders import published
+from drystone.model.builders import published
 
 SIZE = 0.02  # m
 CORNERS = {

@@ -12,7 +12,7 @@ import drystone as ds
 from drystone.control import ExcessControl, ExcessSettings
 from drystone.engines import make_engine
 from drystone.engines.base import Problem
-from drystone.frame import Frame
+from drystone.engines.frame import Frame
 
 MODEL = Path(__file__).with_name("two_blocks.toml")
 

@@ -12,7 +12,7 @@ Elastic joints give way a little under the toe, so that the peak lies a little b
 import numpy as np
 
 import drystone as ds
-from drystone.geometry.polygon import mass_properties
+from drystone.geometry.plane.polygon import mass_properties
 
 UNIT_WEIGHT = 22e3  # N/m3
 THICKNESS = 0.5  # m

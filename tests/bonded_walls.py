@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 import drystone as ds
-from drystone.builders import panel
+from drystone.model.builders import panel
 
 KINDS = ("softening", "crushing", "both")
 

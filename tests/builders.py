@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from hypothesis import strategies as st
 
-from drystone.assembly import Assembly, Block, Corner, JointLaw
-from drystone.builders import make_model
+from drystone.contact.contacts import Pairs, Slots
 from drystone.contact.detection import Detector
 from drystone.engines.base import Problem
-from drystone.kernels.contacts import Pairs, Slots
-from drystone.model import Model
+from drystone.model.assembly import Assembly, Block, Corner, JointLaw
+from drystone.model.builders import make_model
+from drystone.model.model import Model
 
 UNIT_WEIGHT = 10e3  # N/m3
 #: The joints of Bouckaert, Godio & de Almeida (2022).

@@ -14,12 +14,12 @@ from itertools import product
 
 import numpy as np
 
-from drystone import builders
-from drystone.assembly import Block
-from drystone.builders import Opening, circular_arch, plan
-from drystone.builders.kinds.plan import SIDES
-from drystone.geometry import solid
-from drystone.model import Model
+from drystone.geometry.space import solid
+from drystone.model import builders
+from drystone.model.assembly import Block
+from drystone.model.builders import Opening, circular_arch, plan
+from drystone.model.builders.plan import SIDES
+from drystone.model.model import Model
 from solids import UNIT_WEIGHT, box, joint, model_of
 
 UNIT = (0.4, 0.2, 0.2)  # m: length, thickness of the wall, height of a course

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drystone.assembly import Assembly, Block, JointLaw
-from drystone.builders.checks import OVERLAPPING
-from drystone.geometry import solid
+from drystone.geometry.space import solid
+from drystone.model.assembly import Assembly, Block, JointLaw
+from drystone.model.construction.checks import OVERLAPPING
 from touching import brute_overlap, planes
 
 LAW = JointLaw(friction_coefficient=0.65, normal_stiffness=1e9, shear_stiffness=1e9)

@@ -3,7 +3,7 @@
 import pytest
 from hypothesis import settings
 
-from drystone.commands import compiler
+from drystone.cli import compiler
 
 # A first call may compile for seconds; the examples are the same in every run.
 settings.register_profile("drystone", deadline=None, derandomize=True)

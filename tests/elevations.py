@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import Voronoi
 
-from drystone.assembly import Block
-from drystone.drawings.drawing import Shape
 from drystone.geometry.interfaces import Interfaces
-from drystone.geometry.outlines import Outlines
+from drystone.geometry.plane.outlines import Outlines
+from drystone.io.drawings.drawing import Shape
+from drystone.model.assembly import Block
 
 KINDS = ("courses", "rubble", "mixed", "waves")
 LENGTH, HEIGHT = 4.0, 3.0  # m, of all elevations

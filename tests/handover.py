@@ -1,7 +1,7 @@
 """A state of one engine taken over by another: whether what the one rests on is rest for the other.
 
 States of engines of ours hold the same: poses, pairs, contacts by their features, shears.  All are
-in the structure's own frame, see `drystone.frame`.
+in the structure's own frame, see `drystone.engines.frame`.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from drystone.engines.distinct import DistinctEngine, DistinctState
-from drystone.engines.equilibrium import EquilibriumEngine, EquilibriumState
-from drystone.engines.nscd import NscdEngine, NscdState
-from drystone.kernels import law as joint_law
+from drystone.dynamics.distinct import DistinctEngine, DistinctState
+from drystone.dynamics.nscd import NscdEngine, NscdState
+from drystone.law import law as joint_law
+from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumState
 
 
 class KeptStates:

@@ -37,11 +37,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 import drystone as ds
-from drystone.curve import CapacityCurve
+from drystone.contact.contacts import NONE
 from drystone.engines.base import Demand
-from drystone.engines.equilibrium import EquilibriumEngine, EquilibriumState
-from drystone.kernels.contacts import NONE
-from drystone.kernels.law import DILATION, KN, KS, OPENED, SHEAR, SLID
+from drystone.law.law import DILATION, KN, KS, OPENED, SHEAR, SLID
+from drystone.results.curve import CapacityCurve
+from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumState
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

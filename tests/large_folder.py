@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
-from drystone.curve import CapacityCurve, CurvePoint
-from drystone.export.hdf5 import ResultsWriter
-from drystone.export.own_files import RESULTS
 from drystone.geometry.motion import moved_points, turned
-from drystone.model import Model
+from drystone.io.results.hdf5 import ResultsWriter
+from drystone.io.results.own_files import RESULTS
+from drystone.model.model import Model
+from drystone.results.curve import CapacityCurve, CurvePoint
 from solids import box, joint, model_of
 
 UNIT, DEPTH, COURSE = 0.4, 0.2, 0.175  # m

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import drystone as ds
-from drystone.ties import Tie, TieEnd
+from drystone.model.ties import Tie, TieEnd
 
 FAR = np.array([-3.0, 1.5])  # where the anchor is fixed to the ground, far outside of the blocks
 

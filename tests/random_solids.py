@@ -14,12 +14,13 @@ import numpy as np
 from numpy.random import Generator
 
 from buildings import directions, stone_of
-from drystone.assembly import Block, Corner, JointLaw
-from drystone.builders import circular_arch
-from drystone.geometry import GeometryError, solid
+from drystone.geometry import GeometryError
+from drystone.geometry.space import solid
 from drystone.limit import ASSOCIATIVE, collapse_load, stands
-from drystone.loading import MassPattern
-from drystone.model import Model
+from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.builders import circular_arch
+from drystone.model.loading import MassPattern
+from drystone.model.model import Model
 from solids import box, model_of
 
 #: Draws of one seed.  One in twenty falls, so that hundreds in a row are a fault of the tests.

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 import drystone as ds
-from drystone.curve import CapacityCurve, CurvePoint
+from drystone.results.curve import CapacityCurve, CurvePoint
 
 HEIGHT, WIDTH, WEIGHT = 4.0, 0.5, 18e3  # m, m, N/m3
 

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drystone.assembly import Assembly, Block, Corner, JointLaw
-from drystone.geometry import solid
 from drystone.geometry.motion import moved_points
-from drystone.geometry.solid import Part
-from drystone.loading import MassPattern
-from drystone.model import Analysis, Model
-from drystone.monitor import ControlPoint
+from drystone.geometry.space import solid
+from drystone.geometry.space.solid import Part
+from drystone.model.assembly import Assembly, Block, Corner, JointLaw
+from drystone.model.loading import MassPattern
+from drystone.model.model import Analysis, Model
+from drystone.model.monitor import ControlPoint
 
 UNIT_WEIGHT = 10e3  # N/m3
 

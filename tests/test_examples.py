@@ -10,10 +10,10 @@ import pytest
 
 import drystone as ds
 from builders import RockingBlock, stack
-from drystone.analysis import pushover
+from drystone.analysis.driver import pushover
 from drystone.engines import engine_names
+from drystone.io.modelfile.builds import SECTIONS
 from drystone.limit import at_rest
-from drystone.modelfile.builds import SECTIONS
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from drystone.contact.solids import pack
+from drystone.contact.contacts import NONE, PLANE_NORMAL_3, Pairs, Slots
+from drystone.contact.space import manifold
+from drystone.contact.space.rows import slot_rows_in_space
+from drystone.contact.space.solids import pack
 from drystone.geometry.motion import rest
-from drystone.kernels import manifold
-from drystone.kernels.contacts import NONE, PLANE_NORMAL_3, Pairs, Slots
-from drystone.kernels.spatial_rows import slot_rows_in_space
 
 BOX = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 # Sums of products of lengths below 10 m: a few rounding errors of 1e-15.

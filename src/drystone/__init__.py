@@ -5,39 +5,39 @@ __version__ = "0.1.0"
 # The command line begins here: no module is imported before it has seen to signals.
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from drystone.analysis import pushover
-    from drystone.around import Polar, polar
-    from drystone.assembly import Assembly, Block, Corner, JointLaw
-    from drystone.builders import ModelError, extruded, make_model, published_wall
-    from drystone.builders import coursed_wall as wall
-    from drystone.builders.arch import circular_arch
-    from drystone.builders.column import column, stack
-    from drystone.builders.kinds.arch import arch
-    from drystone.curve import CapacityCurve, CurvePoint
-    from drystone.drawings.blocks import imported
-    from drystone.drawings.settings import ImportSettings
+    from drystone.analysis.directions import Polar, polar
+    from drystone.analysis.driver import pushover
+    from drystone.common.compilation import Compilation
     from drystone.engines.base import EngineError, UnstableError
-    from drystone.export.directory import ResultsDirectory
-    from drystone.export.folder import OutputError
-    from drystone.export.results import Results, load_results, save_results
-    from drystone.inspection import Inspection, inspect
-    from drystone.kernels.compilation import Compilation
+    from drystone.io.drawings.blocks import imported
+    from drystone.io.drawings.settings import ImportSettings
+    from drystone.io.modelfile import read_model, write_model
+    from drystone.io.results.folder import OutputError
     from drystone.limit import Collapse, collapse_load
-    from drystone.loading.acceleration import Acceleration, AccelerationPattern
-    from drystone.loading.dead import FaceLoad, FillLoad, ForceLoad, SurchargeLoad
-    from drystone.loading.forces import ForcesPattern
-    from drystone.loading.mass import MassPattern
-    from drystone.loading.modal import ModalPattern
-    from drystone.loading.targets import PointForce
-    from drystone.loading.tilt import TiltPattern
-    from drystone.loading.triangular import TriangularPattern
-    from drystone.loading.uniform import UniformPattern
-    from drystone.model import Analysis, Model
-    from drystone.modelfile import read_model, write_model
-    from drystone.mortar import Mortar
+    from drystone.model.assembly import Assembly, Block, Corner, JointLaw
+    from drystone.model.builders import ModelError, extruded, make_model, published_wall
+    from drystone.model.builders import coursed_wall as wall
+    from drystone.model.builders.arch import arch
+    from drystone.model.builders.circular_arch import circular_arch
+    from drystone.model.builders.column import column, stack
+    from drystone.model.inspection import Inspection, inspect
+    from drystone.model.loading.acceleration import Acceleration, AccelerationPattern
+    from drystone.model.loading.dead import FaceLoad, FillLoad, ForceLoad, SurchargeLoad
+    from drystone.model.loading.forces import ForcesPattern
+    from drystone.model.loading.mass import MassPattern
+    from drystone.model.loading.modal import ModalPattern
+    from drystone.model.loading.targets import PointForce
+    from drystone.model.loading.tilt import TiltPattern
+    from drystone.model.loading.triangular import TriangularPattern
+    from drystone.model.loading.uniform import UniformPattern
+    from drystone.model.model import Analysis, Model
+    from drystone.model.mortar import Mortar
+    from drystone.model.settlement import Settlement
+    from drystone.model.ties import Tie, TieEnd, spring
     from drystone.report import plot_curve, plot_mechanism, plot_model
-    from drystone.settlement import Settlement
-    from drystone.ties import Tie, TieEnd, spring
+    from drystone.report.folder.directory import ResultsDirectory
+    from drystone.report.folder.results import Results, load_results, save_results
+    from drystone.results.curve import CapacityCurve, CurvePoint
 
 if TYPE_CHECKING:
     from typing import Any
@@ -45,63 +45,63 @@ if TYPE_CHECKING:
 #: Where each name is, and its name there if that is another.  Heavy imports wait until a name is
 #: used, so that the command line starts at once.
 _PLACES = {
-    "Acceleration": "drystone.loading",
-    "AccelerationPattern": "drystone.loading",
-    "Analysis": "drystone.model",
-    "Assembly": "drystone.assembly",
-    "Block": "drystone.assembly",
-    "CapacityCurve": "drystone.curve",
+    "Acceleration": "drystone.model.loading",
+    "AccelerationPattern": "drystone.model.loading",
+    "Analysis": "drystone.model.model",
+    "Assembly": "drystone.model.assembly",
+    "Block": "drystone.model.assembly",
+    "CapacityCurve": "drystone.results.curve",
     "Collapse": "drystone.limit",
-    "Compilation": "drystone.kernels.compilation",
-    "Corner": "drystone.assembly",
-    "CurvePoint": "drystone.curve",
+    "Compilation": "drystone.common.compilation",
+    "Corner": "drystone.model.assembly",
+    "CurvePoint": "drystone.results.curve",
     "EngineError": "drystone.engines.base",
-    "FaceLoad": "drystone.loading",
-    "FillLoad": "drystone.loading",
-    "ForceLoad": "drystone.loading",
-    "ForcesPattern": "drystone.loading",
-    "ImportSettings": "drystone.drawings.settings",
-    "Inspection": "drystone.inspection",
-    "JointLaw": "drystone.assembly",
-    "MassPattern": "drystone.loading",
-    "ModalPattern": "drystone.loading",
-    "Model": "drystone.model",
-    "ModelError": "drystone.builders",
-    "Mortar": "drystone.mortar",
-    "OutputError": "drystone.export.folder",
-    "PointForce": "drystone.loading",
-    "Polar": "drystone.around",
-    "Results": "drystone.export.results",
-    "ResultsDirectory": "drystone.export.directory",
-    "Settlement": "drystone.settlement",
-    "SurchargeLoad": "drystone.loading",
-    "Tie": "drystone.ties",
-    "TieEnd": "drystone.ties",
-    "TiltPattern": "drystone.loading",
-    "TriangularPattern": "drystone.loading",
-    "UniformPattern": "drystone.loading",
+    "FaceLoad": "drystone.model.loading",
+    "FillLoad": "drystone.model.loading",
+    "ForceLoad": "drystone.model.loading",
+    "ForcesPattern": "drystone.model.loading",
+    "ImportSettings": "drystone.io.drawings.settings",
+    "Inspection": "drystone.model.inspection",
+    "JointLaw": "drystone.model.assembly",
+    "MassPattern": "drystone.model.loading",
+    "ModalPattern": "drystone.model.loading",
+    "Model": "drystone.model.model",
+    "ModelError": "drystone.model.builders",
+    "Mortar": "drystone.model.mortar",
+    "OutputError": "drystone.io.results.folder",
+    "PointForce": "drystone.model.loading",
+    "Polar": "drystone.analysis.directions",
+    "Results": "drystone.report.folder.results",
+    "ResultsDirectory": "drystone.report.folder.directory",
+    "Settlement": "drystone.model.settlement",
+    "SurchargeLoad": "drystone.model.loading",
+    "Tie": "drystone.model.ties",
+    "TieEnd": "drystone.model.ties",
+    "TiltPattern": "drystone.model.loading",
+    "TriangularPattern": "drystone.model.loading",
+    "UniformPattern": "drystone.model.loading",
     "UnstableError": "drystone.engines.base",
-    "arch": "drystone.builders",
-    "circular_arch": "drystone.builders",
+    "arch": "drystone.model.builders",
+    "circular_arch": "drystone.model.builders",
     "collapse_load": "drystone.limit",
-    "column": "drystone.builders.column",
-    "extruded": "drystone.builders",
-    "imported": "drystone.drawings.blocks",
-    "inspect": "drystone.inspection",
-    "load_results": "drystone.export.results",
-    "make_model": "drystone.builders",
+    "column": "drystone.model.builders.column",
+    "extruded": "drystone.model.builders",
+    "imported": "drystone.io.drawings.blocks",
+    "inspect": "drystone.model.inspection",
+    "load_results": "drystone.report.folder.results",
+    "make_model": "drystone.model.builders",
     "plot_curve": "drystone.report",
     "plot_mechanism": "drystone.report",
     "plot_model": "drystone.report",
-    "polar": "drystone.around",
-    "published_wall": "drystone.builders",
-    "pushover": "drystone.analysis",
-    "read_model": "drystone.modelfile",
-    "save_results": "drystone.export.results",
-    "spring": "drystone.ties",
-    "stack": "drystone.builders.column",
-    "wall": "drystone.builders:coursed_wall",
-    "write_model": "drystone.modelfile",
+    "polar": "drystone.analysis.directions",
+    "published_wall": "drystone.model.builders",
+    "pushover": "drystone.analysis.driver",
+    "read_model": "drystone.io.modelfile",
+    "save_results": "drystone.report.folder.results",
+    "spring": "drystone.model.ties",
+    "stack": "drystone.model.builders.column",
+    "wall": "drystone.model.builders:coursed_wall",
+    "write_model": "drystone.io.modelfile",
 }
 
 __all__ = [*_PLACES, "__version__"]

@@ -25,13 +25,13 @@ from builders import (
     with_corner,
     with_joint,
 )
-from drystone.analysis import pushover
-from drystone.assembly import Block, Corner, JointLaw
-from drystone.builders import make_model, published_wall
-from drystone.contact import certificate
-from drystone.curve import COLUMNS, CapacityCurve
+from drystone.analysis.driver import pushover
 from drystone.engines import make_engine
 from drystone.engines.base import Demand, EngineError, UnstableError
+from drystone.law import certificate
+from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.builders import make_model, published_wall
+from drystone.results.curve import COLUMNS, CapacityCurve
 
 TESTS = Path(__file__).resolve().parents[1]
 

@@ -24,16 +24,16 @@ from builders import (
     with_corner,
     with_joint,
 )
-from drystone.analysis import pushover
-from drystone.assembly import Block, Corner
-from drystone.builders import extruded, make_model
-from drystone.curve import STATIC, CapacityCurve, CurvePoint
+from drystone.analysis.driver import pushover
 from drystone.engines import engine_names, make_engine
 from drystone.engines.base import Engine, EngineError
 from drystone.engines.framed import framed
-from drystone.geometry import solid
-from drystone.loading import MassPattern, acting
-from drystone.model import Model
+from drystone.geometry.space import solid
+from drystone.model.assembly import Block, Corner
+from drystone.model.builders import extruded, make_model
+from drystone.model.loading import MassPattern, acting
+from drystone.model.model import Model
+from drystone.results.curve import STATIC, CapacityCurve, CurvePoint
 from solids import turned
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "own_engine.py"

@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 
 from builders import UNIT_WEIGHT, problem_of, rectangle, stack, stiff_joint
-from drystone.analysis import pushover
-from drystone.assembly import Block, Corner, JointLaw
-from drystone.builders import make_model
-from drystone.builders.arch import circular_arch
-from drystone.builders.wall import coursed_wall
+from drystone.analysis.driver import pushover
+from drystone.dynamics import explicit
+from drystone.dynamics.distinct import DistinctEngine, DistinctSettings, Workspace
 from drystone.engines.base import Demand, EngineError, UnstableError
-from drystone.engines.distinct import DistinctEngine, DistinctSettings, Workspace
-from drystone.kernels import explicit
-from drystone.kernels.law import BROKEN
+from drystone.law.law import BROKEN
 from drystone.limit import ASSOCIATIVE, collapse_load
-from drystone.model import Model
+from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.builders import make_model
+from drystone.model.builders.circular_arch import circular_arch
+from drystone.model.builders.wall import coursed_wall
+from drystone.model.model import Model
 from structures import structure
 
 JOINT = JointLaw(friction_coefficient=0.65, normal_stiffness=1e8, shear_stiffness=1e11)

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 from builders import PUBLISHED_JOINT, UNIT_WEIGHT, rectangle, stack, stiff_joint
-from drystone.analysis import pushover
-from drystone.assembly import Block, JointLaw
-from drystone.builders import make_model
+from drystone.analysis.driver import pushover
+from drystone.contact.contacts import Slots
 from drystone.contact.detection import Detector
-from drystone.curve import STATIC, BlockLeft
 from drystone.engines.base import EngineError, Problem
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays
-from drystone.kernels.contacts import Slots
 from drystone.limit import limits_beside
-from drystone.model import Analysis
+from drystone.model.assembly import Block, JointLaw
+from drystone.model.builders import make_model
+from drystone.model.model import Analysis
+from drystone.results.curve import STATIC, BlockLeft
 from structures import structure
 
 ENGINES = pytest.mark.parametrize("engine", ["equilibrium", "nscd", "distinct"])

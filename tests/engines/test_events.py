@@ -12,17 +12,17 @@ import pytest
 from tests.builders import rectangle
 
 import drystone as ds
-from drystone.assembly import Block, JointLaw
-from drystone.builders import make_model
-from drystone.builders.errors import ModelError
-from drystone.curve import DYNAMIC, STATIC
-from drystone.event_log import events_of
-from drystone.events import Event, EventKind, Outcome, falls_with, first_collapse
-from drystone.language import said_end, say
+from drystone.common.language import said_end, say
 from drystone.limit import limits_beside, on_what_moves
-from drystone.model import Analysis
-from drystone.site import AssessmentInput, Site
-from drystone.ties import Tie, TieEnd
+from drystone.model.assembly import Block, JointLaw
+from drystone.model.builders import make_model
+from drystone.model.construction.errors import ModelError
+from drystone.model.model import Analysis
+from drystone.model.site import AssessmentInput, Site
+from drystone.model.ties import Tie, TieEnd
+from drystone.results.curve import DYNAMIC, STATIC
+from drystone.results.event_log import events_of
+from drystone.results.events import Event, EventKind, Outcome, falls_with, first_collapse
 from solids import box
 
 ENGINES = pytest.mark.parametrize("engine", ["equilibrium", "nscd", "distinct"])

@@ -17,16 +17,17 @@ from scipy.spatial.transform import Rotation
 import fake_pylmgc90
 import solids
 from builders import PUBLISHED_JOINT, RockingBlock, problem_of, rectangle, stack, turned
-from drystone.analysis import pushover
-from drystone.assembly import Block, Corner, JointLaw
-from drystone.builders import make_model, published_wall
-from drystone.engines import lmgc90, make_engine
+from drystone.analysis.driver import pushover
+from drystone.dynamics import lmgc90
+from drystone.dynamics.lmgc90 import Lmgc90Engine, Lmgc90Settings, engine
+from drystone.dynamics.lmgc90.messages import Outcome, Ready, Setup, Step
+from drystone.dynamics.lmgc90.prisms import extrude, same_place
+from drystone.engines import make_engine
 from drystone.engines.base import Demand, EngineError, UnstableError
-from drystone.engines.lmgc90 import Lmgc90Engine, Lmgc90Settings, engine
-from drystone.engines.lmgc90.messages import Outcome, Ready, Setup, Step
-from drystone.engines.lmgc90.prisms import extrude, same_place
-from drystone.geometry.solid import Part
-from drystone.model import Model
+from drystone.geometry.space.solid import Part
+from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.builders import make_model, published_wall
+from drystone.model.model import Model
 
 LEG = 0.02  # m, of the chamfers
 needs_lmgc90 = pytest.mark.skipif(
@@ -533,7 +534,7 @@ def test_the_full_lmgc90_is_driven_by_its_names(monkeypatch, tmp_path):
         np.array([0.0, 4000.0]), np.array([True, False]), contacts=[(1, 0), (1, 0)]
     )
     pre = fake_pylmgc90.install(monkeypatch, program)
-    from drystone.engines.lmgc90 import chipy
+    from drystone.dynamics.lmgc90 import chipy
 
     setup = Setup(
         shapes=(Part(rectangle(-1, -1, 2, 1)), Part(rectangle(-0.2, 0, 0.4, 1.0))),

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drystone.analysis import pushover
+from drystone.analysis.driver import pushover
+from drystone.dynamics.nscd import NscdEngine
 from drystone.engines.base import Demand, Problem
-from drystone.engines.nscd import NscdEngine
-from drystone.solvers.block_system import BlockSystem
+from drystone.statics.linear.block_system import BlockSystem
 from structures import structure
 
 

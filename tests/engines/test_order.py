@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import drystone as ds
-from drystone.builders.vary import remade
-from drystone.ties import Tie, TieEnd
+from drystone.model.construction.vary import remade
+from drystone.model.ties import Tie, TieEnd
 from random_solids import random_solids
 from structures import structure
 

@@ -13,8 +13,8 @@ from builders import stack
 from drystone.cli import app
 from drystone.engines import GROUP, engine_names, make_engine
 from drystone.engines.base import EngineError
-from drystone.model import Analysis
-from drystone.modelfile import write_model
+from drystone.io.modelfile import write_model
+from drystone.model.model import Analysis
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "own_engine.py"
 

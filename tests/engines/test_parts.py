@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from builders import contacts_of, stack
-from drystone.analysis import pushover
-from drystone.assembly import Assembly, Shapes
+from drystone.analysis.driver import pushover
+from drystone.contact.contacts import PART_A, PART_B
 from drystone.contact.detection import predecessor_slots
-from drystone.kernels import lu_numeric, lu_symbolic
-from drystone.kernels.contacts import PART_A, PART_B
-from drystone.model import Model
+from drystone.model.assembly import Assembly, Shapes
+from drystone.model.model import Model
+from drystone.statics.linear import numeric as lu_numeric
+from drystone.statics.linear import symbolic as lu_symbolic
 
 
 def halved(assembly: Assembly) -> Assembly:

@@ -11,13 +11,13 @@ import pytest
 
 import drystone as ds
 from builders import rectangle
-from drystone.assembly import Block, JointLaw
-from drystone.builders import make_model
-from drystone.curve import DYNAMIC, STATIC
-from drystone.engines.distinct import BETWEEN_POINTS
-from drystone.events import EventKind
+from drystone.dynamics.distinct import BETWEEN_POINTS
 from drystone.geometry.motion import translations
-from drystone.model import Analysis
+from drystone.model.assembly import Block, JointLaw
+from drystone.model.builders import make_model
+from drystone.model.model import Analysis
+from drystone.results.curve import DYNAMIC, STATIC
+from drystone.results.events import EventKind
 
 CASES = Path(__file__).parents[1] / "cases"
 
@@ -112,7 +112,7 @@ class TestDistinct:
             return static, [column[static] for column in (*columns, curve.poses)]
 
         some, seen = at_rest(followed("distinct"))
-        monkeypatch.setattr("drystone.engines.distinct.BETWEEN_POINTS", np.inf)
+        monkeypatch.setattr("drystone.dynamics.distinct.BETWEEN_POINTS", np.inf)
         followed.cache_clear()
         none, unseen = at_rest(followed("distinct"))
         followed.cache_clear()

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from drystone.builders import ModelError
-from drystone.modelfile import read_model
+from drystone.io.modelfile import read_model
+from drystone.model.builders import ModelError
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "builders"
 N_MODELS = int(os.environ.get("DRYSTONE_BUILDS", "120"))

@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 
 from builders import stack
-from drystone.analysis import pushover
-from drystone.builders import ModelError
+from drystone.analysis.driver import pushover
 from drystone.engines.base import EngineError
-from drystone.modelfile import read_model
+from drystone.io.modelfile import read_model
+from drystone.model.builders import ModelError
 
 N_MODELS = int(os.environ.get("DRYSTONE_MUTATIONS", "60"))
 ENGINES = ("equilibrium", "nscd", "distinct")

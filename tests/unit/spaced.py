@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import synthetic
 
-from drystone.builders import extruded
 from drystone.contact.forces import ContactForces
-from drystone.model import Model
+from drystone.model.builders import extruded
+from drystone.model.model import Model
 
 
 def wall_model() -> tuple[Model, Model]:

@@ -17,13 +17,13 @@ from typing import Any
 
 import numpy as np
 
-from drystone.assembly import Assembly, Block, JointLaw
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
-from drystone.curve import DYNAMIC, STATIC, CapacityCurve, CurvePoint, RecorderError
-from drystone.event_log import events_of
-from drystone.loading import MassPattern
-from drystone.model import Analysis, Model, Origin
-from drystone.monitor import ControlPoint
+from drystone.model.assembly import Assembly, Block, JointLaw
+from drystone.model.loading import MassPattern
+from drystone.model.model import Analysis, Model, Origin
+from drystone.model.monitor import ControlPoint
+from drystone.results.curve import DYNAMIC, STATIC, CapacityCurve, CurvePoint, RecorderError
+from drystone.results.event_log import events_of
 
 UNIT, COURSE = 0.4, 0.175  # m
 PEAK, PEAK_AT, END_AT, STOP = 0.5, 0.002, 0.4, 0.01
@@ -198,7 +198,7 @@ def pushover(
     status: str = "finished",
     **_: Any,
 ) -> CapacityCurve:
-    """Stands in for `drystone.analysis.pushover`, the interruption included."""
+    """Stands in for `drystone.analysis.driver.pushover`, the interruption included."""
     result = curve(n, status=status)
     reached, poses, reason = [], [], "Made up."
     if recorder:

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from built import assembled, brute_joints, exposed, joint_area
-from drystone.builders import (
+from drystone.model.builders import (
     ModelError,
     arch,
     barrel_vault,
@@ -17,7 +17,7 @@ from drystone.builders import (
     groin_vault,
     portal,
 )
-from drystone.builders.kinds.profile import half_curve, length_of, ring
+from drystone.model.builders.profile import half_curve, length_of, ring
 
 W = {"unit_weight": 20e3}
 # Sums of some hundred areas of the order of 1 m2, each to rounding errors of coordinates.

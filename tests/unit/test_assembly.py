@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.assembly import GRAVITY, Assembly, Block, Corner, JointLaw
 from drystone.geometry import GeometryError
-from drystone.loading import Acting, MassPattern, dead_load
+from drystone.model.assembly import GRAVITY, Assembly, Block, Corner, JointLaw
+from drystone.model.loading import Acting, MassPattern, dead_load
 
 LAW = JointLaw(friction_coefficient=0.65, normal_stiffness=1e8, shear_stiffness=1e11)
 SMOOTH = JointLaw(friction_coefficient=0.1, normal_stiffness=1e8, shear_stiffness=1e11)

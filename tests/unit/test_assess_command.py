@@ -18,9 +18,9 @@ from drystone.assessment.errors import AssessmentError
 from drystone.assessment.methods.base import Settings
 from drystone.assessment.spectra.ntc2018 import NtcSpectrum
 from drystone.cli import app
-from drystone.export.directory import ResultsDirectory
-from drystone.modelfile import write_model
-from drystone.site import Site
+from drystone.io.modelfile import write_model
+from drystone.model.site import Site
+from drystone.report.folder.directory import ResultsDirectory
 from rigid_walls import HEIGHT, WIDTH, evenly, wall_in_courses
 from sites import TABLES
 
@@ -297,7 +297,7 @@ def test_an_interrupted_trace_is_kept_and_is_status_130(made, tmp_path, monkeypa
             if point.step == 20:
                 raise KeyboardInterrupt
 
-    monkeypatch.setattr("drystone.progress.progress_for", lambda *a, **k: Stops())
+    monkeypatch.setattr("drystone.common.progress.progress_for", lambda *a, **k: Stops())
     out = tmp_path / "out"
     result = drystone("assess", made / "wall.toml", *FLAGS, "--out", out, "--json")
     assert result.exit_code == 130

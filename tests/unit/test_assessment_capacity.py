@@ -7,10 +7,10 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.bilinear import bilinear, drop_point
 from drystone.assessment.capacity import READINGS, Capacity, participation
 from drystone.assessment.errors import AssessmentError
+from drystone.model.assembly import GRAVITY
 
 numbers = st.floats(0.1, 10.0)
 PART = participation([1000.0, 500.0], [0.5, 1.0])

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.bilinear import Bilinear
 from drystone.assessment.capacity import Capacity, participation
 from drystone.assessment.checks import atc40, fema440
@@ -28,13 +27,8 @@ from drystone.assessment.methods import (
 )
 from drystone.assessment.methods.ground import bearable
 from drystone.assessment.methods.inelastic import EC8_MOST, inelastic_displacement, target
-from drystone.assessment.spectra import (
-    Ec8Spectrum,
-    FloorSpectrum,
-    Mode,
-    NtcSpectrum,
-    TableSpectrum,
-)
+from drystone.assessment.spectra import Ec8Spectrum, FloorSpectrum, Mode, NtcSpectrum, TableSpectrum
+from drystone.model.assembly import GRAVITY
 
 MODE = Mode(period=0.35, participation=1.2, shape=0.6, damping=0.08)
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import drystone as ds
-from drystone import builders
-from drystone.builders import ModelError, column, panel, placed
-from drystone.modelfile.builds import BUILDERS, COMMON, SECTIONS
+from drystone.io.modelfile.builds import BUILDERS, COMMON, SECTIONS
+from drystone.model import builders
+from drystone.model.builders import ModelError, column, panel, placed
 
 HEAD = """
 dimension = {dimension}

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.assembly import Block, Corner, JointLaw
-from drystone.builders import (
+from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.builders import (
     PUBLISHED_WALLS,
     ModelError,
     coursed_wall,
@@ -14,7 +14,7 @@ from drystone.builders import (
     model_to_dict,
     published_wall,
 )
-from drystone.inspection import inspect
+from drystone.model.inspection import inspect
 
 LAW = JointLaw(friction_coefficient=0.65, normal_stiffness=1e8, shear_stiffness=1e11)
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from builders import PUBLISHED_JOINT, stack
-from drystone.analysis import obeyed, pushover
-from drystone.builders import make_model
-from drystone.commands.outcome import UNFINISHED, exit_code
+from drystone.analysis.driver import obeyed, pushover
+from drystone.cli.outcome import UNFINISHED, exit_code
 from drystone.contact.forces import ContactForces
 from drystone.engines.base import EngineError, StepReport
+from drystone.model.builders import make_model
 
 
 @dataclass

@@ -9,9 +9,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from typer.testing import CliRunner
 
-from drystone import ranges
 from drystone.cli import app
-from drystone.inspection import _connected
+from drystone.common import ranges
+from drystone.model.inspection import _connected
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 

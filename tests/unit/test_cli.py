@@ -21,19 +21,18 @@ import synthetic
 from typer.testing import CliRunner
 
 import drystone as drystone_package
-from drystone import kernels
-from drystone.benchmark import benchmark
-from drystone.builders.errors import ModelError
+from drystone.analysis.benchmark import benchmark
 from drystone.cli import app
+from drystone.common.progress import progress_for
+from drystone.common.progress.forecast import Forecast
+from drystone.common.progress.points import Bar, Lines, clock_time
 from drystone.engines.base import EngineError, UnstableError
-from drystone.export.benchmark import recorded_curves
-from drystone.export.directory import ResultsDirectory
-from drystone.export.folder import FolderLock
-from drystone.export.own_files import FILES
-from drystone.export.results import load_results
-from drystone.progress import progress_for
-from drystone.progress.forecast import Forecast
-from drystone.progress.points import Bar, Lines, clock_time
+from drystone.io.results.folder import FolderLock
+from drystone.io.results.own_files import FILES
+from drystone.model.construction.errors import ModelError
+from drystone.report.folder.benchmark import recorded_curves
+from drystone.report.folder.directory import ResultsDirectory
+from drystone.report.folder.results import load_results
 
 #: Modules that take long to load, which help and version must not wait for.
 HEAVY = ("numpy", "scipy", "numba", "h5py", "matplotlib", "rich.progress")
@@ -47,7 +46,7 @@ def analysis(monkeypatch):
 
     def use(function):
         module = types.SimpleNamespace(pushover=function)
-        monkeypatch.setitem(sys.modules, "drystone.analysis", module)
+        monkeypatch.setitem(sys.modules, "drystone.analysis.driver", module)
 
     use(synthetic.pushover)
     return use
@@ -58,7 +57,7 @@ def reads(monkeypatch):
     """Sets what stands in for the reader of model files."""
 
     def use(function):
-        monkeypatch.setattr("drystone.modelfile.read_model", function)
+        monkeypatch.setattr("drystone.io.modelfile.read_model", function)
 
     use(lambda path, **_: synthetic.wall_model(source=str(path)))
     return use
@@ -215,7 +214,7 @@ def test_a_second_run_into_one_folder_exits_with_2(here, analysis, reads):
 def test_a_full_disk_exits_with_3_and_keeps_the_curve(here, analysis, reads, monkeypatch):
     """The recorder fails after some points: all files have those of them that are on the disk, and
     the summary says why."""
-    from drystone.export.hdf5 import ResultsWriter
+    from drystone.io.results.hdf5 import ResultsWriter
 
     append = ResultsWriter.append
 
@@ -244,7 +243,7 @@ def test_a_disk_without_room_for_the_first_point_is_left_as_it_was(
     here, analysis, reads, monkeypatch
 ):
     """`results.h5` was left without a point, and report and viewer made pages of it."""
-    from drystone.export.diskfile import DiskFile
+    from drystone.io.results.diskfile import DiskFile
 
     commit, done = DiskFile.commit, []
 
@@ -321,8 +320,8 @@ def test_control_c_leaves_a_valid_folder(tmp_path):
         "        if point.step == 20: open(sys.argv[1] + '/ready', 'w').close()\n"
         "        time.sleep(0.0 if point.step < 20 else 0.1)\n"
         "    return synthetic.pushover(model, progress=slowly, **options)\n"
-        "sys.modules['drystone.analysis'] = types.SimpleNamespace(pushover=pushover)\n"
-        "import drystone.modelfile as m; m.read_model = lambda p, **_: synthetic.wall_model()\n"
+        "sys.modules['drystone.analysis.driver'] = types.SimpleNamespace(pushover=pushover)\n"
+        "import drystone.io.modelfile as m; m.read_model = lambda p, **_: synthetic.wall_model()\n"
         "from drystone.cli import app\n"
         "app(['run', 'wall.toml', '--json', '--out', sys.argv[1] + '/out'])\n"
     )
@@ -430,8 +429,8 @@ def test_sigterm_ends_like_control_c(tmp_path):
         "    curve = synthetic.pushover(model, progress=end, **options)\n"
         "    os.kill(os.getpid(), signal.SIGTERM)\n"
         "    return curve\n"
-        "sys.modules['drystone.analysis'] = types.SimpleNamespace(pushover=pushover)\n"
-        "import drystone.modelfile as m; m.read_model = lambda p, **_: synthetic.wall_model()\n"
+        "sys.modules['drystone.analysis.driver'] = types.SimpleNamespace(pushover=pushover)\n"
+        "import drystone.io.modelfile as m; m.read_model = lambda p, **_: synthetic.wall_model()\n"
         "from drystone.cli import app\n"
         "app(['run', 'wall.toml', '--json', '--out', sys.argv[1]])\n"
     )
@@ -450,10 +449,10 @@ def test_kernels_without_a_writable_home(tmp_path):
 
     A file in the way stops whoever runs this, root included.
     """
-    package = Path(kernels.__file__).parents[1]
+    package = Path(drystone_package.__file__).parent
     copy = tmp_path / "drystone"
     shutil.copytree(package, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    (copy / "kernels/__pycache__").write_text("")
+    (copy / "law/__pycache__").write_text("")
     (tmp_path / "tmp").mkdir()
     home = {"HOME": "/dev/null", "XDG_CACHE_HOME": "/dev/null/cache"}
     environment = {
@@ -465,9 +464,9 @@ def test_kernels_without_a_writable_home(tmp_path):
     environment.pop("NUMBA_CACHE_DIR", None)
     code = (
         "import sys; sys.dont_write_bytecode = True\n"
-        "from drystone.commands.outcome import outcome\n"
+        "from drystone.cli.outcome import outcome\n"
         "with outcome(as_json=False):\n"
-        "    from drystone.kernels import residual\n"
+        "    from drystone.law import residual\n"
     )
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, env=environment
@@ -604,7 +603,7 @@ def test_forecast_of_a_straight_descent():
 
 def test_lines_come_now_and_then(monkeypatch, capsys):
     now = 0.0
-    monkeypatch.setattr("drystone.progress.points.time.monotonic", lambda: now)
+    monkeypatch.setattr("drystone.common.progress.points.time.monotonic", lambda: now)
     progress = progress_for("wall", 0.01, quiet=False)
     assert isinstance(progress, Lines)  # what pytest captures is no terminal
     for p in synthetic.points():

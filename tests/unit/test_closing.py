@@ -15,16 +15,16 @@ import drystone as ds
 import elevations
 from builders import rectangle
 from built import LAW
-from drystone.builders import ModelError, make_model
-from drystone.builders.checks import OVERLAPPING
-from drystone.drawings.drawing import Shape
-from drystone.drawings.outlines import mended_outlines
-from drystone.drawings.settings import TOLERANCE
-from drystone.geometry import polygon
-from drystone.geometry.closing import closed
-from drystone.geometry.outline_parts import convex_outlines
-from drystone.geometry.outline_trim import trimmed
-from drystone.geometry.outlines import Outlines
+from drystone.geometry.plane import polygon
+from drystone.geometry.plane.closing import closed
+from drystone.geometry.plane.outlines import Outlines
+from drystone.geometry.plane.parts import convex_outlines
+from drystone.geometry.plane.trim import trimmed
+from drystone.io.drawings.drawing import Shape
+from drystone.io.drawings.outlines import mended_outlines
+from drystone.io.drawings.settings import TOLERANCE
+from drystone.model.builders import ModelError, make_model
+from drystone.model.construction.checks import OVERLAPPING
 
 CASES = Path(__file__).resolve().parents[1] / "cases"
 MOVED, CUT = "had vertices moved to close joints", "had overlaps with neighbours that were cut off"

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from built import assembled, brute_joints, exposed, joint_area
-from drystone.builders import (
+from drystone.geometry.plane import polygon
+from drystone.model.builders import (
     ModelError,
     buttress,
     column,
@@ -19,7 +20,6 @@ from drystone.builders import (
     stack,
     tower,
 )
-from drystone.geometry import polygon
 
 W = {"unit_weight": 20e3}
 # Sums of some hundred areas of the order of 1 m2, each to rounding errors of coordinates.

@@ -12,9 +12,8 @@ from typer.testing import CliRunner
 
 import drystone as ds
 from builders import stack
-from drystone.cli import app
-from drystone.commands import compiler
-from drystone.commands.outcome import tell
+from drystone.cli import app, compiler
+from drystone.cli.outcome import tell
 
 
 @pytest.fixture(autouse=True)
@@ -26,7 +25,7 @@ def told(monkeypatch, untold):
 @pytest.fixture
 def slow_to_compile(monkeypatch):
     """An engine that compiles something as it starts, as on a machine's first run."""
-    from drystone.engines.equilibrium import EquilibriumEngine
+    from drystone.statics.equilibrium import EquilibriumEngine
 
     start = EquilibriumEngine.start
 
@@ -118,8 +117,8 @@ def test_later_runs_say_nothing(model_file, tmp_path):
 def test_rehearsal_finds_what_a_run_calls(engine, dimension):
     """In a process of its own; the types are those that the kernels are compiled for in ours."""
     listed = synthetic.python(
-        "import sys, json; from drystone.commands import compiler\n"
-        "from drystone.kernels.compilation import rehearse\n"
+        "import sys, json; from drystone.cli import compiler\n"
+        "from drystone.common.compilation import rehearse\n"
         "found = rehearse(lambda: compiler._small_run(sys.argv[1], int(sys.argv[2])))\n"
         "print(json.dumps([[k.__module__, k.__name__, str(t)] for k, t in found]))",
         engine,
@@ -139,7 +138,7 @@ def test_second_process_compiles_all_that_a_run_needs(tmp_path, dimension):
     """Into an empty cache; a minute or so."""
     environment = {**synthetic.environment(), "NUMBA_CACHE_DIR": str(tmp_path)}
     subprocess.run(
-        [sys.executable, "-m", "drystone.commands.compiler", "equilibrium", str(dimension)],
+        [sys.executable, "-m", "drystone.cli.compiler", "equilibrium", str(dimension)],
         check=True,
         env=environment,
     )
@@ -147,7 +146,7 @@ def test_second_process_compiles_all_that_a_run_needs(tmp_path, dimension):
         [
             sys.executable,
             "-c",
-            "import drystone as ds; from drystone.commands import compiler\n"
+            "import drystone as ds; from drystone.cli import compiler\n"
             f"with ds.Compilation() as c: compiler._small_run('equilibrium', {dimension})\n"
             "print(c.n_kernels)",
         ],

@@ -7,10 +7,10 @@ import pytest
 
 from builders import problem_of
 from drystone.engines.base import Demand
-from drystone.engines.equilibrium import EquilibriumEngine
 from drystone.geometry.motion import translations
-from drystone.solvers.cone_fall import FallSettings, come_to_rest
-from drystone.solvers.cone_search import Attempt, ConeSearch, ConeSettings
+from drystone.statics.equilibrium import EquilibriumEngine
+from drystone.statics.space.cone_fall import FallSettings, come_to_rest
+from drystone.statics.space.cone_search import Attempt, ConeSearch, ConeSettings
 from solids import leaf
 
 

@@ -5,8 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.kernels import cones
-from drystone.kernels.cones import (
+from drystone.contact.contacts import BODY_A, BODY_B, FRICTION, SLOT, STIFF_N, Contacts
+from drystone.dynamics import nlgs
+from drystone.dynamics.sweeps import ContactProblem
+from drystone.statics.linear.block_system import BlockSystem
+from drystone.statics.space import cones
+from drystone.statics.space.cones import (
     CAP,
     CRUSH,
     ETA,
@@ -27,17 +31,6 @@ from drystone.kernels.cones import (
     V,
     W,
 )
-from drystone.kernels.contacts import (
-    BODY_A,
-    BODY_B,
-    FRICTION,
-    SLOT,
-    STIFF_N,
-    Contacts,
-)
-from drystone.kernels.nlgs import ContactProblem
-from drystone.solvers import nlgs
-from drystone.solvers.block_system import BlockSystem
 
 pytestmark = pytest.mark.kernels
 

@@ -25,8 +25,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from builders import stack
-from drystone.analysis import pushover
-from drystone.builders import ModelError, model_to_dict, published_wall
+from drystone.analysis.driver import pushover
 from drystone.control import (
     ControlError,
     DisplacementSettings,
@@ -37,9 +36,10 @@ from drystone.control import (
 )
 from drystone.control.displacement import ALL_BUT
 from drystone.control.ends import COLLAPSED, Progress, end_of_curve
-from drystone.curve import DYNAMIC, STATIC
 from drystone.engines.base import Demand, EngineError, StepReport, UnstableError
-from drystone.modelfile import read_model
+from drystone.io.modelfile import read_model
+from drystone.model.builders import ModelError, model_to_dict, published_wall
+from drystone.results.curve import DYNAMIC, STATIC
 
 PEAK, DELTA_END = 0.4, 0.3  # -, m
 STEP = 1e-3  # m

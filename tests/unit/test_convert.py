@@ -14,12 +14,12 @@ from typer.testing import CliRunner
 
 import fake_pylmgc90
 from builders import PUBLISHED_JOINT, convex_polygons, rectangle, stack, turned
-from drystone.assembly import Block, Corner, JointLaw
-from drystone.builders import ModelError, make_model, published_wall
 from drystone.cli import app
-from drystone.convert import TARGETS, common, convert, itasca, read, target_of
-from drystone.model import Analysis, Model
-from drystone.modelfile import write_model
+from drystone.io.convert import TARGETS, common, convert, itasca, read, target_of
+from drystone.io.modelfile import write_model
+from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.builders import ModelError, make_model, published_wall
+from drystone.model.model import Analysis, Model
 
 #: Rounding of a friction angle, a density and a corner that was cut off and put back.
 CLOSE = 1e-11

@@ -13,13 +13,13 @@ from test_convert import again, assert_same_law, run_fish, written
 
 import fake_pylmgc90
 import solids
-from drystone.assembly import Assembly, Block, Corner, JointLaw
-from drystone.builders import ModelError, extruded, make_model, published_wall
-from drystone.convert import common, convert, itasca
-from drystone.convert.threedec_solids import block_command, prism_ends, solid_of
-from drystone.geometry import solid
-from drystone.geometry.solid import Part
-from drystone.model import Analysis, Model
+from drystone.geometry.space import solid
+from drystone.geometry.space.solid import Part
+from drystone.io.convert import common, convert, itasca
+from drystone.io.convert.threedec_solids import block_command, prism_ends, solid_of
+from drystone.model.assembly import Assembly, Block, Corner, JointLaw
+from drystone.model.builders import ModelError, extruded, make_model, published_wall
+from drystone.model.model import Analysis, Model
 
 CASES = Path(__file__).parents[1] / "cases" / "solids"
 #: Rounding of a friction angle and of a density.

@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 from test_solids import DOVETAIL, L_OUTLINE, U_OUTLINE, rotation, seeds
 
 from drystone.geometry import GeometryError
-from drystone.geometry.outline_parts import convex_outlines, outline_seams, touched_corners
-from drystone.geometry.polygon import check_convex, check_outline, signed_area
-from drystone.geometry.solid import (
+from drystone.geometry.plane.parts import convex_outlines, outline_seams, touched_corners
+from drystone.geometry.plane.polygon import check_convex, check_outline, signed_area
+from drystone.geometry.space.parts import convex_parts, extruded_parts, solid_seams, touched_edges
+from drystone.geometry.space.solid import (
     box,
     check,
     extruded,
@@ -19,12 +20,6 @@ from drystone.geometry.solid import (
     is_plain,
     mass_properties,
     sum_of,
-)
-from drystone.geometry.solid_parts import (
-    convex_parts,
-    extruded_parts,
-    solid_seams,
-    touched_edges,
 )
 
 T_OUTLINE = np.array([[1, 0], [2, 0], [2, 1], [3, 1], [3, 2], [0, 2], [0, 1], [1, 1]], float)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from test_convex_parts import DOVETAIL, L_OUTLINE
 from test_solids import random_hulls
 
-from drystone.geometry import GeometryError, polygon
+from drystone.geometry import GeometryError
 from drystone.geometry.cores import (
     chamfered_outline,
     chamfered_solid,
@@ -17,8 +17,10 @@ from drystone.geometry.cores import (
     rounded_solid,
     sharp_solid,
 )
-from drystone.geometry.outline_parts import convex_outlines, outline_seams, touched_corners
-from drystone.geometry.solid import (
+from drystone.geometry.plane import polygon
+from drystone.geometry.plane.parts import convex_outlines, outline_seams, touched_corners
+from drystone.geometry.space.parts import extruded_parts, solid_seams, touched_edges
+from drystone.geometry.space.solid import (
     box,
     check,
     extruded,
@@ -27,7 +29,6 @@ from drystone.geometry.solid import (
     is_convex,
     mass_properties,
 )
-from drystone.geometry.solid_parts import extruded_parts, solid_seams, touched_edges
 
 CUBE = box([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
 PYRAMID = hull(np.array([[1, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0], [0, 0, 1]], float))

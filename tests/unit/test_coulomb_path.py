@@ -8,14 +8,14 @@ import pytest
 from typer.testing import CliRunner
 
 import solids
-from drystone.assembly import JointLaw
 from drystone.cli import app
+from drystone.io.modelfile import write_model
 from drystone.limit import coulomb_path, limits_beside, non_associative
 from drystone.limit.collapse import collapse_load, collapse_loads
 from drystone.limit.cones import shear_strength
 from drystone.limit.coulomb_path import Ending, follow
 from drystone.limit.equilibrium import Equilibrium
-from drystone.modelfile import write_model
+from drystone.model.assembly import JointLaw
 
 MOST = 300
 

@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from drystone.geometry import motion as poses
-from drystone.kernels import explicit
-from drystone.kernels.contacts import (
+from drystone.contact.contacts import (
     BALL_3,
     FEATURE_A,
     GAP,
@@ -25,8 +23,11 @@ from drystone.kernels.contacts import (
     Pairs,
     Slots,
 )
-from drystone.kernels.explicit import Drive, FrozenContacts, Loads, Motion
-from drystone.kernels.law import (
+from drystone.contact.rows import IN_SPACE
+from drystone.dynamics import explicit
+from drystone.dynamics.explicit import Drive, FrozenContacts, Loads, Motion
+from drystone.geometry import motion as poses
+from drystone.law.law import (
     BROKEN,
     BY_SLIP,
     COHESIVE,
@@ -44,8 +45,7 @@ from drystone.kernels.law import (
     SOFTENED,
     YIELDS,
 )
-from drystone.kernels.rows import IN_SPACE
-from drystone.kernels.ties import Ties
+from drystone.model.tie_kernels import Ties
 
 pytestmark = pytest.mark.kernels
 

@@ -6,12 +6,12 @@ from scipy.spatial.transform import Rotation
 
 import buildings
 import drystone as ds
-from drystone.assembly import Assembly, Block, Corner
+from drystone.contact.contacts import NONE, A, B
 from drystone.contact.detection import Detector
-from drystone.frame import Frame
-from drystone.geometry import solid
-from drystone.kernels.contacts import NONE, A, B
-from drystone.kernels.law import MU
+from drystone.engines.frame import Frame
+from drystone.geometry.space import solid
+from drystone.law.law import MU
+from drystone.model.assembly import Assembly, Block, Corner
 from solids import box, joint, leaf, one_block, turned
 
 pytestmark = pytest.mark.kernels

@@ -14,16 +14,16 @@ from typer.testing import CliRunner
 
 import drystone as ds
 from drystone.cli import app
-from drystone.document import figures, svg
-from drystone.document.judged import Judged
-from drystone.document.report import render
-from drystone.export.results import load_results
-from drystone.language import words
-from drystone.loading.dead import KINDS
-from drystone.loading.targets import POINTS
+from drystone.common.language import words
+from drystone.model.loading.dead import KINDS
+from drystone.model.loading.targets import POINTS
+from drystone.model.ties import STATES
+from drystone.report.document import figures, svg
+from drystone.report.document.judged import Judged
+from drystone.report.document.report import render
+from drystone.report.folder.results import load_results
 from drystone.report.marks import TIES
-from drystone.ties import STATES
-from drystone.viewer.folder import Folder
+from drystone.report.viewer.folder import Folder
 from sites import TABLES
 
 ROOT = Path(__file__).parents[2]
@@ -174,7 +174,7 @@ def test_words_are_all_used_and_all_there():
     """A key that nothing asks for is left over; one that is missing is an error of the template."""
     source = "".join(
         path.read_text(encoding="utf-8")
-        for path in (ROOT / "src/drystone/document").rglob("*")
+        for path in (ROOT / "src/drystone/report/document").rglob("*")
         if path.suffix in (".py", ".j2")
     )
     put_together = {  # of kinds, states and places, whose names are elsewhere
@@ -182,7 +182,7 @@ def test_words_are_all_used_and_all_there():
         *(name.replace(" ", "_") for _, _, name in TIES.values()), "on_block", "on_group",
     }  # fmt: skip
     data = tomllib.loads(
-        (ROOT / "src/drystone/language/en/report.toml").read_text(encoding="utf-8")
+        (ROOT / "src/drystone/common/language/en/report.toml").read_text(encoding="utf-8")
     )
     for name, section in data.items():
         if isinstance(section, dict) and name not in ("engineer",):

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import drystone as ds
-from drystone.document.report import render
-from drystone.viewer.folder import Folder
+from drystone.report.document.report import render
+from drystone.report.viewer.folder import Folder
 from piers import piers
 
 DATE = datetime(2024, 5, 6, 7, 8, tzinfo=UTC)

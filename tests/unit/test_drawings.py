@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from drawn import box, brick_wall, obj_text
-from drystone.builders.errors import ModelError
-from drystone.drawings import ImportSettings, Shape, imported, read_drawing
-from drystone.drawings import compas as compas_format
-from drystone.drawings import obj as obj_format
-from drystone.drawings import ply as ply_format
-from drystone.drawings import stl as stl_format
-from drystone.geometry import solid
+from drystone.geometry.space import solid
+from drystone.io.drawings import ImportSettings, Shape, imported, read_drawing
+from drystone.io.drawings import compas as compas_format
+from drystone.io.drawings import obj as obj_format
+from drystone.io.drawings import ply as ply_format
+from drystone.io.drawings import stl as stl_format
+from drystone.model.construction.errors import ModelError
 
 
 def kept(tmp_path: Path, name: str, contents: str | bytes) -> Path:

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 from drawn import box, brick_wall
-from drystone.builders.errors import ModelError
-from drystone.drawings import ImportSettings, Shape, imported
-from drystone.drawings import dxf as dxf_format
-from drystone.geometry import polygon, solid
+from drystone.geometry.plane import polygon
+from drystone.geometry.space import solid
+from drystone.io.drawings import ImportSettings, Shape, imported
+from drystone.io.drawings import dxf as dxf_format
+from drystone.model.construction.errors import ModelError
 
 ezdxf = pytest.importorskip("ezdxf")
 

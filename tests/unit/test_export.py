@@ -19,14 +19,14 @@ import pytest
 import synthetic
 
 from drystone.contact.forces import ContactForces
-from drystone.curve import COLUMNS, TieRecord
-from drystone.export import hdf5
-from drystone.export.csv import LEADING, write_curve, write_ties
-from drystone.export.directory import ResultsDirectory, mechanism_row
-from drystone.export.folder import OutputError
-from drystone.export.hdf5 import ResultsReader, ResultsWriter
-from drystone.export.paraview import choose_frames
-from drystone.export.summary import plain, summarise, to_json
+from drystone.io.results import hdf5
+from drystone.io.results.csv import LEADING, write_curve, write_ties
+from drystone.io.results.folder import OutputError
+from drystone.io.results.hdf5 import ResultsReader, ResultsWriter
+from drystone.io.results.paraview import choose_frames
+from drystone.io.results.summary import plain, summarise, to_json
+from drystone.report.folder.directory import ResultsDirectory, mechanism_row
+from drystone.results.curve import COLUMNS, TieRecord
 
 FILES = {"summary.json", "curve.csv", "curve.png", "mechanism.png", "results.h5", "paraview"}
 PROMISED = {
@@ -173,8 +173,8 @@ def test_much_data_does_not_wait_for_the_clock(tmp_path, monkeypatch, model):
 def test_killed_process_leaves_its_points(tmp_path):
     """Killed without any chance to tidy up: what was flushed is there."""
     code = (
-        "import sys, time, synthetic; from drystone.export import hdf5; hdf5.SECONDS = 0.0\n"
-        "from drystone.export.directory import ResultsDirectory\n"
+        "import sys, time, synthetic; from drystone.io.results import hdf5; hdf5.SECONDS = 0.0\n"
+        "from drystone.report.folder.directory import ResultsDirectory\n"
         "m = synthetic.wall_model(); d = ResultsDirectory(sys.argv[1]); d.begin(m, 'nscd', 'd')\n"
         "for p in synthetic.points():\n"
         "    pose = synthetic.pose_at(m, p.control_displacement)\n"
@@ -277,8 +277,8 @@ def test_paraview_reads_the_contacts(folder, model, curve):
 def test_paraview_reads_large_arrays_and_empty_ones(tmp_path, model):
     """Arrays of several compressed pieces, and of none."""
     pyvista = pytest.importorskip("pyvista")
-    from drystone.export import vtu
-    from drystone.export.paraview import write_contacts
+    from drystone.io.results import vtu
+    from drystone.io.results.paraview import write_contacts
 
     n = vtu.PIECE // 8 + 3  # of 24 bytes each: three whole pieces and a part
     points = np.random.default_rng(1).normal(size=(n, 3))
@@ -366,7 +366,7 @@ def test_full_disk_is_a_sentence(tmp_path, model, curve, monkeypatch):
     def refuse(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("drystone.export.directory.write_curve", refuse)
+    monkeypatch.setattr("drystone.report.folder.directory.write_curve", refuse)
     with pytest.raises(OutputError, match="No space left"):
         synthetic.record(results, model, curve)
 
@@ -374,9 +374,9 @@ def test_full_disk_is_a_sentence(tmp_path, model, curve, monkeypatch):
 FULL_DISK = """
 import resource, sys, synthetic
 from dataclasses import replace
-from drystone.export import hdf5
-from drystone.export.directory import ResultsDirectory
-from drystone.export.folder import OutputError
+from drystone.io.results import hdf5
+from drystone.report.folder.directory import ResultsDirectory
+from drystone.io.results.folder import OutputError
 
 hdf5.SECONDS = 0.0  # every point goes to the disk at once
 folder, limit = sys.argv[1], int(sys.argv[2])
@@ -451,7 +451,7 @@ def test_full_disk_at_the_end_does_not_say_finished(tmp_path, model, curve, monk
     def refuse(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("drystone.export.diskfile.DiskFile.commit", refuse)
+    monkeypatch.setattr("drystone.io.results.diskfile.DiskFile.commit", refuse)
     with pytest.raises(OutputError, match="No space left"):
         results.end(curve)
     with ResultsReader(tmp_path / "out/results.h5") as kept:
@@ -515,7 +515,7 @@ def test_two_runs_into_one_folder(tmp_path, model, curve):
 def test_lock_of_a_killed_run_does_not_last(tmp_path, model, curve):
     code = (
         "import sys, time; from pathlib import Path\n"
-        "from drystone.export.folder import FolderLock\n"
+        "from drystone.io.results.folder import FolderLock\n"
         "lock = FolderLock(Path(sys.argv[1])); print('ready', flush=True); time.sleep(60)\n"
     )
     with subprocess.Popen(
@@ -537,7 +537,7 @@ def test_mechanism_is_at_the_displacement_asked_for(tmp_path, model, curve, monk
         titles.append(title)
         path.touch()
 
-    monkeypatch.setattr("drystone.export.directory.draw_mechanism", draw)
+    monkeypatch.setattr("drystone.report.folder.directory.draw_mechanism", draw)
     synthetic.record(ResultsDirectory(tmp_path), model, curve)
     synthetic.record(ResultsDirectory(tmp_path, mechanism_displacement=0.1), model, curve)
     option = synthetic.wall_model(mechanism_displacement=0.3)

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from drystone.geometry import solid
 from drystone.geometry.interfaces import Interfaces, corner_shares
-from drystone.geometry.outlines import TOUCHING
-from drystone.geometry.polyhedra import Polyhedra
-from drystone.kernels import faces
+from drystone.geometry.plane.outlines import TOUCHING
+from drystone.geometry.space import faces, solid
+from drystone.geometry.space.polyhedra import Polyhedra
 
 pytestmark = pytest.mark.kernels
 

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from drystone.assembly import GRAVITY, Assembly, Block, Corner, JointLaw
-from drystone.geometry import GeometryError, solid
+from drystone.geometry import GeometryError
 from drystone.geometry.figure import Figure
-from drystone.geometry.solid import Part
+from drystone.geometry.space import solid
+from drystone.geometry.space.solid import Part
+from drystone.model.assembly import GRAVITY, Assembly, Block, Corner, JointLaw
 
 LAW = JointLaw(friction_coefficient=0.6, normal_stiffness=1e9, shear_stiffness=1e9)
 L_SHAPE = np.array([[0.0, 0.0], [0.6, 0.0], [0.6, 0.2], [0.2, 0.2], [0.2, 0.5], [0.0, 0.5]])

@@ -7,10 +7,10 @@ import pytest
 
 import drystone as ds
 from builders import UNIT_WEIGHT, rectangle, stack, stiff_joint, turned
-from drystone.assembly import Block
-from drystone.builders import ModelError, circular_arch, make_model
-from drystone.geometry.solid import Part
+from drystone.geometry.space.solid import Part
 from drystone.limit import collapse_load
+from drystone.model.assembly import Block
+from drystone.model.builders import ModelError, circular_arch, make_model
 
 #: Of coordinates of metres that were computed along two ways.
 ROUNDING = 1e-12

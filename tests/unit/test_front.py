@@ -15,12 +15,12 @@ from synthetic import pose_at, pushover, wall_model
 
 import drystone as ds
 from builders import stack
-from drystone import builders
-from drystone.curve import COLUMNS
-from drystone.progress import somebody_watches
-from drystone.progress.points import Bar, Lines
-from drystone.progress.watched import points_shown
+from drystone.common.progress import somebody_watches
+from drystone.common.progress.points import Bar, Lines
+from drystone.common.progress.watched import points_shown
+from drystone.model import builders
 from drystone.report.canvas import CURVE_COLOURS
+from drystone.results.curve import COLUMNS
 
 
 @pytest.fixture(scope="module")
@@ -185,7 +185,7 @@ class TestProgress:
     """Bars show long work by default where somebody watches."""
 
     def told(self, monkeypatch, terminal, **options):
-        monkeypatch.setattr("drystone.progress.watched.SHORT", 0.0)
+        monkeypatch.setattr("drystone.common.progress.watched.SHORT", 0.0)
         monkeypatch.setattr("sys.stderr.isatty", lambda: terminal, raising=False)
         shown = []
         monkeypatch.setattr(Bar, "__enter__", lambda self: shown.append("begun"))

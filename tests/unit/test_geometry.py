@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drystone.geometry import GeometryError
-from drystone.geometry.outlines import Outlines
-from drystone.geometry.polygon import (
+from drystone.geometry.plane.outlines import Outlines
+from drystone.geometry.plane.polygon import (
     chamfered_core,
     check_convex,
     mass_properties,

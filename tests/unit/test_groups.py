@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import drystone as ds
-from drystone.assembly import Assembly, Block, JointLaw
-from drystone.builders import ModelError
-from drystone.modelfile import read_model, write_model
+from drystone.io.modelfile import read_model, write_model
+from drystone.model.assembly import Assembly, Block, JointLaw
+from drystone.model.builders import ModelError
 
 LAW = JointLaw(friction_coefficient=0.6, normal_stiffness=1e8, shear_stiffness=1e8)
 SLIPPERY = JointLaw(friction_coefficient=0.2, normal_stiffness=1e8, shear_stiffness=1e8)

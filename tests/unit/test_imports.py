@@ -14,10 +14,10 @@ from typer.testing import CliRunner
 
 import drystone as ds
 from drawn import bent_dome, brick_wall, obj_text
-from drystone.builders import ModelError
 from drystone.cli import app
-from drystone.inspection import inspect
-from drystone.modelfile import read_model
+from drystone.io.modelfile import read_model
+from drystone.model.builders import ModelError
+from drystone.model.inspection import inspect
 
 HEAD = """\
 dimension = 3

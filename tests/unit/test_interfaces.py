@@ -6,7 +6,7 @@ import synthetic
 
 from builders import rectangle
 from drystone.geometry.interfaces import Interfaces
-from drystone.geometry.outlines import TOUCHING, Outlines
+from drystone.geometry.plane.outlines import TOUCHING, Outlines
 
 
 def found(*outlines, distance=None):

@@ -8,13 +8,7 @@ import numpy as np
 import pytest
 
 from builders import problem_of, stack
-from drystone.assembly import Corner
-from drystone.builders import published_wall
-from drystone.engines.base import Demand
-from drystone.engines.equilibrium import EquilibriumEngine
-from drystone.kernels import interior
-from drystone.kernels import law as joint_law
-from drystone.kernels.contacts import (
+from drystone.contact.contacts import (
     BODY_B,
     FRICTION,
     LIFT,
@@ -24,7 +18,13 @@ from drystone.kernels.contacts import (
     TRIAL_T,
     Contacts,
 )
-from drystone.solvers.interior import Descent, InteriorPoint
+from drystone.engines.base import Demand
+from drystone.law import law as joint_law
+from drystone.model.assembly import Corner
+from drystone.model.builders import published_wall
+from drystone.statics.equilibrium import EquilibriumEngine
+from drystone.statics.plane import interior_kernels as interior
+from drystone.statics.plane.interior import Descent, InteriorPoint
 
 pytestmark = pytest.mark.kernels
 
@@ -165,7 +165,7 @@ def test_a_step_from_the_interior_ends_where_the_path_leads(number, monkeypatch)
     """Increments on the rising branch, each solved both ways from the state that is followed."""
     problem = problem_of(published_wall(number))
     engine = EquilibriumEngine()
-    monkeypatch.setattr("drystone.engines.equilibrium.InteriorPoint", Recorded)
+    monkeypatch.setattr("drystone.statics.equilibrium.InteriorPoint", Recorded)
     state, _ = engine.start(problem)
     compared = 0
     for _ in range(12):

@@ -9,10 +9,10 @@ import pytest
 from test_modelfile import changed, problems, read, with_pair
 
 from builders import stack
-from drystone.analysis import pushover
-from drystone.assembly import JointLaw
-from drystone.builders.checks import law_problems
-from drystone.modelfile import read_model, write_model
+from drystone.analysis.driver import pushover
+from drystone.io.modelfile import read_model, write_model
+from drystone.model.assembly import JointLaw
+from drystone.model.construction.checks import law_problems
 
 LAW = JointLaw(
     friction_coefficient=0.65,

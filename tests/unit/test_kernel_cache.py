@@ -6,7 +6,7 @@ import os
 
 from numba.core.caching import IndexDataCacheFile
 
-from drystone.kernels.cache import STAMP, discard_outdated
+from drystone.common.kernel_cache import STAMP, discard_outdated
 
 
 def compiled(folder):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.kernels.contacts import NONE, VERTEX_A, VERTEX_B, VERTICES, Slots
-from drystone.kernels.measures import count_contacts, sum_blocks
+from drystone.contact.contacts import NONE, VERTEX_A, VERTEX_B, VERTICES, Slots
+from drystone.contact.measures import count_contacts, sum_blocks
 
 pytestmark = pytest.mark.kernels
 

@@ -24,15 +24,16 @@ from builders import (
     turned,
     with_corner,
 )
-from drystone.assembly import Assembly, Block, Corner, JointLaw
-from drystone.builders import published_wall
+from drystone.contact.contacts import NONE, SIZE, VERTEX_A, VERTEX_B, VERTICES, Contacts, Slots
 from drystone.contact.detection import predecessor_pairs
+from drystone.contact.plane import narrow, rows
 from drystone.geometry import GeometryError, broad
 from drystone.geometry.broad import candidate_pairs
-from drystone.kernels import forces, narrow, rows
-from drystone.kernels import law as joint_law
-from drystone.kernels.contacts import NONE, SIZE, VERTEX_A, VERTEX_B, VERTICES, Contacts, Slots
-from drystone.kernels.forces import Start, Tangent
+from drystone.law import law as joint_law
+from drystone.model.assembly import Assembly, Block, Corner, JointLaw
+from drystone.model.builders import published_wall
+from drystone.statics.plane import forces
+from drystone.statics.plane.forces import Start, Tangent
 from interpreted import fewer
 
 pytestmark = pytest.mark.kernels

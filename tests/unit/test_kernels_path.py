@@ -13,19 +13,18 @@ import numpy as np
 import pytest
 
 from builders import UNIT_WEIGHT, core_of, problem_of, rectangle, stack
-from drystone.assembly import Block, Corner, JointLaw
-from drystone.builders import make_model
+from drystone.contact.contacts import VERTEX_B, VERTICES
 from drystone.engines.base import Demand
-from drystone.engines.equilibrium import EquilibriumEngine, EquilibriumState
-from drystone.kernels import law as joint_law
-from drystone.kernels import path
-from drystone.kernels.contacts import VERTEX_B, VERTICES
-from drystone.model import Model
-from drystone.solvers import piecewise
-from drystone.solvers.interior import InteriorPoint
-from drystone.solvers.linear_step import PointPace
-from drystone.solvers.piecewise import Accuracy, PathSettings, StepSolution
-from drystone.solvers.static_step import StaticStep
+from drystone.law import law as joint_law
+from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.builders import make_model
+from drystone.model.model import Model
+from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumState
+from drystone.statics.linear_step import PointPace
+from drystone.statics.plane import path, piecewise
+from drystone.statics.plane.interior import InteriorPoint
+from drystone.statics.plane.piecewise import Accuracy, PathSettings, StepSolution
+from drystone.statics.plane.static_step import StaticStep
 from interpreted import fewer
 
 pytestmark = pytest.mark.kernels

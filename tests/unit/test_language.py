@@ -17,12 +17,21 @@ import drystone as ds
 from drystone.assessment.bilinear import drop_point
 from drystone.assessment.errors import AssessmentError
 from drystone.cli import app
-from drystone.commands.options import Language
-from drystone.document.report import render
-from drystone.events import Event, EventKind, Outcome
-from drystone.language import LANGUAGES, Saying, catalogue, number, said_end, say, speaking, spoken
-from drystone.modelfile.assessing import AssessmentSection
-from drystone.viewer.folder import Folder
+from drystone.cli.options import Language
+from drystone.common.language import (
+    LANGUAGES,
+    Saying,
+    catalogue,
+    number,
+    said_end,
+    say,
+    speaking,
+    spoken,
+)
+from drystone.io.modelfile.assessing import AssessmentSection
+from drystone.report.document.report import render
+from drystone.report.viewer.folder import Folder
+from drystone.results.events import Event, EventKind, Outcome
 from piers import piers
 from sites import TABLES
 

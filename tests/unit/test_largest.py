@@ -11,10 +11,10 @@ import pytest
 import drystone as ds
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.spectra.table import read_spectrum
-from drystone.builders.contents import read_bytes
-from drystone.drawings import obj, ply, stl
+from drystone.common.ranges import LARGEST
 from drystone.geometry.broad import candidate_pairs
-from drystone.ranges import LARGEST
+from drystone.io.drawings import obj, ply, stl
+from drystone.model.construction.contents import read_bytes
 
 HEAD = """
 dimension = {dimension}

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drystone.kernels.contacts import FRICTION, N_TABLE, STIFF_N, STIFF_T
-from drystone.kernels.law import (
+from drystone.contact.contacts import FRICTION, N_TABLE, STIFF_N, STIFF_T
+from drystone.law.law import (
     OPEN,
     SLIDING,
     STICKING,

@@ -8,9 +8,9 @@ import pytest
 from typer.testing import CliRunner
 
 import drystone as ds
-from drystone.builders import ModelError, circular_arch, stack
 from drystone.cli import app
 from drystone.limit import Beside, NonAssociativeSettings, collapse_load, limits_beside
+from drystone.model.builders import ModelError, circular_arch, stack
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 #: Least keys of the object that is printed.
@@ -172,8 +172,8 @@ def test_impossible_stacks_are_refused():
 @pytest.mark.parametrize("wall", [1, 3])
 def test_the_picture_does_not_tear_what_moves_as_one_body(wall, tmp_path, monkeypatch):
     """Corners that two blocks share as designed, and that move alike, are drawn as one point."""
-    from drystone.export.limit import write_collapse
     from drystone.report import canvas
+    from drystone.report.folder.limit import write_collapse
 
     drawn = []
 

@@ -6,12 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from builders import rectangle
-from drystone.assembly import Assembly, Block, Corner, JointLaw
-from drystone.builders import coursed_wall
 from drystone.geometry.motion import moments
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.joints import contact_points
-from drystone.loading import MassPattern
+from drystone.model.assembly import Assembly, Block, Corner, JointLaw
+from drystone.model.builders import coursed_wall
+from drystone.model.loading import MassPattern
 
 LAW = JointLaw(friction_coefficient=0.6, normal_stiffness=None, shear_stiffness=None)
 RIGHT = MassPattern(direction=np.array([1.0, 0.0]))

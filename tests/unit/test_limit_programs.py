@@ -6,12 +6,12 @@ from scipy.optimize import linprog
 from scipy.sparse import csc_array, random_array
 
 import drystone.limit.associative as method
-from drystone.assembly import Assembly, JointLaw
-from drystone.builders import coursed_wall
 from drystone.limit import interior_point
 from drystone.limit.cones import Regions, least_normal, shear_strength
 from drystone.limit.equilibrium import Equilibrium
-from drystone.loading import MassPattern
+from drystone.model.assembly import Assembly, JointLaw
+from drystone.model.builders import coursed_wall
+from drystone.model.loading import MassPattern
 
 LAWS = [
     {"friction_coefficient": 0.6},

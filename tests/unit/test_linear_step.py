@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from builders import problem_of
-from drystone.builders import published_wall
 from drystone.engines.base import Demand
-from drystone.engines.equilibrium import EquilibriumEngine
+from drystone.model.builders import published_wall
+from drystone.statics.equilibrium import EquilibriumEngine
 from interpreted import fewer
 
 pytestmark = pytest.mark.kernels

@@ -12,7 +12,7 @@ from drystone.report import Mechanism
 from drystone.report.load_arrows import SHORTEST, arrows_of, dead_arrows
 from drystone.report.mechanism import Drawn
 from drystone.report.mechanism_figure import plot_mechanism
-from drystone.report.shapes import MovingShapes, compliance, moving_blocks
+from drystone.results.shapes import MovingShapes, compliance, moving_blocks
 from piers import FAR, piers
 
 

@@ -11,11 +11,11 @@ import pytest
 from typer.testing import CliRunner
 
 import drystone as ds
-from drystone.around import towards
+from drystone.analysis.directions import towards
 from drystone.cli import app
 from drystone.engines.base import EngineError
-from drystone.loading import Acting, DeadForces
-from drystone.loading.patterns import PATTERNS
+from drystone.model.loading import Acting, DeadForces
+from drystone.model.loading.patterns import PATTERNS
 from drystone.report.load_arrows import acting_points
 from drystone.report.model_figure import draw_model
 
@@ -366,7 +366,7 @@ class TestDirections:
 
 
 def test_other_programs_get_the_pattern_mass_alone(tmp_path):
-    from drystone.convert import udec
+    from drystone.io.convert import udec
 
     model = read(tmp_path)
     tilted = model.with_load(ds.TiltPattern(direction=RIGHT))

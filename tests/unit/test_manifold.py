@@ -9,12 +9,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drystone.contact.contacts import BALL_3, GAP, KIND, NONE, VERTEX_B
+from drystone.contact.measures import left_behind
+from drystone.contact.space import manifold, overlap
+from drystone.contact.space.succession import carried, find_predecessors
 from drystone.geometry.broad import candidate_pairs
 from drystone.geometry.motion import moved
-from drystone.kernels import manifold, overlap
-from drystone.kernels.contacts import BALL_3, GAP, KIND, NONE, VERTEX_B
-from drystone.kernels.measures import left_behind
-from drystone.kernels.succession import carried, find_predecessors
 from touching import (
     BOX,
     ROUNDING,

@@ -6,17 +6,18 @@ import numpy as np
 import pytest
 
 from drawn import BOX, bent_dome, box, brick_wall, joints_by_brute_force
-from drystone.geometry import GeometryError, solid
-from drystone.geometry.bends import fan_of
+from drystone.geometry import GeometryError
 from drystone.geometry.figure import Figure
-from drystone.geometry.flatness import flat_pieces, triangles
 from drystone.geometry.interfaces import Interfaces
-from drystone.geometry.mend import DrawnSolid, mended_solids
-from drystone.geometry.meshes import Mesh, once, oriented, shells, stitched, welded
-from drystone.geometry.neighbours import meeting_faces, vertices_in_faces
-from drystone.geometry.planes import Incidences, fitted_planes, onto_planes
-from drystone.geometry.polyhedra import Polyhedra
-from drystone.geometry.trim import trimmed
+from drystone.geometry.space import solid
+from drystone.geometry.space.bends import fan_of
+from drystone.geometry.space.flatness import flat_pieces, triangles
+from drystone.geometry.space.mend import DrawnSolid, mended_solids
+from drystone.geometry.space.meshes import Mesh, once, oriented, shells, stitched, welded
+from drystone.geometry.space.neighbours import meeting_faces, vertices_in_faces
+from drystone.geometry.space.planes import Incidences, fitted_planes, onto_planes
+from drystone.geometry.space.polyhedra import Polyhedra
+from drystone.geometry.space.trim import trimmed
 
 
 def drawn(blocks, **values):

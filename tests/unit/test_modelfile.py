@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drystone.assembly import GRAVITY, JointLaw
-from drystone.builders import published_wall
-from drystone.model import Analysis
-from drystone.modelfile import ModelError, model_to_dict, read_model, write_model
-from drystone.modelfile.schema import OPTION_NAMES, AnalysisSection
+from drystone.io.modelfile import ModelError, model_to_dict, read_model, write_model
+from drystone.io.modelfile.schema import OPTION_NAMES, AnalysisSection
+from drystone.model.assembly import GRAVITY, JointLaw
+from drystone.model.builders import published_wall
+from drystone.model.model import Analysis
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

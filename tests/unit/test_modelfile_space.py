@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drystone.assembly import GRAVITY, Block, JointLaw
-from drystone.builders import make_model
-from drystone.geometry.solid import Part, box
-from drystone.inspection import inspect
+from drystone.geometry.space.solid import Part, box
+from drystone.io.modelfile import ModelError, model_to_dict, read_model, write_model
 from drystone.limit import collapse_load
-from drystone.loading import dead_load
-from drystone.modelfile import ModelError, model_to_dict, read_model, write_model
+from drystone.model.assembly import GRAVITY, Block, JointLaw
+from drystone.model.builders import make_model
+from drystone.model.inspection import inspect
+from drystone.model.loading import dead_load
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LAW = JointLaw(friction_coefficient=0.6, normal_stiffness=1e9, shear_stiffness=1e9)

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from drystone.geometry import motion
-from drystone.kernels import rotation
+from drystone.geometry import motion, rotation
 
 pytestmark = pytest.mark.kernels
 

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from built import assembled, exposed, joint_area
-from drystone.builders import ModelError, panel, plan
-from drystone.builders.kinds.coursing import BONDS, LEAST
+from drystone.model.builders import ModelError, panel, plan
+from drystone.model.builders.coursing import BONDS, LEAST
 
 W = {"unit_weight": 20e3}
 # Sums of some hundred areas of the order of 1 m2, each to rounding errors of coordinates.

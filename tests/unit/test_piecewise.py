@@ -1,12 +1,13 @@
-"""Features of contacts that take turns from solution to solution; `drystone.solvers.piecewise`."""
+"""Features of contacts that take turns from solution to solution;
+`drystone.statics.plane.piecewise`."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from drystone.kernels.contacts import KIND, NONE, VERTEX_A, VERTEX_B, Pairs, Slots
-from drystone.solvers.piecewise import Accuracy, PathSettings, _Features
+from drystone.contact.contacts import KIND, NONE, VERTEX_A, VERTEX_B, Pairs, Slots
+from drystone.statics.plane.piecewise import Accuracy, PathSettings, _Features
 
 pytestmark = pytest.mark.kernels
 

@@ -8,12 +8,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from builders import UNIT_WEIGHT, rectangle
-from drystone.analysis import pushover
-from drystone.assembly import Block, Corner, JointLaw
-from drystone.builders import ModelError, make_model
-from drystone.curve import STATIC
+from drystone.analysis.driver import pushover
 from drystone.engines.base import EngineError, UnstableError
-from drystone.engines.equilibrium import EquilibriumEngine
+from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.builders import ModelError, make_model
+from drystone.results.curve import STATIC
+from drystone.statics.equilibrium import EquilibriumEngine
 
 MAX_STEPS = 25
 

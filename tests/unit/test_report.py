@@ -11,22 +11,16 @@ import synthetic
 from matplotlib.collections import LineCollection
 from matplotlib.image import imread
 
-from drystone.commands.run import report
-from drystone.curve import SETTLEMENT
-from drystone.export.summary import summarise
+from drystone.cli.run import report
+from drystone.io.results.summary import summarise
 from drystone.limit.beside import Beside
-from drystone.report import (
-    canvas,
-    draw_benchmark_wall,
-    draw_curve,
-    draw_mechanism,
-    plot_curve,
-)
+from drystone.report import canvas, draw_benchmark_wall, draw_curve, draw_mechanism, plot_curve
 from drystone.report.curve_figure import plot_curves
 from drystone.report.joints import Joints
 from drystone.report.mechanism import Mechanism, readable_magnification
 from drystone.report.mechanism_figure import plot_mechanism
-from drystone.report.shapes import MovingShapes, moving_blocks
+from drystone.results.curve import SETTLEMENT
+from drystone.results.shapes import MovingShapes, moving_blocks
 
 
 def mechanism(model, control_displacement):

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drystone.kernels.contacts import (
+from drystone.contact.contacts import (
     BODY_A,
     BODY_B,
     BOND,
@@ -18,12 +18,8 @@ from drystone.kernels.contacts import (
     TENSILE,
     Contacts,
 )
-from drystone.kernels.law import joint_law_violation
-from drystone.kernels.residual import (
-    add_contact_forces,
-    mark_held,
-    unbalanced_force,
-)
+from drystone.law.law import joint_law_violation
+from drystone.law.residual import add_contact_forces, mark_held, unbalanced_force
 
 pytestmark = pytest.mark.kernels
 

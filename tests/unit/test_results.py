@@ -11,13 +11,13 @@ import synthetic
 
 import drystone as ds
 from builders import stack
-from drystone.builders.describe import model_to_dict
 from drystone.contact.forces import ContactForces
-from drystone.convert import convert
-from drystone.curve import COLUMNS, BlockLeft
-from drystone.export.hdf5 import ResultsWriter
+from drystone.io.convert import convert
+from drystone.io.modelfile.write import to_toml
+from drystone.io.results.hdf5 import ResultsWriter
 from drystone.limit import limits_beside
-from drystone.modelfile.write import to_toml
+from drystone.model.construction.describe import model_to_dict
+from drystone.results.curve import COLUMNS, BlockLeft
 
 #: What two runs of the same model differ in.
 TIMES = {"wall_time", "compile_time"}

@@ -19,18 +19,18 @@ import synthetic
 from matplotlib.image import imread
 
 import solids
-from drystone.assembly import Assembly, Block
 from drystone.contact.forces import ContactForces
-from drystone.curve import CapacityCurve
-from drystone.export import vtu
-from drystone.export.csv import write_curve
-from drystone.export.hdf5 import ResultsWriter
-from drystone.export.own_files import FILES
-from drystone.export.paraview import BlockFrames
-from drystone.export.results import load_results, save_results
-from drystone.geometry import solid
 from drystone.geometry.motion import turns
-from drystone.model import Model
+from drystone.geometry.space import solid
+from drystone.io.results import vtu
+from drystone.io.results.csv import write_curve
+from drystone.io.results.hdf5 import ResultsWriter
+from drystone.io.results.own_files import FILES
+from drystone.io.results.paraview import BlockFrames
+from drystone.model.assembly import Assembly, Block
+from drystone.model.model import Model
+from drystone.report.folder.results import load_results, save_results
+from drystone.results.curve import CapacityCurve
 
 
 @pytest.fixture(scope="module")

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import drystone as ds
-from drystone.assembly import Corner
+from drystone.contact.contacts import NONE, VERTEX_A, VERTEX_B, VERTICES
 from drystone.contact.detection import Detector
-from drystone.kernels.contacts import NONE, VERTEX_A, VERTEX_B, VERTICES
+from drystone.model.assembly import Corner
 from solids import joint
 
 pytestmark = pytest.mark.kernels

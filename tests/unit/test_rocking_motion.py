@@ -9,17 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.capacity import Capacity, participation
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.methods import Settings, assess
 from drystone.assessment.rocking.block import RockingBlock, equivalent_block
-from drystone.assessment.rocking.motion import (
-    BlockRocker,
-    MechanismRocker,
-    bearable_scale,
-    respond,
-)
+from drystone.assessment.rocking.motion import BlockRocker, MechanismRocker, bearable_scale, respond
 from drystone.assessment.rocking.pulse import (
     Pulse,
     half_sine_excess,
@@ -29,6 +23,7 @@ from drystone.assessment.rocking.pulse import (
     overturns,
 )
 from drystone.assessment.rocking.record import Record, read_record
+from drystone.model.assembly import GRAVITY
 
 STILL = Record(time=[0.0, 0.01], acceleration=[0.0, 0.0])
 

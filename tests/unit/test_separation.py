@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from scipy.optimize import linprog
 from test_solids import random_hulls, rotation, seeds
 
-from drystone.geometry.polyhedra import Polyhedra
-from drystone.geometry.solid import box, face_planes, hull
+from drystone.geometry.space.polyhedra import Polyhedra
+from drystone.geometry.space.solid import box, face_planes, hull
 
 
 def depth(p, q):

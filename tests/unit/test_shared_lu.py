@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.kernels import lu_numeric, lu_symbolic
-from drystone.kernels.forces import Tangent
-from drystone.solvers import shared_lu
-from drystone.solvers.shared_lu import SharedLU
-from drystone.threads import Team
+from drystone.common.threads import Team
+from drystone.statics.linear import numeric as lu_numeric
+from drystone.statics.linear import shared_lu
+from drystone.statics.linear import symbolic as lu_symbolic
+from drystone.statics.linear.shared_lu import SharedLU
+from drystone.statics.plane.forces import Tangent
 
 pytestmark = pytest.mark.kernels
 

@@ -10,11 +10,11 @@ import pytest
 from typer.testing import CliRunner
 
 from built import LAW
-from drystone.assembly import Assembly
-from drystone.builders import panel, placed
 from drystone.cli import app
 from drystone.geometry.missed import NEAR, Missed
-from drystone.geometry.outlines import TOUCHING
+from drystone.geometry.plane.outlines import TOUCHING
+from drystone.model.assembly import Assembly
+from drystone.model.builders import panel, placed
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 BEGINNINGS = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
@@ -89,7 +89,7 @@ def test_a_missed_joint_beside_others_is_found_and_check_says_so(tmp_path):
 
 def test_no_joint_is_missed_in_what_stands_close(tmp_path):
     """Blocks that meet at edges, or lean on others with a joint, are none."""
-    from drystone.modelfile import read_model
+    from drystone.io.modelfile import read_model
 
     for name in ("dome", "groin_vault", "arch", "rubble"):
         assembly = read_model(EXAMPLES / "builders" / f"{name}.toml").assembly

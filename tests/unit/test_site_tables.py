@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from test_modelfile import GOOD
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.methods import STATES
 from drystone.assessment.methods.base import Settings
@@ -18,9 +17,10 @@ from drystone.assessment.site import spectra_of_site
 from drystone.assessment.spectra.ec8 import Ec8Spectrum, limit_state_spectra
 from drystone.assessment.spectra.floor import FloorSpectrum
 from drystone.assessment.spectra.ntc2018 import NtcSpectrum
-from drystone.modelfile import ModelError, read_model, write_model
-from drystone.modelfile.assessing import AssessmentSection, State
-from drystone.site import AssessmentInput, Site
+from drystone.io.modelfile import ModelError, read_model, write_model
+from drystone.io.modelfile.assessing import AssessmentSection, State
+from drystone.model.assembly import GRAVITY
+from drystone.model.site import AssessmentInput, Site
 from sites import SITE
 
 OF_SLD = """

@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 import drystone as ds
 from drawn import box, obj_text
-from drystone.builders import ModelError
 from drystone.cli import app
+from drystone.model.builders import ModelError
 
 pytest.importorskip("ezdxf")
 

@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drystone.geometry import GeometryError
-from drystone.geometry.solid import (
+from drystone.geometry.space.parts import convex_parts
+from drystone.geometry.space.solid import (
     box,
     check,
     extruded,
@@ -23,7 +24,6 @@ from drystone.geometry.solid import (
     sum_of,
     turned_out,
 )
-from drystone.geometry.solid_parts import convex_parts
 
 # Sums of a few dozen products of numbers of order one: some hundred rounding errors at most.
 ROUNDING = 1e-13

@@ -12,16 +12,16 @@ from matplotlib.collections import LineCollection
 from matplotlib.image import imread
 
 import solids
-from drystone.assembly import Assembly
 from drystone.geometry.motion import moved_points
+from drystone.model.assembly import Assembly
 from drystone.report import canvas, draw_mechanism, plot_mechanism, plot_model
 from drystone.report.camera import Camera
 from drystone.report.joints import Joints
 from drystone.report.mechanism import Drawn, Mechanism, readable_magnification
 from drystone.report.mechanism_figure import plot_mechanism as plot_on
 from drystone.report.raster import NOTHING, Frame, look, reduced
-from drystone.report.shapes import MovingShapes
 from drystone.report.solid_joints import SolidJoints
+from drystone.results.shapes import MovingShapes
 
 
 def wall(displacement: float) -> tuple[Mechanism, Mechanism]:

@@ -5,18 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.kernels import spatial_step
-from drystone.kernels.law import (
-    BONDED,
-    DILATION,
-    FORWARD,
-    N_HISTORY,
-    OPEN,
-    SHEAR,
-    SLID,
-    STICKING,
-)
-from drystone.kernels.spatial_step import (
+from drystone.law.law import BONDED, DILATION, FORWARD, N_HISTORY, OPEN, SHEAR, SLID, STICKING
+from drystone.law.yielding import CRUSHED, TORN
+from drystone.statics.space import spatial_step
+from drystone.statics.space.spatial_step import (
     ARM_V,
     AXES,
     BALL,
@@ -36,7 +28,6 @@ from drystone.kernels.spatial_step import (
     SIDE,
     Y,
 )
-from drystone.kernels.yielding import CRUSHED, TORN
 
 pytestmark = pytest.mark.kernels
 

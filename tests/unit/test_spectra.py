@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.spectra import (
     Ec8Spectrum,
@@ -23,6 +22,7 @@ from drystone.assessment.spectra import (
 from drystone.assessment.spectra.base import largest_displacement
 from drystone.assessment.spectra.ec8 import acceleration_of_return_period, limit_state_spectra
 from drystone.assessment.spectra.ntc2018 import reference_life, return_period
+from drystone.model.assembly import GRAVITY
 
 #: A corner is looked at from both sides, this share away from it.
 BESIDE = 1e-9

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drystone.cli import app
-from drystone.export.own_files import clear
+from drystone.io.results.own_files import clear
 
 #: A wall 4 m high; ``LEAN`` [m] towards -x makes it weak that way.
 MODEL = """

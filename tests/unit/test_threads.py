@@ -7,9 +7,10 @@ import pytest
 
 import drystone as ds
 from buildings import box_building
-from drystone import threads
-from drystone.solvers import cone_step, shared_lu
-from drystone.threads import Team
+from drystone.common import threads
+from drystone.common.threads import Team
+from drystone.statics.linear import shared_lu
+from drystone.statics.space import cone_step
 
 
 @pytest.mark.parametrize("number", [1, 2, 3])

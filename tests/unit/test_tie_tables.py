@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.assembly import Assembly, Block, JointLaw
-from drystone.kernels import ties as kernel
-from drystone.kernels.forces import Tangent
-from drystone.solvers.tie_forces import JoinedTies, TieForces
-from drystone.ties import Bars, Tie, TieEnd
+from drystone.model import tie_kernels as kernel
+from drystone.model.assembly import Assembly, Block, JointLaw
+from drystone.model.ties import Bars, Tie, TieEnd
+from drystone.statics.plane.forces import Tangent
+from drystone.statics.tie_forces import JoinedTies, TieForces
 
 pytestmark = pytest.mark.kernels
 

@@ -10,10 +10,10 @@ import pytest
 
 import drystone as ds
 from builders import PUBLISHED_JOINT, UNIT_WEIGHT, RockingBlock, rectangle, stack
-from drystone.assembly import Block, Corner
-from drystone.builders import make_model
-from drystone.inspection import inspect
-from drystone.modelfile import read_model, write_model
+from drystone.io.modelfile import read_model, write_model
+from drystone.model.assembly import Block, Corner
+from drystone.model.builders import make_model
+from drystone.model.inspection import inspect
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 WALL = EXAMPLES / "wall1.toml"

@@ -7,9 +7,9 @@ import pickle
 import numpy as np
 import pytest
 
-from drystone.builders import ModelError
-from drystone.engines.distinct import RunAwayError
-from drystone.workers import WorkerError, _message, in_processes
+from drystone.common.workers import WorkerError, _message, in_processes
+from drystone.dynamics.distinct import RunAwayError
+from drystone.model.builders import ModelError
 
 
 def test_results_come_in_the_order_of_the_calls():

@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 from test_interior import KN, KT, centred, contacts
 
-from drystone.kernels import interior, yielding
-from drystone.kernels import law as joint_law
-from drystone.kernels.contacts import (
+from drystone.contact.contacts import (
     CRUSH,
     FRICTION,
     PULL,
@@ -20,8 +18,11 @@ from drystone.kernels.contacts import (
     TRIAL_N,
     TRIAL_T,
 )
-from drystone.kernels.rows import MEASURED, OF_GAP, OF_SLIP
-from drystone.kernels.yielding import CRUSHED, TORN
+from drystone.contact.rows import MEASURED, OF_GAP, OF_SLIP
+from drystone.law import law as joint_law
+from drystone.law import yielding
+from drystone.law.yielding import CRUSHED, TORN
+from drystone.statics.plane import interior_kernels as interior
 
 pytestmark = pytest.mark.kernels
 

@@ -14,8 +14,8 @@ import drystone as ds
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.mechanism import course_of, initial_shape, reduced
 from drystone.cli import app
-from drystone.modelfile import write_model
-from drystone.site import Site
+from drystone.io.modelfile import write_model
+from drystone.model.site import Site
 from rigid_walls import evenly, wall_in_courses
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -19,7 +19,7 @@ import drystone as ds
 from drystone.engines.base import UnstableError
 from drystone.limit import limits_beside
 from drystone.limit.excess import exceeds
-from drystone.model import Model
+from drystone.model.model import Model
 from random_solids import random_solids
 from structures import structure
 

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 import drystone as ds
+from drystone.dynamics.distinct import DistinctEngine
 from drystone.engines.base import Demand
-from drystone.engines.distinct import DistinctEngine
-from drystone.engines.equilibrium import EquilibriumEngine
-from drystone.frame import Frame
+from drystone.engines.frame import Frame
+from drystone.statics.equilibrium import EquilibriumEngine
 from handover import (
     KeptDistinct,
     KeptEquilibrium,

@@ -15,8 +15,9 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 
-from drystone.assembly import JointLaw
-from drystone.builders import (
+from drystone.limit import ASSOCIATIVE, collapse_load, least_standing, stands
+from drystone.model.assembly import JointLaw
+from drystone.model.builders import (
     arch,
     barrel_vault,
     column,
@@ -28,7 +29,6 @@ from drystone.builders import (
     portal,
     tower,
 )
-from drystone.limit import ASSOCIATIVE, collapse_load, least_standing, stands
 
 W = {"unit_weight": 20e3}
 ROUGH = 10.0  # friction that nothing slides at

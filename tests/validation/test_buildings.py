@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import buildings
-from drystone.builders.checks import layout_problems
 from drystone.engines import make_engine
 from drystone.engines.base import Problem
 from drystone.limit import ASSOCIATIVE, collapse_load, stands, watched
+from drystone.model.construction.checks import layout_problems
 from random_solids import KINDS, random_solids
 
 SMALL = {

@@ -15,7 +15,7 @@ import pytest
 
 import drystone as ds
 from builders import PUBLISHED_JOINT, stack
-from drystone.curve import DYNAMIC
+from drystone.results.curve import DYNAMIC
 
 CASES = Path(__file__).parents[1] / "cases"
 

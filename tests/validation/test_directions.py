@@ -13,8 +13,8 @@ import pytest
 import buildings
 import drystone as ds
 from drystone.control.ends import COLLAPSED
-from drystone.curve import DYNAMIC, FINISHED
 from drystone.limit import ASSOCIATIVE, collapse_load, watched
+from drystone.results.curve import DYNAMIC, FINISHED
 from solids import from_boxes
 
 pytestmark = pytest.mark.slow

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drystone.analysis import pushover
-from drystone.curve import STATIC, CapacityCurve
+from drystone.analysis.driver import pushover
+from drystone.results.curve import STATIC, CapacityCurve
 from solids import from_boxes
 
 pytestmark = pytest.mark.slow

@@ -12,10 +12,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from drystone.analysis import pushover
-from drystone.assembly import Assembly
-from drystone.builders import published_wall
-from drystone.curve import DYNAMIC
+from drystone.analysis.driver import pushover
+from drystone.model.assembly import Assembly
+from drystone.model.builders import published_wall
+from drystone.results.curve import DYNAMIC
 
 WALLS = [1, 2, 3]
 LIMIT = {1: 0.58558, 2: 0.52441, 3: 0.33744}

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 import drystone as ds
-from drystone.curve import STATIC
-from drystone.events import EventKind, Outcome
 from drystone.geometry.motion import translations
+from drystone.results.curve import STATIC
+from drystone.results.events import EventKind, Outcome
 
 CASES = Path(__file__).parents[1] / "cases"
 

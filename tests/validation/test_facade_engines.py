@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import drystone as ds
-from drystone.curve import STATIC
+from drystone.results.curve import STATIC
 from solids import from_boxes
 
 pytestmark = pytest.mark.slow

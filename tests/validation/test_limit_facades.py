@@ -11,8 +11,8 @@ import pytest
 
 import buildings
 import solids
-from drystone.assembly import Corner
 from drystone.limit import ASSOCIATIVE, collapse_load, stands
+from drystone.model.assembly import Corner
 
 CASES = Path(__file__).parents[1] / "cases" / "solids"
 OUT, IN, ALONG = (0.0, -1.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)

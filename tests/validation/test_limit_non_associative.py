@@ -16,11 +16,11 @@ from typer.testing import CliRunner
 
 import drystone as ds
 import solids
-from drystone.builders import coursed_wall, make_model, plan
-from drystone.builders.published import JOINT, UNIT, UNIT_WEIGHT
 from drystone.cli import app
 from drystone.limit import NonAssociativeSettings, collapse_load, collapse_loads, limits_beside
-from drystone.loading import MassPattern
+from drystone.model.builders import coursed_wall, make_model, plan
+from drystone.model.builders.published import JOINT, UNIT, UNIT_WEIGHT
+from drystone.model.loading import MassPattern
 from random_solids import random_solids
 from structures import structure
 

@@ -10,10 +10,10 @@ import pytest
 
 import drystone as ds
 from builders import with_corner
-from drystone.assembly import Corner
-from drystone.builders import PUBLISHED_WALLS, coursed_wall, make_model
-from drystone.builders.published import JOINT, UNIT, UNIT_WEIGHT
 from drystone.limit import NonAssociativeSettings, collapse_load, collapse_loads
+from drystone.model.assembly import Corner
+from drystone.model.builders import PUBLISHED_WALLS, coursed_wall, make_model
+from drystone.model.builders.published import JOINT, UNIT, UNIT_WEIGHT
 
 SET_BACK = {1: 0.5856, 2: 0.5244, 3: 0.3374}
 WALLS = tuple(PUBLISHED_WALLS)

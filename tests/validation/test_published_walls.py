@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 
 from builders import with_corner
-from drystone.analysis import pushover
-from drystone.assembly import Corner
-from drystone.builders import PUBLISHED_WALLS, published_wall
+from drystone.analysis.driver import pushover
+from drystone.model.assembly import Corner
+from drystone.model.builders import PUBLISHED_WALLS, published_wall
 
 REFERENCE = Path(__file__).resolve().parents[3] / "shared" / "reference"
 

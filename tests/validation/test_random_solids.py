@@ -12,10 +12,10 @@ from itertools import takewhile
 import numpy as np
 import pytest
 
-from drystone.analysis import pushover
+from drystone.analysis.driver import pushover
 from drystone.control.ends import COLLAPSED
-from drystone.curve import DYNAMIC, FINISHED, CapacityCurve
 from drystone.limit import ASSOCIATIVE, collapse_load
+from drystone.results.curve import DYNAMIC, FINISHED, CapacityCurve
 from random_solids import random_solids
 
 FIRST = int(os.environ.get("DRYSTONE_SEED", "0"))

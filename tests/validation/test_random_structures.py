@@ -12,10 +12,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from drystone.analysis import pushover
+from drystone.analysis.driver import pushover
 from drystone.control.ends import COLLAPSED
-from drystone.curve import DYNAMIC, STATIC, CapacityCurve
 from drystone.engines.base import UnstableError
+from drystone.results.curve import DYNAMIC, STATIC, CapacityCurve
 from structures import structure
 
 FIRST = int(os.environ.get("DRYSTONE_SEED", "0"))

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from drystone.analysis import pushover
-from drystone.curve import CapacityCurve
+from drystone.analysis.driver import pushover
+from drystone.results.curve import CapacityCurve
 from solids import from_boxes, turned
 
 pytestmark = pytest.mark.slow

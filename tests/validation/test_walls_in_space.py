@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import drystone as ds
-from drystone.curve import STATIC, CapacityCurve
+from drystone.results.curve import STATIC, CapacityCurve
 
 pytestmark = pytest.mark.slow
 

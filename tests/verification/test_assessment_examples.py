@@ -11,18 +11,13 @@ import numpy as np
 import pytest
 
 import drystone as ds
-from drystone.assembly import GRAVITY
 from drystone.assessment.bilinear import Bilinear, bilinear, drop_point
 from drystone.assessment.capacity import Capacity, participation
 from drystone.assessment.checks import atc40
 from drystone.assessment.methods import Settings, asce41, assess
 from drystone.assessment.methods.inelastic import EC8_MOST, inelastic_displacement, target
-from drystone.assessment.spectra import (
-    Ec8Spectrum,
-    FloorSpectrum,
-    NtcSpectrum,
-    first_mode,
-)
+from drystone.assessment.spectra import Ec8Spectrum, FloorSpectrum, NtcSpectrum, first_mode
+from drystone.model.assembly import GRAVITY
 
 WALL_1 = Path(__file__).resolve().parents[2] / "examples" / "wall1.toml"
 

@@ -17,10 +17,10 @@ import pytest
 import drystone as ds
 from bonded_walls import KINDS, bonded_wall
 from builders import rectangle
-from drystone.assembly import JointLaw
-from drystone.contact.strengths import Strengths
-from drystone.engines.distinct import DistinctEngine
-from drystone.kernels.law import H_CRUSH, H_MU, H_ROOM
+from drystone.dynamics.distinct import DistinctEngine
+from drystone.law.law import H_CRUSH, H_MU, H_ROOM
+from drystone.law.strengths import Strengths
+from drystone.model.assembly import JointLaw
 from joint_energy import energy_of
 
 CASES = Path(__file__).parent.parent / "cases"

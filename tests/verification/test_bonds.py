@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from builders import PUBLISHED_JOINT, STIFF, UNIT_WEIGHT, RockingBlock, rectangle, stack, with_joint
-from drystone.analysis import pushover
-from drystone.assembly import Block, JointLaw
-from drystone.builders import make_model, published_wall
-from drystone.curve import STATIC
+from drystone.analysis.driver import pushover
+from drystone.model.assembly import Block, JointLaw
+from drystone.model.builders import make_model, published_wall
+from drystone.results.curve import STATIC
 
 #: How near to its strength a bond is where a step ends for it, over strength: 1e-5 and 1e-3.  In
 #: both engines multipliers are of the order of the strengths over weights, with what the elastic

@@ -21,11 +21,11 @@ from builders import (
     stack,
     stiff_joint,
 )
-from drystone.analysis import pushover
-from drystone.assembly import Block, Corner
-from drystone.builders import make_model, published_wall
-from drystone.curve import STATIC
-from drystone.engines.nscd import NscdEngine
+from drystone.analysis.driver import pushover
+from drystone.dynamics.nscd import NscdEngine
+from drystone.model.assembly import Block, Corner
+from drystone.model.builders import make_model, published_wall
+from drystone.results.curve import STATIC
 
 #: Friction that holds every block of these tests where it should rock.
 ROUGH = 2.0

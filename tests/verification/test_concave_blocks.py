@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 import drystone as ds
-from drystone.analysis import pushover
-from drystone.assembly import Assembly, Block, JointLaw
-from drystone.curve import STATIC
+from drystone.analysis.driver import pushover
 from drystone.engines import make_engine
 from drystone.engines.base import Demand, Problem
-from drystone.loading import MassPattern
-from drystone.model import Model
-from drystone.monitor import ControlPoint
+from drystone.model.assembly import Assembly, Block, JointLaw
+from drystone.model.loading import MassPattern
+from drystone.model.model import Model
+from drystone.model.monitor import ControlPoint
+from drystone.results.curve import STATIC
 
 STIFF = 1e11  # Pa/m
 L = np.array([[0, 0], [0.5, 0], [0.5, 0.2], [0.2, 0.2], [0.2, 0.9], [0, 0.9]], float)

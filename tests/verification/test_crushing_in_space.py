@@ -15,9 +15,9 @@ from scipy.optimize import brentq
 
 import drystone as ds
 import solids
-from drystone.assembly import Block, JointLaw
-from drystone.geometry import solid
+from drystone.geometry.space import solid
 from drystone.limit import collapse_load, crushing
+from drystone.model.assembly import Block, JointLaw
 
 B, D, H = 0.6, 0.4, 1.2  # m
 FLOWS = ["associative", "non-associative"]

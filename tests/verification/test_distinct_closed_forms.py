@@ -14,9 +14,9 @@ import pytest
 from scipy.integrate import quad
 
 from builders import RockingBlock, problem_of, stack
-from drystone.assembly import GRAVITY, Corner, JointLaw
+from drystone.dynamics.distinct import DistinctEngine, DistinctSettings, DistinctState
 from drystone.engines.base import Demand, Problem
-from drystone.engines.distinct import DistinctEngine, DistinctSettings, DistinctState
+from drystone.model.assembly import GRAVITY, Corner, JointLaw
 
 UNDAMPED = DistinctSettings(local_damping=0.0, safety=0.05)
 

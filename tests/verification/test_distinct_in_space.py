@@ -13,12 +13,12 @@ from scipy.spatial.transform import Rotation
 
 import drystone as ds
 from builders import problem_of
-from drystone.assembly import GRAVITY, Block, Corner, JointLaw
-from drystone.builders import make_model
-from drystone.builders.arch import circular_arch
+from drystone.dynamics.distinct import DistinctEngine, DistinctSettings, DistinctState, Workspace
 from drystone.engines.base import Demand, UnstableError
-from drystone.engines.distinct import DistinctEngine, DistinctSettings, DistinctState, Workspace
-from drystone.geometry import solid
+from drystone.geometry.space import solid
+from drystone.model.assembly import GRAVITY, Block, Corner, JointLaw
+from drystone.model.builders import make_model
+from drystone.model.builders.circular_arch import circular_arch
 from solids import box, joint, model_of, one_block, turned, twisting_lever
 
 UNDAMPED = DistinctSettings(local_damping=0.0, safety=0.05)

@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 
 from builders import PUBLISHED_JOINT, UNIT_WEIGHT, problem_of, rectangle
-from drystone.assembly import GRAVITY, Block, Corner
-from drystone.builders import make_model
+from drystone.dynamics.nscd import NscdEngine
 from drystone.engines.base import Demand
-from drystone.engines.nscd import NscdEngine
+from drystone.model.assembly import GRAVITY, Block, Corner
+from drystone.model.builders import make_model
 
 HEIGHT = 50.0  # m over the base: nothing lands while the tests look
 

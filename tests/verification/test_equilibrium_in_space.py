@@ -20,13 +20,13 @@ from builders import (
     with_corner,
     with_joint,
 )
-from drystone.analysis import pushover
-from drystone.assembly import Corner
-from drystone.builders import extruded
-from drystone.curve import DYNAMIC, FINISHED, STATIC, CapacityCurve
+from drystone.analysis.driver import pushover
 from drystone.engines.base import Demand
-from drystone.engines.equilibrium import EquilibriumEngine
-from drystone.model import Model
+from drystone.model.assembly import Corner
+from drystone.model.builders import extruded
+from drystone.model.model import Model
+from drystone.results.curve import DYNAMIC, FINISHED, STATIC, CapacityCurve
+from drystone.statics.equilibrium import EquilibriumEngine
 from solids import box, joint, leaf, model_of, one_block, twisting_lever
 
 UP = np.array([0.0, 0.0, 1.0])

@@ -10,12 +10,12 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from builders import UNIT_WEIGHT, rectangle, stack
-from drystone.analysis import pushover
-from drystone.assembly import Block, JointLaw
-from drystone.builders import coursed_wall, make_model
+from drystone.analysis.driver import pushover
 from drystone.engines.base import EngineError
 from drystone.limit import collapse_load
-from drystone.mortar import Mortar
+from drystone.model.assembly import Block, JointLaw
+from drystone.model.builders import coursed_wall, make_model
+from drystone.model.mortar import Mortar
 
 #: Of a joint that takes next to no shear beside others [Pa/m].
 SOFT = 1e6

@@ -7,16 +7,6 @@ import numpy as np
 import pytest
 
 from builders import UNIT_WEIGHT, rectangle
-from drystone.assembly import Block, Corner, JointLaw
-from drystone.builders import (
-    PUBLISHED_WALLS,
-    circular_arch,
-    column,
-    coursed_wall,
-    make_model,
-    published_wall,
-    stack,
-)
 from drystone.limit import (
     FLOWS,
     NonAssociativeSettings,
@@ -25,6 +15,16 @@ from drystone.limit import (
     is_locked,
     least_standing,
     stands,
+)
+from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.builders import (
+    PUBLISHED_WALLS,
+    circular_arch,
+    column,
+    coursed_wall,
+    make_model,
+    published_wall,
+    stack,
 )
 
 EXACT = 1e-9

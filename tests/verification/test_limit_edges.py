@@ -9,15 +9,16 @@ import pytest
 
 import drystone as ds
 from builders import UNIT_WEIGHT, rectangle
-from drystone.assembly import Assembly, Block, Corner
-from drystone.builders import make_model
-from drystone.events import Event, EventKind
-from drystone.geometry import polygon, solid
+from drystone.geometry.plane import polygon
+from drystone.geometry.space import solid
 from drystone.limit import ASSOCIATIVE, collapse_load, limits_beside
 from drystone.limit.against import carried_against
 from drystone.limit.edges import Edges
 from drystone.limit.joints import contact_points
-from drystone.model import Analysis
+from drystone.model.assembly import Assembly, Block, Corner
+from drystone.model.builders import make_model
+from drystone.model.model import Analysis
+from drystone.results.events import Event, EventKind
 from solids import joint, model_of
 
 EQUILIBRIUM = Analysis(engine="equilibrium")

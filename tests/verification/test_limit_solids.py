@@ -12,9 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import solids
 from builders import with_corner
-from drystone.assembly import Block, Corner, JointLaw
-from drystone.builders import circular_arch, extruded, make_model, published_wall, stack
-from drystone.geometry import solid
+from drystone.geometry.space import solid
 from drystone.limit import (
     ASSOCIATIVE,
     NonAssociativeSettings,
@@ -24,6 +22,8 @@ from drystone.limit import (
     stands,
 )
 from drystone.limit.joints import contact_points
+from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.builders import circular_arch, extruded, make_model, published_wall, stack
 
 EXACT = 1e-9
 CERTIFIED = 1e-7

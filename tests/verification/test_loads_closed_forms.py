@@ -14,8 +14,8 @@ import pytest
 from scipy.optimize import brentq
 
 import drystone as ds
-from drystone.loading import Acting, masses_of
-from drystone.loading.modal import first_mode
+from drystone.model.loading import Acting, masses_of
+from drystone.model.loading.modal import first_mode
 
 UNIT_WEIGHT, THICKNESS = 20e3, 0.5
 WIDTH, HEIGHT = 0.4, 1.0

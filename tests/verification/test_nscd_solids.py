@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 import drystone as ds
 from builders import problem_of
+from drystone.dynamics.nscd import NscdEngine
 from drystone.engines.base import Demand
-from drystone.engines.nscd import NscdEngine
 from solids import box, joint, leaf, model_of, one_block, turned
 
 

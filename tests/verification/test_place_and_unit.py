@@ -14,14 +14,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drystone.analysis import pushover
-from drystone.assembly import Block, Corner, JointLaw
-from drystone.builders import circular_arch, make_model
+from drystone.analysis.driver import pushover
 from drystone.engines import make_engine
 from drystone.engines.base import Problem, UnstableError
-from drystone.engines.equilibrium import EquilibriumEngine
-from drystone.frame import Frame
+from drystone.engines.frame import Frame
 from drystone.limit import collapse_load
+from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.builders import circular_arch, make_model
+from drystone.statics.equilibrium import EquilibriumEngine
 
 #: What own coordinates leave of a difference is none, and so are its effects; the loop outside
 #: works in the drawing's units, whose rounding of 1e-16 is cut off again.

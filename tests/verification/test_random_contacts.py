@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drystone.contact.contacts import PLACE_3, PLANE_NORMAL_3, POINT_3, VERTEX_B
+from drystone.contact.space import manifold, separation
 from drystone.geometry.motion import moved
-from drystone.kernels import manifold, separation
-from drystone.kernels.contacts import PLACE_3, PLANE_NORMAL_3, POINT_3, VERTEX_B
 from touching import (
     ROUNDING,
     brute_area,

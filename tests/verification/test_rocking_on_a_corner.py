@@ -14,9 +14,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from drystone.assembly import GRAVITY
+from drystone.dynamics.distinct import DistinctEngine, DistinctSettings
 from drystone.engines.base import Demand, Problem
-from drystone.engines.distinct import DistinctEngine, DistinctSettings
+from drystone.model.assembly import GRAVITY
 from solids import one_block
 
 TIME = 0.25  # s, in which the centroid falls by some centimetres

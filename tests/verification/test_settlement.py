@@ -276,7 +276,7 @@ def test_limit_analysis_says_that_no_load_grows():
 
 
 def test_lmgc90_says_that_it_cannot():
-    from drystone.engines.lmgc90 import Lmgc90Engine
+    from drystone.dynamics.lmgc90 import Lmgc90Engine
 
     with pytest.raises(ds.EngineError, match="cannot move supports"):
         ds.pushover(table(), engine=Lmgc90Engine(driver="wheel"))

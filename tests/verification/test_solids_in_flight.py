@@ -2,7 +2,7 @@
 
 See `test_energy` for linear momentum.  Spins are those amid a step: with Q the axes at its end and
 x its rotation, the moment of momentum is Q exp(-x / 2) I w, which free bodies keep to rounding
-(`kernels.rotation`), and impulses change by no more than they are.
+(`geometry.rotation`), and impulses change by no more than they are.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 from builders import problem_of
-from drystone.assembly import GRAVITY, Corner
+from drystone.dynamics.nscd import NscdEngine
 from drystone.engines.base import Demand
-from drystone.engines.nscd import NscdEngine
 from drystone.geometry.motion import moved, rest, turned
-from drystone.kernels.rotation import spin_on
+from drystone.geometry.rotation import spin_on
+from drystone.model.assembly import GRAVITY, Corner
 from solids import box, joint, model_of
 
 HEIGHT = 50.0  # m over the base: nothing lands while the tests look

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from builders import problem_of, stack
-from drystone.analysis import pushover
-from drystone.assembly import Block, Corner, JointLaw
-from drystone.builders import circular_arch, make_model
+from drystone.analysis.driver import pushover
 from drystone.engines.base import EngineError
-from drystone.engines.equilibrium import EquilibriumEngine
 from drystone.limit import ASSOCIATIVE, collapse_load
+from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.builders import circular_arch, make_model
+from drystone.statics.equilibrium import EquilibriumEngine
 
 #: Weight of the arches' stone [N/m3].
 STONE = 20e3

@@ -285,7 +285,7 @@ def test_results_hold_every_tie(tmp_path):
 
 
 def test_lmgc90_says_that_it_has_none():
-    from drystone.engines.lmgc90 import Lmgc90Engine
+    from drystone.dynamics.lmgc90 import Lmgc90Engine
 
     model = model_of((tie(),))
     with pytest.raises(ds.EngineError, match="no ties and springs"):

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from drystone.analysis import pushover
-from drystone.assembly import Corner
+from drystone.analysis.driver import pushover
+from drystone.model.assembly import Corner
 from solids import from_boxes, leaf, one_block, turned
 
 TURN = Rotation.from_rotvec([0.4, -0.9, 1.3])

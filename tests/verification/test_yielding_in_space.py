@@ -10,8 +10,8 @@ import pytest
 import test_joint_laws as in_plane
 from test_joint_laws import STEPS, STRENGTHS, OnTwoPads, integral, joint, mortar_wall
 
-from drystone import analysis
-from drystone.builders import extruded
+from drystone.analysis import driver as analysis
+from drystone.model.builders import extruded
 from solids import UNIT_WEIGHT, box, model_of, one_block
 
 

@@ -1,9 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { Camera } from "../../src/drystone/viewer/assets/camera.js";
-import { Picker } from "../../src/drystone/viewer/assets/picking.js";
-import { Section } from "../../src/drystone/viewer/assets/section.js";
+import { Camera } from "../../src/drystone/report/viewer/assets/camera.js";
+import { Picker } from "../../src/drystone/report/viewer/assets/picking.js";
+import { Section } from "../../src/drystone/report/viewer/assets/section.js";
 import { near, twoSquares } from "./given.mjs";
 
 const BOX = { low: [-1, -2, 0], high: [3, 2, 4] };

@@ -3,12 +3,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { DEAD_LOAD, TIE_COLOURS } from "../../src/drystone/viewer/assets/colours.js";
-import { SLACK, YIELDING } from "../../src/drystone/viewer/assets/data.js";
-import { motion, ordinate } from "../../src/drystone/viewer/assets/format.js";
-import { overlay } from "../../src/drystone/viewer/assets/overlays.js";
-import { carriedLegend, ofLoads, ofPoint, ofTies } from "../../src/drystone/viewer/assets/panel.js";
-import { Ribbons } from "../../src/drystone/viewer/assets/ribbons.js";
+import { DEAD_LOAD, TIE_COLOURS } from "../../src/drystone/report/viewer/assets/colours.js";
+import { SLACK, YIELDING } from "../../src/drystone/report/viewer/assets/data.js";
+import { motion, ordinate } from "../../src/drystone/report/viewer/assets/format.js";
+import { overlay } from "../../src/drystone/report/viewer/assets/overlays.js";
+import { carriedLegend, ofLoads, ofPoint, ofTies } from "../../src/drystone/report/viewer/assets/panel.js";
+import { Ribbons } from "../../src/drystone/report/viewer/assets/ribbons.js";
 import { CARRIED, near, twoSquares } from "./given.mjs";
 
 const drawn = (record, k, show) => {

@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { Section } from "../../src/drystone/viewer/assets/section.js";
-import { ofBlock, ofJoint, ofPoint } from "../../src/drystone/viewer/assets/panel.js";
+import { Section } from "../../src/drystone/report/viewer/assets/section.js";
+import { ofBlock, ofJoint, ofPoint } from "../../src/drystone/report/viewer/assets/panel.js";
 import { near, twoSquares } from "./given.mjs";
 
 test("a block turns about its centroid, its joint with the first block stays", () => {

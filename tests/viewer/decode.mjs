@@ -1,7 +1,7 @@
 // Reads a page's header and streams (JSON on standard input) and tells what the viewer makes of them.
 
-import { decode, inflate } from "../../src/drystone/viewer/assets/codec.js";
-import { Record } from "../../src/drystone/viewer/assets/data.js";
+import { decode, inflate } from "../../src/drystone/report/viewer/assets/codec.js";
+import { Record } from "../../src/drystone/report/viewer/assets/data.js";
 
 let text = "";
 for await (const part of process.stdin) text += part;

@@ -1,6 +1,6 @@
 // A record made by hand: two unit squares one on the other; the upper one turns about its corner.
 
-import { Record } from "../../src/drystone/viewer/assets/data.js";
+import { Record } from "../../src/drystone/report/viewer/assets/data.js";
 
 const square = [-0.5, -0.5, 0.5, -0.5, 0.5, 0.5, -0.5, 0.5];
 

@@ -1,16 +1,16 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { OKABE_ITO, STATE_COLOURS, viridis } from "../../src/drystone/viewer/assets/colours.js";
-import { nearestPoint, paths, ticks } from "../../src/drystone/viewer/assets/curve.js";
-import { force, length } from "../../src/drystone/viewer/assets/format.js";
-import { KEYS, action, takesKey } from "../../src/drystone/viewer/assets/keyboard.js";
-import { overlay } from "../../src/drystone/viewer/assets/overlays.js";
-import { paint } from "../../src/drystone/viewer/assets/painting.js";
-import { Raster, packed } from "../../src/drystone/viewer/assets/raster.js";
-import { Ribbons } from "../../src/drystone/viewer/assets/ribbons.js";
-import { angle, fromVector, multiply } from "../../src/drystone/viewer/assets/rotation.js";
-import { Timeline } from "../../src/drystone/viewer/assets/timeline.js";
+import { OKABE_ITO, STATE_COLOURS, viridis } from "../../src/drystone/report/viewer/assets/colours.js";
+import { nearestPoint, paths, ticks } from "../../src/drystone/report/viewer/assets/curve.js";
+import { force, length } from "../../src/drystone/report/viewer/assets/format.js";
+import { KEYS, action, takesKey } from "../../src/drystone/report/viewer/assets/keyboard.js";
+import { overlay } from "../../src/drystone/report/viewer/assets/overlays.js";
+import { paint } from "../../src/drystone/report/viewer/assets/painting.js";
+import { Raster, packed } from "../../src/drystone/report/viewer/assets/raster.js";
+import { Ribbons } from "../../src/drystone/report/viewer/assets/ribbons.js";
+import { angle, fromVector, multiply } from "../../src/drystone/report/viewer/assets/rotation.js";
+import { Timeline } from "../../src/drystone/report/viewer/assets/timeline.js";
 import { near, twoSquares } from "./given.mjs";
 
 test("rotations: angle, axis, one after the other", () => {

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 import drystone as ds
-from drystone.export.hdf5 import ResultsReader
-from drystone.export.results import load_results
 from drystone.geometry.motion import moved_points
-from drystone.viewer import contents_of_folder, contents_of_model, page
-from drystone.viewer.codec import Pack, round_to_integers
-from drystone.viewer.folder import Folder
-from drystone.viewer.page import MODULES, asset, script
+from drystone.io.results.hdf5 import ResultsReader
+from drystone.report.folder.results import load_results
+from drystone.report.viewer import contents_of_folder, contents_of_model, page
+from drystone.report.viewer.codec import Pack, round_to_integers
+from drystone.report.viewer.folder import Folder
+from drystone.report.viewer.page import MODULES, asset, script
 from piers import piers
 
 HERE = Path(__file__).parent
@@ -91,7 +91,7 @@ def folder(request, tmp_path_factory):
 @pytest.mark.parametrize("many", [False, True])
 def test_states_are_those_of_the_analysis(folder, many, monkeypatch):
     """Every vertex and every joint's force and place, against the poses and contacts themselves."""
-    from drystone.viewer import contents
+    from drystone.report.viewer import contents
 
     if many:  # rounded, as large structures are
         monkeypatch.setattr(contents, "MOST_FLOATS", 0)
@@ -137,7 +137,7 @@ def test_states_are_those_of_the_analysis(folder, many, monkeypatch):
 
 
 def _bodies(results):
-    from drystone.viewer.contents import _Blocks
+    from drystone.report.viewer.contents import _Blocks
 
     with ResultsReader(results.path / "results.h5") as reader:
         return _Blocks.stored(reader.blocks(), results.model).bodies
@@ -161,9 +161,9 @@ def test_triangles_cover_blocks_and_solids_are_closed(folder):
 
 def test_edges_where_parts_of_a_block_merely_meet_are_not_drawn():
     # Two boxes side by side as one block of 2 x 1 x 1: 12 edges, those along x in two pieces.
-    from drystone.geometry.polyhedra import Polyhedra
-    from drystone.geometry.solid import box
-    from drystone.viewer.bodies import Bodies
+    from drystone.geometry.space.polyhedra import Polyhedra
+    from drystone.geometry.space.solid import box
+    from drystone.report.viewer.bodies import Bodies
 
     parts = [box([[0, 0, 0], [1, 1, 1]]), box([[1, 0, 0], [2, 1, 1]])]
     bodies = Bodies.of_solids(Polyhedra.pack([parts]))
@@ -174,7 +174,7 @@ def test_edges_where_parts_of_a_block_merely_meet_are_not_drawn():
 
 
 def test_points_are_left_out_of_what_is_too_large(folder, monkeypatch):
-    from drystone.viewer import contents
+    from drystone.report.viewer import contents
 
     monkeypatch.setattr(contents, "MOST_NUMBERS", 1)
     monkeypatch.setattr(contents, "FEWEST_POINTS", 20)
@@ -240,7 +240,9 @@ def test_a_page_holds_everything_and_ends_no_element_early():
 def test_modules_are_joined_in_the_order_of_their_imports():
     assert "</script" not in script().lower()
     assert not re.search(r"^(import|export)\b", script(), re.M)
-    files = {path.name for path in (HERE.parents[1] / "src/drystone/viewer/assets").glob("*.js")}
+    files = {
+        path.name for path in (HERE.parents[1] / "src/drystone/report/viewer/assets").glob("*.js")
+    }
     assert set(MODULES) == files - {"three.entry.js"}
     for place, name in enumerate(MODULES):
         needed = re.findall(r'from "\./([\w.]+)"', asset(name)) if "three." not in name else []
@@ -248,7 +250,7 @@ def test_modules_are_joined_in_the_order_of_their_imports():
 
 
 def test_forms_of_import_that_are_not_known_are_an_error(monkeypatch):
-    module = importlib.import_module("drystone.viewer.page")
+    module = importlib.import_module("drystone.report.viewer.page")
     monkeypatch.setattr(module, "MODULES", ("odd.js",))
     monkeypatch.setattr(module, "asset", lambda name: 'import odd from "./odd.js";\n')
     module.script.cache_clear()

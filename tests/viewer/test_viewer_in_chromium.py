@@ -15,8 +15,8 @@ from test_viewer import EXAMPLES
 
 import chromium
 import drystone as ds
-from drystone.viewer import contents_of_model, write_page
-from drystone.viewer.folder import Folder
+from drystone.report.viewer import contents_of_model, write_page
+from drystone.report.viewer.folder import Folder
 from large_folder import write_large_folder
 
 pytestmark = pytest.mark.skipif(
@@ -280,7 +280,7 @@ def test_focus_is_seen_and_everything_has_a_name(browser, wall):
 
 
 def test_a_report_prints_on_a4_and_holds_the_viewer(browser, wall, tmp_path):
-    from drystone.document.report import write_report
+    from drystone.report.document.report import write_report
 
     write_report(tmp_path / "report.html", Folder.read(wall.parent))
     opened_at = browser.open(tmp_path / "report.html")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drystone.assessment.errors import AssessmentError, positive
-from drystone.language import say
+from drystone.common.language import say
 
 Array = NDArray[np.float64]
 

@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.errors import AssessmentError, positive
-from drystone.language import Saying, say
+from drystone.common.language import Saying, say
+from drystone.model.assembly import GRAVITY
 
 Array = NDArray[np.float64]
 

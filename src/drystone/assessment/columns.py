@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.errors import AssessmentError
-from drystone.builders.contents import read_bytes
-from drystone.builders.errors import ModelError
+from drystone.model.assembly import GRAVITY
+from drystone.model.construction.contents import read_bytes
+from drystone.model.construction.errors import ModelError
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.capacity import Capacity, participation
 from drystone.assessment.errors import AssessmentError, MissingError
 from drystone.assessment.methods import METHODS, STATES, assess
@@ -15,7 +14,8 @@ from drystone.assessment.methods.base import Settings, Spectra
 from drystone.assessment.rocking.pulse import Pulse
 from drystone.assessment.rocking.record import Record, read_record
 from drystone.assessment.site import MotionAsked, motions_asked, spectra_of_site
-from drystone.site import AssessmentInput, Site
+from drystone.model.assembly import GRAVITY
+from drystone.model.site import AssessmentInput, Site
 
 #: Keys of [assessment] that are not for methods.
 OWN = ("grouping", "language", "opposite", "parts_that_may_fall", "record", "pulse")

@@ -7,7 +7,6 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.methods.base import Spectra
 from drystone.assessment.spectra.base import Spectrum
@@ -20,8 +19,9 @@ from drystone.assessment.spectra.ntc2018 import (
     return_period,
 )
 from drystone.assessment.spectra.table import read_spectrum
-from drystone.language import say
-from drystone.site import Site
+from drystone.common.language import say
+from drystone.model.assembly import GRAVITY
+from drystone.model.site import Site
 
 #: States that a motion given without a name is meant for, where others have one of their own: the
 #: return period of 475 years of new buildings.

@@ -14,11 +14,11 @@ from drystone.assessment.methods import CODE_READINGS, Assessment, LimitState, a
 from drystone.assessment.methods.base import Settings, Spectra
 from drystone.assessment.request import Request, request_of, settings_of
 from drystone.assessment.site import MotionAsked, missing_motions, spectra_of_site
-from drystone.curve import FINISHED, STATIC, CapacityCurve
-from drystone.events import falls_with, first_collapse
-from drystone.language import Saying, said_end, say
-from drystone.model import Model
-from drystone.site import AssessmentInput, Site
+from drystone.common.language import Saying, said_end, say
+from drystone.model.model import Model
+from drystone.model.site import AssessmentInput, Site
+from drystone.results.curve import FINISHED, STATIC, CapacityCurve
+from drystone.results.events import falls_with, first_collapse
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

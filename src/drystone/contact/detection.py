@@ -12,13 +12,13 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly
+from drystone.contact import measures as kernels
+from drystone.contact.contacts import FIRST, PART_A, PART_B, A, B, Contacts, Pairs, Slots
 from drystone.contact.forces import ContactForces
-from drystone.contact.plane import PlaneNarrowPhase
+from drystone.contact.plane.detection import PlaneNarrowPhase
 from drystone.geometry.broad import candidate_pairs
 from drystone.geometry.motion import bound
-from drystone.kernels import measures as kernels
-from drystone.kernels.contacts import FIRST, PART_A, PART_B, A, B, Contacts, Pairs, Slots
+from drystone.model.assembly import Assembly
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -29,7 +29,8 @@ MARGIN_SHARE = 0.25
 
 
 class NarrowPhase(Protocol):
-    """What a dimension adds: contact points of pairs of convex parts, see `contact.plane`."""
+    """What a dimension adds: contact points of pairs of convex parts, see
+    `contact.plane.detection`."""
 
     bodies: Any
     """Contact shapes as kernels take them; of both dimensions are the fields ``centroid`` (n, dim)
@@ -72,7 +73,7 @@ def narrow_phase(assembly: Assembly) -> NarrowPhase:
     """That of the assembly's dimension."""
     if assembly.dimension == 2:
         return PlaneNarrowPhase(assembly)
-    from drystone.contact.space import SpaceNarrowPhase  # plane models do without
+    from drystone.contact.space.detection import SpaceNarrowPhase  # plane models do without
 
     return SpaceNarrowPhase(assembly)
 

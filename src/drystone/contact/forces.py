@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.kernels.contacts import Pairs, Slots
+from drystone.contact.contacts import Pairs, Slots
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any, Protocol
 
+from drystone.common.ranges import problem
 from drystone.engines.base import Demand, StepReport
-from drystone.ranges import problem
 
 
 class ControlError(ValueError):

@@ -22,6 +22,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from drystone.common.language import say
+from drystone.common.records import changed
 from drystone.control.base import Decision, check_settings
 from drystone.control.ends import (
     End,
@@ -33,8 +35,6 @@ from drystone.control.ends import (
     nothing_carried,
 )
 from drystone.engines.base import Demand, StepReport
-from drystone.language import say
-from drystone.records import changed
 
 #: How a step is tried: along the path of equilibria; up to where that turns back; over that place,
 #: to any equilibrium beyond.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from drystone.language import say
+from drystone.common.language import say
 
 #: Share of a peak below the stop value to which the curve is followed: blocks that come loose let
 #: a multiplier drop and rise again, though not from next to nothing.

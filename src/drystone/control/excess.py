@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from drystone.common.records import changed
 from drystone.control.base import Decision, check_settings
 from drystone.control.ends import End, Progress, collapsed, end_of_curve, fallen_freely
 from drystone.engines.base import Demand, StepReport
-from drystone.records import changed
 
 #: Difference of applied and static multiplier that needs no explanation by excess and branch.
 LOOSE = 5e-4

@@ -25,11 +25,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from drystone.common.records import changed
 from drystone.control.base import Decision, check_settings
 from drystone.control.ends import FALLEN as FALLEN_TO
 from drystone.control.ends import End, Progress, end_of_curve, fallen_freely
 from drystone.engines.base import Demand, StepReport
-from drystone.records import changed
 
 #: Share by which what is missing must shrink for the carried multiplier to count as rising, and
 #: share by which it falls from its highest when the structure does.

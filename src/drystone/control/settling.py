@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from drystone.common.language import say
+from drystone.common.records import changed
 from drystone.control.base import Decision
 from drystone.engines.base import Demand, StepReport
-from drystone.language import say
-from drystone.records import changed
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 GROUP = "drystone.engines"
 
 _ENGINES = {
-    "equilibrium": ("drystone.engines.equilibrium", "EquilibriumEngine"),
-    "nscd": ("drystone.engines.nscd", "NscdEngine"),
-    "distinct": ("drystone.engines.distinct", "DistinctEngine"),
-    "lmgc90": ("drystone.engines.lmgc90", "Lmgc90Engine"),
+    "equilibrium": ("drystone.statics.equilibrium", "EquilibriumEngine"),
+    "nscd": ("drystone.dynamics.nscd", "NscdEngine"),
+    "distinct": ("drystone.dynamics.distinct", "DistinctEngine"),
+    "lmgc90": ("drystone.dynamics.lmgc90", "Lmgc90Engine"),
 }
 
 

@@ -14,12 +14,12 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly, JointLaw
 from drystone.contact.forces import ContactForces
-from drystone.loading import DeadLoad, LoadPattern
-from drystone.monitor import ControlPoint
-from drystone.settlement import Settlement
-from drystone.ties import Tie
+from drystone.model.assembly import Assembly, JointLaw
+from drystone.model.loading import DeadLoad, LoadPattern
+from drystone.model.monitor import ControlPoint
+from drystone.model.settlement import Settlement
+from drystone.model.ties import Tie
 
 Array = NDArray[np.float64]
 
@@ -167,7 +167,7 @@ class Engine(Protocol):
     suit it better than the common ones.  And it may say which ``residual_limit``, over the heaviest
     weight, its steps keep: what exceeds it is no point of the curve.  One that says
     ``in_own_frame = True`` is given problems in the structure's own coordinates and units (see
-    `drystone.frame`), so that its tolerances may be numbers.
+    `drystone.engines.frame`), so that its tolerances may be numbers.
     """
 
     name: str

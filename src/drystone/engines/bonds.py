@@ -19,10 +19,10 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.contact.bonds import crossing, release, weakest
 from drystone.engines.base import StepReport
-from drystone.kernels.law import BOND_TIE
-from drystone.ties import Bars
+from drystone.law.bonds import crossing, release, weakest
+from drystone.law.law import BOND_TIE
+from drystone.model.ties import Bars
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -35,7 +35,7 @@ SLIGHT = 1e-3
 LEAST_SHARE = 1e-9
 
 #: A frozen dataclass with `pairs`, `reaction` (n_slots, dim), `margin` (n_slots + n_ties,) of the
-#: bonds, see `contact.bonds`, and of `ties`, and `due`, the rows of those that the step has ended
+#: bonds, see `law.bonds`, and of `ties`, and `due`, the rows of those that the step has ended
 #: for.
 State = TypeVar("State", bound=Any)
 Solved = tuple[State, StepReport]
@@ -47,7 +47,7 @@ class BondSteps(Generic[State]):
 
     solve: Callable[[State, float], tuple[State, StepReport]]  # by a share of the increment
     broken: Callable[[State, IntArray], State]  # the state without the bonds of some slots
-    laws: Array  # table of `contact.law`
+    laws: Array  # table of `law.table`
     slight: float  # N, what a bond may let go without being told from others
     near: float  # margin, from above, that counts as being at the strength
     bars: Bars | None = None  # ties that may break, as bonds do, or yield

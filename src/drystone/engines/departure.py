@@ -9,12 +9,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.contact import measures as kernels
+from drystone.contact.contacts import Pairs, Slots
 from drystone.contact.detection import Detector
 from drystone.engines.base import Problem
 from drystone.engines.measures import LoadArrays
 from drystone.geometry.motion import translations
-from drystone.kernels import measures as kernels
-from drystone.kernels.contacts import Pairs, Slots
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

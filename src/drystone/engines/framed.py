@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly
+from drystone.common.records import changed
 from drystone.contact.forces import ContactForces
 from drystone.engines.base import Demand, Problem, StepReport
-from drystone.frame import Frame, plain
-from drystone.records import changed
-from drystone.ties import TieState
+from drystone.engines.frame import Frame, plain
+from drystone.model.assembly import Assembly
+from drystone.model.ties import TieState
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

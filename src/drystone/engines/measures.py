@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import GRAVITY
-from drystone.contact.certificate import Certificate
+from drystone.contact import measures as kernels
+from drystone.contact.contacts import Slots
 from drystone.engines.base import Problem, StepReport
-from drystone.kernels import measures as kernels
-from drystone.kernels.contacts import Slots
-from drystone.kernels.law import DILATION
-from drystone.loading import Acting
+from drystone.law.certificate import Certificate
+from drystone.law.law import DILATION
+from drystone.model.assembly import GRAVITY
+from drystone.model.loading import Acting
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -99,7 +99,7 @@ class LoadArrays:
 def not_crushed(slots: Slots, history: Array) -> Slots:
     """Contacts with gaps less what has crushed them, which is no penetration.
 
-    ``history`` (n_slots, N_HISTORY or more), see `kernels.law`.
+    ``history`` (n_slots, N_HISTORY or more), see `law.law`.
     """
     slots = slots.copied()
     slots.gap[:] -= np.minimum(history[:, DILATION], 0.0)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.errors import ModelError
-from drystone.kernels import broad as kernels
-from drystone.ranges import CROWD, CROWDED
+from drystone.common.errors import ModelError
+from drystone.common.ranges import CROWD, CROWDED
+from drystone.geometry import boxes as kernels
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

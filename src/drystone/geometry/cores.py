@@ -14,10 +14,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.geometry import GeometryError, polygon
-from drystone.geometry.cells import Cell, Point, below, cell_of, heights, packed
-from drystone.geometry.polygon import DEGENERATE
-from drystone.geometry.solid import Faces, face_planes, size_of
+from drystone.geometry import GeometryError
+from drystone.geometry.plane import polygon
+from drystone.geometry.plane.polygon import DEGENERATE
+from drystone.geometry.space.cells import Cell, Point, below, cell_of, heights, packed
+from drystone.geometry.space.solid import Faces, face_planes, size_of
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -9,10 +9,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.geometry import GeometryError, cores, outline_parts, polygon, solid, solid_parts
+from drystone.geometry import GeometryError, cores
 from drystone.geometry.cores import SolidCore
-from drystone.geometry.polygon import Core
-from drystone.geometry.solid import Faces, Part
+from drystone.geometry.plane import parts as outline_parts
+from drystone.geometry.plane import polygon
+from drystone.geometry.plane.polygon import Core
+from drystone.geometry.space import parts as solid_parts
+from drystone.geometry.space import solid
+from drystone.geometry.space.solid import Faces, Part
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.geometry.outlines import TOUCHING, Outlines, along_and_off
-from drystone.geometry.polyhedra import Polyhedra
+from drystone.geometry.plane.outlines import TOUCHING, Outlines, along_and_off
+from drystone.geometry.space.polyhedra import Polyhedra
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -128,7 +128,7 @@ def _least(distance: float | Array, a: IntArray, b: IntArray) -> Array:
 
 def _of_polyhedra(solids: Polyhedra, distance: float | Array | None) -> Interfaces:
     # Imported here because it brings compiled code along, which a schema check does not need.
-    from drystone.kernels import faces as kernels
+    from drystone.geometry.space import faces as kernels
 
     p, q = solids.near_pairs(None if distance is None else float(np.max(distance)))
     tolerance = TOUCHING * solids.pair_size(p, q)
@@ -173,7 +173,7 @@ def _of_polyhedra(solids: Polyhedra, distance: float | Array | None) -> Interfac
 
 
 def _set_back(joints: Interfaces, solids: Polyhedra, setback: Array) -> tuple[Array, IntArray]:
-    from drystone.kernels import faces as kernels
+    from drystone.geometry.space import faces as kernels
 
     faces = np.column_stack((joints.face_a, joints.face_b))
     edges = np.diff(solids.face_offset)[faces].sum()

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from drystone.geometry.interfaces import Interfaces, polygon_areas
 
 if TYPE_CHECKING:
-    from drystone.assembly import Assembly
+    from drystone.model.assembly import Assembly
 
 Array = NDArray[np.float64]
 

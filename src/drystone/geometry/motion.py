@@ -7,7 +7,7 @@ and a rotation, in space a vector about the body's own principal axes, which tur
 these the body's inertia is diagonal, and stays so.
 
 What the numbers of either are, and how they add up, is said here and, compiled, in
-`kernels.narrow`, `kernels.rotation` and `kernels.explicit`.
+`contact.plane.narrow`, `geometry.rotation` and `dynamics.explicit`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.kernels import rotation
+from drystone.geometry import rotation
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -77,7 +77,7 @@ def spun_on(velocity: Array, increment: Array, mass: Array, time_step: float) ->
     """Velocities (n, n_dof) after velocities ``velocity`` in which no force acts.
 
     Translations go on; in space a body keeps its moment of momentum, and so changes its spin.  See
-    `kernels.rotation.spin_on`, also for ``increment`` (n, n_dof), which led to the present place.
+    `geometry.rotation.spin_on`, also for ``increment`` (n, n_dof), which led to the present place.
     """
     if velocity.shape[1] == 3 or not rotations(velocity).any():
         return velocity
@@ -89,7 +89,7 @@ def spun_on(velocity: Array, increment: Array, mass: Array, time_step: float) ->
 def spun_by_impulses(velocity: Array, carried: Array, mass: Array, time_step: float) -> Array:
     """Velocities (n, n_dof) that a step ends with, in which impulses have changed those ``carried``
     into ``velocity``; in space so that no moment of momentum is lost, see
-    `kernels.rotation.spin_by_impulses`."""
+    `geometry.rotation.spin_by_impulses`."""
     if velocity.shape[1] == 3:
         return velocity
     after = velocity.copy()

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from drystone.contact.forces import ContactForces
 from drystone.geometry.motion import moved_points, places
 from drystone.limit.equilibrium import Equilibrium
-from drystone.loading import Acting
-from drystone.model import Model
+from drystone.model.loading import Acting
+from drystone.model.model import Model
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

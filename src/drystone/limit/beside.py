@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.curve import CapacityCurve
+from drystone.common.ranges import MOST_BLOCKS
 from drystone.limit.collapse import (
     ASSOCIATIVE,
     FLOWS,
@@ -17,9 +17,9 @@ from drystone.limit.collapse import (
 )
 from drystone.limit.excess import exceeds, why_above
 from drystone.limit.watch import fastest_point, leaves_still
-from drystone.model import Model
-from drystone.monitor import ControlPoint
-from drystone.ranges import MOST_BLOCKS
+from drystone.model.model import Model
+from drystone.model.monitor import ControlPoint
+from drystone.results.curve import CapacityCurve
 
 #: Structures of more blocks than these are left out of the non-associative flow, which takes up to
 #: thirty times as long as the associative; those of more than `MOST_BLOCKS` altogether.

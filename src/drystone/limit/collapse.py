@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.geometry.motion import moved_points
 from drystone.limit import associative as bounds
@@ -26,8 +25,9 @@ from drystone.limit.non_associative import (
     strength_violation,
 )
 from drystone.limit.program import OPTIMAL, UNBOUNDED, Answer
-from drystone.loading import MassPattern
-from drystone.model import Model
+from drystone.model.assembly import Assembly
+from drystone.model.loading import MassPattern
+from drystone.model.model import Model
 
 Array = NDArray[np.float64]
 

@@ -19,14 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, hstack, vstack
 
-from drystone.assembly import Assembly
 from drystone.geometry.motion import moments
 from drystone.limit.crushing import rows_of, spread, with_rests
 from drystone.limit.joints import ContactPoints, contact_points
 from drystone.limit.tied import rollers, with_ties
 from drystone.limit.tied import rows_of as tied_rows
-from drystone.loading import Acting, DeadForces, DeadLoad, LoadPattern
-from drystone.ties import Tie
+from drystone.model.assembly import Assembly
+from drystone.model.loading import Acting, DeadForces, DeadLoad, LoadPattern
+from drystone.model.ties import Tie
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -18,14 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.forces import ContactForces
-from drystone.curve import CapacityCurve, CurvePoint
-from drystone.events import COLLAPSES, EventKind
 from drystone.geometry.motion import translations, turns
 from drystone.limit.against import carried_against
 from drystone.limit.collapse import ASSOCIATIVE, NO_FORCE, bound_with, collapse_load
 from drystone.limit.edges import Edges
 from drystone.limit.joints import ContactPoints, contact_points, joined, points_at
-from drystone.model import Model
+from drystone.model.model import Model
+from drystone.results.curve import CapacityCurve, CurvePoint
+from drystone.results.events import COLLAPSES, EventKind
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

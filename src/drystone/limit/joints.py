@@ -13,12 +13,12 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly
 from drystone.geometry.interfaces import corner_shares
-from drystone.geometry.outlines import Outlines
-from drystone.geometry.polyhedra import Polyhedra
-from drystone.geometry.solid_parts import touched_edges
+from drystone.geometry.plane.outlines import Outlines
+from drystone.geometry.space.parts import touched_edges
+from drystone.geometry.space.polyhedra import Polyhedra
 from drystone.limit.edges import Edges
+from drystone.model.assembly import Assembly
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from drystone.limit.collapse import stands
-from drystone.model import Model
+from drystone.model.model import Model
 
 
 def least_standing(

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
-from drystone.assembly import Assembly
 from drystone.limit.joints import ContactPoints, joined
-from drystone.ties import Tie, TieEnd
-from drystone.ties import spring as spring_between
+from drystone.model.assembly import Assembly
+from drystone.model.ties import Tie, TieEnd
+from drystone.model.ties import spring as spring_between
 
 Array = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from drystone.geometry.motion import moved_points
 from drystone.limit.collapse import ASSOCIATIVE, collapse_load
-from drystone.model import Model
-from drystone.monitor import ControlPoint
+from drystone.model.model import Model
+from drystone.model.monitor import ControlPoint
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from drystone.assessment.methods.base import Assessment, LimitState
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
-from drystone.language import Saying, say
+from drystone.common.language import Saying, say
 from drystone.report import canvas
 
 if TYPE_CHECKING:

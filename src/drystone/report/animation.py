@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.builders.errors import ModelError
-from drystone.curve import CapacityCurve
-from drystone.model import Model
+from drystone.model.construction.errors import ModelError
+from drystone.model.model import Model
 from drystone.report import canvas
 from drystone.report.mechanism import Mechanism
 from drystone.report.mechanism_figure import plot_mechanism
 from drystone.report.quantities import Quantities, state_text
+from drystone.results.curve import CapacityCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

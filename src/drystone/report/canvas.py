@@ -10,7 +10,7 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drystone.builders.words import printable
+from drystone.model.construction.words import printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

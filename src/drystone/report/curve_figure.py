@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.curve import DYNAMIC, CapacityCurve
 from drystone.report import canvas
 from drystone.report.quantities import MILLIMETRES_BELOW, length_text
 from drystone.report.settling_figure import COLLAPSE, plot_settling
+from drystone.results.curve import DYNAMIC, CapacityCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

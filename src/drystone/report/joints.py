@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.motion import moved_points
+from drystone.model.assembly import Assembly
 
 Array = NDArray[np.float64]
 

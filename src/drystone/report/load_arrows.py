@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly
 from drystone.geometry.motion import moved_points
-from drystone.loading import Acting, DeadForces, DeadLoad
-from drystone.model import Model
+from drystone.model.assembly import Assembly
+from drystone.model.loading import Acting, DeadForces, DeadLoad
+from drystone.model.model import Model
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

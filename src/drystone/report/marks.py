@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.model.ties import BROKEN, ELASTIC, SLACK, YIELDING
 from drystone.report import canvas
-from drystone.ties import BROKEN, ELASTIC, SLACK, YIELDING
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly
 from drystone.contact.forces import ContactForces
 from drystone.geometry.motion import moved_points
-from drystone.loading import DeadLoad
-from drystone.monitor import ControlPoint
+from drystone.model.assembly import Assembly
+from drystone.model.loading import DeadLoad
+from drystone.model.monitor import ControlPoint
+from drystone.model.ties import Tie
 from drystone.report.load_arrows import dead_arrows
-from drystone.report.shapes import LEAST, MovingShapes, compliance, moving_blocks
-from drystone.ties import Tie
+from drystone.results.shapes import LEAST, MovingShapes, compliance, moving_blocks
 
 Array = NDArray[np.float64]
 

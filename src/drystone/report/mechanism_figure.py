@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly
 from drystone.contact.forces import SLIDING, ContactForces
+from drystone.model.assembly import Assembly
 from drystone.report import canvas, marks
 from drystone.report.joints import Joints
 from drystone.report.load_arrows import DEAD, plot_arrows
@@ -25,8 +25,8 @@ from drystone.report.mechanism import (
     Drawn,
     Mechanism,
 )
-from drystone.report.shapes import MovingShapes
 from drystone.report.solids_figure import plot_solids
+from drystone.results.shapes import MovingShapes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

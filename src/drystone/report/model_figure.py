@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.missed import Missed
-from drystone.model import Model
+from drystone.model.assembly import Assembly
+from drystone.model.model import Model
 from drystone.report import canvas
 from drystone.report.camera import Camera
 from drystone.report.load_arrows import PATTERN, pattern_arrows, plot_arrows

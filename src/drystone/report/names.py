@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly
-from drystone.geometry.solid import face_planes
+from drystone.geometry.space.solid import face_planes
+from drystone.model.assembly import Assembly
 from drystone.report import canvas
 from drystone.report.camera import Camera
 

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.forces import ContactForces
-from drystone.curve import CapacityCurve
-from drystone.model import Model
+from drystone.model.model import Model
 from drystone.report import curve_figure, mechanism_figure
 from drystone.report.mechanism import Mechanism, readable_magnification
 from drystone.report.settling_figure import plot_settling
+from drystone.results.curve import CapacityCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

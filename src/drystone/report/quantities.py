@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.curve import CapacityCurve, CurvePoint
-from drystone.language import number
+from drystone.common.language import number
+from drystone.results.curve import CapacityCurve, CurvePoint
 
 Array = NDArray[np.float64]
 

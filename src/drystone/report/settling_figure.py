@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from drystone.curve import DYNAMIC, CapacityCurve, CurvePoint
 from drystone.report import canvas
 from drystone.report.quantities import Quantities
+from drystone.results.curve import DYNAMIC, CapacityCurve, CurvePoint
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

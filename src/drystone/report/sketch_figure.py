@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.builders.words import millimetres
 from drystone.geometry.missed import Missed
-from drystone.geometry.outline_trim import common
-from drystone.modelfile.sketch import Sketch
+from drystone.geometry.plane.trim import common
+from drystone.io.modelfile.sketch import Sketch
+from drystone.model.construction.words import millimetres
 from drystone.report import canvas
 from drystone.report.camera import Camera
 from drystone.report.mechanism import RESTING, SUPPORT

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly
-from drystone.geometry.polyhedra import Polyhedra
+from drystone.geometry.space.polyhedra import Polyhedra
+from drystone.model.assembly import Assembly
 from drystone.report import canvas, marks, raster
 from drystone.report.camera import Camera
 from drystone.report.load_arrows import DEAD, plot_arrows

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.errors import AssessmentError, positive
+from drystone.model.assembly import GRAVITY
 
 Array = NDArray[np.float64]
 

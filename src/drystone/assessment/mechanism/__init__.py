@@ -10,12 +10,7 @@ from drystone.assessment.mechanism.shapes import (
     secant_participation,
     tangent_shape,
 )
-from drystone.assessment.mechanism.transform import (
-    GROUPINGS,
-    Reduction,
-    capacity_of,
-    reduced,
-)
+from drystone.assessment.mechanism.transform import GROUPINGS, Reduction, capacity_of, reduced
 
 __all__ = [
     "AT_REST",

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly
 from drystone.assessment.mechanism.field import VelocityField, across
 from drystone.geometry import motion
 from drystone.geometry.links import components
+from drystone.model.assembly import Assembly
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assessment.errors import UnfinishedError
-from drystone.curve import DYNAMIC, FINISHED, STATIC, CapacityCurve
-from drystone.events import first_collapse
-from drystone.language import say
+from drystone.common.language import say
+from drystone.results.curve import DYNAMIC, FINISHED, STATIC, CapacityCurve
+from drystone.results.events import first_collapse
 
 Array = NDArray[np.float64]
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly
 from drystone.geometry import motion
-from drystone.monitor import ControlPoint
+from drystone.model.assembly import Assembly
+from drystone.model.monitor import ControlPoint
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import Assembly
 from drystone.assessment.mechanism.shapes import MechanismShape
+from drystone.model.assembly import Assembly
 
 Array = NDArray[np.float64]
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.mechanism.bodies import SAME
 from drystone.assessment.mechanism.shapes import tangent_shape
-from drystone.curve import STATIC, CapacityCurve
 from drystone.geometry import motion
-from drystone.model import Model
+from drystone.model.model import Model
+from drystone.results.curve import STATIC, CapacityCurve
 
 Array = NDArray[np.float64]
 

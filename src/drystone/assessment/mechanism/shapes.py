@@ -12,16 +12,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import GRAVITY, Assembly
 from drystone.assessment.capacity import Participation, participation
 from drystone.assessment.errors import AssessmentError, UnfinishedError
 from drystone.assessment.mechanism.bodies import AT_REST, SAME, find_macro_blocks
 from drystone.assessment.mechanism.field import VelocityField, chord, less
-from drystone.curve import FINISHED, PASSED, STATIC, CapacityCurve
+from drystone.common.language import said_end, say
 from drystone.geometry import motion
-from drystone.language import said_end, say
-from drystone.loading.base import masses_of
-from drystone.model import Model
+from drystone.model.assembly import GRAVITY, Assembly
+from drystone.model.loading.base import masses_of
+from drystone.model.model import Model
+from drystone.results.curve import FINISHED, PASSED, STATIC, CapacityCurve
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -11,16 +11,11 @@ from drystone.assessment.errors import AssessmentError
 from drystone.assessment.mechanism.envelope import Envelope, static_envelope
 from drystone.assessment.mechanism.orientation import share_out_of_plane
 from drystone.assessment.mechanism.overturning import stands_on_its_axis
-from drystone.assessment.mechanism.shapes import (
-    Course,
-    MechanismShape,
-    course_of,
-    initial_shape,
-)
-from drystone.curve import FINISHED, CapacityCurve
-from drystone.language import Saying, said_end, say
-from drystone.loading.base import masses_of
-from drystone.model import Model
+from drystone.assessment.mechanism.shapes import Course, MechanismShape, course_of, initial_shape
+from drystone.common.language import Saying, said_end, say
+from drystone.model.loading.base import masses_of
+from drystone.model.model import Model
+from drystone.results.curve import FINISHED, CapacityCurve
 
 #: What counts as a rigid body: macro-blocks, as codes mean it, or every block for itself.
 GROUPINGS = ("macro_blocks", "blocks")

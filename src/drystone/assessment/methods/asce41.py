@@ -7,22 +7,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.bilinear import Bilinear, bilinear, drop_point
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.methods import common
-from drystone.assessment.methods.base import (
-    Assessment,
-    LimitState,
-    Settings,
-    Spectra,
-    spectra_of,
-)
+from drystone.assessment.methods.base import Assessment, LimitState, Settings, Spectra, spectra_of
 from drystone.assessment.methods.ground import bearable
 from drystone.assessment.methods.inelastic import check_on_the_ground
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
-from drystone.language import say
+from drystone.common.language import say
+from drystone.model.assembly import GRAVITY
 
 NAME = "asce41"
 STATES = ("IO", "LS", "CP")

@@ -7,12 +7,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.bilinear import Bilinear
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, MissingError
 from drystone.assessment.spectra.base import Spectrum
-from drystone.language import Saying, say
+from drystone.common.language import Saying, say
+from drystone.model.assembly import GRAVITY
 
 __all__ = [
     "Assessment",

@@ -9,7 +9,7 @@ from drystone.assessment.errors import positive
 from drystone.assessment.methods.base import LimitState, Settings
 from drystone.assessment.methods.ground import RETURN_PERIOD_UNCERTAIN
 from drystone.assessment.spectra.base import Spectrum
-from drystone.language import say
+from drystone.common.language import say
 
 #: What governs a state that ends where something local fails.
 LOCAL = say("governs.local")

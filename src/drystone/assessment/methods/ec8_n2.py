@@ -7,14 +7,9 @@ from drystone.assessment.capacity import Capacity
 from drystone.assessment.methods import in_plane
 from drystone.assessment.methods.base import Assessment, LimitState, Settings, Spectra, spectra_of
 from drystone.assessment.methods.ground import bearable, of_the_ground
-from drystone.assessment.methods.inelastic import (
-    EC8_MOST,
-    Target,
-    check_on_the_ground,
-    target,
-)
+from drystone.assessment.methods.inelastic import EC8_MOST, Target, check_on_the_ground, target
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
-from drystone.language import say
+from drystone.common.language import say
 
 NAME = "ec8-n2"
 STATES = ("DL", "SD", "NC")

@@ -16,7 +16,7 @@ from drystone.assessment.methods.base import Assessment, LimitState, Settings, S
 from drystone.assessment.methods.ground import bearable, of_the_ground
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum, damping_factor
 from drystone.assessment.spectra.floor import FloorSpectrum
-from drystone.language import Saying, say
+from drystone.common.language import Saying, say
 
 NAME = "en1998-3-2025-rocking"
 STATES = ("DL", "SD", "NC")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from drystone.assessment.spectra.base import Spectrum
-from drystone.language import say
+from drystone.common.language import say
 
 #: Points of the search for the first crossing.
 N_POINTS = 96

@@ -10,7 +10,7 @@ from drystone.assessment.errors import AssessmentError
 from drystone.assessment.methods import common
 from drystone.assessment.methods.base import Assessment, LimitState, Settings
 from drystone.assessment.spectra.base import Spectrum
-from drystone.language import say
+from drystone.common.language import say
 
 #: Share of the momentum of a mechanism above which it is one out of plane.
 OUT_OF_PLANE = 0.5

@@ -5,7 +5,7 @@ from __future__ import annotations
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.methods.base import Settings
-from drystone.language import say
+from drystone.common.language import say
 
 
 def is_linear(settings: Settings) -> bool:

@@ -14,7 +14,7 @@ from drystone.assessment.methods.base import Assessment, LimitState, Settings, S
 from drystone.assessment.methods.ground import bearable, of_the_ground
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
 from drystone.assessment.spectra.floor import FloorSpectrum
-from drystone.language import say
+from drystone.common.language import say
 
 NAME = "ntc2009-local"
 STATES = ("SLD", "SLV")

@@ -16,7 +16,7 @@ from drystone.assessment.methods.base import Assessment, LimitState, Settings, S
 from drystone.assessment.methods.ground import bearable, of_the_ground, summit
 from drystone.assessment.methods.inelastic import check_on_the_ground, target
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
-from drystone.language import say
+from drystone.common.language import say
 
 NAME = "ntc2018-global"
 STATES = ("SLO", "SLD", "SLV", "SLC")

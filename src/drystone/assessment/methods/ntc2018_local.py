@@ -17,13 +17,9 @@ from drystone.assessment.errors import AssessmentError, not_negative
 from drystone.assessment.methods import common, local
 from drystone.assessment.methods.base import Assessment, LimitState, Settings, Spectra, spectra_of
 from drystone.assessment.methods.ground import bearable, of_the_ground
-from drystone.assessment.spectra.base import (
-    REFERENCE_DAMPING,
-    Spectrum,
-    largest_displacement,
-)
+from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum, largest_displacement
 from drystone.assessment.spectra.floor import FloorSpectrum
-from drystone.language import say
+from drystone.common.language import say
 
 NAME = "ntc2018-local"
 STATES = ("SLD", "SLV", "SLC")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.methods import common, local
@@ -14,7 +13,8 @@ from drystone.assessment.rocking.block import RockingBlock, equivalent_block
 from drystone.assessment.rocking.motion import MechanismRocker, respond
 from drystone.assessment.rocking.pulse import Pulse, least_amplitude
 from drystone.assessment.rocking.record import Record
-from drystone.language import say
+from drystone.common.language import say
+from drystone.model.assembly import GRAVITY
 
 NAME = "rocking"
 STATES = ("SLV", "SLC")

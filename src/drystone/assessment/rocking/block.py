@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.bilinear import drop_point
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, positive
+from drystone.model.assembly import GRAVITY
 
 #: The slope of a mechanism at its peak is taken from its curve down to this share of the peak.
 SLOPE_DOWN_TO = 0.7

@@ -15,11 +15,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.rocking.block import RockingBlock
 from drystone.assessment.rocking.record import Record
+from drystone.model.assembly import GRAVITY
 
 Array = NDArray[np.float64]
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.spectra.shape import (
     Shape,
@@ -13,7 +12,8 @@ from drystone.assessment.spectra.shape import (
     checked_acceleration,
     checked_ground,
 )
-from drystone.language import say
+from drystone.common.language import say
+from drystone.model.assembly import GRAVITY
 
 GROUNDS = ("A", "B", "C", "D", "E")
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from drystone.assessment.errors import AssessmentError, not_negative, positive
 from drystone.assessment.spectra.base import Spectrum, damping_factor, periods
-from drystone.language import say
+from drystone.common.language import say
 
 Array = NDArray[np.float64]
 

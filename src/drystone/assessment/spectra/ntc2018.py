@@ -10,7 +10,6 @@ from functools import cached_property
 
 import numpy as np
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.spectra.shape import (
     Shape,
@@ -18,7 +17,8 @@ from drystone.assessment.spectra.shape import (
     checked_acceleration,
     checked_ground,
 )
-from drystone.language import say
+from drystone.common.language import say
+from drystone.model.assembly import GRAVITY
 
 SOILS = ("A", "B", "C", "D", "E")
 

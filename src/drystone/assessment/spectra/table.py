@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drystone.assembly import GRAVITY
 from drystone.assessment.columns import checked_columns, read_columns, unit_of
 from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.spectra.base import damping_factor, periods
-from drystone.language import say
+from drystone.common.language import say
+from drystone.model.assembly import GRAVITY
 
 Array = NDArray[np.float64]
 

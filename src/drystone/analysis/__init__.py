@@ -1,0 +1,1 @@
+"""One pushover analysis, several directions, the benchmark."""

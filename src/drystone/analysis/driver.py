@@ -1,0 +1,568 @@
+"""The pushover analysis: model x engine x control -> capacity curve."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing, nullcontext
+from dataclasses import dataclass, field, fields, replace
+from functools import partial
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from drystone.analysis.plausible import Plausibility
+from drystone.common.compilation import Compilation
+from drystone.common.language import say
+from drystone.common.progress.watched import points_shown
+from drystone.common.ranges import found, problem
+from drystone.common.records import changed
+from drystone.common.threads import limited
+from drystone.contact.forces import ContactForces
+from drystone.control import (
+    Control,
+    ControlError,
+    Decision,
+    DisplacementControl,
+    DisplacementSettings,
+    ExcessControl,
+    ExcessSettings,
+    PublishedControl,
+    PublishedSettings,
+    SettlingControl,
+    SettlingSettings,
+)
+from drystone.engines import make_engine
+from drystone.engines.base import Demand, Engine, EngineError, Problem, StepReport
+from drystone.engines.frame import Frame
+from drystone.engines.framed import FramedEngine, framed
+from drystone.model.model import REMOVE, STOP, Analysis, Model
+from drystone.model.ties import TieState, names_of
+from drystone.results.curve import (
+    DYNAMIC,
+    FINISHED,
+    SETTLEMENT,
+    STATIC,
+    BlockLeft,
+    CapacityCurve,
+    CurvePoint,
+    KeptContacts,
+    RecorderError,
+    TieRecord,
+)
+from drystone.results.event_log import EventLog
+from drystone.results.events import falls_with, named
+
+Array = NDArray[np.float64]
+
+#: Default displacement per step over the smallest extent of a block.
+STEP_SHARE = 0.005
+
+#: Largest one: what moves farther in a step no engine follows, and a peak goes by unseen.
+COARSEST_SHARE = 0.2
+
+#: Time step of supports that move in dynamic formulations, in own units [s]: inertia of a step of
+#: a hundredth of a block is then 1e-4 of its weight.
+STILL = 1.0
+
+STRATEGIES = ("displacement", "published")
+
+#: Blocks up to which states are kept in the result by default: at 500, some 0.4 MB a point.
+MOST_KEPT = 500
+
+
+class Recorder(Protocol):
+    """Something that keeps points as they come.
+
+    What it cannot keep it says by a `RecorderError`, which ends the analysis with what was reached.
+    One that has a method ``ties`` is told what ties carry (`ties.TieState`) before each point.
+    """
+
+    def begin(self, model: Model, engine: str, strategy: str) -> None:
+        """Called before the first point."""
+
+    def point(self, point: CurvePoint, pose: Array, contacts: ContactForces) -> None:
+        """Called for every point."""
+
+    def end(self, curve: CapacityCurve) -> None:
+        """Called with the whole curve, also when the analysis was stopped or interrupted."""
+
+
+# Many: whatever may be said of an analysis beside its model.
+def pushover(
+    model: Model,
+    *,
+    engine: str | Engine | None = None,
+    strategy: str | None = None,
+    recorder: Recorder | None = None,
+    progress: Callable[[CurvePoint], None] | bool | None = None,
+    keep_poses: bool | None = None,
+    keep_contacts: bool | None = None,
+    threads: int | None = None,
+    default_falling: str = REMOVE,
+    **options: Any,
+) -> CapacityCurve:
+    """Trace the capacity curve of a model.
+
+    Parameters
+    ----------
+    model
+        What to analyse; its ``analysis`` gives what is left out here.  A control point that nobody
+        has named, and that is no part of the first collapse, is put where the mechanism of limit
+        analysis moves, if it moves elsewhere alone: the curve is traced once more, and its
+        `reason` and `control_point` say so.  With a recorder or an engine of one's own it stays.
+    engine
+        Name of an engine, or one of your own (see `engines.base.Engine`).
+    strategy
+        "displacement" (no bias) or "published".
+    recorder
+        Is told every point as it comes.
+    progress
+        Likewise; or whether a bar shows it, by default where somebody watches: on a terminal and
+        in a notebook.
+    keep_poses, keep_contacts
+        Keep poses and contact forces of every point in the result.  By default they are kept of
+        up to `MOST_KEPT` blocks, where no recorder has them.
+    threads
+        Most that share the work of an engine, by default one a processor; curves are the same.
+    default_falling
+        What is done where a part collapses and the model does not say: see `Analysis.falling`.
+    options
+        Keys of [analysis] by name, over those of the model: see `control`.
+
+    Raises
+    ------
+    EngineError
+        The engine cannot do what is asked; `UnstableError` where the structure does not stand
+        under its own weight.
+    """
+    named = engine is None or isinstance(engine, str)
+    asked = str(engine or model.analysis.engine)
+    model = _with_options(model, options)
+
+    def traced(model: Model) -> CapacityCurve:
+        solver: Any = make_engine(asked) if named else framed(engine)
+        small = recorder is None and model.assembly.n_bodies <= MOST_KEPT
+        run = _Run(
+            model=model,
+            solver=solver,
+            strategy=SETTLEMENT if model.settlement else strategy or model.analysis.strategy,
+            later=named and isinstance(solver, FramedEngine),
+            stops=(model.analysis.falling or default_falling) == STOP,
+            recorder=recorder,
+            progress=None,
+            keep_poses=small if keep_poses is None else keep_poses,
+            keep_contacts=small if keep_contacts is None else keep_contacts,
+        )
+        return _traced(run, progress, threads)
+
+    curve = traced(model)
+    if recorder is not None or not named or _is_enough(curve, model):
+        return curve
+    # Asked only now: a curve whose control point is part of its first collapse needs no other, and
+    # limit analysis takes a tenth of its time.
+    from drystone.limit import on_what_moves
+
+    watching = on_what_moves(model)
+    if watching is model:
+        return curve
+    moved = say("end.control_moved", block=model.assembly.ids[watching.control_point.block])
+    again = traced(watching)
+    return replace(
+        again,
+        reason="; ".join((again.reason, moved)),
+        wall_time=curve.wall_time + again.wall_time,
+        compile_time=curve.compile_time + again.compile_time,
+    )
+
+
+def _is_enough(curve: CapacityCurve, model: Model) -> bool:
+    """Whether a curve shows all that another control point could: it was interrupted, somebody has
+    named its control point, or this is part of the first collapse."""
+    if curve.status == "interrupted" or not model.control_point.default:
+        return True
+    first = curve.first_collapse
+    if first is None:
+        return curve.status == FINISHED
+    return model.assembly.ids[model.control_point.block] in falls_with(curve.events, first)
+
+
+def _traced(
+    run: _Run, progress: Callable[[CurvePoint], None] | bool | None, threads: int | None
+) -> CapacityCurve:
+    """The curve of a run that has not begun; its engine is closed."""
+    begun = time.perf_counter()
+    model = run.model
+    control = make_control(run.strategy, run.solver, model)
+    shows: Any = nullcontext(progress)
+    if progress is None or isinstance(progress, bool):
+        shows = points_shown(model.title or "pushover", model.analysis.stop_multiplier, progress)
+    # Threads of LAPACK only get in each other's way on systems of this size.
+    lapack = threadpool_limits(limits=1, user_api="blas")
+    with closing(run.solver), lapack, limited(threads), Compilation() as compilation, shows as told:
+        run.progress = told
+        end = run.traced(control)
+    return run.finished(*end, time.perf_counter() - begun, compilation.seconds)
+
+
+@dataclass(kw_only=True)
+class _Run:
+    """An analysis under way: what is told and kept of every point."""
+
+    model: Model
+    solver: Any
+    strategy: str
+    later: bool  # contacts follow from the state alone: states are kept in their place
+    stops: bool  # where a part that may not fall collapses
+    recorder: Recorder | None
+    progress: Callable[[CurvePoint], None] | None
+    keep_poses: bool
+    keep_contacts: bool
+    points: list[CurvePoint] = field(default_factory=list)
+    poses: list[Array] = field(default_factory=list)
+    contacts: list[Any] = field(default_factory=list)
+    ties: list[TieState] = field(default_factory=list)
+    left: list[BlockLeft] = field(default_factory=list)
+    log: EventLog = field(init=False)
+    settlement: float = 0.0  # m, of the control point before the load
+
+    def __post_init__(self) -> None:
+        self.log = EventLog(self.model)
+
+    def traced(self, control: Control) -> tuple[str, str]:
+        """Trace the curve; status and reason of its end.  Without a point, errors are raised."""
+        try:
+            return self._trace(control)
+        except KeyboardInterrupt:
+            if not self.points:
+                raise
+            return "interrupted", "interrupted by the user"
+        except (EngineError, RecorderError) as error:
+            if not self.points:
+                raise
+            return "stopped", str(error)
+
+    def _trace(self, control: Control) -> tuple[str, str]:
+        model, solver = self.model, self.solver
+        plausibility = Plausibility(model)
+        limit = getattr(solver, "residual_limit", None)
+        state, report = solver.start(
+            Problem(
+                assembly=model.assembly,
+                load=model.load,
+                dead_loads=model.dead_loads,
+                ties=model.ties,
+                settlement=model.settlement,
+                control_point=model.control_point,
+                ground=model.analysis.ground,
+            )
+        )
+        report = obeyed(report, limit)
+        if not report.converged:
+            raise EngineError(f"at rest under its own weight, {report.reason}")
+        plausibility.check(report, 0.0, partial(solver.contacts, state))
+        self.settlement = report.control_displacement
+        report = replace(report, control_displacement=0.0)
+        if self.recorder is not None:
+            self.recorder.begin(model, solver.name, self.strategy)
+        decision = control.first(report)
+        self._add(report, state, 0.0, decision)
+        while decision.demand is not None:
+            demand = decision.demand
+            new, report = solver.step(state, demand)
+            report = self._since_rest(obeyed(report, limit))
+            decision = control.decide(decision.state, demand, report)
+            if decision.accept:
+                multiplier = decision.load_multiplier
+                plausibility.check(report, multiplier, partial(solver.contacts, new))
+            state, over = self._pass(state, demand, report, decision)
+            if over is not None:
+                decision = over
+            elif decision.accept:
+                decision = self._accept(state, new, demand, report, decision)
+                state = new
+        return ("finished" if decision.finished else "stopped"), decision.reason
+
+    def _since_rest(self, report: StepReport) -> StepReport:
+        """The report, with control displacements since the rest under the dead load."""
+        moved = report.control_displacement - self.settlement
+        way = tuple((state, self._since_rest(told)) for state, told in report.way)
+        return changed(report, control_displacement=moved, way=way)
+
+    def _pass(
+        self, state: Any, demand: Demand, report: StepReport, decision: Decision
+    ) -> tuple[Any, Decision | None]:
+        """Add the points in motion on the way of a step; the state of the last of them, and what
+        ends the analysis there, if anything does."""
+        for (passed, told), multiplier in zip(report.way, decision.way, strict=False):
+            point = Decision(
+                accept=True,
+                demand=demand,
+                state=decision.state,
+                load_multiplier=multiplier,
+                dynamic=True,
+                jumped=True,
+            )
+            after = self._accept(state, passed, demand, told, point)
+            state = passed
+            if after.demand is None:
+                return state, after
+        return state, None
+
+    def _accept(
+        self, before: Any, state: Any, demand: Demand, report: StepReport, decision: Decision
+    ) -> Decision:
+        """Add a point; what is decided after what has been lost since the state ``before``."""
+        fallen = _fallen(before, state)
+        collapsed = self._add(report, state, demand.time_step, decision, fallen)
+        ids = self.model.assembly.ids
+        self.left += [BlockLeft.at(self.points[-1], ids[i]) for i in fallen]
+        return self._after_loss(fallen, collapsed, decision)
+
+    def _add(
+        self,
+        report: StepReport,
+        state: Any,
+        time_step: float,
+        decision: Decision,
+        left: Sequence[int] = (),
+    ) -> list[int]:
+        """Keep a point, and tell it; rows of the blocks that have collapsed since the last one."""
+        point = _point(len(self.points), report, time_step, decision)
+        needed = self.recorder is not None or (self.keep_contacts and not self.later)
+        touching = self.solver.contacts(state) if needed else None
+        carried = self._add_ties(state)
+        if self.recorder is not None and touching is not None:  # first: no more than is kept
+            self.recorder.point(point, state.pose, touching)
+        self.points.append(point)
+        if self.keep_poses:
+            self.poses.append(state.pose.copy())
+        if self.keep_contacts:
+            self.contacts.append(state if self.later else touching)
+        if self.progress is not None:
+            self.progress(point)
+
+        def contacts() -> ContactForces:
+            return self.solver.contacts(state) if touching is None else touching
+
+        return self.log.add(point, state.pose, contacts, ties=carried, left=left)
+
+    def _after_loss(self, fallen: list[int], collapsed: list[int], decision: Decision) -> Decision:
+        """Whether the analysis goes on after blocks have left, or have collapsed."""
+        model = self.model
+        ids = model.assembly.ids
+        lost = [ids[i] for i in collapsed if ids[i] not in model.parts_that_may_fall]
+        if lost and self.stops and not decision.finished:
+            key = "end.has_collapsed" if len(lost) == 1 else "end.have_collapsed"
+            reason = say(key, blocks=named(lost, "block"), stop=STOP)
+            # As asked: the curve is complete.
+            return replace(decision, demand=None, reason=reason, finished=True)
+        if model.control_point.block in fallen:
+            reason = say("end.control_left")
+            # A curve that is complete stays so.
+            return decision if decision.finished else replace(decision, demand=None, reason=reason)
+        return decision
+
+    def _add_ties(self, state: Any) -> TieState | None:
+        ask = getattr(self.solver, "ties_of", None) if self.model.ties else None
+        if ask is None:
+            return None
+        now: TieState = ask(state)
+        self.ties.append(now)
+        tell = getattr(self.recorder, "ties", None)
+        if tell is not None:
+            tell(now)
+        return now
+
+    def finished(self, status: str, reason: str, seconds: float, compiling: float) -> CapacityCurve:
+        """What was traced, told to the recorder; its seconds include those of compiling."""
+        notes = getattr(self.solver, "notes", ())
+        curve = CapacityCurve(
+            engine=self.solver.name,
+            strategy=self.strategy,
+            points=tuple(self.points),
+            status=status,
+            # What was left out of the model belongs to how far the curve can be trusted.
+            reason="; ".join(filter(None, (reason, *map(str, self.left), *notes))),
+            stop_multiplier=self.model.analysis.stop_multiplier,
+            settlement=self.settlement,
+            motion_unit=self.model.settlement.unit if self.model.settlement else "m",
+            control_point=self.model.control_point,
+            blocks_left=tuple(self.left),
+            events=self.log.end(),
+            wall_time=seconds - compiling,
+            compile_time=compiling,
+            poses=np.array(self.poses) if self.keep_poses else None,
+            contacts=self._kept_contacts() if self.keep_contacts else None,
+            ties=TieRecord.of(names_of(self.model.ties), self.ties[: len(self.points)])
+            if self.ties
+            else None,
+        )
+        if self.recorder is not None:
+            self.recorder.end(curve)
+        return curve
+
+    def _kept_contacts(self) -> Sequence[ContactForces]:
+        if self.later:
+            return KeptContacts(self.contacts, self.solver.contacts)
+        return tuple(self.contacts)
+
+
+def _with_options(model: Model, options: Mapping[str, Any]) -> Model:
+    """The model with options in place of its own; `EngineError` for those that a model file would
+    not take."""
+    wrong = [sentence for key, value in options.items() if (sentence := problem(key, value))]
+    falling = options.get("falling", REMOVE)
+    if falling not in (REMOVE, STOP):
+        wrong.append(f'falling: must be "{REMOVE}" or "{STOP}", it is {found(falling)}')
+    if wrong:
+        raise EngineError(f"[analysis] {wrong[0]}")
+    return model.with_analysis(**options) if options else model
+
+
+def _fallen(before: Any, after: Any) -> list[int]:
+    """Rows of the blocks that have left in between, where the engine tells."""
+    gone = getattr(after, "gone", None)
+    if gone is None or gone is before.gone:
+        return []
+    return [int(i) for i in np.flatnonzero(gone & ~before.gone)]
+
+
+def obeyed(report: StepReport, limit: float | None) -> StepReport:
+    """The report; as that of a step that failed where its certificate does not hold.
+
+    ``limit`` is what the engine keeps, over the heaviest weight; None where it does not say.
+    Inertia is one of the forces, so that motion is judged like rest.
+    """
+    if limit is None or not report.converged or report.residual <= limit:
+        return report
+    reason = (
+        f"the step leaves a residual of {report.residual:.1e} heaviest weights, where the engine "
+        f"keeps {limit:.0e}: the joints may be too stiff, or the increments too large, for the "
+        "blocks' weight"
+    )
+    return replace(report, converged=False, reason=reason)
+
+
+def _options_of(strategy: str, analysis: Analysis) -> dict[str, float]:
+    """The numerical settings of an analysis; raises `EngineError`."""
+    options = {"stop_multiplier": analysis.stop_multiplier, **analysis.options}
+    if strategy not in (*STRATEGIES, SETTLEMENT):
+        raise EngineError(f'there is no strategy "{strategy}": take {" or ".join(STRATEGIES)}')
+    known = {
+        f.name
+        for cls in (PublishedSettings, ExcessSettings, DisplacementSettings)
+        for f in fields(cls)
+    }
+    unknown = [key for key in options if key not in known | {"mechanism_displacement"}]
+    if unknown:
+        raise EngineError(f'there is no setting "{unknown[0]}" of the analysis')
+    wrong = [sentence for key, value in options.items() if (sentence := problem(key, value))]
+    if wrong:  # also of settings that this strategy does not use, as in a model file
+        raise EngineError(f"[analysis] {wrong[0]}")
+    return options
+
+
+def make_control(strategy: str, engine: Engine, model: Model) -> Control:
+    """The control of a strategy for an engine; raises `EngineError` for settings that fail."""
+    options = _options_of(strategy, model.analysis)
+    frame = Frame.of(model.assembly)
+    coarsest = COARSEST_SHARE * frame.size
+    asked = options.get("displacement_step", 0.0)
+    if asked > coarsest:
+        raise EngineError(
+            f"[analysis] displacement_step of {asked:g} m is too coarse to see the peak: take at "
+            f"most {coarsest:.3g} m, a fifth of the smallest block"
+        )
+    step = {"displacement_step": STEP_SHARE * frame.size}
+    ask = getattr(engine, "preferences", None)
+    preferred: Mapping[str, float] = ask(model.assembly) if ask else {}
+    if model.settlement is not None:
+        return _settling({**step, **preferred, **options}, engine, model, frame)
+    try:
+        if strategy == "published":
+            return PublishedControl(
+                _settings(PublishedSettings, frame.time, {**preferred, **step, **options})
+            )
+        chosen = {**step, **preferred, **options}
+        if engine.prescribes_displacement:
+            return DisplacementControl(_settings(DisplacementSettings, frame.time, chosen))
+        return ExcessControl(_settings(ExcessSettings, frame.time, chosen))
+    except ControlError as error:
+        raise EngineError(f"[analysis] {error}") from None
+
+
+def _settling(
+    options: Mapping[str, float], engine: Engine, model: Model, frame: Frame
+) -> SettlingControl:
+    """The control of supports that move; raises `EngineError` for engines that cannot move them."""
+    if not getattr(engine, "moves_supports", False):
+        raise EngineError(
+            f"the {engine.name} engine cannot move supports: take the equilibrium, the nscd or the "
+            "distinct engine"
+        )
+    settlement, assembly = model.settlement, model.assembly
+    assert settlement is not None
+    weight = float(assembly.weight[~assembly.fixed].sum())
+    lever = 1.0
+    if settlement.rotates:
+        rows = settlement.rows(assembly)
+        corners = np.vstack([assembly.blocks[i].vertices for i in rows])
+        lever = float(np.linalg.norm(corners - settlement.centre, axis=1).max())
+    step = options["displacement_step"]
+    return SettlingControl(
+        SettlingSettings(
+            largest=settlement.largest,
+            step=min(step, settlement.largest * lever) / lever,
+            unit=weight * (lever if settlement.rotates else 1.0),
+            scale=lever,
+            time_step=0.0 if engine.prescribes_displacement else STILL * frame.time,
+            easy_iterations=int(options.get("easy_iterations", SettlingSettings.easy_iterations)),
+            max_steps=int(options.get("max_steps", SettlingSettings.max_steps)),
+        )
+    )
+
+
+def _settings(cls: type, second: float, options: Mapping[str, float]) -> Any:
+    """A settings object from those options that it has; whole numbers where it wants them.
+
+    Its default times are in the structure's own ``second`` [s]: what falls its own size in one,
+    falls it in another, whatever the size.
+    """
+    chosen = {}
+    for key in fields(cls):
+        if key.name in options:
+            value = options[key.name]
+            chosen[key.name] = int(value) if key.type == "int" else value
+        elif key.name == "time_step":
+            default: Any = key.default
+            chosen[key.name] = second * default
+    return cls(**chosen)
+
+
+def _point(step: int, report: StepReport, time_step: float, decision: Decision) -> CurvePoint:
+    return CurvePoint(
+        step=step,
+        control_displacement=report.control_displacement,
+        load_multiplier=decision.load_multiplier,
+        applied_multiplier=report.applied_multiplier,
+        carried_multiplier=report.carried_multiplier,
+        reaction=report.reaction,
+        residual=report.residual,
+        penetration=report.penetration,
+        friction_violation=report.friction_violation,
+        energy_ratio=report.energy_ratio,
+        inertia_ratio=report.inertia_ratio,
+        n_open=report.n_open,
+        n_sticking=report.n_sticking,
+        n_sliding=report.n_sliding,
+        motion=report.motion,
+        time_step=time_step,
+        n_iterations=report.n_iterations,
+        status=DYNAMIC if decision.dynamic else STATIC,
+        jumped=decision.jumped,
+        lost_shear=report.lost_shear,
+        unstable=report.unstable,
+    )

@@ -1,0 +1,65 @@
+"""What no structure does, whatever the engine: an analysis that shows it ends, and says so."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from drystone.contact.forces import ContactForces
+from drystone.engines.base import EngineError, StepReport
+from drystone.engines.frame import Frame
+from drystone.limit import is_locked
+from drystone.model.assembly import Assembly
+from drystone.model.model import Model
+
+#: Multiplier from which on it is asked whether the load locks the structure.  Friction up to 1 and
+#: blocks up to four times as wide as high carry less; a linear program tells of the rest.
+PLAUSIBLE_MULTIPLIER = 5.0
+
+LOCKED = "the load locks the structure: no multiple of it brings it down"
+
+
+class Plausibility:
+    """Judges the points of one analysis before they become part of its curve."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.size = Frame.of(model.assembly).size
+        self.deepest = model.analysis.max_penetration * self.size  # m
+        self.asked = False  # whether the load locks the structure
+
+    def check(
+        self, report: StepReport, multiplier: float, contacts: Callable[[], ContactForces]
+    ) -> None:
+        """Raise `EngineError` for a point that no structure comes to.
+
+        Parameters
+        ----------
+        multiplier
+            Of the load, at the point.
+        contacts
+            Gives the contact points there; asked where a sentence needs them.
+        """
+        if abs(multiplier) > PLAUSIBLE_MULTIPLIER and not self.asked:
+            self.asked = True
+            if is_locked(self.model):
+                raise EngineError(LOCKED)
+        if report.penetration > self.deepest:
+            raise EngineError(self._crushed(report.penetration, contacts()))
+
+    def _crushed(self, penetration: float, contacts: ContactForces) -> str:
+        share = penetration / self.size
+        return (
+            f"{_deepest_pair(self.model.assembly, contacts)} are pressed {penetration:.3g} m into "
+            f"each other, {100.0 * share:.2g} % of the smallest block, where no joint closes by "
+            f"more than {100.0 * self.model.analysis.max_penetration:.2g} %: is something in the "
+            "structure's way, or normal_stiffness too low? ([analysis] max_penetration)"
+        )
+
+
+def _deepest_pair(assembly: Assembly, contacts: ContactForces) -> str:
+    """The two blocks that overlap most, by name."""
+    deepest = int(np.argmin(contacts.gap))
+    a, b = (assembly.ids[int(rows[deepest])] for rows in (contacts.block_a, contacts.block_b))
+    return f'the blocks "{a}" and "{b}"'

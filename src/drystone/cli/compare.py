@@ -1,0 +1,112 @@
+"""``drystone compare``: curves of several folders in one picture and a table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from drystone.cli.options import AsJson, Quiet
+from drystone.cli.outcome import DONE, emit, outcome
+
+if TYPE_CHECKING:
+    from drystone.report.folder.results import Results
+    from drystone.results.curve import CapacityCurve
+
+Folders = Annotated[
+    list[Path], typer.Argument(metavar="DIR ...", help="Folders of results.", show_default=False)
+]
+Picture = Annotated[
+    Path,
+    typer.Option(metavar="FILE", help="Picture to write, .png, .svg or .pdf."),
+]
+
+
+def compare(
+    folders: Folders,
+    out: Picture = Path("compare.png"),
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Draw the curves of several folders into one picture, and print peaks and ends."""
+    with outcome(as_json=as_json):
+        from drystone.io.modelfile import ModelError
+        from drystone.io.results.folder import check_place, in_a_sentence, whole_file
+        from drystone.report.curve_figure import draw_curve
+        from drystone.report.folder.results import load_results
+        from drystone.report.model_figure import ENDINGS
+
+        if out.suffix.lower() not in ENDINGS:
+            raise ModelError([f"--out: {out}: must end in {', '.join(ENDINGS)}"])
+        results = [load_results(folder) for folder in folders]
+        check_place(out)
+        empty = [str(found.path) for found in results if not found.curve.points]
+        if empty:
+            raise ModelError([f"{path}: its curve has no points yet" for path in empty])
+        if len({(found.curve.settles, found.curve.motion_unit) for found in results}) > 1:
+            raise ModelError(
+                ["loads, supports that go along and supports that turn have curves of other kinds: "
+                 "compare folders of one kind"]
+            )  # fmt: skip
+        rows = [_row(name, found) for name, found in zip(_names(folders), results, strict=True)]
+        curves = [(row["name"], found.curve) for row, found in zip(rows, results, strict=True)]
+
+        def draw() -> None:
+            with whole_file(out) as draft:
+                draw_curve(curves, draft, format=out.suffix[1:].lower())
+
+        in_a_sentence(draw)
+        if as_json:
+            emit({"status": "done", "file": str(out), "curves": rows})
+        else:
+            typer.echo(_table(rows))
+            if not quiet:
+                typer.echo(f"{out} is written")
+    raise typer.Exit(DONE)
+
+
+def _names(folders: Sequence[Path]) -> list[str]:
+    """Names of the folders, as much of their paths as tells them apart."""
+    whole = [folder.resolve() for folder in folders]
+    for depth in range(1, max(len(path.parts) for path in whole) + 1):
+        names = ["/".join(path.parts[-depth:]) for path in whole]
+        if len(set(names)) == len(set(whole)):
+            return names
+    return [str(folder) for folder in folders]
+
+
+def _row(name: str, found: Results) -> dict[str, Any]:
+    curve: CapacityCurve = found.curve
+    return {
+        "name": name,
+        "directory": str(found.path),
+        "title": found.model.title if found.model else None,
+        "engine": curve.engine,
+        "status": curve.status,
+        "peak_multiplier": curve.peak.load_multiplier,
+        "peak_displacement": curve.peak.control_displacement,
+        "peak_passed": curve.peak_passed,
+        "ultimate_displacement": curve.ultimate_displacement,
+        "last_displacement": curve.points[-1].control_displacement,
+        "last_multiplier": curve.points[-1].load_multiplier,
+        "n_points": len(curve.points),
+    }
+
+
+def _table(rows: Sequence[dict[str, Any]]) -> str:
+    from drystone.model.construction.words import printable
+
+    width = max(8, *(len(row["name"]) for row in rows))
+    lines = [
+        f"{'':<{width}}  {'engine':<12} {'peak':>8} {'at [m]':>9} {'end [m]':>9}  status",
+    ]
+    for row in rows:
+        end = row["ultimate_displacement"]
+        lines.append(
+            f"{printable(row['name']):<{width}}  {row['engine']:<12} "
+            f"{row['peak_multiplier']:>8.4f} {row['peak_displacement']:>9.5f} "
+            f"{'-' if end is None else format(end, '.4f'):>9}  {row['status']}"
+        )
+    return "\n".join(lines)

@@ -1,0 +1,214 @@
+"""``drystone run --directions``: a model pushed in both senses, or all around, in parallel."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import typer
+
+from drystone.cli.outcome import DONE, INTERRUPTED, UNFINISHED, WRONG, emit, fail, tell
+from drystone.io.results.senses import DIRECTION
+
+if TYPE_CHECKING:
+    from drystone.model.model import Model
+
+#: What the file of all directions says of each, from the summary of its own folder.
+COLUMNS = (
+    "angle", "direction", "folder", "status", "reason", "peak_multiplier", "peak_displacement",
+    "peak_passed", "ultimate_displacement", "associative_multiplier", "non_associative_multiplier",
+    "n_points", "max_residual", "wall_time",
+)  # fmt: skip
+SUMMARY, TABLE, PICTURE = "summary.json", "directions.csv", "directions.png"
+BOTH = "both"
+
+
+class Asked(NamedTuple):
+    """What every curve is traced and drawn with."""
+
+    engine: str | None
+    strategy: str | None
+    mechanism_at: float | None  # m
+    formats: tuple[str, ...] = ()  # of pictures, beside PNG
+
+
+def number_of(text: str) -> int:
+    """How many directions are asked for; raises `typer.BadParameter`."""
+    if text == BOTH:
+        return 2
+    if not text.isdecimal() or not 2 <= int(text) <= 360:
+        raise typer.BadParameter(
+            f'it must be "{BOTH}", or a whole number from 2 to 360', param_hint="--directions"
+        )
+    return int(text)
+
+
+def run_directions(
+    model: Model,
+    number: int,
+    folder: Path,
+    asked: Asked,
+    *,
+    processes: int | None,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Trace all curves, each into a folder of its own, and write what they have in common.
+
+    Returns the exit status: that of the worst of them.
+    """
+    from drystone.analysis.directions import around, evenly
+    from drystone.common.threads import available
+    from drystone.common.workers import in_processes
+    from drystone.io.results.folder import in_a_sentence
+    from drystone.io.results.own_files import clear
+
+    angles = evenly(model, number)
+    in_a_sentence(lambda: clear(folder))
+    models = around(model, angles)
+    folders = [folder / folder_name(angle) for angle in angles]
+    came = 0
+
+    def told(k: int, found: dict[str, Any]) -> None:
+        nonlocal came
+        came += 1
+        if not quiet:
+            peak = found.get("peak_multiplier")
+            what = found["status"] if peak is None else f"{found['status']}, peak {peak:.4f}"
+            tell([f"{came} of {number}: {angles[k]:g} degrees, {what}"])
+
+    calls = [
+        (f"{__name__}:trace", (each, str(own), asked))
+        for each, own in zip(models, folders, strict=True)
+    ]
+    results = in_processes(calls, processes or available(), told)
+    rows = []
+    for angle, each, own, result in zip(angles, models, folders, results, strict=True):
+        found = result or {"status": "interrupted", "reason": "interrupted before it began"}
+        about = {"angle": angle, "direction": each.load_along.tolist(), "folder": own.name}
+        rows.append({**found, **about})
+    if not any(row.get("curve") for row in rows):
+        code = INTERRUPTED if None in results else WRONG
+        reasons = list(dict.fromkeys(row["reason"] for row in rows))
+        fail(code, [*reasons, "nothing was written"], as_json=as_json, status=rows[0]["status"])
+    summary = write(model, rows, folder)
+    if as_json:
+        emit({**summary, "directory": str(folder)})
+    else:
+        typer.echo(report(summary, folder))
+    statuses = {row["status"] for row in rows}
+    if "interrupted" in statuses:
+        return INTERRUPTED
+    return DONE if statuses == {"finished"} else UNFINISHED
+
+
+def folder_name(angle: float) -> str:
+    """Of the results of one direction [degrees]: three digits, and decimals where it has any."""
+    whole, decimals = f"{angle:.3f}".rstrip("0").rstrip(".").partition(".")[::2]
+    return f"{DIRECTION}{int(whole):03d}" + (f".{decimals}" if decimals else "")
+
+
+def trace(
+    model: Model,
+    folder: str,
+    asked: Asked,
+) -> dict[str, Any]:
+    """The curve of one direction, written into its folder by a worker; its figures."""
+    from drystone.analysis.driver import pushover
+    from drystone.engines.base import EngineError
+    from drystone.limit import limits_beside
+    from drystone.report.folder.directory import ResultsDirectory
+
+    try:
+        with ResultsDirectory(
+            Path(folder),
+            mechanism_displacement=asked.mechanism_at,
+            beside=limits_beside(model),
+            formats=asked.formats,
+        ) as results:
+            curve = pushover(
+                model,
+                engine=asked.engine,
+                strategy=asked.strategy,
+                recorder=results,
+                threads=1,
+                progress=False,
+            )
+    except EngineError as error:
+        return {"status": "failed", "reason": str(error)}
+    except KeyboardInterrupt:
+        return {"status": "interrupted", "reason": "interrupted before the first point"}
+    points = list(zip(curve.control_displacement, curve.load_multiplier, strict=True))
+    return {**(results.summary or {}), "curve": [(float(d), float(m)) for d, m in points]}
+
+
+def write(model: Model, rows: Sequence[dict[str, Any]], folder: Path) -> dict[str, Any]:
+    """``summary.json``, ``directions.csv`` and ``directions.png`` of all directions."""
+    import csv
+
+    from drystone.io.results.folder import in_a_sentence, locked, whole_file
+    from drystone.io.results.interrupts import uninterrupted
+    from drystone.io.results.summary import package_version, plain, write_summary
+    from drystone.report.directions_figure import Traced, draw_directions
+
+    known = [row for row in rows if row.get("peak_multiplier") is not None]
+    least = min(known, key=lambda row: row["peak_multiplier"])
+    summary = plain(
+        {
+            "title": model.title,
+            "model": model.source,
+            "model_sha256": model.sha256,
+            "version": package_version(),
+            "n_directions": len(rows),
+            "least_peak_multiplier": least["peak_multiplier"],
+            "least_at": least["angle"],
+            "directions": [{key: row.get(key) for key in COLUMNS} for row in rows],
+        }
+    )
+    with locked(folder), uninterrupted():
+
+        def files() -> None:
+            write_summary(summary, folder / SUMMARY)
+            with whole_file(folder / TABLE) as draft, draft.open("w", newline="") as file:
+                table = csv.writer(file)
+                table.writerow(COLUMNS)
+                for row in summary["directions"]:
+                    table.writerow(_cell(row[key]) for key in COLUMNS)
+            with whole_file(folder / PICTURE) as draft:
+                draw_directions(
+                    [Traced(angle=row["angle"], curve=row["curve"]) for row in known],
+                    draft,
+                    title=model.title,
+                )
+
+        in_a_sentence(files)
+    return summary  # type: ignore[no-any-return]
+
+
+def _cell(value: Any) -> Any:
+    return " ".join(f"{x:.12g}" for x in value) if isinstance(value, list) else value
+
+
+def report(summary: dict[str, Any], folder: Path) -> str:
+    """A line for each direction, and the weakest of them."""
+    from drystone.model.construction.words import printable
+
+    lines = [printable(summary["title"])]
+    for row in summary["directions"]:
+        peak, end = (row[key] for key in ("peak_multiplier", "ultimate_displacement"))
+        what = row["reason"] if peak is None else f"peak {peak:.4f}"
+        if peak is not None:
+            what += (
+                f", ultimate displacement {end:.4f} m" if end is not None else ", no end reached"
+            )
+        if row["status"] != "finished":
+            what += f" ({row['status']})"
+        lines.append(f"  {_degrees(row['angle']):<22} {printable(what)}")
+    least = f"{summary['least_peak_multiplier']:.4f} at {_degrees(summary['least_at'])}"
+    return "\n".join([*lines, f"  {'least peak':<22} {least}", f"  {'results':<22} {folder}/"])
+
+
+def _degrees(angle: float) -> str:
+    return "0 degrees" if math.isclose(angle, 0.0) else f"{angle:g} degrees"

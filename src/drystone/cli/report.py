@@ -1,0 +1,55 @@
+"""``drystone report``: everything that is known of a folder of results, on one page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from drystone.cli.options import AsJson, Language, Quiet
+from drystone.cli.outcome import DONE, emit, outcome, tell
+from drystone.cli.view import Results
+
+
+def report(
+    folder: Results,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Page to write. [default: DIR/report.html]"),
+    ] = None,
+    language: Annotated[
+        Language | None,
+        typer.Option(
+            "--language", help="Of the report. [default: what the model says]", show_default=False
+        ),
+    ] = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Write the report to hand over: model, curve, certificate, mechanism, assessment, viewer.
+
+    One page that needs no network and prints on A4.  The assessment is that of the folder's
+    assessment.json, or is made where the model asks for one.  Folders of runs that go on, or that
+    were killed, are reported as far as they reach.
+    """
+    with outcome(as_json=as_json):
+        from drystone.io.results.folder import check_apart, check_place, in_a_sentence
+        from drystone.io.results.own_files import ASSESSMENT, RESULTS
+        from drystone.report.document.report import write_report
+        from drystone.report.viewer.folder import Folder
+
+        path = folder / "report.html" if out is None else out
+        found = Folder.read(folder)
+        tell(found.warnings)
+        check_place(path)
+        for kept in (folder / RESULTS, folder / ASSESSMENT):
+            check_apart(kept, [path])
+        if found.results.model is not None:
+            check_apart(found.results.model.source, [path])
+        in_a_sentence(lambda: write_report(path, found, language=language))
+        if as_json:
+            emit({"status": "done", "file": str(path), "bytes": path.stat().st_size})
+        elif not quiet:
+            typer.echo(f"{path} is written ({path.stat().st_size / 1e6:.1f} MB)")
+    raise typer.Exit(DONE)

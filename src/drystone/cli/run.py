@@ -1,0 +1,281 @@
+"""``drystone run``: the pushover curve of a model file."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from drystone.cli.directions import Asked, number_of, run_directions
+from drystone.cli.options import AsJson, ModelFile, Quiet, StrategyName
+from drystone.cli.outcome import emit, exit_code, fail, outcome, tell
+
+if TYPE_CHECKING:
+    from drystone.limit import Beside
+    from drystone.model.model import Model
+    from drystone.results.curve import CapacityCurve
+
+
+#: Events that are told on the terminal.
+MOST_EVENTS = 6
+
+EngineName = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help="Engine. [default: what the model says]", show_default=False),
+]
+Folder = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="DIR", help="Folder of results. [default: MODEL-results]", show_default=False
+    ),
+]
+MechanismAt = Annotated[
+    float | None,
+    typer.Option(
+        metavar="METRES",
+        min=0.0,
+        help="Control displacement of mechanism.png. [default: what the model says, or 0.2]",
+        show_default=False,
+    ),
+]
+
+
+Threads = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N",
+        min=1,
+        help="Threads that share the work; the results are the same. [default: one a processor]",
+        show_default=False,
+    ),
+]
+
+
+class FigureFormat(StrEnum):
+    """Formats of pictures beside PNG."""
+
+    svg = "svg"
+    pdf = "pdf"
+
+
+Figures = Annotated[
+    list[FigureFormat] | None,
+    typer.Option(
+        "--figures",
+        help="Pictures in this format as well as in PNG; may be repeated.",
+        show_default=False,
+    ),
+]
+Directions = Annotated[
+    str | None,
+    typer.Option(
+        metavar="both|N",
+        help="Push in both senses, or in N directions around, a folder each; as many at a time as "
+        "--threads says.",
+        show_default=False,
+    ),
+]
+
+
+# Long: what is asked for is checked, traced and told, in this order.
+def run(
+    model_file: ModelFile,
+    engine: EngineName = None,
+    out: Folder = None,
+    strategy: StrategyName = None,
+    mechanism_at: MechanismAt = None,
+    threads: Threads = None,
+    figures: Figures = None,
+    directions: Directions = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Trace the pushover curve of a model file."""
+    if mechanism_at is not None and math.isnan(mechanism_at):
+        raise typer.BadParameter("it must be a number", param_hint="--mechanism-at")
+    folder = out or Path(f"{model_file.stem}-results")
+    number = None if directions is None else number_of(directions)
+    formats = tuple(format.value for format in figures or ())
+    begun = False
+    with outcome(as_json=as_json, begun=lambda: begun):
+        from drystone.cli.compiler import compiling
+        from drystone.common.progress import progress_for
+        from drystone.engines import engine_names
+        from drystone.io.modelfile import read_model
+        from drystone.io.results.folder import check_apart, check_writable
+        from drystone.limit import limits_beside, on_what_moves
+        from drystone.model.construction.words import printable
+        from drystone.model.inspection import inspect
+        from drystone.report.folder.directory import ResultsDirectory, files_of
+
+        model = read_model(model_file, engines=engine_names())
+        check_writable(folder)  # better known before the work
+        check_apart(model_file, files_of(folder))
+        tell([f"warning: {problem}" for problem in inspect(model).problems])
+        asked = Asked(engine, strategy and strategy.value, mechanism_at, formats)
+        if number is not None:
+            options: dict[str, Any] = {"processes": threads, "as_json": as_json}
+            options["quiet"] = quiet or as_json
+            raise typer.Exit(run_directions(model, number, folder, asked, **options))
+        wanted = engine or model.analysis.engine
+        with compiling(wanted, model.assembly.dimension, quiet=quiet or as_json):
+            beside = limits_beside(model)
+            model = on_what_moves(model, beside)
+            with ResultsDirectory(
+                folder,
+                mechanism_displacement=mechanism_at,
+                beside=beside,
+                formats=formats,
+            ) as results:
+                from drystone.analysis.driver import pushover
+
+                try:
+                    stop = model.analysis.stop_multiplier
+                    with progress_for(model_file.stem, stop, quiet=quiet) as progress:
+                        curve = pushover(
+                            model,
+                            engine=engine,
+                            strategy=strategy.value if strategy else None,
+                            recorder=results,
+                            progress=progress,
+                            threads=threads,
+                        )
+                finally:
+                    begun = results.begun
+        if not curve.points:
+            reason = f"{curve.status} before the first point, nothing was written: {curve.reason}"
+            fail(exit_code(curve.status), [reason], as_json=as_json, status=curve.status)
+        if curve.status != "finished":
+            tell([f"{curve.status}: {curve.reason}"])
+        told = _with_stored(curve, folder) if beside.is_exceeded(curve) else curve
+        tell(remarks(told, model, beside))
+        if as_json:
+            emit({**(results.summary or {}), "directory": str(folder)})
+        else:
+            typer.echo(report(printable(model.title), curve, folder, beside))
+    raise typer.Exit(exit_code(curve.status))
+
+
+def _with_stored(curve: CapacityCurve, folder: Path) -> CapacityCurve:
+    """The curve with the poses and contacts that its recorder has written."""
+    from drystone.io.results.folder import OutputError
+    from drystone.report.folder.results import load_results
+
+    try:
+        stored = load_results(folder).curve
+    except OutputError:  # a full disk, of which the curve's status tells
+        return curve
+    if len(stored.points) != len(curve.points):
+        return curve
+    return replace(curve, poses=stored.poses, contacts=stored.contacts)
+
+
+def remarks(curve: CapacityCurve, model: Model, beside: Beside) -> list[str]:
+    """Sentences on what a reader of the peak alone would miss."""
+    from drystone.common.language import say
+    from drystone.results.events import falls_with
+
+    found = []
+    first, capacity = curve.first_collapse, curve.capacity
+    if first is not None and curve.rises_after_collapse:
+        found.append(
+            f"the highest multiplier, {curve.peak.load_multiplier:.4f}, is that of what is left "
+            f"after {first.what} ({first.place}): the capacity of the whole structure is "
+            f"{capacity.load_multiplier:.4f}"
+        )
+    control = model.assembly.ids[model.control_point.block]
+    stays = first is not None and control not in falls_with(curve.events, first)
+    if first is not None and stays and curve.points[-1].step > first.step:
+        found.append(
+            f'the control point, on the block "{control}", does not take part where '
+            f"{first.what} ({first.place}): its displacement does not show that collapse"
+        )
+    if model.control_point is beside.fastest:
+        found.append(say("end.control_moved", block=control))
+    elif beside.control_still:
+        found.append(
+            f'the control point, on the block "{control}", does not move in the mechanism of limit '
+            "analysis: put [control] on the part that moves"
+        )
+    warning = beside.warning(curve, model)
+    return [*found, warning] if warning else found
+
+
+def report(title: str, curve: CapacityCurve, folder: Path, beside: Beside) -> str:
+    """The few lines that a person wants to read first."""
+    from drystone.model.construction.words import printable
+
+    if curve.settles:
+        return _settling(title, curve, folder)
+    peak, ultimate = curve.peak, curve.ultimate_displacement
+    end = (
+        f"{ultimate:.4f} m, where the multiplier falls to {curve.stop_multiplier:g}"
+        if ultimate is not None
+        else f"not reached; the curve ends at {curve.points[-1].control_displacement:.4f} m"
+    )
+    highest = curve.name_of_peak.replace("peak", "peak multiplier")
+    whole = curve.capacity
+    capacity = (
+        "capacity",
+        f"{whole.load_multiplier:.4f} at {whole.control_displacement:.5f} m, before a part "
+        "collapses",
+    )
+    rows = (
+        *[capacity] * curve.rises_after_collapse,
+        (highest, f"{peak.load_multiplier:.4f} at {peak.control_displacement:.5f} m"),
+        ("limit analysis", _limits(beside)),
+        ("ultimate displacement", end),
+        *event_rows(curve),
+        ("points", f"{len(curve.points)}, largest residual {curve.residual.max():.1e}"),
+        ("time", f"{curve.wall_time:.1f} s ({curve.engine}, {curve.strategy})"),
+        ("results", f"{folder}/"),
+    )
+    return "\n".join([title, *(f"  {name:<22} {printable(value)}" for name, value in rows)])
+
+
+def event_rows(curve: CapacityCurve) -> list[tuple[str, str]]:
+    """The first few events, a row each."""
+    rows = [("event", str(event)) for event in curve.events[:MOST_EVENTS]]
+    more = len(curve.events) - len(rows)
+    return rows + [("", f"and {more} more, see summary.json")] * (more > 0)
+
+
+def _settling(title: str, curve: CapacityCurve, folder: Path) -> str:
+    """The same of supports that move."""
+    from drystone.model.construction.words import printable
+    from drystone.report.quantities import Quantities
+
+    shown = Quantities.of(curve)
+    force, unit, at = shown.force_unit, shown.motion_unit, shown.x(curve)
+    reaction = curve.reaction
+    least = int(reaction.argmin())
+    rows = (
+        ("reaction at first", f"{reaction[0]:.6g} {force}"),
+        ("least reaction", f"{reaction[least]:.6g} {force} at {at[least]:.5g} {unit}"),
+        ("reaction at last", f"{reaction[-1]:.6g} {force} at {at[-1]:.5g} {unit}"),
+        *event_rows(curve),
+        ("end", curve.reason),
+        ("points", f"{len(curve.points)}, largest residual {curve.residual.max():.1e}"),
+        ("time", f"{curve.wall_time:.1f} s ({curve.engine})"),
+        ("results", f"{folder}/"),
+    )
+    return "\n".join([title, *(f"  {name:<22} {printable(value)}" for name, value in rows)])
+
+
+def _limits(beside: Beside) -> str:
+    """Both collapse multipliers, or why there are none."""
+    from drystone.limit import range_text
+
+    found = []
+    if beside.associative is not None:
+        bound = beside.upper_bound
+        wide = bound is not None and f"{bound:.4f}" != f"{beside.associative:.4f}"
+        more = f" (across corners up to {bound:.4f})" if wide else ""
+        found.append(f"{beside.associative:.4f} associative{more}")
+    if beside.collapse_range is not None:
+        found.append(f"{range_text(beside.collapse_range, 4)} non-associative")
+    return ", ".join(found + [beside.note] * bool(beside.note))

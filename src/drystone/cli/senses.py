@@ -1,0 +1,268 @@
+"""The senses of a load that an assessment looks at: traced, or read from folders of results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from drystone.cli.outcome import INTERRUPTED, fail
+from drystone.common.language import said_end, say
+from drystone.io.results.senses import FORWARD, OPPOSITE, OPPOSITE_FOLDER
+
+if TYPE_CHECKING:
+    from drystone.assessment.verdict import Verdict
+    from drystone.model.model import Model
+    from drystone.results.curve import CapacityCurve
+
+#: Figures of a capacity that stand in files also where there is no verdict; the last one by d*.
+FIGURES = (
+    "activation_multiplier",
+    "participating_mass_ratio",
+    "participating_mass",
+    "participation_factor",
+    "activation_acceleration",
+    "collapse_displacement",
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sense:
+    """A curve in one sense of the load, and the verdict on it."""
+
+    name: str
+    model: Model
+    folder: Path
+    curve: CapacityCurve | None
+    verdict: Verdict | None
+    sha256: str = ""  # digest of what was traced, as in the folder
+    problem: str | None = None  # why there is no verdict
+    warnings: tuple[str, ...] = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """What a file holds of it."""
+        if self.verdict is not None:
+            return {"status": "assessed", **self.verdict.as_dict()}
+        data: dict[str, Any] = {"status": "no verdict", "reason": self.problem}
+        if self.curve is not None:
+            data |= _partial(self.curve, self.model)
+        return data
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tracing:
+    """How a model file is traced, and what is told meanwhile."""
+
+    source: Path  # the model file, or a folder that needs no tracing
+    out: Path | None
+    engine: str | None
+    one_sense: bool
+    quiet: bool
+    as_json: bool
+
+
+def traced(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
+    """The senses of a model file, which are traced, or of a folder of results.
+
+    What is asked for is looked at before anything is traced.  Errors of the input are raised; a
+    curve that does not go far enough for a verdict is told in its `Sense`.
+    """
+    if ask.source.is_dir():
+        return _said_if_one(_of_folder(ask.source, amended, ask.out))
+    return _said_if_one(_of_model(ask, amended))
+
+
+def _of_model(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
+    """The senses of a model file, traced."""
+    source = ask.source
+    from drystone.assessment.request import check_request, request_of
+    from drystone.engines import engine_names
+    from drystone.io.modelfile import read_model
+
+    model = amended(read_model(source, engines=engine_names()))
+    check_request(request_of(model.site, model.assessment))  # better known before the work
+    folder = ask.out or Path(f"{source.stem}-results")
+    first = _traced_one(FORWARD, model, folder, ask)
+    both = True if model.assessment is None else model.assessment.values.get("opposite", True)
+    if ask.one_sense or not both:
+        return [first]
+    return [first, _traced_opposite(model, folder / OPPOSITE_FOLDER, ask)]
+
+
+def _said_if_one(senses: list[Sense]) -> list[Sense]:
+    """The same; where one alone has a verdict it says so before all else."""
+    known = [sense for sense in senses if sense.verdict is not None]
+    if len(known) != 1:
+        return senses
+    from drystone.assessment.verdict import of_one_sense
+
+    only = known[0]
+    assert only.verdict is not None
+    why = next((sense.problem for sense in senses if sense.problem), "")
+    said = replace(only, verdict=of_one_sense(only.verdict, only.name, why))
+    return [said if sense is only else sense for sense in senses]
+
+
+def worst(senses: Sequence[Sense]) -> Sense:
+    """The sense that governs: one that fails before those that hold, then by the safety index.
+
+    One without a verdict never does.
+    """
+    known = [sense for sense in senses if sense.verdict is not None]
+
+    def rank(sense: Sense) -> tuple[bool, float]:
+        assert sense.verdict is not None
+        index = sense.verdict.safety_index
+        return sense.verdict.satisfied is not False, float("inf") if index is None else index
+
+    return min(known, key=rank) if known else senses[0]
+
+
+def _of_folder(source: Path, amended: Callable[[Model], Model], out: Path | None) -> list[Sense]:
+    from drystone.report.folder.results import Results, check_opposite, load_results
+
+    def judged(results: Results, name: str) -> Sense:
+        if results.model is None:
+            from drystone.io.results.folder import OutputError
+
+            raise OutputError(
+                f"{results.path}: the model in it cannot be read by this version: trace it again, "
+                "or assess the model file"
+            )
+        model = amended(results.model)
+        return _judged(name, model, results.curve, out or source, results.sha256)
+
+    forward = load_results(source)
+    senses = [judged(forward, FORWARD)]
+    if (source / OPPOSITE_FOLDER).is_dir():
+        opposite = load_results(source / OPPOSITE_FOLDER)
+        check_opposite(opposite, forward)
+        senses.append(judged(opposite, OPPOSITE))
+    return senses
+
+
+def _traced_one(name: str, model: Model, folder: Path, ask: Tracing, *, part_of: str = "") -> Sense:
+    """A model traced into a folder, and judged; ``part_of`` as of `ResultsDirectory`."""
+    from drystone.analysis.driver import pushover
+    from drystone.cli.compiler import compiling
+    from drystone.common.progress import progress_for
+    from drystone.io.results.folder import check_apart, check_writable
+    from drystone.limit import limits_beside, on_what_moves
+    from drystone.model.model import STOP
+    from drystone.report.folder.directory import ResultsDirectory, files_of
+
+    check_writable(folder)
+    check_apart(ask.source, files_of(folder))
+    stop = model.analysis.stop_multiplier
+    engine = ask.engine or model.analysis.engine
+    with compiling(engine, model.assembly.dimension, quiet=ask.quiet):
+        beside = limits_beside(model)
+        model = on_what_moves(model, beside)
+        with (
+            ResultsDirectory(folder, beside=beside, part_of=part_of) as results,
+            progress_for(f"{ask.source.stem}, {name}", stop, quiet=ask.quiet) as progress,
+        ):
+            curve = pushover(
+                model,
+                engine=ask.engine,
+                recorder=results,
+                progress=progress,
+                keep_poses=True,
+                default_falling=STOP,  # beyond the collapse of a part nothing is assessed
+            )
+    if curve.status == "interrupted":
+        problem = f"interrupted: what was reached is kept in {folder}"
+        fail(INTERRUPTED, [problem], as_json=ask.as_json, status="interrupted")
+    return _judged(name, model, curve, folder, model.sha256)
+
+
+def _traced_opposite(model: Model, folder: Path, ask: Tracing) -> Sense:
+    """The model under the load turned round; where it cannot be traced, why."""
+    from drystone.assessment.verdict import sense_words
+    from drystone.engines.base import EngineError
+    from drystone.model.construction.errors import ModelError
+
+    turned = model
+    try:
+        turned = replace(
+            model.with_load(direction=(-model.load_along).tolist()),
+            title=f"{model.title}, {OPPOSITE}" if model.title else OPPOSITE,
+        )
+        return _traced_one(OPPOSITE, turned, folder, ask, part_of=model.sha256)
+    except (EngineError, ModelError, ValueError) as error:  # of a pattern of one sense the last
+        problem = say("refused.no_curve", sense=sense_words(OPPOSITE), why=str(error))
+    return Sense(
+        name=OPPOSITE,
+        model=turned,
+        folder=folder,
+        curve=None,
+        verdict=None,
+        problem=problem,
+        warnings=(problem,),
+    )
+
+
+def _judged(name: str, model: Model, curve: CapacityCurve, folder: Path, sha256: str) -> Sense:
+    """The verdict on a curve, or why there is none: its own fault, for that of the input is
+    raised."""
+    from drystone.assessment.errors import UnfinishedError
+    from drystone.assessment.request import request_of
+    from drystone.assessment.verdict import sense_words, verdict_on
+
+    request = request_of(model.site, model.assessment)
+    try:
+        verdict = verdict_on(curve, model, request)
+    except UnfinishedError as error:
+        problem = say("verdict.no_verdict", sense=sense_words(name), why=error.said)
+        return Sense(
+            name=name,
+            model=model,
+            folder=folder,
+            curve=curve,
+            verdict=None,
+            sha256=sha256,
+            problem=problem,
+            warnings=() if name == FORWARD else (problem,),
+        )
+    warnings: tuple[str, ...] = ()
+    if curve.status != "finished":
+        known = {"status": curve.status, "reason": said_end(curve.reason)}
+        warnings = (say("refused.incomplete", **known),)
+    return Sense(
+        name=name,
+        model=model,
+        folder=folder,
+        curve=curve,
+        verdict=verdict,
+        sha256=sha256,
+        warnings=warnings,
+    )
+
+
+def _partial(curve: CapacityCurve, model: Model) -> dict[str, Any]:
+    """What a curve without a verdict shows all the same."""
+    from drystone.assessment.errors import AssessmentError
+    from drystone.assessment.mechanism import reduced
+
+    values = {} if model.assessment is None else model.assessment.values
+    keys: dict[str, Any] = {
+        "method": values.get("method"),
+        "reading": values.get("reading", "base_shear"),
+        **dict.fromkeys(FIGURES),
+        "safety_index": None,
+        "satisfied": None,
+        "limit_states": {},
+    }
+    try:
+        found = reduced(curve, model, grouping=values.get("grouping", "macro_blocks"))
+    except AssessmentError:
+        return keys
+    capacity = found.capacities[keys["reading"]]
+    return keys | {
+        **{name: getattr(capacity, name) for name in FIGURES[:-1]},
+        "collapse_displacement": capacity.spectral_collapse_displacement,
+        "spectral_displacement": capacity.spectral_displacement.tolist(),
+        "spectral_acceleration": capacity.spectral_acceleration.tolist(),
+        "mechanism": found.as_dict(),
+    }

@@ -1,0 +1,2 @@
+"""What all rooms use: errors, names, records, ranges of numbers, threads, workers, compiled
+code."""

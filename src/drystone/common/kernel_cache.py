@@ -1,0 +1,115 @@
+"""Where compiled kernels are kept, and when they are thrown away.
+
+The compiler notices when the file of a kernel changes, but not when one that it calls does, in
+another file.  So all of them go when any of their sources has changed.
+
+Nor does it see to processes that compile side by side, as for several directions of the load: two
+that save one kernel for different types at once would both call its code by the next free number,
+and the one that wins the list of what there is may lose the file.  So names of files end with the
+process that wrote them; what is lost is compiled again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import stat
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from numba.core import config
+from numba.core.caching import CompileResultCacheImpl, IndexDataCacheFile
+
+#: What a user should know of it; None where the compiler finds a place by itself.
+note: str | None = None
+
+#: What a file says that holds kernels.
+IMPORT = b"from drystone.common.compiled import njit"
+
+#: File beside the compiled kernels that tells what sources they were made from.
+STAMP = "kernels.sha256"
+
+
+def provide() -> None:
+    """Let the compiler keep its results in a folder for temporary files, if nowhere else.
+
+    It refuses to compile at all where it finds no place for them.
+    """
+    global note
+    IndexDataCacheFile._data_name = _name_by_process
+    kernels = sources()
+    try:
+        folders = _folders(kernels)
+    except RuntimeError:
+        folder = _own_folder()
+        os.environ["NUMBA_CACHE_DIR"] = config.CACHE_DIR = str(folder)
+        note = (
+            f"compiled kernels are kept in {folder}, as neither the package's folder nor home can "
+            "be written: set NUMBA_CACHE_DIR to keep them elsewhere"
+        )
+        folders = _folders(kernels)
+    for folder in folders:
+        discard_outdated(folder, kernels)
+
+
+def sources() -> list[Path]:
+    """Files of the package that hold kernels."""
+    package = Path(__file__).parents[1]
+    return [p for p in sorted(package.rglob("*.py")) if IMPORT in p.read_bytes()]
+
+
+def modules() -> list[str]:
+    """Names of the modules that hold kernels."""
+    above = Path(__file__).parents[2]
+    return [".".join(p.relative_to(above).with_suffix("").parts) for p in sources()]
+
+
+def _folders(kernels: list[Path]) -> list[Path]:
+    """Where the compiler keeps what it makes of these sources; `RuntimeError` if nowhere."""
+    folders = {source.parent: source for source in kernels}
+    return [_kept_in(source) for source in folders.values()]
+
+
+def _kept_in(source: Path) -> Path:
+    for locator in CompileResultCacheImpl._locator_classes:
+        found = locator.from_function(provide, str(source))
+        if found is not None:
+            return Path(found.get_cache_path())
+    raise RuntimeError(f"no place for what is compiled from {source}")
+
+
+def discard_outdated(folder: Path, sources: list[Path]) -> None:
+    """Delete the kernels compiled into a folder where they were made from other sources."""
+    digest = hashlib.sha256()
+    for source in sources:
+        digest.update(source.name.encode() + b"\0" + source.read_bytes())
+    stamp = folder / STAMP
+    with suppress(OSError):  # what cannot be written cannot be out of date either
+        if stamp.is_file() and stamp.read_text() == digest.hexdigest():
+            return
+        for compiled in folder.glob("*.nb[ic]"):
+            compiled.unlink(missing_ok=True)
+        stamp.write_text(digest.hexdigest())
+
+
+def _name_by_process(cache: Any, number: int) -> str:
+    """File of a kernel's compiled code that no other process writes."""
+    base, ending = os.path.splitext(cache._data_name_pattern.format(number=number))
+    return f"{base}-{os.getpid()}{ending}"
+
+
+def _own_folder() -> Path:
+    """A folder that no one else can write: what lies in it is run."""
+    user = getattr(os, "getuid", lambda: "user")()
+    folder = Path(tempfile.gettempdir()) / f"drystone-kernels-{user}"
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        found = folder.lstat()
+        private = stat.S_ISDIR(found.st_mode) and not found.st_mode & 0o022
+        if private and (os.name == "nt" or found.st_uid == user):
+            return folder
+    except OSError:
+        pass  # something else of that name is there
+    return Path(tempfile.mkdtemp(prefix="drystone-kernels-"))

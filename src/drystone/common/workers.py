@@ -1,0 +1,206 @@
+"""Processes that share work which is many calls of one function, each in a process of its own.
+
+A call is a pickled name of a function with its arguments; what it returns comes back.  Workers are
+interrupted by their parent alone, once: Ctrl-C on a terminal, which reaches all processes, is for
+the parent to pass on, so that what a worker writes is not cut in two.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from importlib import import_module
+from queue import SimpleQueue
+from threading import Thread
+from typing import Any, BinaryIO
+
+#: A function as "module:name", and its arguments.
+Call = tuple[str, tuple[Any, ...]]
+
+#: One thread each: numerical libraries would take all processors, in every process.
+_ONE_EACH = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+def in_processes(
+    calls: Sequence[Call], processes: int, told: Callable[[int, Any], None] | None = None
+) -> list[Any]:
+    """What the calls return, in their order; at most so many processes at a time.
+
+    Interrupted, calls that run are interrupted and end as they do, those that wait are left out:
+    None.  Then `KeyboardInterrupt` is raised by whoever looks: here nothing is lost.
+
+    Parameters
+    ----------
+    told
+        Is called with the number of a call and what it returned as it comes.
+
+    Raises
+    ------
+    Exception
+        Whatever a call raised, of several the first in time.
+    WorkerError
+        A process ended by itself, or what a call gave cannot be sent.
+    """
+    results: list[Any] = [None] * len(calls)
+    todo = iter(range(len(calls)))
+    came: SimpleQueue[tuple[_Worker, int, str, Any]] = SimpleQueue()
+    workers: list[_Worker] = []
+    failure: BaseException | None = None
+    try:
+        busy = 0
+        for number in _first(todo, processes):
+            workers.append(_Worker(came))
+            workers[-1].begin(number, calls[number])
+            busy += 1
+        while busy:
+            try:
+                worker, number, how, value = _next(came)
+            except KeyboardInterrupt:
+                todo = iter(())
+                for worker in workers:
+                    worker.interrupt()
+                continue
+            busy -= 1
+            if how == "raised":
+                failure, todo = failure or value, iter(())
+                for other in workers:
+                    other.interrupt()
+                continue
+            results[number] = value
+            if told is not None:
+                told(number, value)
+            following = next(todo, None)
+            if following is not None:
+                worker.begin(following, calls[following])
+                busy += 1
+    finally:
+        for worker in workers:
+            worker.end()
+    if failure is not None:
+        raise failure
+    return results
+
+
+def _first(todo: Iterator[int], most: int) -> Iterator[int]:
+    for _ in range(most):
+        number = next(todo, None)
+        if number is not None:
+            yield number
+
+
+def _next(came: SimpleQueue[Any]) -> Any:
+    """What comes next; waits in pieces, so that signals are heard on every system."""
+    from queue import Empty
+
+    while True:
+        with suppress(Empty):
+            return came.get(timeout=0.2)
+
+
+class WorkerError(Exception):
+    """A process ended by itself, or what it has to say cannot be sent; the message says which."""
+
+
+def _ended(code: int) -> WorkerError:
+    return WorkerError(
+        f"a process that shared the work ended with status {code}: see what it wrote; where memory "
+        "was short, take fewer at a time"
+    )
+
+
+class _Worker:
+    """A process, and the thread that waits for what it returns."""
+
+    def __init__(self, came: SimpleQueue[Any]) -> None:
+        self._came, self._busy = came, False
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", __name__],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env={**os.environ, **dict.fromkeys(_ONE_EACH, "1")},
+        )
+
+    def begin(self, number: int, call: Call) -> None:
+        """Send a call; what comes of it goes to the queue."""
+        self._busy = True
+        assert self._process.stdin is not None
+        with suppress(BrokenPipeError):  # the thread tells that it has ended
+            pickle.dump(call, self._process.stdin)
+            self._process.stdin.flush()
+        Thread(target=self._wait, args=(number,), daemon=True).start()
+
+    def _wait(self, number: int) -> None:
+        assert self._process.stdout is not None
+        try:
+            how, value = pickle.load(self._process.stdout)
+        except (EOFError, pickle.UnpicklingError):
+            how, value = "raised", _ended(self._process.wait())
+        except Exception as error:  # or the parent would wait for ever
+            how, value = "raised", WorkerError(f"what a process gave cannot be read: {error!r}")
+        self._busy = False
+        self._came.put((self, number, how, value))
+
+    def interrupt(self) -> None:
+        """Interrupt what runs, once."""
+        if self._busy:
+            self._process.terminate()
+
+    def end(self) -> None:
+        """Let the process end."""
+        assert self._process.stdin is not None and self._process.stdout is not None
+        if self._busy:
+            self._process.kill()
+        with suppress(BrokenPipeError):
+            self._process.stdin.close()
+        self._process.wait()
+        self._process.stdout.close()
+
+
+def _serve(requests: BinaryIO, replies: BinaryIO) -> None:
+    """Do what is asked for until there is no more."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    while True:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        try:
+            place, arguments = pickle.load(requests)
+        except EOFError:
+            return
+        try:
+            signal.signal(signal.SIGTERM, _interrupt)
+            module, _, name = place.partition(":")
+            reply = "done", getattr(import_module(module), name)(*arguments)
+        except BaseException as error:
+            reply = "raised", error
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        replies.write(_message(reply))
+        replies.flush()
+
+
+def _message(reply: tuple[str, Any]) -> bytes:
+    """A reply as bytes that its reader understands; what cannot be sent becomes an error."""
+    try:
+        message = pickle.dumps(reply)
+        if reply[0] == "raised":
+            pickle.loads(message)  # an exception may not be made again of its arguments
+    except Exception as error:
+        text = f"{type(reply[1]).__name__}: {reply[1]}"
+        return pickle.dumps(("raised", WorkerError(f"{text} (not sent as it is: {error})")))
+    return message
+
+
+def _interrupt(number: int, frame: object) -> None:
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    raise KeyboardInterrupt
+
+
+if __name__ == "__main__":
+    from drystone.common import workers  # its classes are those that the parent knows
+
+    replies = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # what is printed by accident is no reply
+    workers._serve(sys.stdin.buffer, replies)

@@ -1,0 +1,230 @@
+"""Contacts as arrays that every kernel takes: candidate pairs, and what is found between them.
+
+A pair of blocks owns a number of slots, one for each contact point that it may have at a time; how
+many that are is nobody else's business.  Solvers work on the slots in use, packed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: What meets in a slot: nothing, a vertex of b and an edge of a, the reverse, two vertices.
+NONE, VERTEX_B, VERTEX_A, VERTICES = 0, 1, 2, 3
+
+
+#: Columns of `Pairs.which`: blocks, their parts that are near, joint law, first slot.
+A, B, PART_A, PART_B, LAW, FIRST = range(6)
+
+#: Columns of `Contacts.which`.
+SLOT, PAIR, BODY_A, BODY_B = range(4)
+
+
+class Pairs(NamedTuple):
+    """Candidate pairs, each with its joint law and its slots, and where they were made.
+
+    A pair is one of convex parts; blocks of several may meet in several pairs.  The slots of a pair
+    follow each other.  (Integers stand in one array, as each more is a tenth of a microsecond more
+    at every call of a kernel.)
+    """
+
+    which: IntArray  # (n_pairs, 6) blocks, parts, law, first slot
+    of_slot: IntArray  # (n_slots,) pair of each slot
+    pose: Array  # (n, n_dof) poses they were found in
+
+    @classmethod
+    def of(cls, columns: Iterable[IntArray], n_slots: IntArray, pose: Array) -> Pairs:
+        """Pairs with these blocks, parts and laws, (n_pairs,) each, and so many slots each."""
+        first = np.cumsum(n_slots) - n_slots
+        return cls(
+            which=np.column_stack((*columns, first)).astype(np.int64),
+            of_slot=np.repeat(np.arange(len(n_slots)), n_slots),
+            pose=pose.copy(),
+        )
+
+    @property
+    def n_pairs(self) -> int:
+        """Number of pairs."""
+        return len(self.which)
+
+    @property
+    def n_slots(self) -> int:
+        """Number of slots of all pairs."""
+        return len(self.of_slot)
+
+    @property
+    def a(self) -> IntArray:
+        """Blocks a, (n_pairs,)."""
+        return np.ascontiguousarray(self.which[:, A])
+
+    @property
+    def b(self) -> IntArray:
+        """Blocks b, (n_pairs,)."""
+        return np.ascontiguousarray(self.which[:, B])
+
+    @property
+    def law_of_slot(self) -> IntArray:
+        """Index into `Assembly.laws`, (n_slots,)."""
+        return np.asarray(self.which[self.of_slot, LAW], np.int64)
+
+
+#: Columns of `Slots.which`: what meets, vertex or edge (by its first vertex) of a and of b, and the
+#: edges of a and of b that face each other.
+KIND, FEATURE_A, FEATURE_B, EDGE_A, EDGE_B = range(5)
+
+#: Columns of `Slots.value`: gap [m], positive open; tributary size of the joint [m], in space [m2];
+#: in the plane see `contact.plane.narrow` for the others.  Of vectors the first of their columns.
+GAP, SIZE, RATIO, ROLL_A, ROLL_B, NORMAL, ARM_A, ARM_B = 0, 1, 2, 3, 4, 5, 7, 9
+#: Where a contact point lies on the edge of b from its first vertex on, over the edge's length: of
+#: points between the ends of an interface.
+INSIDE = 11
+N_VALUES = 12
+
+#: The others in space: normal, first tangent, and arms from both centroids to the contact point,
+#: along the axes of the world.  Then what is frozen while a contact's features last: the point, in
+#: the axes of its body as designed; a place, the normal (away from the body) and the first tangent
+#: of the plane, in those of the plane's body; how far the surface lies beyond the point [m].
+NORMAL_3, TANGENT_3, ARM_A_3, ARM_B_3 = 2, 5, 8, 11
+POINT_3, PLACE_3, PLANE_NORMAL_3, PLANE_TANGENT_3, BALL_3 = 14, 17, 20, 23, 26
+N_VALUES_3 = 27
+
+
+class Slots(NamedTuple):
+    """Contacts of all candidate pairs; see `contact.plane.narrow`."""
+
+    which: IntArray  # (n_slots, 5)
+    value: Array  # (n_slots, N_VALUES or N_VALUES_3)
+
+    @classmethod
+    def empty(cls, n: int, dim: int) -> Slots:
+        """Slots of which none is in use."""
+        which, value = np.full((n, 5), -1), np.zeros((n, N_VALUES if dim == 2 else N_VALUES_3))
+        which[:, KIND], value[:, GAP] = NONE, np.inf
+        if dim == 2:
+            value[:, RATIO] = 1.0
+        return cls(which, value)
+
+    def copied(self) -> Slots:
+        """Slots of one's own, which later contact detection does not touch."""
+        return Slots(self.which.copy(), self.value.copy())
+
+    def at(self, source: IntArray) -> Slots:
+        """The slots in ``source`` (n,), of which -1 is none."""
+        taken, known = Slots.empty(len(source), self.dim), source >= 0
+        taken.which[known] = self.which[source[known]]
+        taken.value[known] = self.value[source[known]]
+        return taken
+
+    # Views.
+
+    @property
+    def kind(self) -> IntArray:
+        """(n_slots,)"""
+        return self.which[:, KIND]
+
+    @property
+    def feature(self) -> IntArray:
+        """(n_slots, 2)"""
+        return self.which[:, FEATURE_A : FEATURE_B + 1]
+
+    @property
+    def edges(self) -> IntArray:
+        """(n_slots, 2)"""
+        return self.which[:, EDGE_A : EDGE_B + 1]
+
+    @property
+    def gap(self) -> Array:
+        """(n_slots,) m"""
+        return self.value[:, GAP]
+
+    @property
+    def size(self) -> Array:
+        """(n_slots,) m, in space m2"""
+        return self.value[:, SIZE]
+
+    @property
+    def dim(self) -> int:
+        """2 or 3."""
+        return 2 if self.value.shape[1] == N_VALUES else 3
+
+    @property
+    def normal(self) -> Array:
+        """(n_slots, dim) from a to b."""
+        return self._vector(NORMAL, NORMAL_3)
+
+    @property
+    def tangents(self) -> Array:
+        """(n_slots, dim - 1, dim), along which tangential reactions are counted."""
+        normal = self.normal
+        if self.dim == 2:
+            return np.stack((normal[:, 1], -normal[:, 0]), axis=1)[:, None]
+        first = self._vector(NORMAL, TANGENT_3)
+        return np.stack((first, np.cross(normal, first)), axis=1)
+
+    @property
+    def frame(self) -> Array:
+        """(n_slots, dim or 6) normal and, in space, first tangent."""
+        first, end = (NORMAL, ARM_A) if self.dim == 2 else (NORMAL_3, ARM_A_3)
+        return self.value[:, first:end]
+
+    @property
+    def arm_a(self) -> Array:
+        """(n_slots, dim) m"""
+        return self._vector(ARM_A, ARM_A_3)
+
+    @property
+    def arm_b(self) -> Array:
+        """(n_slots, dim) m"""
+        return self._vector(ARM_B, ARM_B_3)
+
+    def _vector(self, in_plane: int, in_space: int) -> Array:
+        first, dim = (in_plane, 2) if self.dim == 2 else (in_space, 3)
+        return self.value[:, first : first + dim]
+
+
+#: Columns of the table of packed contacts: k_n, k_s [N/m], mu, k_n tan psi [N/m], c A, f_t A [N],
+#: trial reactions [N], and what sliding that has ended within the step adds to them [N], with its
+#: length [m].
+STIFF_N, STIFF_T, FRICTION, LIFT, BOND, TENSILE = 0, 1, 2, 3, 4, 5
+TRIAL_N, TRIAL_T, ADD_N, ADD_T, PLASTIC = 6, 7, 8, 9, 10
+#: What the law has beyond dry joints, see `law.yielding`: what is added to the trial reaction,
+#: the tension that normal reactions are counted from, room for shear without pressure, and the
+#: reaction, so counted, at which the joint is crushed, or zero [N].
+SHIFT, PULL, ROOM, CRUSH = 11, 12, 13, 14
+N_TABLE = 15
+
+
+class Contacts(NamedTuple):
+    """Contacts in use, packed: each row of the arrays is one, the first ``count`` of n are filled.
+
+    Reactions act along the gradients of gap and slip; slip may be measured by other gradients.
+    """
+
+    which: IntArray  # (n, 4) slot, pair, bodies
+    rows: Array  # (n, 2 dim - 1, 2 n_dof) gradients by the motions of both bodies: of the gap, of
+    # the slip, and those by which slip is measured
+    table: Array  # (n, N_TABLE)
+
+    @classmethod
+    def empty(cls, n: int, dim: int, n_dof: int) -> Contacts:
+        """Memory for a number of contacts."""
+        return cls(
+            which=np.zeros((n, 4), np.int64),
+            rows=np.zeros((n, 2 * dim - 1, 2 * n_dof)),
+            table=np.zeros((n, N_TABLE)),
+        )
+
+    def of(self, rows: IntArray | slice) -> Contacts:
+        """Some of them: views where ``rows`` is a slice, else copies."""
+        return Contacts(self.which[rows], self.rows[rows], self.table[rows])
+
+    @property
+    def slot(self) -> IntArray:
+        """(n,), a view."""
+        return self.which[:, SLOT]

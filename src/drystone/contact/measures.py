@@ -1,0 +1,186 @@
+"""What is read off the blocks and contacts of a step, each in one pass: see `engines.measures`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.common.compiled import njit
+from drystone.contact.contacts import (
+    ARM_A,
+    ARM_A_3,
+    GAP,
+    KIND,
+    NONE,
+    NORMAL,
+    PART_A,
+    PART_B,
+    VERTEX_B,
+    A,
+    B,
+)
+
+
+@njit(cache=True, error_model="numpy")
+def sum_blocks(
+    increment, acceleration, velocity, contact, held, dead, pattern, mass, fixed, direction,
+    multiplier,
+):  # fmt: skip
+    """Forces, works and energy of a step.
+
+    Parameters
+    ----------
+    increment, acceleration, velocity
+        (n, n_dof) [m, m/s2, m/s; rad, rad/s2, rad/s].
+    contact, dead, pattern
+        Forces, (n, n_dof) [N, N m]; the pattern is that at multiplier one.
+    held
+        (n,) whether a contact acts on the block.
+    mass
+        (n, n_dof) [kg, kg m2].
+    fixed
+        (n,) supports.
+    direction
+        (dim,) of the load.
+
+    Returns
+    -------
+    carried
+        What the blocks hand to the supports along the load, less the dead load [N].
+    inertia
+        Sum of the sizes of all inertia forces [N].
+    fastest
+        Largest acceleration of a centroid [m/s2].
+    kinetic, work
+        Kinetic energy; size of the work of all loads [J].
+    push, strokes, resistance
+        Of the blocks that contacts hold: work of the pattern at multiplier one, that without
+        regard to signs, work of the inertia forces [J].
+    """
+    n, n_dof = increment.shape
+    dim = direction.shape[0]
+    carried, inertia, fastest = 0.0, 0.0, 0.0
+    kinetic, work = 0.0, 0.0
+    push, strokes, resistance = 0.0, 0.0, 0.0
+    for i in range(n):
+        force, square = 0.0, 0.0
+        for d in range(dim):
+            if fixed[i]:
+                carried += contact[i, d] * direction[d]
+            carried -= dead[i, d] * direction[d]
+            force += (mass[i, d] * acceleration[i, d]) ** 2
+            square += acceleration[i, d] ** 2
+        inertia += np.sqrt(force)
+        fastest = max(fastest, square)
+        for d in range(n_dof):
+            kinetic += 0.5 * mass[i, d] * velocity[i, d] ** 2
+            work += (dead[i, d] + multiplier * pattern[i, d]) * increment[i, d]
+        if not held[i]:
+            continue
+        for d in range(n_dof):
+            stroke = pattern[i, d] * increment[i, d]
+            push += stroke
+            strokes += abs(stroke)
+            resistance += mass[i, d] * acceleration[i, d] * increment[i, d]
+    return carried, inertia, np.sqrt(fastest), kinetic, abs(work), push, strokes, resistance
+
+
+@njit(cache=True, error_model="numpy")
+def count_contacts(slots, status, counts):
+    """Count the contacts of each status into ``counts`` (3,); returns the deepest overlap [m]."""
+    which, value = slots
+    counts[:] = 0
+    deepest = 0.0
+    for k in range(which.shape[0]):
+        deepest = max(deepest, -value[k, GAP])
+        if which[k, KIND] != NONE:
+            counts[status[k]] += 1
+    return deepest
+
+
+@njit(cache=True, error_model="numpy")
+def contact_points(slots, pairs, centroid, radius, pose, used, position):
+    """Fill ``position`` (n_contacts, dim) [m] of the slots ``used``, in the poses (n, n_pose)."""
+    (which, value), pair, of_pair = slots, pairs.of_slot, pairs.which
+    for row in range(used.shape[0]):
+        k = used[row]
+        p = pair[k]
+        a = of_pair[p, A]
+        if position.shape[1] == 3:  # arms reach to the surface
+            for d in range(3):
+                position[row, d] = centroid[a, d] + pose[a, d] + value[k, ARM_A_3 + d]
+            continue
+        on_b = which[k, KIND] == VERTEX_B
+        reach = -radius[of_pair[p, PART_B]] if on_b else radius[of_pair[p, PART_A]]
+        for d in range(2):
+            place = centroid[a, d] + pose[a, d] + value[k, ARM_A + d]
+            position[row, d] = place + reach * value[k, NORMAL + d]
+
+
+@njit(cache=True, error_model="numpy")
+def farthest(increment, extent):
+    """Largest bound on the displacement of any point of a block [m] for increments (n, n_dof)."""
+    most = 0.0
+    for i in range(increment.shape[0]):
+        x, y, turn = increment[i, 0], increment[i, 1], abs(increment[i, 2])
+        straight = x * x + y * y
+        if increment.shape[1] == 6:
+            straight += increment[i, 2] ** 2
+            turn = np.sqrt(increment[i, 3] ** 2 + increment[i, 4] ** 2 + increment[i, 5] ** 2)
+        moved = np.sqrt(straight) + extent[i] * turn
+        if not moved <= most:  # also where it is not a number
+            most = moved
+            if np.isnan(moved):
+                break
+    return most
+
+
+@njit(cache=True, error_model="numpy")
+def mark_loose(pairs, slots, reaction, fixed, part):
+    """Whether a body hangs on to none that is ``fixed`` (n,), be it through others.
+
+    Bodies hold each other where a contact is closed or carries; ``part`` (n,) is filled with the
+    first body of each one's connected part.
+    """
+    pair, of_pair, (which, value) = pairs.of_slot, pairs.which, slots
+    n = fixed.shape[0]
+    for i in range(n):
+        part[i] = i
+    for k in range(which.shape[0]):
+        if which[k, KIND] == NONE or not (value[k, GAP] <= 0.0 or reaction[k, 0] != 0.0):
+            continue
+        a, b = of_pair[pair[k], A], of_pair[pair[k], B]
+        while part[a] != a:
+            part[a] = part[part[a]]
+            a = part[a]
+        while part[b] != b:
+            part[b] = part[part[b]]
+            b = part[b]
+        part[max(a, b)] = min(a, b)
+    held = np.zeros(n, np.bool_)
+    for i in range(n):
+        part[i] = part[part[i]]  # which is the first: it has a smaller number
+        held[part[i]] |= fixed[i]
+    loose = False
+    for i in range(n):
+        loose |= not held[part[i]]
+    return loose
+
+
+@njit(cache=True, error_model="numpy")
+def left_behind(source, shear):
+    """Sum of the sizes of tangential reactions (n, dim - 1) that no slot has for its ``source``.
+
+    ``source`` (m,) holds rows of ``shear``, or -1.
+    """
+    gone_on = np.zeros(shear.shape[0], np.bool_)
+    for k in range(source.shape[0]):
+        if source[k] >= 0:
+            gone_on[source[k]] = True
+    total = 0.0
+    for j in range(shear.shape[0]):
+        if not gone_on[j]:
+            square = 0.0
+            for d in range(shear.shape[1]):
+                square += shear[j, d] * shear[j, d]
+            total += np.sqrt(square)
+    return total

@@ -1,0 +1,1 @@
+"""Contacts of outlines: narrow phase, gradients of gap and slip."""

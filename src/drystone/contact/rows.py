@@ -1,0 +1,55 @@
+"""Rows of contacts, of one column for each motion of both bodies: gradients of gap and slip.
+
+`contact.plane.rows` and `contact.space.rows` fill them; here they are used, in both dimensions.
+"""
+
+from __future__ import annotations
+
+from drystone.common.compiled import njit
+from drystone.contact.contacts import BODY_A, BODY_B
+
+#: For functions of both dimensions: as many numbers as a body has degrees of freedom.  How long a
+#: tuple is, is known when they are compiled, so that loops over it are unrolled.
+IN_PLANE, IN_SPACE = (0,) * 3, (0,) * 6
+
+#: Rows of a contact: gradients of gap and slip, and those by which slip is measured; of each of the
+#: latter in space two, so that there those of a force are the first three.
+OF_GAP, OF_SLIP, MEASURED = 0, 1, 2
+
+
+def dof_of(field):
+    """`IN_PLANE` or `IN_SPACE` for a field (n, n_dof)."""
+    return IN_PLANE if field.shape[1] == len(IN_PLANE) else IN_SPACE
+
+
+@njit(cache=True, error_model="numpy")
+def add_reaction(dof, rows, c, reaction, k, a, b, force):
+    """Add what row k of ``reaction`` (n, dim), at contact c, does to its bodies a and b to
+    ``force`` (n, n_dof); ``dof`` is `IN_PLANE` or `IN_SPACE`.
+    """
+    nd = len(dof)
+    rn, rt = reaction[k, 0], reaction[k, 1]
+    for i in range(nd):
+        on_a = rn * rows[c, OF_GAP, i] + rt * rows[c, OF_SLIP, i]
+        on_b = rn * rows[c, OF_GAP, nd + i] + rt * rows[c, OF_SLIP, nd + i]
+        if nd == 6:
+            on_a += reaction[k, 2] * rows[c, OF_SLIP + 1, i]
+            on_b += reaction[k, 2] * rows[c, OF_SLIP + 1, nd + i]
+        force[a, i] += on_a
+        force[b, i] += on_b
+
+
+@njit(cache=True)
+def contact_velocities(dof, contacts, velocity, out):
+    """Relative velocities H v, normal and tangential, (n_contacts, dim) [m/s]."""
+    nd = len(dof)
+    which, rows = contacts.which, contacts.rows
+    for c in range(rows.shape[0]):
+        a = which[c, BODY_A]
+        b = which[c, BODY_B]
+        for i in range(out.shape[1]):
+            u = 0.0
+            for d in range(nd):
+                u += rows[c, i, d] * velocity[a, d]
+                u += rows[c, i, nd + d] * velocity[b, d]
+            out[c, i] = u

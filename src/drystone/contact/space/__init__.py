@@ -1,0 +1,1 @@
+"""Contacts of solids: narrow phase, gradients of gap and slips."""

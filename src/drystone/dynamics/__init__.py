@@ -1,0 +1,1 @@
+"""The engines `nscd`, `distinct` and `lmgc90`: steps and cycles in time."""

@@ -1,0 +1,137 @@
+"""Velocities of an implicit step in space, found through the interior of the cones of friction.
+
+Newton's method on the branches of the law is lost where many contacts turn the way they slide.
+In the interior every contact is a little of everything, and becomes what it is as the barrier
+falls: 7 to 30 linear systems, nearly whatever there is to find.  Newton's method does the rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.contacts import FRICTION, STIFF_N
+from drystone.contact.rows import IN_SPACE, contact_velocities
+from drystone.dynamics.sweeps import ContactProblem, momentum_defect
+from drystone.statics.linear.block_system import BlockSystem, SingularMatrixError
+from drystone.statics.space import cones as kernels
+from drystone.statics.tie_forces import TieImpulses
+
+Array = NDArray[np.float64]
+
+#: Barrier to begin with, over what an impulse of usual size stores in its joint.
+FIRST = 1e-2
+#: The least part of an iteration that is worth going on with.
+LEAST = 1e-4
+#: The products of the changes count where the step without a barrier gets so far.
+FAR_ENOUGH = 0.5
+#: Barrier over the first at which the branches can be told apart; how many iterations there are.
+NEAR, ITERATIONS = 1e-5, 40
+#: After so many iterations the barrier is this low, or there is nothing to be found.
+PATIENCE, LOW = 30, 1e-3
+
+
+@dataclass
+class Interior:
+    """One search; made anew for every step and spring."""
+
+    problem: ContactProblem
+    system: BlockSystem
+    free_velocity: Array
+    h: float
+    penalty: float  # kg, see `statics.space.cones`
+    centre: Array  # (n_contacts, 2) N s
+    ties: TieImpulses | None = None
+
+    def __post_init__(self) -> None:
+        """Memory, and the law of all contacts."""
+        n = len(self.centre)
+        self.inner, self.change = np.zeros((n, kernels.N_INNER)), np.zeros((n, kernels.N_INNER))
+        self.scaling = np.zeros((n, kernels.N_SCALING))
+        self.trial, self.relative, self.aimed = (np.zeros((n, 3)) for _ in range(3))
+        self.defect = np.zeros_like(self.free_velocity)
+        table = self.problem.contacts.table
+        self.joint = np.zeros((n, kernels.N_JOINT))
+        self.joint[:, kernels.KN] = self.h * self.h * table[:, STIFF_N]
+        self.joint[:, kernels.KS] = self.penalty
+        self.joint[:, kernels.MU] = table[:, FRICTION]
+
+    def start(self, velocity: Array, usual: float) -> None:
+        """Begin at a velocity (n, n_dof), with impulses of the ``usual`` size [N s]."""
+        self.velocity = velocity.copy()
+        stiffness = self.h * self.h * float(self.problem.contacts.table[:, STIFF_N].mean())
+        self.first = self.energy = FIRST * usual * usual / stiffness
+        self._renew()
+        kernels.centre_contacts(self.joint, self.energy, True, self.trial, self.inner)
+
+    def _renew(self) -> None:
+        contact_velocities(IN_SPACE, self.problem.contacts, self.velocity, self.relative)
+        kernels.trial_impulses(
+            self.problem, self.h, self.penalty, self.centre, self.relative, self.trial
+        )
+
+    def steps(self) -> Iterator[bool]:
+        """Iterations; each tells whether Newton's method may do from here."""
+        for k in range(ITERATIONS):
+            try:
+                far = self.step()
+            except SingularMatrixError:
+                return
+            if k == PATIENCE and self.energy > LOW * self.first:
+                return
+            yield (k % 2 == 0 and self.energy < NEAR * self.first) or far < LEAST
+
+    def step(self) -> float:
+        """One iteration; how much of it could be gone, at most 1."""
+        joint = self.joint
+        self.energy = kernels.scale(joint, self.inner, self.scaling)
+        tangent = self.system.tangent
+        for block in tangent:
+            block[:] = 0.0
+        np.einsum("kii->ki", tangent.diagonal)[:] += self.system.mass
+        kernels.tangent(self.problem, joint, self.scaling, *tangent)
+        if self.ties:
+            self.ties.act(self.velocity)
+            self.ties.stiffen(tangent)
+        self.system.factorise()
+        self._solve(0.0, second=False)
+        far = self._length()
+        reachable = kernels.energy_at(joint, far, self.inner, self.change)
+        share = min(max((reachable / self.energy) ** 3, 1e-3), 0.8)
+        moved = self._solve(share * self.energy, second=far >= FAR_ENOUGH)
+        far = self._length()
+        self.inner += far * self.change
+        self.velocity += far * moved
+        self._renew()
+        left = (1.0 - far) * self.energy + far * share * self.energy
+        kernels.centre_contacts(joint, left, False, self.trial, self.inner)
+        return far
+
+    def _length(self) -> float:
+        """How far all may go: pairs may leave their cones where they can be put back."""
+        joint, inner, change = self.joint, self.inner, self.change
+        far, least = kernels.length(joint, inner, change, 0.0)
+        while far > least and kernels.turns_too_far(joint, far, inner, change, 0.0):
+            far *= 0.8
+        return float(max(far, least))
+
+    def _solve(self, energy: float, *, second: bool) -> Array:
+        joint = self.joint
+        kernels.aim(
+            joint, energy, second, self.trial, self.inner, self.change, self.scaling, self.aimed
+        )
+        momentum_defect(
+            IN_SPACE, self.problem, self.system.mass, self.free_velocity, self.velocity, self.aimed,
+            self.defect,
+        )  # fmt: skip
+        if self.ties:
+            self.ties.act(self.velocity)
+            self.ties.add_to(self.defect)
+            self.defect[self.system.mass == 0.0] = 0.0
+        moved = self.system.solve_again(self.defect)
+        contact_velocities(IN_SPACE, self.problem.contacts, moved, self.relative)
+        kernels.changes(joint, energy, second, self.relative, self.inner, self.scaling, self.change)
+        return moved

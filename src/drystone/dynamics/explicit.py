@@ -1,0 +1,444 @@
+"""Cycles of the distinct element method: forces from contacts, motion from forces, and again.
+
+Semi-implicit Euler (central differences with velocities at half steps):
+
+    v <- v + dt M^-1 (f - damping),        x <- x + dt v
+
+Between two searches the features of every contact are frozen: which vertex against which edge, or
+which point against which plane, with which tributary area.  The gap is then a function of the poses
+alone, and the shear force grows with the sliding velocity,
+
+    r_n = k_n (d - g)          r_t <- r_t - k_s dt (grad slip . v)
+
+with dilation d; it is kept in the axes of the contact and turns with them.  The joint law is that
+of `law.law`.  What the dimension makes of it, contacts and poses, is in `explicit_plane` and
+`explicit_space`; compiled cycles hold the one or the other, chosen by the length of
+``dof``.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.common.compiled import njit
+from drystone.contact.contacts import BODY_A, BODY_B, KIND, LAW, NONE, SIZE, STIFF_N, STIFF_T
+from drystone.contact.rows import OF_GAP, OF_SLIP
+from drystone.dynamics import explicit_plane, explicit_space
+from drystone.dynamics.explicit_plane import (
+    act_in_plane,
+    freeze_in_plane,
+    locate_in_plane,
+    move_in_plane,
+    place_in_plane,
+)
+from drystone.dynamics.explicit_space import (
+    Turns,
+    act_in_space,
+    freeze_in_space,
+    locate_in_space,
+    move_in_space,
+    place_in_space,
+)
+from drystone.law.law import (  # fmt: skip
+    BY_CRUSHING,
+    BY_OPENING,
+    BY_SLIP,
+    COHESION,
+    COHESIVE,
+    CRUSHES,
+    DILATANCY_END,
+    KN,
+    KS,
+    L_BOND,
+    L_BY_CRUSHING,
+    L_BY_OPENING,
+    L_BY_SLIP,
+    L_COHESIVE,
+    L_CRUSH,
+    L_END,
+    L_KN,
+    L_KS,
+    L_MU,
+    L_PER_SLIP,
+    L_PULL,
+    L_RESIDUAL,
+    L_TAN_PSI,
+    L_TENSION,
+    L_YIELDS,
+    LEAST_MU,
+    MU,
+    N_CONTACT_LAW,
+    N_HISTORY,
+    OPEN,
+    PER_SLIP,
+    PULLS,
+    TAN_PSI,
+    TENSION,
+    YIELDS,
+)
+from drystone.model.tie_kernels import add_forces, age, locate
+
+#: Entries of the meter, see `cycle`.
+MULTIPLIER, FRICTION_WORK, DAMPING_WORK, LOAD_WORK, RESIDUAL, CYCLES = 0, 1, 2, 3, 4, 5
+N_METER = 6
+
+#: Why `cycle` returned.
+DONE, MOVED, BALANCED = 0, 1, 2
+
+#: Cycles between two looks at the residual.
+LOOK = 25
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+class FrozenContacts(NamedTuple):
+    """Contacts that are watched between two searches, packed; row c belongs to ``slot[c]``."""
+
+    slot: IntArray  # (n_contacts,)
+    edge: IntArray  # (n_contacts,) body that owns the normal
+    other: IntArray  # (n_contacts,)
+    shape: Array  # (n_contacts, N_SHAPE), of `explicit_plane` or `explicit_space`
+    law: Array  # (n_contacts, N_CONTACT_LAW), see `law.law`
+    history: Array  # (n_contacts, N_HISTORY + dim - 2)
+    reaction: Array  # (n_contacts, dim) N
+    status: IntArray  # (n_contacts,)
+
+    @classmethod
+    def empty(cls, n: int, dim: int) -> FrozenContacts:
+        """Memory for a number of contacts."""
+        n_shape = explicit_plane.N_SHAPE if dim == 2 else explicit_space.N_SHAPE
+        return cls(
+            slot=np.zeros(n, np.int64),
+            edge=np.zeros(n, np.int64),
+            other=np.zeros(n, np.int64),
+            shape=np.zeros((n, n_shape)),
+            law=np.zeros((n, N_CONTACT_LAW)),
+            history=np.zeros((n, N_HISTORY + dim - 2)),
+            reaction=np.zeros((n, dim)),
+            status=np.zeros(n, np.int64),
+        )
+
+
+class Motion(NamedTuple):
+    """What evolves in the cycles."""
+
+    pose: Array  # (n, n_pose) m, rad
+    velocity: Array  # (n, n_dof) m/s, rad/s, half a step behind the pose
+    turn: Array | Turns  # in the plane (n, 2) cosine and sine of the rotation
+    force: Array  # (n, n_dof) N, N m, unbalanced, of the last cycle
+    last: Array  # (n, n_dof) N, N m, unbalanced, of the last cycle with combined damping
+    mean: Array  # (n, n_dof) sum of the unbalanced forces over the cycles
+    opposed: Array  # (n, n_dof) sum over the cycles of what opposes them: inertia and damping
+
+    @classmethod
+    def of(cls, pose: Array, velocity: Array, axes: Array) -> Motion:
+        """Copies of poses and velocities; ``axes`` (n, dim, dim) as designed, see `Assembly`."""
+        n, n_dof = velocity.shape
+        return cls(
+            pose=pose.copy(),
+            velocity=velocity.copy(),
+            turn=np.zeros((n, 2)) if n_dof == 3 else Turns.of(axes),
+            force=np.zeros((n, n_dof)),
+            last=np.zeros((n, n_dof)),
+            mean=np.zeros((n, n_dof)),
+            opposed=np.zeros((n, n_dof)),
+        )
+
+
+class Loads(NamedTuple):
+    """What does not change in the cycles."""
+
+    centroid: Array  # (n, dim) m, as designed
+    dead: Array  # (n, n_dof) N, N m
+    pattern: Array  # (n, n_dof) N, N m, at multiplier one
+    inverse_mass: Array  # (n, n_dof) zero on fixed bodies
+    extent: Array  # (n,) m, by which moments are divided and rotations multiplied
+
+
+@njit(cache=True)
+def _pack(slots, pairs, laws, thickness, history, contacts):
+    """Slots, laws and histories of ``contacts``; returns their number."""
+    meets, value = slots
+    pair, of_pair = pairs.of_slot, pairs.which
+    slot, law, known = contacts.slot, contacts.law, contacts.history
+    reaction, status = contacts.reaction, contacts.status
+    c = 0
+    for k in range(meets.shape[0]):
+        if meets[k, KIND] == NONE:
+            continue
+        slot[c] = k
+        area = value[k, SIZE] * thickness
+        row = of_pair[pair[k], LAW]
+        law[c, L_KN] = laws[row, KN] * area
+        law[c, L_KS] = laws[row, KS] * area
+        law[c, L_MU] = laws[row, MU]
+        law[c, L_TAN_PSI] = laws[row, TAN_PSI]
+        law[c, L_BOND] = laws[row, COHESION] * area
+        law[c, L_TENSION] = laws[row, TENSION] * area
+        law[c, L_END] = laws[row, DILATANCY_END]
+        law[c, L_YIELDS], law[c, L_RESIDUAL] = laws[row, YIELDS], laws[row, LEAST_MU]
+        law[c, L_COHESIVE], law[c, L_PULL] = laws[row, COHESIVE] * area, laws[row, PULLS] * area
+        law[c, L_BY_OPENING], law[c, L_BY_SLIP] = laws[row, BY_OPENING], laws[row, BY_SLIP]
+        law[c, L_CRUSH], law[c, L_PER_SLIP] = laws[row, CRUSHES] * area, laws[row, PER_SLIP]
+        law[c, L_BY_CRUSHING] = laws[row, BY_CRUSHING]
+        for h in range(known.shape[1]):
+            known[c, h] = history[k, h]
+        for d in range(reaction.shape[1]):
+            reaction[c, d] = 0.0
+        status[c] = OPEN
+        c += 1
+    return c
+
+
+@njit(cache=True)
+def _unpack(contacts, n_contacts, history, reaction, status):
+    """Histories, reactions and status of the contacts, to their slots."""
+    slot = contacts.slot
+    history[:] = 0.0
+    reaction[:] = 0.0
+    status[:] = OPEN
+    for c in range(n_contacts):
+        k = slot[c]
+        for h in range(history.shape[1]):
+            history[k, h] = contacts.history[c, h]
+        for d in range(reaction.shape[1]):
+            reaction[k, d] = contacts.reaction[c, d]
+        status[k] = contacts.status[c]
+
+
+def pack(slots, bodies, pairs, laws, thickness, history, contacts):
+    """Fill ``contacts`` from the slots in use and return their number."""
+    n_contacts = _pack(slots, pairs, laws, thickness, history, contacts)
+    if slots.dim == 2:
+        freeze_in_plane(slots, bodies, pairs, contacts, n_contacts)
+    else:
+        freeze_in_space(slots, bodies.centroid, bodies.radius, pairs, contacts, n_contacts)
+    return n_contacts
+
+
+def unpack(contacts, n_contacts, loads, motion, slots, pairs, history, reaction, status):
+    """Write what the cycles made of the contacts back to the slots: geometry, history, reaction."""
+    locate = locate_in_plane if slots.dim == 2 else locate_in_space
+    locate(contacts, n_contacts, loads, motion, slots, pairs)
+    _unpack(contacts, n_contacts, history, reaction, status)
+
+
+def place(motion):
+    """Bring what is known of the bodies' rotations up to date with the poses."""
+    (place_in_plane if motion.velocity.shape[1] == 3 else place_in_space)(motion)
+
+
+@njit(cache=True)
+def stiffness_blocks(dof, contacts, acts, blocks):
+    """Add 2 sum k h h^T over the contacts of each body, (n, n_dof, n_dof); h are the gradients.
+
+    Contacts that do not ``act`` (n_contacts,) are left out.
+    """
+    n_dof, n_rows = len(dof), 2 if len(dof) == 3 else 3
+    which, rows, table = contacts
+    for c in range(which.shape[0]):
+        if not acts[c]:
+            continue
+        kn, ks = 2.0 * table[c, STIFF_N], 2.0 * table[c, STIFF_T]
+        for side in range(2):
+            body, at = (which[c, BODY_A], 0) if side == 0 else (which[c, BODY_B], n_dof)
+            for i in range(n_dof):
+                for j in range(i, n_dof):
+                    stiffness = kn * rows[c, OF_GAP, at + i] * rows[c, OF_GAP, at + j]
+                    for slip in range(OF_SLIP, n_rows):
+                        stiffness += ks * rows[c, slip, at + i] * rows[c, slip, at + j]
+                    blocks[body, i, j] += stiffness
+    for body in range(blocks.shape[0]):
+        for i in range(n_dof):
+            for j in range(i):
+                blocks[body, i, j] = blocks[body, j, i]
+
+
+class Drive(NamedTuple):
+    """How cycles are driven, and when they end."""
+
+    dt: float  # s
+    multiplier: float  # load multiplier; where guided only a start
+    bonds_hold: bool  # whatever they carry: waves on the way to rest break none that rest would not
+    guided: bool  # see `cycle`
+    rate: float  # N m/s, F.v of the guided pattern
+    combined: bool  # damping is combined, see `cycle`
+    local_damping: float  # share of the unbalanced force
+    viscous_damping: float  # 1/s by which velocities are damped, in proportion to mass
+    tolerance: float  # N, `BALANCED` when no unbalanced force, or moment over extent, exceeds it;
+    # negative: never
+    reach: float  # m, `MOVED` when a body has moved so far from where it was searched
+    gyroscopic: bool  # in space bodies turn as their own masses have them, and not scaled ones
+
+
+@njit(cache=True, inline="always")
+def _accelerate(n_dof, motion, loads, drive, applied, look, damping_work):
+    """Bring velocities on by the unbalanced forces, damped.
+
+    Returns the damping's work [J], added to what it was, F.v, and the square of the largest
+    unbalanced force [N2] where there is a ``look`` at it.
+    """
+    velocity, force, last = motion.velocity, motion.force, motion.last
+    mean, opposed = motion.mean, motion.opposed
+    pattern, inverse_mass, extent = loads.pattern, loads.inverse_mass, loads.extent
+    dt, viscous_damping = drive.dt, drive.viscous_damping
+    local_damping, combined = drive.local_damping, drive.combined
+    keep = (1.0 - 0.5 * viscous_damping * dt) / (1.0 + 0.5 * viscous_damping * dt)
+    push = dt / (1.0 + 0.5 * viscous_damping * dt)
+    dim = 2 if n_dof == 3 else 3
+    worst, course = 0.0, 0.0
+    for i in range(force.shape[0]):
+        for d in range(n_dof):
+            force[i, d] += applied * pattern[i, d]
+            mean[i, d] += force[i, d]
+        if inverse_mass[i, 0] == 0.0:
+            continue
+        if look:
+            straight, turning = 0.0, 0.0
+            for d in range(n_dof):
+                if d < dim:
+                    straight += force[i, d] * force[i, d]
+                else:
+                    turning += (force[i, d] / extent[i]) ** 2
+            worst = max(worst, straight, turning)
+        for d in range(n_dof):
+            f = force[i, d]
+            v = velocity[i, d]
+            sense = 0.0
+            if v > 0.0:
+                sense = -1.0
+            elif v < 0.0:
+                sense = 1.0
+            if combined:
+                if f > last[i, d]:
+                    sense = 0.5 * (sense + 1.0)
+                elif f < last[i, d]:
+                    sense = 0.5 * (sense - 1.0)
+                last[i, d] = f
+            f += sense * local_damping * abs(f)
+            new = keep * v + push * inverse_mass[i, d] * f
+            course += pattern[i, d] * new
+            velocity[i, d] = new
+            middle = 0.5 * (v + new) * dt
+            damping_work += (force[i, d] - f) * middle
+            braked = viscous_damping * 0.5 * (v + new) / inverse_mass[i, d]
+            damping_work += braked * middle
+            opposed[i, d] += (new - v) / (inverse_mass[i, d] * dt) + force[i, d] - f + braked
+    return damping_work, course, worst
+
+
+@njit(cache=True, inline="always")
+def _steer(n_dof, motion, loads, drive, applied, steer, load_work):
+    """Steer velocities, where they are guided; the loads' work [J], added to what it was."""
+    velocity, dt, guided = motion.velocity, drive.dt, drive.guided
+    dead, pattern, inverse_mass = loads.dead, loads.pattern, loads.inverse_mass
+    for i in range(velocity.shape[0]):
+        if inverse_mass[i, 0] == 0.0:
+            continue
+        if guided:
+            for d in range(n_dof):
+                velocity[i, d] += steer * inverse_mass[i, d] * pattern[i, d]
+        for d in range(n_dof):
+            step = velocity[i, d] * dt
+            load_work += (dead[i, d] + applied * pattern[i, d]) * step
+    return load_work
+
+
+@njit(cache=True)
+def cycle(dof, contacts, n_contacts, motion, loads, origin, drive, n_cycles, meter, ties):
+    """Run cycles in place until one of three things happens; returns what, and the cycles run.
+
+    Where they are guided, the multiplier is the force that keeps the pattern's own displacement on
+    its course: F.v is the rate given at every half step.  From M a = f + lambda F and F.a = 0,
+    lambda = -F.M^-1 f / F.M^-1 F.
+
+    Local damping is a share of the unbalanced force that is taken off where it drives the motion,
+    and added where it brakes it (Cundall's damping), for every degree of freedom by itself:
+    - alpha |f| sgn(v).  Combined, it is alpha |f| (sgn(df) - sgn(v)) / 2, which damps what vibrates
+    upon a steady motion, and brakes the motion itself less.
+
+    Parameters
+    ----------
+    dof
+        `rows.IN_PLANE` or `rows.IN_SPACE`.
+    contacts, n_contacts
+        See `pack`.
+    motion, loads
+        `Motion` and `Loads`.
+    origin
+        (n, n_pose) poses at the last search.
+    drive
+        `Drive`.
+    n_cycles
+        Return `DONE` after so many.
+    meter
+        (N_METER,) multiplier of the last cycle; work done by friction, damping and loads, added
+        to [J]; largest unbalanced force when last looked at [N]; cycles so far.
+    ties
+        `model.tie_kernels.Ties`.  They yield and break in the cycles unless bonds hold; else what
+        has yielded counts from where the cycles began, so that waves leave nothing behind.
+    """
+    n_dof = len(dof)
+    force, dead, pattern, inverse_mass = motion.force, loads.dead, loads.pattern, loads.inverse_mass
+    n, guided, n_ties = force.shape[0], drive.guided, ties.body.shape[0]
+    no_axes = np.zeros((1, 3, 3))
+    flexibility = 0.0
+    for i in range(n):
+        for d in range(n_dof):
+            flexibility += pattern[i, d] * pattern[i, d] * inverse_mass[i, d]
+    friction_work, damping_work, load_work = 0.0, 0.0, 0.0
+    applied = drive.multiplier
+    before = int(meter[CYCLES])
+    for count in range(n_cycles):
+        for i in range(n):
+            for d in range(n_dof):
+                force[i, d] = dead[i, d]
+        if len(dof) == 3:
+            friction_work = act_in_plane(
+                contacts, n_contacts, motion, loads, drive.dt, drive.bonds_hold, friction_work
+            )
+        else:
+            friction_work = act_in_space(
+                contacts, n_contacts, motion, loads, drive.dt, drive.bonds_hold, friction_work
+            )
+        if n_ties > 0:
+            locate(ties.body, ties.value, motion.pose, ties.now)
+            if len(dof) == 3:
+                add_forces(ties.body, ties.now, no_axes, force)
+            else:
+                add_forces(ties.body, ties.now, motion.turn.axes, force)
+            if not drive.bonds_hold:
+                friction_work += age(ties.value, ties.now)
+        if guided:
+            driven = 0.0
+            for i in range(n):
+                for d in range(n_dof):
+                    driven += pattern[i, d] * inverse_mass[i, d] * force[i, d]
+            applied = -driven / flexibility
+        look = (before + count) % LOOK == LOOK - 1
+        damping_work, course, worst = _accelerate(
+            n_dof, motion, loads, drive, applied, look, damping_work
+        )
+        steer = (drive.rate - course) / flexibility if guided else 0.0
+        load_work = _steer(n_dof, motion, loads, drive, applied, steer, load_work)
+        if len(dof) == 3:
+            moved = move_in_plane(motion, loads, origin, drive.dt, drive.reach)
+        else:
+            moved = move_in_space(motion, loads, origin, drive.dt, drive.reach, drive.gyroscopic)
+        if look:
+            meter[RESIDUAL] = np.sqrt(worst)
+        balanced = look and worst <= drive.tolerance**2 and drive.tolerance > 0.0
+        if moved or balanced or count == n_cycles - 1:
+            meter[MULTIPLIER] = applied
+            meter[FRICTION_WORK] += friction_work
+            meter[DAMPING_WORK] += damping_work
+            meter[LOAD_WORK] += load_work
+            meter[CYCLES] += count + 1
+            if balanced:
+                return BALANCED, count + 1
+            return (MOVED if moved else DONE), count + 1
+    return DONE, 0

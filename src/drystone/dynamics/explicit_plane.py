@@ -1,0 +1,258 @@
+"""Contacts in the cycles of `dynamics.explicit`, in the plane: forces, and how poses go on.
+
+For all kinds of contact one of the two bodies, the *edge body* e, owns the normal, which points to
+the *other body* o; with arms from the centroids, t = (n_y, -n_x), S the quarter turn, q = 1 but
+between two vertices, and rolling terms as in `contact.plane.narrow`,
+
+    grad gap  = [-n, -n.S arm_e, n, n.S arm_o]
+    grad slip = q [-t, -t.S arm_e, t, t.S arm_o] + [0, 0, roll_e, 0, 0, roll_o]
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.common.compiled import njit
+from drystone.contact.contacts import (
+    ARM_A,
+    ARM_B,
+    FEATURE_A,
+    FEATURE_B,
+    GAP,
+    INSIDE,
+    KIND,
+    NORMAL,
+    PART_A,
+    PART_B,
+    RATIO,
+    VERTEX_A,
+    VERTICES,
+    A,
+    B,
+)
+from drystone.law.cycles import normal_in_cycle, shear_in_cycle
+from drystone.law.law import (  # fmt: skip
+    BROKEN,
+    DILATION,
+    L_BOND,
+    L_END,
+    L_KN,
+    L_KS,
+    L_MU,
+    L_TAN_PSI,
+    L_TENSION,
+    L_YIELDS,
+    OPEN,
+    SHEAR,
+    SLID,
+    SLIDING,
+    STICKING,
+    drag,
+    opens,
+)
+
+#: Columns of `explicit.FrozenContacts.shape`: local vertex of the other body, local vertex and
+#: tangent of the edge body [m], radius of the other body, sum of both, 1 where two vertices meet
+#: [m].
+OX, OY, EX, EY, TX, TY, R_O, R_SUM, ROUND = 0, 1, 2, 3, 4, 5, 6, 7, 8
+N_SHAPE = 9
+
+
+@njit(cache=True)
+def freeze_in_plane(slots, bodies, pairs, contacts, n_contacts):
+    """Fill bodies and shape of ``contacts``, whose slots are known."""
+    meets, value = slots
+    local, local_tangent, radius = bodies.local, bodies.local_tangent, bodies.radius
+    pair, of_pair = pairs.of_slot, pairs.which
+    slot, edge, other, shape = contacts.slot, contacts.edge, contacts.other, contacts.shape
+    for c in range(n_contacts):
+        k = slot[c]
+        p = pair[k]
+        e, o, fe, fo = of_pair[p, A], of_pair[p, B], meets[k, FEATURE_A], meets[k, FEATURE_B]
+        radius_e, radius_o = radius[of_pair[p, PART_A]], radius[of_pair[p, PART_B]]
+        if meets[k, KIND] == VERTEX_A:
+            e, o, fe, fo = o, e, fo, fe
+            radius_e, radius_o = radius_o, radius_e
+        edge[c] = e
+        other[c] = o
+        inside = value[k, INSIDE] * bodies.length[fo]
+        shape[c, OX] = local[fo, 0] + inside * local_tangent[fo, 0]
+        shape[c, OY] = local[fo, 1] + inside * local_tangent[fo, 1]
+        shape[c, EX] = local[fe, 0]
+        shape[c, EY] = local[fe, 1]
+        shape[c, TX] = local_tangent[fe, 0]
+        shape[c, TY] = local_tangent[fe, 1]
+        shape[c, R_O] = radius_o
+        shape[c, R_SUM] = radius_e + radius_o
+        shape[c, ROUND] = 1.0 if meets[k, KIND] == VERTICES else 0.0
+
+
+@njit(cache=True)
+def locate_in_plane(contacts, n_contacts, loads, motion, slots, pairs):
+    """Geometry of the contacts in the present poses, to their slots."""
+    turn, pose, centroid = motion.turn, motion.pose, loads.centroid
+    shape, pair, of_pair, value = contacts.shape, pairs.of_slot, pairs.which, slots.value
+    for c in range(n_contacts):
+        k, e, o = contacts.slot[c], contacts.edge[c], contacts.other[c]
+        ce, se, co, so = turn[e, 0], turn[e, 1], turn[o, 0], turn[o, 1]
+        ox = co * shape[c, OX] - so * shape[c, OY]
+        oy = so * shape[c, OX] + co * shape[c, OY]
+        ex = ce * shape[c, EX] - se * shape[c, EY]
+        ey = se * shape[c, EX] + ce * shape[c, EY]
+        xe, ye = centroid[e, 0] + pose[e, 0], centroid[e, 1] + pose[e, 1]
+        xo, yo = centroid[o, 0] + pose[o, 0], centroid[o, 1] + pose[o, 1]
+        dx = xo + ox - xe - ex
+        dy = yo + oy - ye - ey
+        if shape[c, ROUND] == 0.0:
+            nx = se * shape[c, TX] + ce * shape[c, TY]
+            ny = -(ce * shape[c, TX] - se * shape[c, TY])
+            value[k, GAP] = nx * dx + ny * dy - shape[c, R_SUM]
+            ex += dx
+            ey += dy
+        else:
+            distance = np.sqrt(dx * dx + dy * dy)
+            nx = dx / distance
+            ny = dy / distance
+            value[k, GAP] = distance - shape[c, R_SUM]
+            value[k, RATIO] = shape[c, R_SUM] / distance
+        if e == of_pair[pair[k], A]:
+            value[k, NORMAL], value[k, NORMAL + 1] = nx, ny
+            value[k, ARM_A], value[k, ARM_A + 1] = ex, ey
+            value[k, ARM_B], value[k, ARM_B + 1] = ox, oy
+        else:
+            value[k, NORMAL], value[k, NORMAL + 1] = -nx, -ny
+            value[k, ARM_A], value[k, ARM_A + 1] = ox, oy
+            value[k, ARM_B], value[k, ARM_B + 1] = ex, ey
+
+
+@njit(cache=True, inline="always")
+def act_in_plane(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
+    """Add the contacts' forces on the bodies, with their law; returns the friction's work [J],
+    which is added to what it was."""
+    edge, other, shape, law = contacts.edge, contacts.other, contacts.shape, contacts.law
+    history, reaction, status = contacts.history, contacts.reaction, contacts.status
+    pose, velocity, turn, force = motion.pose, motion.velocity, motion.turn, motion.force
+    centroid = loads.centroid
+    for c in range(n_contacts):
+        e = edge[c]
+        o = other[c]
+        ce = turn[e, 0]
+        se = turn[e, 1]
+        co = turn[o, 0]
+        so = turn[o, 1]
+        ox = co * shape[c, OX] - so * shape[c, OY]
+        oy = so * shape[c, OX] + co * shape[c, OY]
+        ex = ce * shape[c, EX] - se * shape[c, EY]
+        ey = se * shape[c, EX] + ce * shape[c, EY]
+        dx = (centroid[o, 0] - centroid[e, 0]) + (pose[o, 0] - pose[e, 0]) + ox - ex
+        dy = (centroid[o, 1] - centroid[e, 1]) + (pose[o, 1] - pose[e, 1]) + oy - ey
+        if shape[c, ROUND] == 0.0:
+            nx = se * shape[c, TX] + ce * shape[c, TY]
+            ny = se * shape[c, TY] - ce * shape[c, TX]
+            gap = nx * dx + ny * dy - shape[c, R_SUM]
+            ex += dx
+            ey += dy
+            q = 1.0
+            roll_o = shape[c, R_O]
+            roll_e = -roll_o
+        else:
+            distance = np.sqrt(dx * dx + dy * dy)
+            nx = dx / distance
+            ny = dy / distance
+            gap = distance - shape[c, R_SUM]
+            q = shape[c, R_SUM] / distance
+            roll_o = shape[c, R_O]
+            roll_e = shape[c, R_SUM] - roll_o
+        rn = law[c, L_KN] * (history[c, DILATION] - gap)
+        bonded = history[c, BROKEN] == 0.0
+        held = bonded and bonds_hold and law[c, L_BOND] + law[c, L_TENSION] > 0.0
+        yields = law[c, L_YIELDS] != 0.0
+        if not held and not yields:
+            is_open, whole = opens(rn, gap, law[c, L_TENSION], bonded)
+            if bonded and not whole:
+                history[c, BROKEN] = 1.0
+            if is_open:
+                rt = history[c, SHEAR]
+                if rt != 0.0 or status[c] != OPEN:
+                    friction_work += 0.5 * rt * rt / law[c, L_KS]
+                    history[c, SHEAR] = 0.0
+                    reaction[c, 0] = 0.0
+                    reaction[c, 1] = 0.0
+                    status[c] = OPEN
+                continue
+        # Moments per unit of normal and of tangential reaction.
+        me_n = nx * ey - ny * ex
+        mo_n = ny * ox - nx * oy
+        me_t = q * (ny * ey + nx * ex) + roll_e
+        mo_t = roll_o - q * (ny * oy + nx * ox)
+        slip = q * (ny * (velocity[o, 0] - velocity[e, 0]) - nx * (velocity[o, 1] - velocity[e, 1]))
+        slip += me_t * velocity[e, 2] + mo_t * velocity[o, 2]
+        ks = law[c, L_KS]
+        trial = history[c, SHEAR] - ks * dt * slip
+        rt, now = trial, STICKING
+        if yields:
+            rn, taken = normal_in_cycle(law, history, c, gap)
+            rt, now, work = shear_in_cycle(law, history, c, rn, abs(trial))
+            friction_work += taken + work
+            rt = rt if trial > 0.0 else -rt
+        elif not held:
+            tan_psi = law[c, L_TAN_PSI] if history[c, SLID] < law[c, L_END] else 0.0
+            bond = law[c, L_BOND] if bonded else 0.0
+            rn, rt, now, gamma = drag(rn, trial, bond, law[c, L_KN], ks, law[c, L_MU], tan_psi)
+            if now != STICKING:
+                history[c, BROKEN] = 1.0
+            if now == OPEN:
+                friction_work += 0.5 * trial * trial / ks
+            elif now == SLIDING:
+                history[c, DILATION] += tan_psi * gamma
+                history[c, SLID] += gamma
+                # What sliding takes, less what it gives back by lifting the joint.
+                friction_work += (abs(rt) - rn * tan_psi) * gamma
+        history[c, SHEAR] = rt
+        reaction[c, 0] = rn
+        reaction[c, 1] = rt
+        status[c] = now
+        if now == OPEN:
+            continue
+        fx = rn * nx + q * rt * ny
+        fy = rn * ny - q * rt * nx
+        force[o, 0] += fx
+        force[o, 1] += fy
+        force[o, 2] += rn * mo_n + rt * mo_t
+        force[e, 0] -= fx
+        force[e, 1] -= fy
+        force[e, 2] += rn * me_n + rt * me_t
+    return friction_work
+
+
+def place_in_plane(motion):
+    """Bring cosines and sines of all bodies' rotations up to date."""
+    rotation = motion.pose[:, 2]
+    motion.turn[:, 0] = np.cos(rotation)
+    motion.turn[:, 1] = np.sin(rotation)
+
+
+@njit(cache=True, inline="always")
+def move_in_plane(motion, loads, origin, dt, reach):
+    """Bring poses on by the velocities; whether a body is too far from its ``origin``, or lost."""
+    pose, velocity, turn = motion.pose, motion.velocity, motion.turn
+    inverse_mass, extent = loads.inverse_mass, loads.extent
+    moved = False
+    for i in range(pose.shape[0]):
+        driven = velocity[i, 0] != 0.0 or velocity[i, 1] != 0.0 or velocity[i, 2] != 0.0
+        if inverse_mass[i, 0] == 0.0 and not driven:
+            continue
+        for d in range(3):
+            pose[i, d] += velocity[i, d] * dt
+        half = 0.5 * velocity[i, 2] * dt
+        # Cayley's rotation by 2 atan(half): exact but for half^3.
+        scale = 1.0 / (1.0 + half * half)
+        cosine = (1.0 - half * half) * scale
+        sine = 2.0 * half * scale
+        c_old = turn[i, 0]
+        turn[i, 0] = cosine * c_old - sine * turn[i, 1]
+        turn[i, 1] = sine * c_old + cosine * turn[i, 1]
+        far = abs(pose[i, 0] - origin[i, 0]) + abs(pose[i, 1] - origin[i, 1])
+        far += extent[i] * abs(pose[i, 2] - origin[i, 2])
+        moved = moved or not far <= reach  # nor where it is not a number
+    return moved

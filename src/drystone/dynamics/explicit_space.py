@@ -1,0 +1,391 @@
+"""Contacts in the cycles of `dynamics.explicit`, in space: forces, and how poses go on.
+
+Every contact is a material point of the *other body* o against a plane that the *edge body* e, so
+called as in the plane, carries along; with the local data of `contacts.Slots`, d_0 the design's
+vector from the plane's place to the point, n_0 its normal, R_e and R_o the rotations,
+
+    D = u_o - u_e + (R_o - I) point - (R_e - I) place
+    gap = n_0 . d_0 - radii + (R_e - I) n_0 . (d_0 + D) + n_0 . D
+
+which is as precise as the displacements.  The shear is kept along the two tangents of the plane,
+which turn with it, and grows with the velocity of o over e where they touch.  Forces act there on
+both bodies, so that they balance in force and in moment.
+
+Rotations go by the principal axes of the bodies.  The rotational velocity w that is kept is that of
+the angular momentum half a step behind the pose, l = I w, along the axes where they are now; I are
+the moments of inertia, M those of the forces, exp(v) the rotation by a vector v:
+
+    l <- l + dt M                       as any other velocity
+    exp(s dt / 2) I s = l               gives the s that takes the body on, by exp(s dt)
+    l <- exp(-s dt) l                   is the same vector along the axes after that
+
+A free body hence keeps its angular momentum to rounding, and its energy to second order without
+drift: all goes the same way backwards.  Where masses are scaled, motion means nothing, and w takes
+the body on as it is.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.common.compiled import njit
+from drystone.contact.contacts import (
+    ARM_A_3,
+    ARM_B_3,
+    BALL_3,
+    GAP,
+    KIND,
+    NORMAL_3,
+    PART_A,
+    PART_B,
+    PLACE_3,
+    PLANE_NORMAL_3,
+    PLANE_TANGENT_3,
+    POINT_3,
+    TANGENT_3,
+    VERTEX_A,
+    A,
+    B,
+)
+from drystone.geometry.rotation import fill_turn, spin, turned
+from drystone.law.cycles import normal_in_cycle, shear_in_cycle
+from drystone.law.law import (  # fmt: skip
+    BROKEN,
+    DILATION,
+    L_BOND,
+    L_END,
+    L_KN,
+    L_KS,
+    L_MU,
+    L_TAN_PSI,
+    L_TENSION,
+    L_YIELDS,
+    OPEN,
+    SHEAR,
+    SLID,
+    SLIDING,
+    STICKING,
+    drag_along,
+    opens,
+)
+
+Array = NDArray[np.float64]
+
+#: Columns of `explicit.FrozenContacts.shape`, of vectors the first: point of the other body, place,
+#: normal and first tangent of the plane, design's vector from the place to the point [m]; gap as
+#: designed [m], and how far the surface of the other body lies beyond the point [m]; 1 where that
+#: body is b, else -1.  The tangent is reversed where it is a: then, too, the shear moves it.
+POINT, PLACE, NORMAL, TANGENT, DESIGNED, REST, BALL, SENSE = 0, 3, 6, 9, 12, 15, 16, 17
+N_SHAPE = 18
+
+#: Steps in which the rotational velocity is found at most; each gains some digits.
+TURNING = 30
+
+
+class Turns(NamedTuple):
+    """Rotations of all bodies in their present poses, and scratch."""
+
+    added: Array  # (n, 3, 3) rotation less identity
+    axes: Array  # (n, 3, 3) columns are the principal axes
+    designed: Array  # (n, 3, 3) likewise, as designed
+    spin: Array  # (n, 3) rad/s, rotational velocities along the axes of the world
+    moment: Array  # (n, 3) N m, of the contacts, along the axes of the world
+
+    @classmethod
+    def of(cls, axes: Array) -> Turns:
+        """Memory for bodies with these principal axes (n, 3, 3), as designed in columns."""
+        n = len(axes)
+        return cls(
+            added=np.zeros((n, 3, 3)),
+            axes=np.zeros((n, 3, 3)),
+            designed=np.ascontiguousarray(axes, np.float64),
+            spin=np.zeros((n, 3)),
+            moment=np.zeros((n, 3)),
+        )
+
+
+@njit(cache=True)
+def freeze_in_space(slots, centroid, radius, pairs, contacts, n_contacts):
+    """Fill bodies and shape of ``contacts``, whose slots are known.
+
+    ``centroid`` (n, 3) is that of the bodies as designed, ``radius`` (n_parts,) of their parts [m].
+    """
+    meets, value = slots
+    pair, of_pair = pairs.of_slot, pairs.which
+    slot, edge, other, shape = contacts.slot, contacts.edge, contacts.other, contacts.shape
+    for c in range(n_contacts):
+        k = slot[c]
+        p = pair[k]
+        e, o, sense = of_pair[p, A], of_pair[p, B], 1.0
+        if meets[k, KIND] == VERTEX_A:
+            e, o, sense = o, e, -1.0
+        edge[c] = e
+        other[c] = o
+        rest = 0.0
+        for d in range(3):
+            point, place = value[k, POINT_3 + d], value[k, PLACE_3 + d]
+            designed = centroid[o, d] - centroid[e, d] + (point - place)
+            rest += value[k, PLANE_NORMAL_3 + d] * designed
+            shape[c, POINT + d] = point
+            shape[c, PLACE + d] = place
+            shape[c, NORMAL + d] = value[k, PLANE_NORMAL_3 + d]
+            shape[c, TANGENT + d] = sense * value[k, PLANE_TANGENT_3 + d]
+            shape[c, DESIGNED + d] = designed
+        shape[c, REST] = rest - radius[of_pair[p, PART_A]] - radius[of_pair[p, PART_B]]
+        shape[c, BALL] = value[k, BALL_3]
+        shape[c, SENSE] = sense
+
+
+@njit(cache=True, inline="always")
+def _turned(added, body, x, y, z):
+    """What the rotation of a body adds to a vector."""
+    return (
+        added[body, 0, 0] * x + added[body, 0, 1] * y + added[body, 0, 2] * z,
+        added[body, 1, 0] * x + added[body, 1, 1] * y + added[body, 1, 2] * z,
+        added[body, 2, 0] * x + added[body, 2, 1] * y + added[body, 2, 2] * z,
+    )
+
+
+@njit(cache=True)
+def locate_in_space(contacts, n_contacts, loads, motion, slots, pairs):
+    """Geometry of the contacts in the present poses, to their slots."""
+    pose, centroid, added = motion.pose, loads.centroid, motion.turn.added
+    slot, edge, other, shape = contacts.slot, contacts.edge, contacts.other, contacts.shape
+    value = slots.value
+    turned = np.empty((4, 3))
+    for c in range(n_contacts):
+        k, e, o, sense, ball = slot[c], edge[c], other[c], shape[c, SENSE], shape[c, BALL]
+        for i in range(4):  # POINT, PLACE, NORMAL, TANGENT
+            body, at = o if i == 0 else e, 3 * i
+            turned[i] = _turned(added, body, shape[c, at], shape[c, at + 1], shape[c, at + 2])
+        gap = shape[c, REST]
+        arm_o, arm_e = (ARM_B_3, ARM_A_3) if sense > 0.0 else (ARM_A_3, ARM_B_3)
+        for d in range(3):
+            moved = pose[o, d] - pose[e, d] + (turned[0, d] - turned[1, d])
+            gap += turned[2, d] * (shape[c, DESIGNED + d] + moved) + shape[c, NORMAL + d] * moved
+            normal = shape[c, NORMAL + d] + turned[2, d]
+            arm = shape[c, POINT + d] + turned[0, d] - ball * normal
+            apart = (centroid[o, d] - centroid[e, d]) + (pose[o, d] - pose[e, d])
+            value[k, NORMAL_3 + d] = sense * normal
+            value[k, TANGENT_3 + d] = sense * (shape[c, TANGENT + d] + turned[3, d])
+            value[k, arm_o + d] = arm
+            value[k, arm_e + d] = apart + arm
+        value[k, GAP] = gap
+
+
+@njit(cache=True)
+def place_in_space(motion):
+    """Bring what is known of the bodies' rotations up to date with the poses."""
+    for i in range(motion.pose.shape[0]):
+        _place(motion.pose, i, motion.turn.added, motion.turn.axes, motion.turn.designed)
+
+
+@njit(cache=True, inline="always")
+def _place(pose, i, added, axes, designed):
+    """Rotation less identity, and axes of body i."""
+    fill_turn(pose, i, added)
+    for d in range(3):
+        for j in range(3):
+            turned = added[i, d, 0] * designed[i, 0, j] + added[i, d, 1] * designed[i, 1, j]
+            axes[i, d, j] = designed[i, d, j] + (turned + added[i, d, 2] * designed[i, 2, j])
+
+
+# Long: one pass over a contact's geometry, law and forces, without what calls would cost.
+@njit(cache=True)
+def act_in_space(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
+    """Add the contacts' forces on the bodies, with their law; returns the friction's work [J],
+    which is added to what it was."""
+    edge, other, shape, law = contacts.edge, contacts.other, contacts.shape, contacts.law
+    history, reaction, status = contacts.history, contacts.reaction, contacts.status
+    pose, velocity, force, centroid = motion.pose, motion.velocity, motion.force, loads.centroid
+    added, axes = motion.turn.added, motion.turn.axes
+    spins, moment = motion.turn.spin, motion.turn.moment
+    _spins(velocity, axes, spins, moment)
+    for c in range(n_contacts):
+        e = edge[c]
+        o = other[c]
+        ball = shape[c, BALL]
+        px, py, pz = shape[c, POINT], shape[c, POINT + 1], shape[c, POINT + 2]
+        hx, hy, hz = shape[c, NORMAL], shape[c, NORMAL + 1], shape[c, NORMAL + 2]
+        ox, oy, oz = _turned(added, o, px, py, pz)
+        ex, ey, ez = _turned(added, e, shape[c, PLACE], shape[c, PLACE + 1], shape[c, PLACE + 2])
+        nx, ny, nz = _turned(added, e, hx, hy, hz)
+        ux, uy, uz = pose[o, 0] - pose[e, 0], pose[o, 1] - pose[e, 1], pose[o, 2] - pose[e, 2]
+        dx, dy, dz = ux + (ox - ex), uy + (oy - ey), uz + (oz - ez)
+        gap = nx * (shape[c, DESIGNED] + dx) + ny * (shape[c, DESIGNED + 1] + dy)
+        gap += nz * (shape[c, DESIGNED + 2] + dz)
+        gap = shape[c, REST] + (gap + (hx * dx + hy * dy + hz * dz))
+        rn = law[c, L_KN] * (history[c, DILATION] - gap)
+        bonded = history[c, BROKEN] == 0.0
+        held = bonded and bonds_hold and law[c, L_BOND] + law[c, L_TENSION] > 0.0
+        yields = law[c, L_YIELDS] != 0.0
+        r1, r2 = history[c, SHEAR], history[c, SHEAR + 1]
+        if not held and not yields:
+            is_open, whole = opens(rn, gap, law[c, L_TENSION], bonded)
+            if bonded and not whole:
+                history[c, BROKEN] = 1.0
+            if is_open:
+                if r1 != 0.0 or r2 != 0.0 or status[c] != OPEN:
+                    friction_work += 0.5 * (r1 * r1 + r2 * r2) / law[c, L_KS]
+                    history[c, SHEAR], history[c, SHEAR + 1] = 0.0, 0.0
+                    reaction[c, 0], reaction[c, 1], reaction[c, 2] = 0.0, 0.0, 0.0
+                    status[c] = OPEN
+                continue
+        nx, ny, nz = hx + nx, hy + ny, hz + nz
+        ox, oy, oz = ox + px - ball * nx, oy + py - ball * ny, oz + pz - ball * nz
+        ex = (centroid[o, 0] - centroid[e, 0]) + ux + ox
+        ey = (centroid[o, 1] - centroid[e, 1]) + uy + oy
+        ez = (centroid[o, 2] - centroid[e, 2]) + uz + oz
+        tx, ty, tz = shape[c, TANGENT], shape[c, TANGENT + 1], shape[c, TANGENT + 2]
+        hx, hy, hz = _turned(added, e, tx, ty, tz)
+        tx, ty, tz = tx + hx, ty + hy, tz + hz
+        sense = shape[c, SENSE]
+        sx, sy, sz = ny * tz - nz * ty, nz * tx - nx * tz, nx * ty - ny * tx
+        sx, sy, sz = sense * sx, sense * sy, sense * sz
+        wx, wy, wz = spins[o, 0], spins[o, 1], spins[o, 2]
+        vx = velocity[o, 0] - velocity[e, 0] + (wy * oz - wz * oy)
+        vy = velocity[o, 1] - velocity[e, 1] + (wz * ox - wx * oz)
+        vz = velocity[o, 2] - velocity[e, 2] + (wx * oy - wy * ox)
+        wx, wy, wz = spins[e, 0], spins[e, 1], spins[e, 2]
+        vx -= wy * ez - wz * ey
+        vy -= wz * ex - wx * ez
+        vz -= wx * ey - wy * ex
+        ks = law[c, L_KS]
+        trial_1 = r1 - ks * dt * (vx * tx + vy * ty + vz * tz)
+        trial_2 = r2 - ks * dt * (vx * sx + vy * sy + vz * sz)
+        r1, r2, now = trial_1, trial_2, STICKING
+        if yields:
+            rn, taken = normal_in_cycle(law, history, c, gap)
+            size = np.sqrt(trial_1 * trial_1 + trial_2 * trial_2)
+            most, now, work = shear_in_cycle(law, history, c, rn, size)
+            friction_work += taken + work
+            share = most / size if most < size else 1.0
+            r1, r2 = share * trial_1, share * trial_2
+        elif not held:
+            tan_psi = law[c, L_TAN_PSI] if history[c, SLID] < law[c, L_END] else 0.0
+            bond = law[c, L_BOND] if bonded else 0.0
+            rn, r1, r2, now, gamma = drag_along(
+                rn, trial_1, trial_2, bond, law[c, L_KN], ks, law[c, L_MU], tan_psi
+            )
+            if now != STICKING:
+                history[c, BROKEN] = 1.0
+            if now == OPEN:
+                friction_work += 0.5 * (trial_1 * trial_1 + trial_2 * trial_2) / ks
+            elif now == SLIDING:
+                history[c, DILATION] += tan_psi * gamma
+                history[c, SLID] += gamma
+                # What sliding takes, less what it gives back by lifting the joint.
+                friction_work += (np.sqrt(r1 * r1 + r2 * r2) - rn * tan_psi) * gamma
+        history[c, SHEAR], history[c, SHEAR + 1] = r1, r2
+        reaction[c, 0], reaction[c, 1], reaction[c, 2] = rn, r1, r2
+        status[c] = now
+        if now == OPEN:
+            continue
+        fx = rn * nx + r1 * tx + r2 * sx
+        fy = rn * ny + r1 * ty + r2 * sy
+        fz = rn * nz + r1 * tz + r2 * sz
+        force[o, 0] += fx
+        force[o, 1] += fy
+        force[o, 2] += fz
+        force[e, 0] -= fx
+        force[e, 1] -= fy
+        force[e, 2] -= fz
+        moment[o, 0] += oy * fz - oz * fy
+        moment[o, 1] += oz * fx - ox * fz
+        moment[o, 2] += ox * fy - oy * fx
+        moment[e, 0] -= ey * fz - ez * fy
+        moment[e, 1] -= ez * fx - ex * fz
+        moment[e, 2] -= ex * fy - ey * fx
+    _about_axes(moment, axes, force)
+    return friction_work
+
+
+@njit(cache=True)
+def _spins(velocity, axes, spins, moment):
+    """Rotational velocities along the axes of the world, and no moments yet."""
+    for i in range(velocity.shape[0]):
+        x, y, z = velocity[i, 3], velocity[i, 4], velocity[i, 5]
+        for d in range(3):
+            spins[i, d] = axes[i, d, 0] * x + axes[i, d, 1] * y + axes[i, d, 2] * z
+            moment[i, d] = 0.0
+
+
+@njit(cache=True)
+def _about_axes(moment, axes, force):
+    """Add moments along the axes of the world to ``force`` (n, 6), about the bodies' own."""
+    for i in range(force.shape[0]):
+        x, y, z = moment[i, 0], moment[i, 1], moment[i, 2]
+        for d in range(3):
+            force[i, 3 + d] += axes[i, 0, d] * x + axes[i, 1, d] * y + axes[i, 2, d] * z
+
+
+@njit(cache=True)
+def _take_on(velocity, inverse_mass, i, dt):
+    """Rotational velocity of body i that takes it on by a step, from that where its axes are."""
+    wx, wy, wz = velocity[i, 3], velocity[i, 4], velocity[i, 5]
+    jx, jy, jz = inverse_mass[i, 3], inverse_mass[i, 4], inverse_mass[i, 5]
+    lx, ly, lz = wx / jx, wy / jy, wz / jz
+    half, before = 0.5 * dt, np.inf
+    for _ in range(TURNING):
+        x, y, z = turned(-half * wx, -half * wy, -half * wz, lx, ly, lz)
+        x, y, z = jx * x, jy * y, jz * z
+        change = abs(x - wx) + abs(y - wy) + abs(z - wz)
+        wx, wy, wz = x, y, z
+        if not change < before or change == 0.0:  # as near as rounding lets it come
+            break
+        before = change
+    return wx, wy, wz
+
+
+@njit(cache=True)
+def _bring(velocity, inverse_mass, i, wx, wy, wz, dt):
+    """Rotational velocity of body i where its axes are now, from that which took it there."""
+    jx, jy, jz = inverse_mass[i, 3], inverse_mass[i, 4], inverse_mass[i, 5]
+    half = 0.5 * dt
+    lx, ly, lz = turned(-half * wx, -half * wy, -half * wz, wx / jx, wy / jy, wz / jz)
+    velocity[i, 3], velocity[i, 4], velocity[i, 5] = jx * lx, jy * ly, jz * lz
+
+
+@njit(cache=True)
+def move_in_space(motion, loads, origin, dt, reach, gyroscopic):
+    """Bring poses on by the velocities; whether a body is too far from its ``origin``, or lost."""
+    pose, velocity = motion.pose, motion.velocity
+    added, axes, designed = motion.turn.added, motion.turn.axes, motion.turn.designed
+    inverse_mass, extent = loads.inverse_mass, loads.extent
+    moved = False
+    for i in range(pose.shape[0]):
+        wx, wy, wz = velocity[i, 3], velocity[i, 4], velocity[i, 5]
+        if inverse_mass[i, 0] == 0.0:
+            fast = abs(velocity[i, 0]) + abs(velocity[i, 1]) + abs(velocity[i, 2])
+            if fast + abs(wx) + abs(wy) + abs(wz) == 0.0:
+                continue
+        elif gyroscopic:
+            wx, wy, wz = _take_on(velocity, inverse_mass, i, dt)
+            _bring(velocity, inverse_mass, i, wx, wy, wz, dt)
+        far = 0.0
+        for d in range(3):
+            pose[i, d] += velocity[i, d] * dt
+            far += abs(pose[i, d] - origin[i, d])
+        x, y, z = wx * dt, wy * dt, wz * dt
+        vx = designed[i, 0, 0] * x + designed[i, 0, 1] * y + designed[i, 0, 2] * z
+        vy = designed[i, 1, 0] * x + designed[i, 1, 1] * y + designed[i, 1, 2] * z
+        vz = designed[i, 2, 0] * x + designed[i, 2, 1] * y + designed[i, 2, 2] * z
+        spin(pose, i, vx, vy, vz)
+        _place(pose, i, added, axes, designed)
+        far += extent[i] * _turned_by(pose, origin, i)
+        moved = moved or not far <= reach  # nor where it is not a number
+    return moved
+
+
+@njit(cache=True)
+def _turned_by(pose, origin, i):
+    """By how much a body is turned in one pose against another, twice the sine of half of it."""
+    w, x, y, z = pose[i, 3], pose[i, 4], pose[i, 5], pose[i, 6]
+    a, b, c, d = origin[i, 3], origin[i, 4], origin[i, 5], origin[i, 6]
+    vx = a * x - w * b - (c * z - d * y)
+    vy = a * y - w * c - (d * x - b * z)
+    vz = a * z - w * d - (b * y - c * x)
+    return 2.0 * np.sqrt(vx * vx + vy * vy + vz * vz)

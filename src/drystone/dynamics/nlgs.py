@@ -1,0 +1,420 @@
+"""Non-linear Gauss-Seidel with an active-set accelerator, to a true residual.
+
+Sweeps alone converge as slowly as the joints are stiff against the blocks' inertia.  So, after a
+few, Newton's method on the blocks' velocities is tried from where they have come, with the branches
+of the joint law (open, sticking, sliding either way) that they have found.  Where that lowers the
+true residual it is kept; where not, the sweeps go on from where they were, so that the accelerator
+can only help.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.contacts import STIFF_N, STIFF_T
+from drystone.contact.rows import IN_SPACE, contact_velocities, dof_of
+from drystone.dynamics import sweeps as kernels
+from drystone.dynamics.cones import Interior
+from drystone.dynamics.sweeps import ContactProblem
+from drystone.law.law import BACKWARD, FORWARD, SLIDING, joint_law_violation
+from drystone.law.residual import unbalanced_force
+from drystone.statics.linear.block_system import BlockSystem, SingularMatrixError
+from drystone.statics.tie_forces import TieImpulses
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True)
+class NlgsSettings:
+    """When to stop, and how sweeps and accelerator take turns."""
+
+    tolerance: float  # N, on the true residual
+    max_sweeps: int = 6000
+    max_sweeps_in_space: int = 300  # what is not found from within by then asks for a shorter step
+    first_sweeps: int = 20  # before the accelerator is first tried
+    corrections: int = 15  # of the branches, each with a linear solution
+    # How stiffly sticking contacts are held, move by move, over the stiffest joint or, in short
+    # steps, the largest mass at a contact.  Softer ones, tried where Newton's method does not
+    # converge with the last, forgive wrong branches; stiffer ones settle forces that next to no
+    # slip decides.
+    holds: tuple[tuple[float, ...], ...] = (
+        (1e3,) * 4 + (3e4,) * 2 + (1e6,) * 2,
+        (30.0,) * 12,
+        (1.0,) * 12,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class NlgsResult:
+    """Impulses and velocities with the residual they were measured to have."""
+
+    impulse: Array  # (n_contacts, dim) N s
+    velocity: Array  # (n, n_dof) m/s, rad/s
+    residual: float  # N
+    n_sweeps: int
+    n_corrections: int
+
+
+#: What leads from known impulses to better ones: impulses and velocities, trial after trial.
+Way = Callable[[Array], Iterator[tuple[Array, Array]]]
+
+#: Corrections of a trial that is given up soon.
+AT_ONCE = 6
+
+#: How often it is tried to leave the interior of the law.
+MOST_TRIED = 4
+
+#: How stiffly sticking is held in the interior of the law, over the stiffest joint.
+WITHIN = 30.0
+
+
+def natural_map(problem: ContactProblem, dim: int, h: float) -> Array:
+    """Delassus blocks (n_contacts, dim, dim) [1/kg] of contacts, which enter their shear stiffness:
+    the force that would move a contact by its slip in a step of size ``h`` [s]."""
+    blocks = np.zeros((len(problem.gap), dim, dim))
+    kernels.delassus_blocks(dof_of(problem.inverse_mass), problem, blocks)
+    easiest = np.einsum("kii->ki", blocks)[:, 1:].max(axis=1, initial=1e-300)
+    problem.contacts.table[:, STIFF_T] = 1.0 / (easiest * h * h)
+    return blocks
+
+
+def solve(
+    problem: ContactProblem,
+    system: BlockSystem,
+    extent: Array,
+    free_velocity: Array,
+    impulse: Array,
+    guess: Array,
+    h: float,
+    settings: NlgsSettings,
+    ties: TieImpulses | None = None,
+) -> NlgsResult:
+    """Contact impulses of one implicit step.
+
+    Parameters
+    ----------
+    problem
+        Contacts of the step, of pairs that ``system`` was made of; as their shear stiffness is
+        entered that of the natural map: the force that would move a contact by its slip.
+    extent
+        (n,) m, by which moments are divided.
+    free_velocity
+        Velocities without contacts at the end of the step, (n, n_dof).
+    impulse
+        Warm start, (n_contacts, dim) [N s].
+    guess
+        Velocities that the accelerator is first tried from, (n, n_dof), as of a similar step.
+    h
+        Time step [s].
+    """
+    n, dim = impulse.shape
+    blocks = natural_map(problem, dim, h)
+    step = _Step(problem, system, extent, free_velocity, h, ties)
+    accelerator = _Accelerator(problem, system, free_velocity, h, settings, ties)
+    before, impulse = impulse, impulse.copy()
+    velocity = step.velocity_of(impulse)
+    order, n_sweeps, chunk = np.arange(n), 0, settings.first_sweeps
+    residual = step.residual(impulse, velocity)
+    most = settings.max_sweeps
+    if dim == 3:
+        most = min(most, settings.max_sweeps_in_space)
+    while residual > settings.tolerance and n_sweeps < most:
+        chunk = min(chunk, most - n_sweeps)
+        velocity = step.velocity_of(impulse)
+        kernels.sweep(step.dof, problem, blocks, h, order, chunk, impulse, velocity)
+        n_sweeps += chunk
+        velocity = step.velocity_of(impulse)  # rounding of the running sums does not pile up
+        residual = step.residual(impulse, velocity)
+        if residual <= settings.tolerance:
+            break
+        ways = accelerator.ways(before, guess if n_sweeps == chunk else None, impulse, velocity)
+        known = impulse, velocity, residual
+        impulse, velocity, residual = step.best(ways, known, settings.tolerance)
+        chunk *= 2
+    return NlgsResult(
+        impulse=impulse,
+        velocity=velocity,
+        residual=residual,
+        n_sweeps=n_sweeps,
+        n_corrections=accelerator.n_solved,
+    )
+
+
+class _Step:
+    """The equations of a step: velocities of impulses, and what either leave of it."""
+
+    def __init__(self, problem, system, extent, free_velocity, h, ties) -> None:
+        self.dof = dof_of(system.mass)
+        self.problem, self.mass, self.extent = problem, system.mass, extent
+        self.free_velocity, self.h, self.fixed = free_velocity, h, system.mass[:, 0] == 0.0
+        self.nothing = np.zeros(len(problem.gap))
+        self.defect = np.zeros_like(free_velocity)
+        self.ties, self.pulled = ties, np.zeros_like(free_velocity)
+        self.hold(self.pulled)
+
+    def hold(self, velocity: Array) -> None:
+        """Sweep on with the impulses that ties have at velocities (n, n_dof)."""
+        if self.ties:
+            self.ties.act(velocity)
+            self.pulled = np.zeros_like(velocity)
+            self.ties.add_to(self.pulled)
+            self.pulled *= self.problem.inverse_mass
+
+    def velocity_of(self, impulse: Array) -> Array:
+        """Velocities (n, n_dof) that impulses lead to."""
+        velocity: Array = self.free_velocity + self.pulled
+        kernels.apply_impulses(self.dof, self.problem, impulse, velocity)
+        return velocity
+
+    def best(
+        self, ways: Iterable[Way], known: tuple[Array, Array, float], enough: float
+    ) -> tuple[Array, Array, float]:
+        """Impulses, velocities and residual of the first trial that is good ``enough`` [N], or of
+        the best, that ``known`` included, which is held; each way goes on from the impulses known
+        by then.
+
+        Velocities are kept beside impulses: made of them anew they would turn the last bit of an
+        impulse, times the joint's stiffness over the mass, into forces.
+        """
+        for impulse, velocity in (trial for way in ways for trial in way(known[0])):
+            residual = self.residual(impulse, velocity)
+            if residual < known[2]:
+                known = impulse.copy(), velocity.copy(), residual
+                if residual <= enough:
+                    break
+        self.hold(known[1])
+        return known
+
+    def residual(self, impulse: Array, velocity: Array) -> float:
+        """The largest distance from balance and from the joint law [N]."""
+        problem, h, relative = self.problem, self.h, np.zeros_like(impulse)
+        kernels.momentum_defect(
+            self.dof, problem, self.mass, self.free_velocity, velocity, impulse, self.defect
+        )
+        if self.ties:
+            self.ties.act(velocity)
+            self.ties.add_to(self.defect)
+        unbalanced = unbalanced_force(
+            self.defect / h, np.zeros_like(self.defect), self.extent, self.fixed
+        )
+        contact_velocities(self.dof, problem.contacts, velocity, relative)
+        reaction = impulse / h
+        normal, tangential, _ = joint_law_violation(
+            problem.contacts.table, problem.gap + h * relative[:, 0], h * relative[:, 1:], reaction,
+            reaction[:, 1:], self.nothing,
+        )  # fmt: skip
+        return max(float(unbalanced), float(normal), float(tangential))
+
+
+class _Accelerator:
+    """Newton's method on the velocities, from where the sweeps have come.
+
+    Sticking is held by a stiff spring about the present tangential impulse; once the branches of
+    the law have settled, the spring is moved to the new impulse until nothing slips that sticks.
+    """
+
+    def __init__(self, problem, system, free_velocity, h, settings, ties) -> None:
+        self.ties = ties
+        self.dof = dof_of(system.mass)
+        self.problem, self.system = problem, system
+        self.mass, self.free_velocity, self.h = system.mass, free_velocity, h
+        self.corrections, self.holds = settings.corrections, settings.holds
+        # In short steps inertia is stiffer than joints, and a hold softer than it holds nothing.
+        stiffness = problem.contacts.table[:, (STIFF_N, STIFF_T)]
+        self.stiffest = h * h * stiffness.max(initial=0.0)
+        self.penalty = 0.0  # kg
+        # Momentum defect at which the branches count as settled, from the tolerance on forces.
+        self.enough = 0.1 * settings.tolerance * h * np.sqrt(problem.inverse_mass.max(initial=0.0))
+        self.defect = np.zeros_like(free_velocity)
+        self.turn = np.zeros((len(problem.gap), len(self.dof) - 3))  # see `kernels.held_law`
+        self.n_solved = 0
+
+    def ways(
+        self, before: Array, guess: Array | None, impulse: Array, velocity: Array
+    ) -> Iterator[Way]:
+        """What to try, in turn.
+
+        Parameters
+        ----------
+        before, guess
+            Impulses and velocities of a similar step; no velocities where those have been tried.
+        impulse, velocity
+            Where the sweeps have come to.
+        """
+        if len(self.dof) == len(IN_SPACE):
+            if guess is not None:
+                yield partial(self.at_once, velocity=self.predicted(before, guess))
+            held, moving = (impulse, velocity) if guess is None else (before, guess)
+            yield lambda known: self.from_within(held, moving, known)
+            if guess is None:
+                return
+        elif guess is not None:
+            yield partial(self.trials, velocity=self.predicted(before, guess))
+        for start in [velocity] if guess is None else [guess, velocity]:
+            yield partial(self.trials, velocity=start)
+
+    def at_once(self, impulse: Array, velocity: Array) -> Iterator[tuple[Array, Array]]:
+        """`trials` that are given up soon: for where next to nothing has changed."""
+        return self._moves(impulse.copy(), velocity.copy(), self.holds[0], AT_ONCE)
+
+    def from_within(
+        self, impulse: Array, velocity: Array, known: Array
+    ) -> Iterator[tuple[Array, Array]]:
+        """`trials` from where the interior of the law leads, see `dynamics.cones`, the springs held
+        about ``impulse`` first; ``known`` impulses are of the usual size."""
+        pressed = known[known[:, 0] > 0.0, 0]
+        if len(pressed) == 0:
+            return
+        self.penalty = WITHIN * self.stiffest
+        centre = impulse[:, 1:].copy()
+        search = Interior(
+            self.problem, self.system, self.free_velocity, self.h, self.penalty, centre, self.ties
+        )
+        search.start(velocity, float(pressed.mean()))
+        tried = 0
+        for near in search.steps():
+            self.n_solved += 1
+            if not near:
+                continue
+            if tried == MOST_TRIED:
+                return
+            tried += 1
+            self.penalty = WITHIN * self.stiffest
+            found, moved = impulse.copy(), search.velocity.copy()
+            if self._newton(centre, moved, found, np.zeros(len(found), np.int64), AT_ONCE):
+                yield found, moved
+                yield from self._moves(found, moved, self.holds[0])
+                return
+
+    def trials(self, impulse: Array, velocity: Array) -> Iterator[tuple[Array, Array]]:
+        """Impulses and velocities after each move of the springs; the arrays are reused."""
+        for holds in self.holds:
+            found = False
+            for trial in self._moves(impulse.copy(), velocity.copy(), holds):
+                found = True
+                yield trial
+            if found:
+                return
+
+    def predicted(self, impulse: Array, velocity: Array) -> Array:
+        """Velocities on the branches that the impulses of a similar step lie on.
+
+        In stiff joints, the curvature of a step's motion alone opens what stays shut or presses it
+        many times as much: velocities of the step before are on other branches than its impulses.
+        """
+        piece, centre = np.zeros(len(impulse), np.int64), impulse[:, 1:].copy()
+        kernels.branches(self.dof, self.problem, impulse, piece)
+        self.penalty = self.holds[0][0] * self.stiffest
+        found = np.zeros_like(impulse)
+        kernels.branch_law(
+            self.dof, self.problem, self.h, self.penalty, centre, piece, velocity, found, self.turn
+        )
+        self._defect(velocity, found)
+        try:
+            return velocity + self._direction(piece)
+        except SingularMatrixError:
+            return velocity
+
+    def _moves(
+        self, impulse: Array, velocity: Array, holds: Iterable[float], most: int | None = None
+    ) -> Iterator[tuple[Array, Array]]:
+        piece = np.zeros(len(impulse), np.int64)
+        for hold in holds:
+            self.penalty = hold * self.stiffest
+            centre = impulse[:, 1:].copy()
+            if not self._newton(centre, velocity, impulse, piece, most):
+                return
+            yield impulse, velocity
+
+    def _law(self, centre, held, velocity, impulse, piece) -> float:
+        kernels.held_law(
+            self.dof, self.problem, self.h, self.penalty, centre, held, velocity, impulse, piece,
+            self.turn,
+        )  # fmt: skip
+        return self._defect(velocity, impulse)
+
+    def _defect(self, velocity: Array, impulse: Array) -> float:
+        norm = kernels.momentum_defect(
+            self.dof, self.problem, self.mass, self.free_velocity, velocity, impulse, self.defect
+        )
+        if self.ties is None:
+            return norm
+        self.ties.act(velocity)
+        self.ties.add_to(self.defect)
+        self.defect[self.mass == 0.0] = 0.0
+        return float(np.sqrt(np.sum(self.defect**2 * self.problem.inverse_mass)))
+
+    def _direction(self, piece: IntArray) -> Array:
+        tangent = self.system.tangent
+        for block in tangent:
+            block[:] = 0.0
+        diagonal = np.einsum("kii->ki", tangent.diagonal)
+        diagonal += self.mass
+        kernels.held_law_tangent(
+            self.dof, self.problem, self.h, self.penalty, piece, self.turn, *tangent
+        )
+        if self.ties:
+            self.ties.stiffen(tangent)
+        direction = self.system.solve(self.defect)
+        self.n_solved += 1
+        return direction
+
+    def _newton(
+        self,
+        centre: Array,
+        velocity: Array,
+        impulse: Array,
+        piece: IntArray,
+        most: int | None = None,
+    ) -> bool:
+        """Solve for the velocities in place, with at ``most`` so many corrections (None: those of
+        the settings); False where it does not converge."""
+        none = np.zeros(len(centre), np.bool_)
+        merit = self._law(centre, none, velocity, impulse, piece)
+        for _ in range(self.corrections if most is None else most):
+            if merit <= self.enough:
+                return True
+            base, was, turned = velocity.copy(), piece.copy(), self.turn.copy()
+            held = none.copy()
+            try:
+                direction = self._direction(piece)
+                velocity[:] = base + direction
+                trial = self._law(centre, none, velocity, impulse, piece)
+                # A contact that flips from sliding one way to sliding the other passes the narrow
+                # band in which it sticks: hold it there and ask again.
+                for _ in range(8):
+                    if trial <= merit:
+                        break
+                    sense = self._sense(was, turned) * self._sense(piece, self.turn)
+                    skipped = (sense.sum(axis=1) < 0) & ~held
+                    if not skipped.any():
+                        break
+                    held |= skipped
+                    self._law(centre, held, base, impulse, piece)
+                    direction = self._direction(piece)
+                    velocity[:] = base + direction
+                    trial = self._law(centre, none, velocity, impulse, piece)
+            except SingularMatrixError:
+                return False
+            length = 1.0
+            while not trial <= merit and length > 0.05:
+                length *= 0.5
+                velocity[:] = base + length * direction
+                trial = self._law(centre, none, velocity, impulse, piece)
+            merit = trial
+        return merit <= self.enough
+
+    def _sense(self, piece: IntArray, turn: Array) -> Array:
+        """Directions in which contacts slide, in the plane +1 and -1; else 0, (n_contacts, k)."""
+        if len(self.dof) == len(IN_SPACE):
+            return np.where(piece[:, None] == SLIDING, turn[:, :2], 0.0)
+        return (np.where(piece == FORWARD, 1.0, 0.0) - np.where(piece == BACKWARD, 1.0, 0.0))[
+            :, None
+        ]

@@ -1,0 +1,374 @@
+"""Non-smooth contact dynamics: LMGC90's formulation.
+
+One implicit Moreau-Jean step of size h from velocity v_0,
+
+    M (v - v_0) = h (G + lambda F) + H^T p,        q <- q + h v,
+
+with the contact mapping H taken where the step starts, unilateral contact on an elastic joint,
+
+    p_n / h = -k_n (g + h u_n) where that is positive, else 0,        u = H v,
+
+and Coulomb friction on the sliding velocity u_t, without shear stiffness or dilatancy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.contacts import Pairs, Slots
+from drystone.contact.detection import Detector, predecessor_slots
+from drystone.contact.forces import ActedContacts, ContactForces
+from drystone.dynamics import nlgs
+from drystone.dynamics.nlgs import NlgsResult, NlgsSettings
+from drystone.dynamics.sweeps import ContactProblem
+from drystone.engines.base import (
+    Demand,
+    EngineError,
+    Problem,
+    StepReport,
+    UnstableError,
+    refuse_yielding,
+)
+from drystone.engines.departure import departing
+from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
+from drystone.geometry.motion import places, spun_by_impulses, spun_on
+from drystone.law.certificate import Forces, JudgedContacts, certify
+from drystone.law.law import status_of
+from drystone.law.residual import add_contact_forces
+from drystone.law.table import law_table
+from drystone.model.ties import Bars, TieState
+from drystone.statics.linear.block_system import BlockSystem
+from drystone.statics.tie_forces import TieForces, TieImpulses
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True)
+class NscdSettings:
+    """Numerical settings."""
+
+    tolerance: float = 5e-7  # true residual over the heaviest weight, -
+    max_sweeps: int = 6000  # of Gauss-Seidel in one step
+    max_motion: float = 0.5  # share of the detection reach a block may move in one step
+    settling_time_step: float = 0.05  # s
+
+
+@dataclass(frozen=True, kw_only=True)
+class NscdState:
+    """Poses, velocities and the reactions that the next step starts from."""
+
+    pose: Array  # (n, n_pose) m, rad
+    velocity: Array  # (n, n_dof) m/s, rad/s
+    increment: Array  # (n, n_dof) m, rad, of the last step
+    pairs: Pairs
+    slots: Slots  # contacts in `pose`
+    reaction: Array  # (n_slots, dim) N
+    status: IntArray  # (n_slots,)
+    gone: BoolArray  # (n,) blocks that have left
+    ties: TieState
+    settled: float = 0.0  # m or rad, by which supports have moved
+    acted: ActedContacts | None = None  # along the normals and tangents of the step's beginning
+
+
+class NscdEngine:
+    """See the module's text."""
+
+    name = "nscd"
+    in_own_frame = True
+    moves_supports = True
+    prescribes_displacement = False
+    residual_limit = 1e-6  # what a step is solved to, and the rounding of its poses
+
+    def __init__(self, settings: NscdSettings | None = None) -> None:
+        self.settings = settings or NscdSettings()
+
+    def start(self, problem: Problem) -> tuple[NscdState, StepReport]:
+        """Settle under the dead load; raises `UnstableError`, or `EngineError` for a joint law
+        that this formulation does not have."""
+        assembly = problem.assembly
+        refuse_yielding(assembly, self.name)
+        if any(
+            law.dilatancy_angle or law.cohesion or law.tensile_strength for law in assembly.laws
+        ):
+            raise EngineError(
+                "the nscd engine has no dilatancy, cohesion or tensile strength: set them to "
+                "zero, or take the equilibrium or the distinct engine"
+            )
+        try:
+            self.laws = law_table(assembly, shear=False)
+        except ValueError as error:
+            raise EngineError(f"{error}: the nscd engine cannot do without") from None
+        self.problem, self.stage = problem, problem.stages[0]
+        self.detector, self.bars = Detector(assembly), Bars.of(assembly, problem.ties)
+        self.extent = np.maximum(self.detector.extent, 1e-12)
+        pose = assembly.rest_pose()
+        pairs = self.detector.pairs(pose)
+        slots = self.detector.find(pairs, pose)
+        gone = np.zeros(assembly.n_bodies, np.bool_)
+        self._write_system(pairs, gone)
+        state = NscdState(
+            pose=pose,
+            velocity=assembly.no_motion(),
+            increment=assembly.no_motion(),
+            pairs=pairs,
+            slots=slots,
+            reaction=np.zeros_like(slots.normal),
+            status=np.zeros(len(slots.kind), np.int64),
+            gone=gone,
+            ties=self.bars.first(),
+        )
+        state, outcome = self._settle(state)
+        for self.stage in problem.stages[1:]:
+            self._write_system(state.pairs, state.gone)
+            state, outcome = self._settle(state)
+        return state, outcome
+
+    def _settle(self, state: NscdState) -> tuple[NscdState, StepReport]:
+        h, limit = self.settings.settling_time_step, self.problem.assembly.smallest_extent
+        outcome = StepReport(converged=False)
+        for _ in range(500):
+            new, outcome = self.step(state, Demand(multiplier=0.0, time_step=h))
+            if not outcome.converged:
+                h *= 0.5
+                if h < 1e-4 * self.settings.settling_time_step:
+                    break
+                continue
+            state = new
+            # At rest: what a step from rest would move by is far below the joints' own closing.
+            if outcome.motion < 1e-3 * max(outcome.penetration, 1e-9):
+                return state, outcome
+            if state.gone.any() or self.detector.travelled(state.pose).max() > limit:
+                break
+        motion = self.detector.travelled(state.pose)
+        raise UnstableError(unstable_sentence(self.problem, self.problem.length * motion))
+
+    def step(self, state: NscdState, demand: Demand) -> tuple[NscdState, StepReport]:
+        """One implicit step; see `Engine.step`."""
+        new, outcome = self._step(state, demand)
+        if outcome.converged and outcome.dynamic and demand.multiplier is not None:
+            left = departing(
+                self.problem, self.detector, self.loads, new.pose, demand.multiplier,
+                new.pairs, new.slots, new.reaction, self.bars.whole(new.ties),
+            )  # fmt: skip
+            new = self._paired(new, new.gone | left) if left.any() else new
+        return new, outcome
+
+    def _step(self, state: NscdState, demand: Demand) -> tuple[NscdState, StepReport]:
+        if demand.settlement is not None:
+            demand = replace(demand, multiplier=0.0)
+        if demand.multiplier is None or not demand.time_step > 0.0:
+            raise ValueError("the nscd engine steps under a multiplier, with a time step")
+        state = self._refresh(state)
+        h, problem = demand.time_step, self._contact_problem(state)
+        before = np.zeros_like(state.velocity) if demand.stop_blocks else state.velocity
+        before = spun_on(before, state.increment, self.problem.assembly.mass, h)
+        given, guess = self._given(state, demand.settlement or 0.0) / h, state.increment / h
+        before = np.where(np.any(given, axis=1, keepdims=True), given, before)
+        guess[self.loads.fixed] = given[self.loads.fixed]
+        loads = self.loads.near(state.pose, demand.multiplier)
+        load = loads.dead + demand.multiplier * loads.pattern
+        scale = self.problem.assembly.heaviest_weight
+        tolerance = self.settings.tolerance * scale
+        ties = self._ties(state, h)
+        solved = nlgs.solve(
+            problem, self.system[1], self.extent,
+            before + h * self.inverse_mass * load,
+            state.reaction[problem.contacts.slot] * h, guess, h,
+            NlgsSettings(tolerance=tolerance, max_sweeps=self.settings.max_sweeps), ties,
+        )  # fmt: skip
+        motion, reason = self.detector.farthest(h * solved.velocity), ""
+        if solved.residual > tolerance:
+            share = solved.residual / scale
+            reason = f"Gauss-Seidel left a residual of {share:.1e} after {solved.n_sweeps} sweeps"
+        elif motion > self.settings.max_motion * self.detector.reach:
+            reason = "a block moves too far in one step"
+        if reason:
+            return state, StepReport(
+                converged=False,
+                reason=reason,
+                motion=motion,
+                n_iterations=solved.n_sweeps + solved.n_corrections,
+            )
+        return self._accept(state, problem, solved, before, load, motion, demand, ties)
+
+    def _given(self, state: NscdState, amount: float) -> Array:
+        """Increments (n, n_dof) of supports that move on by an amount."""
+        assembly, settlement = self.problem.assembly, self.problem.settlement
+        if settlement is None or not amount:
+            return assembly.no_motion()
+        return settlement.increment(assembly, state.pose, state.settled + amount)
+
+    def _ties(self, state: NscdState, h: float) -> TieImpulses | None:
+        """Ties where the step starts."""
+        if self.ties is None:
+            return None
+        self.ties.begin(self.bars.torn(state.ties))
+        self.ties.act(state.pose)
+        return TieImpulses(self.ties, state.pairs.a, state.pairs.b, h)
+
+    def _contact_problem(self, state: NscdState) -> ContactProblem:
+        """Contacts where the step starts."""
+        contacts = self.detector.pack(state.pairs, state.pose, state.slots, self.laws)
+        return ContactProblem(contacts, state.slots.gap[contacts.slot], self.inverse_mass)
+
+    def _accept(
+        self,
+        state: NscdState,
+        problem: ContactProblem,
+        solved: NlgsResult,
+        before: Array,
+        load: Array,
+        motion: float,
+        demand: Demand,
+        ties: TieImpulses | None,
+    ) -> tuple[NscdState, StepReport]:
+        """The state that a step has led to, from the velocities ``before``, and its figures."""
+        assert demand.multiplier is not None
+        loads = self.loads.near(state.pose, demand.multiplier)
+        h, chosen = demand.time_step, problem.contacts.slot
+        increment = h * solved.velocity
+        pose = self.problem.assembly.moved(state.pose, increment)
+        velocity = spun_by_impulses(solved.velocity, before, self.problem.assembly.mass, h)
+        new, reaction = self._arrive(state, pose, velocity, chosen, solved.impulse / h)
+        force = np.zeros_like(increment)
+        add_contact_forces(problem.contacts, reaction[chosen], force)
+        if ties and self.ties:
+            ties.act(solved.velocity)
+            pulled = np.zeros_like(force)
+            ties.add_to(pulled)
+            force += pulled / h
+            self.ties.act(pose)
+            new = replace(new, ties=self.ties.ended())
+        acceleration = (solved.velocity - before) / h
+        certificate = certify(
+            JudgedContacts.of_impulses(
+                problem.contacts, problem.gap, solved.velocity, reaction[chosen], h
+            ),
+            Forces(contact=force, load=load, inertia=loads.mass * acceleration),
+            self.extent,
+            loads.fixed,
+        )
+        outcome = StepOutcome(
+            multiplier=demand.multiplier,
+            pose=pose,
+            increment=increment,
+            acceleration=acceleration,
+            velocity=solved.velocity,
+            contact_force=force,
+            slots=new.slots,
+            status=new.status,
+            certificate=self.ties.marked(certificate) if self.ties else certificate,
+            motion=motion,
+            n_iterations=solved.n_sweeps + solved.n_corrections,
+            settled=state.settled + (demand.settlement or 0.0),
+        )
+        new = replace(new, settled=outcome.settled)
+        return new, report(self.problem, loads, outcome)
+
+    def _refresh(self, state: NscdState) -> NscdState:
+        """New pairs where the blocks have moved far, and the linear system that fits them."""
+        if self.detector.outdated(state.pairs, state.pose):
+            state = self._paired(state, state.gone)
+        if self.system[0] is not state.pairs:
+            self._write_system(state.pairs, state.gone)
+        return state
+
+    def _paired(self, state: NscdState, gone: BoolArray) -> NscdState:
+        """The state with new pairs, without the blocks that are ``gone``."""
+        pairs = self.detector.pairs(state.pose, gone)
+        source = predecessor_slots(state.pairs, pairs)
+        before, reaction = state.slots.at(source), np.zeros((len(source), state.slots.dim))
+        known = source >= 0
+        reaction[known] = state.reaction[source[known]]
+        slots = self.detector.find(pairs, state.pose, before)
+        reaction, status = self._carried(pairs, before, slots, reaction)
+        return replace(
+            state,
+            velocity=np.where(gone[:, None], 0.0, state.velocity),
+            increment=np.where(gone[:, None], 0.0, state.increment),
+            pairs=pairs,
+            slots=slots,
+            reaction=reaction,
+            status=status,
+            gone=gone,
+        )
+
+    def _write_system(self, pairs: Pairs, gone: BoolArray) -> None:
+        """Loads, masses and the linear system of the blocks that are there."""
+        assembly = self.problem.assembly
+        loads = self.loads = LoadArrays.of(self.problem, gone, self.stage)
+        self.inverse_mass = np.where(loads.fixed[:, None], 0.0, 1.0 / assembly.inertia)
+        place = places(assembly.centroid, pairs.pose)
+        self.ties = TieForces(self.bars, assembly, gone) if self.bars.n_ties else None
+        joined = self.ties.joined(pairs.a, pairs.b) if self.ties else pairs
+        self.system = (pairs, BlockSystem(joined.a, joined.b, loads.mass, loads.fixed, place))
+
+    def _arrive(
+        self, state: NscdState, pose: Array, velocity: Array, chosen: IntArray, found: Array
+    ) -> tuple[NscdState, Array]:
+        """The state at the end of a step: contacts where the blocks are now, reactions carried on.
+
+        Returns the state and the step's reactions by the slots that the step started with.
+        """
+        reaction = np.zeros_like(state.reaction)
+        reaction[chosen] = found
+        followed = Slots.empty(len(reaction), state.slots.dim)
+        self.detector.follow(state.pairs, pose, state.slots, followed)
+        followed.frame[:] = state.slots.frame
+        slots = self.detector.find(state.pairs, pose, state.slots)
+        # Tangents where the step starts are near enough: the next one only begins with these.
+        carried, status = self._carried(state.pairs, state.slots, slots, reaction)
+        new = NscdState(
+            pose=pose,
+            velocity=velocity,
+            increment=self.problem.assembly.difference(pose, state.pose),
+            pairs=state.pairs,
+            slots=slots,
+            reaction=carried,
+            status=status,
+            gone=state.gone,
+            ties=state.ties,
+            acted=ActedContacts(
+                pairs=state.pairs,
+                slots=followed,
+                reaction=reaction,
+                status=self._status(state.pairs, reaction),
+            ),
+        )
+        return new, reaction
+
+    def _carried(
+        self, pairs: Pairs, before: Slots, now: Slots, reaction: Array
+    ) -> tuple[Array, IntArray]:
+        """Reactions (n_slots, dim) [N] of slots ``before``, by those that go on with them, and
+        what these do."""
+        source = self.detector.predecessors(pairs, before, now)
+        carried = np.empty_like(reaction)
+        carried[:, 0] = np.where(source >= 0, reaction[source, 0], 0.0)
+        carried[:, 1:] = self.detector.carried(before, now, source, reaction[:, 1:])
+        return carried, self._status(pairs, carried)
+
+    def _status(self, pairs: Pairs, reaction: Array) -> IntArray:
+        """What contacts with these reactions do, (n_slots,)."""
+        status = np.empty(len(reaction), np.int64)
+        status_of(pairs, self.laws, reaction, status)
+        return status
+
+    def ties_of(self, state: NscdState) -> TieState:
+        """What the ties of a state carry."""
+        return state.ties
+
+    def contacts(self, state: NscdState) -> ContactForces:
+        """Contact points and reactions of a state: those that are in balance."""
+        these = state.acted or state
+        return self.detector.forces(
+            these.pairs, state.pose, these.slots, these.reaction, these.status
+        )
+
+    def close(self) -> None:
+        """Nothing is held."""

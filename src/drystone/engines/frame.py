@@ -1,0 +1,241 @@
+"""The structure's own coordinates and units, in which neither place nor unit of a drawing matters.
+
+Coordinates are doubles: 10,000 km from the origin only some eight decimals of a metre are left, and
+differences of places are known to them alone.  Engines have tolerances in metres, seconds and
+newtons.  So they are given the structure where its own lower corner is the origin, its smallest
+block as large as the published walls' and its heaviest material as heavy as theirs.  Gravity is
+kept, so that times go with the square root of lengths.
+
+Coordinates that were typed come back exactly: where a decimal number, of as many decimals as the
+double could hold there, lies within its rounding, that was meant.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.common.records import changed
+from drystone.contact.forces import ContactForces
+from drystone.model.assembly import Assembly, JointLaw
+from drystone.model.monitor import ControlPoint
+from drystone.model.ties import TieState
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: Smallest side of a block of the published walls [m], and their unit weight [N/m3].
+SIZE, UNIT_WEIGHT = 0.175, 10e3
+
+#: Places that differ by no more [m, own units] are the same in the order of blocks: above what
+#: roundings make of a thousand metres (1e-13 each), far below what anyone builds.
+SAME = 1e-9
+
+#: Significant digits that are kept of a quotient: what it has of its own, less its rounding.
+DIGITS = 13
+
+
+def _over(value: float | None, unit: float) -> float | None:
+    return None if value is None else plain(value / unit)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Frame:
+    """What takes an assembly to its own coordinates and units, and results back."""
+
+    origin: Array  # (dim,) m, lower corner of the box around all blocks
+    place_noise: float  # m, rounding of the drawing's coordinates
+    length: float  # m, own unit of length
+    depth: float  # m, unit of the thickness; in three dimensions that of length
+    unit_weight: float  # N/m3, own unit of weight
+
+    @classmethod
+    def of(cls, assembly: Assembly, *, scaled: bool = True) -> Frame:
+        """Of an assembly; without ``scaled`` the units stay and only the origin changes."""
+        vertices = np.vstack([block.vertices for block in assembly.blocks])
+        noise = float(np.spacing(np.abs(vertices).max()))
+        origin = vertices.min(axis=0)
+        movable = [block for block in assembly.blocks if not block.support]
+        if not scaled or not movable:
+            return cls(origin=origin, place_noise=noise, length=1.0, depth=1.0, unit_weight=1.0)
+        if assembly.dimension == 2:
+            outline = np.vstack([block.vertices for block in movable])
+            first = np.cumsum([0] + [len(block.vertices) for block in movable[:-1]])
+            sides = np.maximum.reduceat(outline, first) - np.minimum.reduceat(outline, first)
+        else:
+            sides = np.array([assembly.smallest_extent])
+        length = float(typed(sides, noise).min()) / SIZE
+        return cls(
+            origin=origin,
+            place_noise=noise,
+            length=length,
+            depth=assembly.thickness if assembly.dimension == 2 else length,
+            unit_weight=plain(max(block.unit_weight for block in movable) / UNIT_WEIGHT),
+        )
+
+    @property
+    def size(self) -> float:
+        """`Assembly.smallest_extent` [m], where units are scaled."""
+        return plain(SIZE * self.length)
+
+    @property
+    def time(self) -> float:
+        """Own unit of time [s]."""
+        return math.sqrt(self.length)
+
+    @property
+    def area(self) -> float:
+        """Own unit of joint area [m2]."""
+        return self.length * self.depth
+
+    @property
+    def force(self) -> float:
+        """Own unit of force [N]."""
+        return self.unit_weight * self.area * self.length
+
+    def place(self, points: Array) -> Array:
+        """Points of the drawing (..., dim) [m] in own coordinates."""
+        own = typed(np.asarray(points, float) - self.origin, self.place_noise) / self.length
+        return typed(own, 2.0 * float(np.spacing(np.abs(own).max(initial=1.0))))
+
+    @staticmethod
+    def order(own: Assembly, control: ControlPoint) -> IntArray:
+        """Rows of the blocks by their place, (n,), of an assembly in own coordinates.
+
+        Sums have the roundings of their order, and where blocks slide or jump a rounding decides
+        which way they go.  Neither the order in which a drawing lists its blocks nor its turn in
+        space is a property of the structure.  So blocks are ordered by their height, then along the
+        control displacement, then from the left to the right of it.  Where that displacement is
+        vertical, their distance from the control point decides, and last their coordinates.
+        """
+        up, forward = own.up, control.direction
+        keys = [own.centroid @ up, own.centroid @ forward]
+        if own.dimension == 3:
+            keys.append(own.centroid @ np.cross(forward, up))
+        keys += [np.linalg.norm(own.centroid - control.point, axis=1), *own.centroid.T]
+        return np.lexsort([_ranks(key) for key in reversed(keys)])
+
+    def assembly(self, drawn: Assembly) -> Assembly:
+        """The assembly in own coordinates and units."""
+        corner = drawn.corner
+        last = np.cumsum([len(block.vertices) for block in drawn.blocks])[:-1]
+        shapes = np.split(self.place(np.vstack([b.vertices for b in drawn.blocks])), last)
+        return replace(
+            drawn,
+            blocks=tuple(
+                replace(
+                    block.with_vertices(vertices),
+                    unit_weight=plain(block.unit_weight / self.unit_weight),
+                )
+                for block, vertices in zip(drawn.blocks, shapes, strict=True)
+            ),
+            joint=self._law(drawn.joint),
+            corner=replace(
+                corner,
+                radius=corner.radius and plain(corner.radius / self.length),
+                chamfer=corner.chamfer and plain(corner.chamfer / self.length),
+            ),
+            thickness=plain(drawn.thickness / self.depth) if drawn.dimension == 2 else 1.0,
+            joint_between={names: self._law(law) for names, law in drawn.joint_between.items()},
+        )
+
+    def _law(self, law: JointLaw) -> JointLaw:
+        """A joint law in own units: stiffness times length and strength are pressures, as is weight
+        times length."""
+        stiffness, strength = self.unit_weight, self.unit_weight * self.length
+        energy = strength * self.length
+        return replace(
+            law,
+            normal_stiffness=_over(law.normal_stiffness, stiffness),
+            shear_stiffness=_over(law.shear_stiffness, stiffness),
+            cohesion=plain(law.cohesion / strength),
+            tensile_strength=plain(law.tensile_strength / strength),
+            tensile_fracture_energy=_over(law.tensile_fracture_energy, energy),
+            shear_fracture_energy=_over(law.shear_fracture_energy, energy),
+            compressive_strength=plain(law.compressive_strength / strength),
+            compressive_fracture_energy=_over(law.compressive_fracture_energy, energy),
+            residual_slip=_over(law.residual_slip, self.length),
+            greatest_closure=plain(law.greatest_closure / self.length),
+            dilatancy_end=plain(law.dilatancy_end / self.length),
+        )
+
+    def control_point(self, drawn: ControlPoint) -> ControlPoint:
+        """The control point in own coordinates."""
+        return replace(drawn, point=self.place(drawn.point))
+
+    def forces(self, drawn: Array) -> Array:
+        """Forces (..., dim) [N] in own units."""
+        return np.vectorize(plain, otypes=[float])(np.asarray(drawn, float) / self.force)
+
+    def extension(self, drawn: float) -> float:
+        """A length [m] in own units."""
+        return plain(drawn / self.length)
+
+    def spring(self, drawn: float) -> float:
+        """A stiffness [N/m] in own units."""
+        return plain(drawn * self.length / self.force)
+
+    def ties_of(self, own: TieState) -> TieState:
+        """Forces of ties in newtons, elongations in metres."""
+        return changed(
+            own,
+            plastic=self.length * own.plastic,
+            force=self.force * own.force,
+            elongation=self.length * own.elongation,
+        )
+
+    def height(self, drawn: float) -> float:
+        """A height [m] in own coordinates."""
+        return plain((drawn - float(self.origin[-1])) / self.length)
+
+    def pressure(self, drawn: float) -> float:
+        """A pressure [Pa] in own units."""
+        return plain(drawn / (self.unit_weight * self.length))
+
+    def weight(self, drawn: float) -> float:
+        """A unit weight [N/m3] in own units."""
+        return plain(drawn / self.unit_weight)
+
+    def pose_of(self, own: Array) -> Array:
+        """Poses (n, n_dof) in metres."""
+        pose = own.copy()
+        pose[:, : len(self.origin)] *= self.length
+        return pose
+
+    def contacts_of(self, own: ContactForces) -> ContactForces:
+        """Contact points in the drawing's coordinates, forces in newtons."""
+        return changed(
+            own,
+            position=self.origin + self.length * own.position,
+            gap=self.length * own.gap,
+            area=self.area * own.area,
+            normal_reaction=self.force * own.normal_reaction,
+            tangential_reaction=self.force * own.tangential_reaction,
+        )
+
+
+def _ranks(values: Array) -> IntArray:
+    """Ranks of lengths in own units (n,); those that differ by no more than `SAME` share one."""
+    order = np.argsort(values, kind="stable")
+    ranks = np.empty(len(values), np.int64)
+    ranks[order] = np.cumsum(np.diff(values[order], prepend=values[order[:1]]) > SAME)
+    return ranks
+
+
+def typed(values: Array, noise: float) -> Array:
+    """Values that are decimals but for a rounding of ``noise`` as those; others as they are.
+
+    The decimals are those of ten to a hundred times the noise, so that a value that no one typed
+    changes by no more than its rounding.
+    """
+    decimals = math.floor(-math.log10(noise)) - 1
+    rounded = np.round(values, decimals)
+    return np.where(np.abs(rounded - values) <= 2.0 * noise, rounded, values)
+
+
+def plain(value: float) -> float:
+    """A quotient or product without its rounding."""
+    return float(f"{value:.{DIGITS - 1}e}")

@@ -1,0 +1,1 @@
+"""Outlines: polygons, their parts, and how drawn ones are mended."""

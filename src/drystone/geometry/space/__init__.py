@@ -1,0 +1,1 @@
+"""Solids: polyhedra, their parts, and how drawn ones are mended."""

@@ -1,0 +1,1 @@
+"""Files: models, drawings, results, and the formats of other programs."""

@@ -1,0 +1,114 @@
+"""Models as input files of other programs, and readers that check what was written.
+
+A writer takes a model and gives the file's text with notes on what the target cannot express; a
+reader rebuilds the model from such a file.  The readers know the grammar that our writers use, not
+every file of those programs.  Files of modelling programs, which hold blocks and no models, are
+read by `drystone.io.drawings`; `from_drawing` makes a model file of one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+
+from drystone.io.convert import drawings, lmgc90, threedec, udec, vtk
+from drystone.io.convert.common import Written
+from drystone.model.construction.contents import read_bytes
+from drystone.model.construction.errors import ModelError
+from drystone.model.model import Model
+
+
+@dataclass(frozen=True, kw_only=True)
+class Target:
+    """A program that we write for."""
+
+    name: str
+    endings: tuple[str, ...]  # of file names that mean it
+    write: Callable[[Model, str], Written]  # model and file name -> text and notes
+    read: Callable[[str], Model] | None  # text -> model
+
+
+TARGETS = {
+    target.name: target
+    for target in (
+        Target(name="udec", endings=(".dat", ".udat"), write=udec.write, read=udec.read),
+        Target(name="3dec", endings=(".3ddat",), write=threedec.write, read=threedec.read),
+        Target(name="lmgc90", endings=(".py",), write=lmgc90.write, read=lmgc90.read),
+        Target(name="vtk", endings=(".vtk", ".vtu"), write=vtk.write, read=None),
+        Target(name="dxf", endings=(".dxf",), write=drawings.write_dxf, read=None),
+        Target(name="obj", endings=(".obj",), write=drawings.write_obj, read=None),
+        Target(name="compas", endings=(".json",), write=drawings.write_compas, read=None),
+        Target(name="ply", endings=(".ply",), write=drawings.write_ply, read=None),
+        Target(name="stl", endings=(".stl",), write=drawings.write_stl, read=None),
+    )
+}
+
+
+def target_of(path: str | PathLike[str], name: str | None = None) -> Target:
+    """The target of that name, or else the one that the file's ending means.
+
+    Raises
+    ------
+    ModelError
+        There is none.
+    """
+    if name is not None:
+        if name not in TARGETS:
+            raise ModelError([f'there is no target "{name}": take one of {", ".join(TARGETS)}'])
+        return TARGETS[name]
+    ending = Path(path).suffix.lower()
+    for target in TARGETS.values():
+        if ending in target.endings:
+            return target
+    known = ", ".join(f"{t.endings[0]} ({t.name})" for t in TARGETS.values())
+    raise ModelError(
+        [f'{path}: its ending "{ending}" means no program: end it in {known}, or say --to']
+    )
+
+
+def convert(model: Model, path: str | PathLike[str], target: str | None = None) -> tuple[str, ...]:
+    """Write a model as another program's input.
+
+    Parameters
+    ----------
+    path
+        Of the file to write.
+    target
+        One of `TARGETS`; by default what the file's ending means.
+
+    Returns
+    -------
+    tuple of str
+        What the target cannot express, a sentence each.
+
+    Raises
+    ------
+    ModelError
+        There is no such target, or it cannot take the model at all.
+    """
+    written = target_of(path, target).write(model, Path(path).name)
+    Path(path).write_text(written.text, encoding="utf-8", newline="\n")
+    return written.notes
+
+
+def read(path: str | PathLike[str], target: str | None = None) -> Model:
+    """Rebuild the model of a file that `convert` wrote; names and numbers come from the file.
+
+    Raises
+    ------
+    ModelError
+        The file is not of the kind that `convert` writes, or the target has no reader.
+    """
+    found = target_of(path, target)
+    if found.read is None:
+        raise ModelError([f"{path}: a file for {found.name} holds no model, only its geometry"])
+    try:
+        text = read_bytes(Path(path), "the file").decode("utf-8")
+    except ModelError as error:
+        raise ModelError(f"{path}: {problem}" for problem in error.problems) from None
+    return found.read(text)
+
+
+__all__ = ["TARGETS", "Target", "convert", "read", "target_of"]

@@ -1,0 +1,168 @@
+"""A drawing as a model file: its blocks, mended, with what else is known."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from drystone.geometry.mended import Mended
+from drystone.io.drawings import Imported, ImportSettings, imported
+from drystone.io.modelfile.parse import parse
+from drystone.io.modelfile.write import to_toml
+from drystone.model.assembly import Block
+from drystone.model.construction.contents import read_bytes
+from drystone.model.construction.errors import ModelError
+from drystone.model.construction.words import in_a_cell
+
+#: Tables that are taken over from another model file.
+TAKEN = (
+    "thickness",
+    "material",
+    "joint",
+    "corner",
+    "contact",
+    "load",
+    "control",
+    "analysis",
+)
+WHAT = "# What no drawing says: put in your numbers and take the marks off.\n"
+#: Tables that a model needs and no drawing has, as lines to fill in.
+TO_FILL = {
+    "thickness": "thickness = 1.0  # m, out of plane",
+    "material": "[material.{material}]\nunit_weight = 20e3  # N/m3",
+    "joint": "[joint]\nfriction_coefficient = 0.6\nnormal_stiffness = 1e9  # Pa/m\n"
+    "shear_stiffness = 1e9  # Pa/m",
+    "load": '[load]\npattern = "mass"\ndirection = {direction}',
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class FromDrawing:
+    """A model file, and what there is to know about it."""
+
+    text: str
+    blocks: tuple[Block, ...]
+    mended: tuple[Mended, ...]
+    notes: tuple[str, ...]
+
+
+def from_drawing(settings: ImportSettings, like: Path | None = None) -> FromDrawing:
+    """The text of a model file with the blocks of a drawing.
+
+    Parameters
+    ----------
+    like
+        A model file from which everything but the blocks is taken; without one, materials, joints
+        and load are left to fill in.
+
+    Raises
+    ------
+    ModelError
+        The drawing cannot be read, or the other model file is none.
+    """
+    known: dict[str, Any] = {}
+    if like is not None:
+        try:
+            given = parse(
+                read_bytes(like, "the model file"), is_json=like.suffix.lower() == ".json"
+            )
+        except ModelError as error:
+            raise ModelError(f"{like}: {problem}" for problem in error.problems) from None
+        known = {key: given[key] for key in TAKEN if key in given}
+    materials = known.get("material")
+    names = list(materials) if isinstance(materials, dict) else []
+    # Weights are for whoever reads the model file; here only names matter.
+    made = imported(settings, lambda layer: (_material(layer, names, settings.material), 1.0))
+    dimension = made.blocks[0].dimension
+    if dimension == 3:
+        known.pop("thickness", None)
+    data = {
+        "title": settings.file.stem,
+        "dimension": dimension,
+        **{key: value for key, value in known.items() if key != "control"},
+        "block": [_block(block) for block in made.blocks],
+    }
+    if made.control is not None or "control" in known:
+        data["control"] = known.get("control", {"point": list(made.control or ())})
+        if "control" not in known:
+            data["control"] = _control(made)
+    missing = [
+        key for key in TO_FILL if key not in known and (key != "thickness" or dimension == 2)
+    ]
+    notes = list(made.notes)
+    if missing:
+        tables = ", ".join("thickness" if key == "thickness" else f"[{key}]" for key in missing)
+        notes.append(f"a drawing does not say {tables}: fill in what is marked in the file")
+    head, tail = _to_fill(missing, made.blocks, dimension)
+    return FromDrawing(
+        text=head + to_toml(data) + tail, blocks=made.blocks, mended=made.mended, notes=tuple(notes)
+    )
+
+
+def _material(layer: str, names: Sequence[str], given: str | None) -> str:
+    """The name of a block's material: its layer where there is such a material."""
+    if not names:
+        return given or layer
+    if layer in names:
+        return layer
+    name = given or (names[0] if len(names) == 1 else None)
+    if name is None:
+        raise ModelError(
+            [f'material: none is named after the layer "{layer}", say which with --material']
+        )
+    return name
+
+
+def _block(block: Block) -> dict[str, Any]:
+    """A block as a table of the file."""
+    from drystone.model.construction.describe import shape_of_block
+
+    return {
+        "id": block.id,
+        **({"material": block.material} if block.material else {}),
+        **shape_of_block(block),
+        **({"support": True} if block.support else {}),
+        **({"groups": list(block.groups)} if block.groups else {}),
+    }
+
+
+def _control(made: Imported) -> dict[str, Any]:
+    from drystone.io.modelfile.imports import nearest
+
+    point = list(made.control or ())
+    return {"block": nearest(made.blocks, point), "point": point}
+
+
+def _to_fill(missing: Sequence[str], blocks: Sequence[Block], dimension: int) -> tuple[str, str]:
+    """Comments for the beginning and the end of the file: what is to be filled in."""
+    if not missing:
+        return "", ""
+    materials = dict.fromkeys(block.material for block in blocks)
+    direction = "[1.0, 0.0]" if dimension == 2 else "[1.0, 0.0, 0.0]"
+    head, tail = "", ""
+    for key in missing:
+        for name in materials if key == "material" else [""]:
+            quoted = name if name.isidentifier() else json.dumps(name) if name else "stone"
+            text = TO_FILL[key].format(material=quoted, direction=direction)
+            lines = "".join(f"# {line}\n" for line in text.split("\n"))
+            if key == "thickness":
+                head += lines
+            else:
+                tail += lines
+    return WHAT + head, "\n" + WHAT + tail
+
+
+def mended_csv(records: Sequence[Mended]) -> str:
+    """What was done to which block, a line each."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(["block", "what", "how_much_m", "count", "volume_m3"])
+    for record in records:
+        row = (f"{record.how_much:.6g}", record.count, f"{record.volume:.6g}")
+        writer.writerow([in_a_cell(record.block), record.what, *row])
+    return stream.getvalue()

@@ -1,0 +1,230 @@
+"""3DEC: prisms over the blocks' outlines, joints, supports, and the published strategy in FISH.
+
+`threedec_solids` has what is other in space.
+
+The plane of the model is that of x and y, with gravity along -y; the prisms reach half the
+thickness to both sides of it.  3DEC has no rounded corners: they are cut off, at 45 degrees in a
+right corner, which leaves the contact points where rounding would have them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.geometry.plane import polygon
+from drystone.geometry.space.solid import Faces
+from drystone.io.convert import itasca, threedec_solids
+from drystone.io.convert.common import (
+    Written,
+    chamfered,
+    left_sharp,
+    leg_of,
+    materials,
+    need_convex,
+    need_stiffness,
+    number,
+    strategy_notes,
+    unchamfered,
+)
+from drystone.model.assembly import GRAVITY, Assembly, Corner, JointLaw
+from drystone.model.model import Model
+
+Array = NDArray[np.float64]
+
+PROGRAM = "3DEC"
+
+FUNCTIONS = f"""\
+def add_up
+  total = 0.0
+  ctl_b = 0
+  least = 1e30
+  ib = block_head
+  loop while ib # 0
+    if b_fix(ib) = 0 then
+      total = total + grav * b_mass(ib)
+    end_if
+    away = (b_x(ib) - ctl_bx)^2 + (b_y(ib) - ctl_by)^2
+    if away < least then
+      least = away
+      ctl_b = ib
+    end_if
+    ib = b_next(ib)
+  end_loop
+  ; the vertex of the control block that is nearest to the control point
+  least = 1e30
+  ig = b_gp(ctl_b)
+  loop while ig # 0
+    away = (gp_x(ig) - ctl_x)^2 + (gp_y(ig) - ctl_y)^2
+    if away < least then
+      least = away
+      ctl_g = ig
+    end_if
+    ig = gp_next(ig)
+  end_loop
+end
+{itasca.PUT_LOADS}\
+{threedec_solids.STOP_BLOCKS}\
+{itasca.READ_CARRIED}\
+def read_control
+  ctl_u = gp_xdis(ctl_g) * read_x + gp_ydis(ctl_g) * read_y
+end
+@add_up
+""".splitlines()
+
+#: Gives the contacts between two blocks, by their regions, another joint material.
+JOINT_LAW = """\
+def joint_law(n_law, n_1, n_2)
+  ic = contact_head
+  loop while ic # 0
+    n_a = b_region(c_b1(ic))
+    n_b = b_region(c_b2(ic))
+    if n_a = n_1 then
+      if n_b = n_2 then
+        c_mat(ic) = n_law
+      end_if
+    end_if
+    if n_a = n_2 then
+      if n_b = n_1 then
+        c_mat(ic) = n_law
+      end_if
+    end_if
+    ic = c_next(ic)
+  end_loop
+end
+""".splitlines()
+
+
+def write(model: Model, name: str = "") -> Written:
+    """The model as a 3DEC data file; every block is a region of its own."""
+    assembly = model.assembly
+    need_stiffness(assembly, PROGRAM)
+    need_convex(assembly, PROGRAM)
+    solid = assembly.dimension == 3
+    outlines = None if solid else chamfered(assembly)
+    stuff = materials(assembly, outlines)
+    notes = [*_corner_notes(assembly), *strategy_notes(model, PROGRAM)]
+    if not solid:
+        notes.append(
+            "3DEC leaves the blocks free to move out of the plane: nothing pushes them there"
+        )
+    lines = [*itasca.heading(model, PROGRAM, notes), "new"]
+    lines += _blocks(assembly, outlines)
+    for k, (density, material) in enumerate(zip(stuff.density, stuff.name, strict=True), start=1):
+        lines.append(f"prop mat={k} dens={number(density)}  ; {itasca.quoted(material)}")
+    for k, law in enumerate(assembly.laws, start=1):
+        lines += itasca.command("prop", f"jmat={k}", *itasca.law_words(law))
+    lines += ["set jmatdf=1", "change jmat=1"]
+    for k, kind in enumerate(stuff.of_block, start=1):
+        if kind > 1:
+            lines.append(f"change mat={kind} range region {k}")
+    for k, fixed in enumerate(assembly.fixed, start=1):
+        if fixed:
+            lines.append(f"fix range region {k}")
+    gravity = ["0.0", number(-GRAVITY)]
+    gravity.insert(0 if solid else 2, "0.0")
+    lines += ["gravity " + " ".join(gravity), ""]
+    own = {
+        "thick": (assembly.thickness, "m"),
+        "leg": (leg_of(assembly), "m, of the corners that were cut off"),
+    }
+    lines += itasca.parameters(model, {} if solid else own, PROGRAM)
+    if assembly.joint_between:
+        lines += JOINT_LAW
+        lines += [
+            f"@joint_law({law}, {i + 1}, {j + 1})" for law, i, j in itasca.pair_laws(assembly)
+        ]
+        notes.append(
+            "joints with laws of their own keep them as designed: contacts that form later get the "
+            "first law"
+        )
+    lines += ["", *(threedec_solids.FUNCTIONS if solid else FUNCTIONS), *itasca.PUSHOVER]
+    return Written(text="\n".join(lines) + "\n", notes=tuple(notes))
+
+
+def _blocks(assembly: Assembly, outlines: list[Array] | None) -> list[str]:
+    """A region for each block, with its id above; ``outlines`` in the plane alone."""
+    front, back = number(0.5 * assembly.thickness), number(-0.5 * assembly.thickness)
+    lines = []
+    for k, block in enumerate(assembly.blocks, start=1):
+        lines.append(f"; {itasca.quoted(block.id)}")
+        if outlines is None:
+            lines += threedec_solids.block_command(k, assembly.figures[k - 1].parts[0])
+            continue
+        lines += itasca.command(
+            f"poly region {k} prism",
+            "a",
+            *(f"({number(x)},{number(y)},{front})" for x, y in outlines[k - 1]),
+            "b",
+            *(f"({number(x)},{number(y)},{back})" for x, y in outlines[k - 1]),
+        )
+    return [*lines, ""]
+
+
+def _corner_notes(assembly: Assembly) -> list[str]:
+    if assembly.dimension == 3:
+        return left_sharp(assembly, PROGRAM)
+    radius = assembly.corner.radius
+    if not radius:
+        return []
+    return [f"3DEC has no rounded corners: they are chamfered with legs of {radius:g} m"]
+
+
+def read(text: str) -> Model:
+    """The model of a file that `write` wrote; its corners are chamfered or sharp."""
+    with itasca.only_ours(PROGRAM):
+        parsed = itasca.parse(text)
+        return _model(parsed)
+
+
+def _model(parsed: itasca.Parsed) -> Model:
+    ids: list[str] = []
+    solid = "load_z" in parsed.values
+    cut: list[Array] = []
+    faces: list[Faces] = []
+    density: list[float] = []
+    names: list[str] = []
+    laws: list[JointLaw] = []
+    material: dict[int, int] = {}
+    supports: set[int] = set()
+    between: list[tuple[int, int, int]] = []
+    for words, comment in parsed.commands:
+        if words[0] == "poly" and solid:
+            vertices, sides = threedec_solids.solid_of(words[3:])
+            cut.append(vertices)
+            faces.append(sides)
+            ids.append(comment)
+        elif words[0] == "poly":
+            front = words[words.index("a") + 1 : words.index("b")]
+            cut.append(np.array([float(word) for word in front]).reshape(-1, 3)[:, :2].copy())
+            ids.append(comment)
+        elif words[:2] == ["prop", "mat"]:
+            density.append(float(words[4]))
+            names.append(comment)
+        elif words[0] == "prop":
+            laws.append(itasca.law_of(itasca.keywords(words[1:])))
+        elif words[:2] == ["change", "mat"]:
+            material[int(words[5])] = int(words[2])
+        elif words[0] == "fix":
+            supports.add(int(words[3]))
+        elif words[0] == "@joint_law":
+            law, first, second = (int(word) for word in words[1:])
+            between.append((law, first, second))
+    if not cut or not laws:
+        raise ValueError("it lacks poly or prop")
+    leg = 0.0 if solid else parsed.values["leg"]
+    outlines = [unchamfered(outline) for outline in cut] if leg else cut
+    ratio = [
+        polygon.signed_area(part) / polygon.signed_area(whole) if leg else 1.0
+        for part, whole in zip(cut, outlines, strict=True)
+    ]
+    n = len(outlines)
+    return itasca.assemble(
+        parsed, ids, outlines, density, names, laws,
+        material=[material.get(k, 1) for k in range(1, n + 1)],
+        support=[k in supports for k in range(1, n + 1)],
+        between=[(law, first - 1, second - 1) for law, first, second in between],
+        corner=Corner(chamfer=leg or None),
+        area_ratio=ratio,
+        faces=faces if solid else None,
+    )  # fmt: skip

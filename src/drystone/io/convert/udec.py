@@ -1,0 +1,256 @@
+"""UDEC: polygons with rounded corners, joints, supports, and the published strategy in FISH.
+
+UDEC rounds a corner so that its arc begins at a given distance from the corner, our radius is that
+of the arc: in a right corner the two are the same.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.geometry.plane import polygon
+from drystone.io.convert import itasca
+from drystone.io.convert.common import (
+    Written,
+    materials,
+    need_convex,
+    need_stiffness,
+    number,
+    strategy_notes,
+)
+from drystone.model.assembly import GRAVITY, Assembly, Corner, JointLaw
+from drystone.model.construction.errors import ModelError
+from drystone.model.model import Model
+
+Array = NDArray[np.float64]
+
+PROGRAM = "UDEC"
+#: Rounding that stands for sharp corners, over the shortest edge.
+SHARP = 1e-3
+#: Boxes that pick one block by its centroid, over the smallest extent of a block.
+BOX = 1e-3
+
+FUNCTIONS = f"""\
+def add_up
+  total = 0.0
+  ib = block_head
+  loop while ib # 0
+    if b_fix(ib) = 0 then
+      total = total + grav * b_mass(ib)
+    end_if
+    ib = b_next(ib)
+  end_loop
+  ; the corner of the control block that is nearest to the control point
+  ctl_b = b_near(ctl_bx, ctl_by)
+  first = b_corner(ctl_b)
+  ctl_c = first
+  least = 1e30
+  ic = first
+  turning = 1
+  loop while turning = 1
+    away = (cor_x(ic) - ctl_x)^2 + (cor_y(ic) - ctl_y)^2
+    if away < least then
+      least = away
+      ctl_c = ic
+    end_if
+    ic = cor_link(ic)
+    if ic = first then
+      turning = 0
+    end_if
+    if ic = 0 then
+      turning = 0
+    end_if
+  end_loop
+  ctl_x0 = cor_x(ctl_c)
+  ctl_y0 = cor_y(ctl_c)
+end
+{itasca.PUT_LOADS}\
+def stop_blocks
+  ib = block_head
+  loop while ib # 0
+    b_xvel(ib) = 0.0
+    b_yvel(ib) = 0.0
+    b_rvel(ib) = 0.0
+    ib = b_next(ib)
+  end_loop
+end
+{itasca.READ_CARRIED}\
+def read_control
+  ctl_u = (cor_x(ctl_c) - ctl_x0) * read_x + (cor_y(ctl_c) - ctl_y0) * read_y
+end
+@add_up
+""".splitlines()
+
+#: Gives the contacts between two blocks, picked by points inside them, another joint material.
+JOINT_LAW = """\
+def joint_law(n_law, x_1, y_1, x_2, y_2)
+  ib_1 = b_near(x_1, y_1)
+  ib_2 = b_near(x_2, y_2)
+  ic = contact_head
+  loop while ic # 0
+    if c_b1(ic) = ib_1 then
+      if c_b2(ic) = ib_2 then
+        c_mat(ic) = n_law
+      end_if
+    end_if
+    if c_b1(ic) = ib_2 then
+      if c_b2(ic) = ib_1 then
+        c_mat(ic) = n_law
+      end_if
+    end_if
+    ic = c_next(ic)
+  end_loop
+end
+""".splitlines()
+
+
+def write(model: Model, name: str = "") -> Written:
+    """The model as a UDEC data file."""
+    assembly = model.assembly
+    if assembly.dimension == 3:
+        raise ModelError(["dimension: UDEC is of the plane: convert solids for 3dec or lmgc90"])
+    need_stiffness(assembly, PROGRAM)
+    need_convex(assembly, PROGRAM)
+    rounding, notes = rounding_of(assembly)
+    notes += strategy_notes(model, PROGRAM)
+    if assembly.thickness != 1.0:
+        notes.append(
+            f"UDEC's blocks are 1 m thick: its forces are those of a wall of {assembly.thickness:g}"
+            " m divided by that, its multipliers are the same"
+        )
+    if not _is_vertex(model):
+        notes.append("the control point is no corner of its block: UDEC reads the nearest corner")
+    stuff = materials(assembly)
+    lines = [*itasca.heading(model, PROGRAM, notes), "new", f"round {number(rounding)}"]
+    for block in assembly.blocks:
+        lines.append(f"; {itasca.quoted(block.id)}")
+        clockwise = block.vertices[::-1]
+        lines += itasca.command("block", *(f"{number(x)},{number(y)}" for x, y in clockwise))
+    lines.append("")
+    for k, (density, material) in enumerate(zip(stuff.density, stuff.name, strict=True), start=1):
+        lines.append(f"prop mat={k} dens={number(density)}  ; {itasca.quoted(material)}")
+    for k, law in enumerate(assembly.laws, start=1):
+        lines += itasca.command("prop", f"jmat={k}", *itasca.law_words(law))
+    lines += ["set jmatdf=1", "change jmat=1"]
+    box = BOX * min(float(np.ptp(block.vertices, axis=0).min()) for block in assembly.blocks)
+    for (x, y), k in zip(assembly.centroid, stuff.of_block, strict=True):
+        if k > 1:
+            lines.append(f"change mat={k} {_box(x, y, box)}")
+    for (x, y), fixed in zip(assembly.centroid, assembly.fixed, strict=True):
+        if fixed:
+            lines.append(f"fix {_box(x, y, box)}")
+    lines += [f"set gravity=0.0,{number(-GRAVITY)}", ""]
+    lines += itasca.parameters(
+        model, {"thick": (assembly.thickness, "m, that of the model")}, PROGRAM
+    )
+    if assembly.joint_between:
+        lines += JOINT_LAW
+        lines += [f"@joint_law({', '.join(words)})" for words in _pairs(assembly)]
+        notes.append(
+            "joints with laws of their own keep them as designed: contacts that form later get the "
+            "first law"
+        )
+    lines += ["", *FUNCTIONS, *itasca.PUSHOVER]
+    return Written(text="\n".join(lines) + "\n", notes=tuple(notes))
+
+
+def rounding_of(assembly: Assembly) -> tuple[float, list[str]]:
+    """UDEC's rounding length [m], and where it is not what the model says."""
+    corner = assembly.corner
+    if corner.radius:
+        if _all_right(assembly):
+            return float(corner.radius), []
+        return float(corner.radius), [
+            "UDEC's rounding is a length along the edges: corners that are not right get another "
+            f"radius than {corner.radius:g} m"
+        ]
+    if corner.chamfer:
+        return float(corner.chamfer), [
+            f"UDEC has no chamfers: corners are rounded over the same {corner.chamfer:g} m"
+        ]
+    shortest = min(
+        float(np.hypot(*(np.roll(b.vertices, -1, axis=0) - b.vertices).T).min())
+        for b in assembly.blocks
+    )
+    return SHARP * shortest, ["UDEC has no sharp corners: they are rounded as little as will do"]
+
+
+def _pairs(assembly: Assembly) -> list[list[str]]:
+    return [
+        [str(k), *(number(value) for row in (i, j) for value in assembly.centroid[row])]
+        for k, i, j in itasca.pair_laws(assembly)
+    ]
+
+
+def _box(x: float, y: float, box: float) -> str:
+    sides = (x - box, x + box, y - box, y + box)
+    return "range " + " ".join(number(side) for side in sides)
+
+
+def _all_right(assembly: Assembly) -> bool:
+    for block in assembly.blocks:
+        edges = np.roll(block.vertices, -1, axis=0) - block.vertices
+        edges = edges / np.hypot(*edges.T)[:, None]
+        if np.abs(np.sum(edges * np.roll(edges, -1, axis=0), axis=1)).max() > 1e-9:
+            return False
+    return True
+
+
+def _is_vertex(model: Model) -> bool:
+    block = model.assembly.blocks[model.control_point.block]
+    return bool(np.any(np.all(np.abs(block.vertices - model.control_point.point) < 1e-9, axis=1)))
+
+
+def read(text: str) -> Model:
+    """The model of a file that `write` wrote."""
+    with itasca.only_ours(PROGRAM):
+        return _model(itasca.parse(text))
+
+
+def _model(parsed: itasca.Parsed) -> Model:
+    ids: list[str] = []
+    outlines: list[Array] = []
+    density: list[float] = []
+    names: list[str] = []
+    laws: list[JointLaw] = []
+    kinds: list[tuple[int, Array]] = []
+    supports: list[Array] = []
+    between: list[tuple[int, Array, Array]] = []
+    rounding = None
+    for words, comment in parsed.commands:
+        if words[0] == "round":
+            rounding = float(words[1])
+        elif words[0] == "block":
+            values = np.array([float(word) for word in words[1:]]).reshape(-1, 2)
+            outlines.append(values[::-1].copy())
+            ids.append(comment)
+        elif words[0] == "prop" and words[1] == "mat":
+            density.append(float(words[4]))
+            names.append(comment)
+        elif words[0] == "prop":
+            laws.append(itasca.law_of(itasca.keywords(words[1:])))
+        elif words[:2] == ["change", "mat"]:
+            kinds.append((int(words[2]), np.array([float(word) for word in words[4:]])))
+        elif words[0] == "fix":
+            supports.append(np.array([float(word) for word in words[2:]]))
+        elif words[0] == "@joint_law":
+            values = np.array([float(word) for word in words[2:]])
+            between.append((int(words[1]), values[:2], values[2:]))
+    if not outlines or not laws or rounding is None:
+        raise ValueError("it lacks block, prop or round")
+    centres = [polygon.mass_properties(outline).centroid for outline in outlines]
+    return itasca.assemble(
+        parsed, ids, outlines, density, names, laws,
+        material=[next((k for k, box in kinds if _inside(c, box)), 1) for c in centres],
+        support=[any(_inside(c, box) for box in supports) for c in centres],
+        between=[
+            (k, itasca.nearest(centres, first), itasca.nearest(centres, second))
+            for k, first, second in between
+        ],
+        corner=Corner(radius=rounding),
+    )  # fmt: skip
+
+
+def _inside(point: Array, box: Array) -> bool:
+    return bool(box[0] < point[0] < box[1] and box[2] < point[1] < box[3])

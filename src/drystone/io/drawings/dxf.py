@@ -1,0 +1,369 @@
+"""DXF by ezdxf: closed polylines as blocks of the plane; faces and meshes as blocks of space.
+
+What lies on a layer is named after it.  Blocks that were written by `write` keep their names,
+materials and groups in extended data of their entities.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import logging
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from drystone.io.drawings.drawing import (
+    CONTROL_LAYERS,
+    MOST,
+    SUPPORT_LAYERS,
+    Drawing,
+    Shape,
+    check_counts,
+    check_faces,
+    shapes_of_mesh,
+    tidy_name,
+)
+from drystone.model.construction.errors import ModelError
+from drystone.model.construction.words import printable, quoted
+
+APPLICATION = "DRYSTONE"
+MISSING = "DXF needs ezdxf, which is not installed: pip install drystone[dxf]"
+#: Unit of the drawing by its number in the header ($INSUNITS).
+_UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}
+#: What files begin with: a group code on a line of its own, or the mark of binary ones.
+_BEGINNING = re.compile(rb"(\xef\xbb\xbf)?\s*\d+[ \t]*[\r\n]|AutoCAD Binary DXF")
+#: Largest distance of an arc from the chords that it is drawn with, over its radius.
+ARC = 1e-3
+#: Entities inside of each other's definitions that no drawing has.
+DEEPEST = 8
+#: Texts and the like say nothing of blocks.
+_SILENT = {
+    "TEXT", "MTEXT", "DIMENSION", "LEADER", "MULTILEADER", "HATCH", "VIEWPORT", "ATTDEF", "ATTRIB",
+    "IMAGE", "XLINE", "RAY", "WIPEOUT", "TOLERANCE",
+}  # fmt: skip
+
+
+def read(contents: bytes, dimension: int | None = None) -> Drawing:
+    """The blocks of a file; raises `ModelError`.
+
+    Parameters
+    ----------
+    dimension
+        2 or 3; where nothing is said 3 if there is any face or mesh.
+    """
+    document, guesses = _document(contents)
+    outlines: list[Shape] = []
+    meshes: list[Shape] = []
+    loose: dict[str, list[np.ndarray]] = {}
+    points: list[tuple[str, tuple[float, ...]]] = []
+    others: dict[str, int] = {}
+    for entity in _entities(document.modelspace(), 0):
+        kind, layer = entity.dxftype(), tidy_name(entity.dxf.get("layer", "0"))
+        if kind == "POINT":
+            points.append((layer, tuple(entity.dxf.location)))
+        elif kind == "3DFACE":
+            loose.setdefault(layer, []).append(np.array([tuple(v) for v in entity.wcs_vertices()]))
+        elif found := _meshes(entity, kind):
+            for mesh in found:
+                meshes += _named(entity, layer, *mesh)
+        elif (outline := _outline(entity, kind)) is not None:
+            outlines.append(_marked(entity, layer, len(outlines) + 1, outline))
+        elif kind not in _SILENT:
+            what = f"{kind} on layer {quoted(layer)}"
+            others[what] = others.get(what, 0) + 1
+    for layer, faces in loose.items():
+        meshes += _components(layer, faces)
+    if dimension is None:
+        dimension = 3 if meshes else 2
+    shapes, unused = (meshes, outlines) if dimension == 3 else (outlines, meshes)
+    if unused:
+        what = "closed polylines" if dimension == 3 else "faces and meshes"
+        others[f"{what}, as the model has {dimension} dimensions"] = len(unused)
+    if not shapes:
+        raise ModelError([_nothing(dimension, others)])
+    on_control = [place for layer, place in points if layer.lower() in CONTROL_LAYERS]
+    if len(on_control) > 1:
+        raise ModelError([f"has {len(on_control)} points on its layer for the control point: one"])
+    return Drawing(
+        shapes=tuple(shapes),
+        unit=_UNITS.get(int(document.header.get("$INSUNITS", 0) or 0)),
+        up="z" if dimension == 3 else "",
+        control=on_control[0][:dimension] if on_control else None,
+        notes=(*guesses, *(f"{n} left out: {what}" for what, n in sorted(others.items()))),
+    )
+
+
+def _document(contents: bytes) -> tuple[Any, list[str]]:
+    """The document, and sentences on what of a damaged one had to be guessed."""
+    try:
+        import ezdxf
+        from ezdxf import recover
+    except ImportError:
+        raise ModelError([MISSING]) from None
+    if not _BEGINNING.match(contents):  # and nothing of a file that is another's is quoted
+        raise ModelError(
+            ["is no DXF file: its first line is no group code, nor is it a binary one"]
+        )
+    check_counts(contents.count(b"VERTEX"), contents.count(b"3DFACE"))
+    with _overheard() as told:
+        try:
+            document, auditor = recover.read(io.BytesIO(contents))
+        except (ezdxf.DXFError, OSError) as error:
+            raise ModelError([f"is no DXF file that can be read: {_line(error)}"]) from None
+        except Exception as error:  # a torn file takes the parser anywhere
+            raise ModelError([f"is a torn DXF file: {_line(error)}"]) from None
+    if auditor.has_errors:
+        raise ModelError(
+            [f"is a damaged DXF file: {_line(auditor.errors[0].message)}: save it anew"]
+        )
+    return document, [f"is damaged, and was read with a guess: {_line(text)}" for text in told]
+
+
+@contextmanager
+def _overheard() -> Iterator[list[str]]:
+    """What ezdxf warns of: numbers that it mends, lines that it leaves out."""
+    told: list[str] = []
+
+    class Listener(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            told.append(record.getMessage())
+
+    logger, listener = logging.getLogger("ezdxf"), Listener(logging.WARNING)
+    passed_on = logger.propagate
+    logger.addHandler(listener)
+    logger.propagate = False
+    try:
+        yield told
+    finally:
+        logger.removeHandler(listener)
+        logger.propagate = passed_on
+
+
+def _line(error: object) -> str:
+    """What ezdxf says, on one line and without letters of the file that would steer a terminal."""
+    return printable(" ".join(str(error).split())[:200]) or type(error).__name__
+
+
+def _entities(layout: Any, depth: int) -> Iterator[Any]:
+    """Entities of a layout, and those that its references stand for."""
+    for entity in layout:
+        if entity.dxftype() == "INSERT":
+            if depth >= DEEPEST:
+                raise ModelError(["has blocks inside of each other without end"])
+            for one in entity.multi_insert() if entity.mcount > 1 else (entity,):
+                yield from _entities(one.virtual_entities(), depth + 1)
+        else:
+            yield entity
+
+
+def _nothing(dimension: int, others: dict[str, int]) -> str:
+    wanted = "closed polylines" if dimension == 2 else "3D faces, polyface meshes or meshes"
+    found = ", ".join(f"{n} {what}" for what, n in sorted(others.items())[:3])
+    solid = " (solids: export them as meshes)" * any("3DSOLID" in what for what in others)
+    return f"holds no {wanted}" + (f", only {found}{solid}" if found else "")
+
+
+# --- the plane --------------------------------------------------------------------------------
+
+
+def _outline(entity: Any, kind: str) -> np.ndarray | None:
+    """Vertices (n, 2) of a closed polyline, arcs in chords; None of anything else."""
+    if kind == "LWPOLYLINE":
+        rows = [(x, y, bulge) for x, y, bulge in entity.get_points("xyb")]
+        closed = bool(entity.closed)
+    elif kind == "POLYLINE" and entity.is_2d_polyline:
+        rows = [(*tuple(v.dxf.location)[:2], v.dxf.get("bulge", 0.0)) for v in entity.vertices]
+        closed = bool(entity.is_closed)
+    elif kind == "POLYLINE" and entity.is_3d_polyline:
+        places = [tuple(v.dxf.location) for v in entity.vertices]
+        if len({z for _, _, z in places}) > 1:
+            return None
+        rows = [(x, y, 0.0) for x, y, _ in places]
+        closed = bool(entity.is_closed)
+    else:
+        return None
+    if len(rows) > 3 and rows[0][:2] == rows[-1][:2]:
+        rows, closed = rows[:-1], True
+    if not closed or len(rows) < 2:
+        return None
+    points: list[tuple[float, float]] = []
+    for (x, y, bulge), (u, v, _) in zip(rows, rows[1:] + rows[:1], strict=True):
+        points += [(float(x), float(y)), *_chords((x, y), (u, v), float(bulge))]
+    if kind != "POLYLINE" or entity.is_2d_polyline:
+        points = [tuple(p)[:2] for p in entity.ocs().points_to_wcs((x, y, 0.0) for x, y in points)]
+    vertices = np.array(points, dtype=np.float64)
+    if not np.isfinite(vertices).all():
+        raise ModelError(["every coordinate must be a finite number: the file is torn"])
+    return vertices if len(vertices) > 2 else None
+
+
+def _chords(
+    start: Sequence[float], end: Sequence[float], bulge: float
+) -> list[tuple[float, float]]:
+    """Points between the ends of an arc; ``bulge`` is the tangent of a quarter of its angle."""
+    if not np.isfinite(bulge) or abs(bulge) < 1e-9:
+        return []
+    angle = 4.0 * np.arctan(bulge)
+    n = int(np.ceil(abs(angle) / (2.0 * np.arccos(1.0 - ARC))))
+    chord = complex(end[0] - start[0], end[1] - start[1])
+    centre = complex(*start[:2]) + chord * complex(0.5, 0.25 * (1.0 / bulge - bulge))
+    arm = complex(*start[:2]) - centre
+    turned = [centre + arm * np.exp(1j * angle * k / n) for k in range(1, n)]
+    return [(float(p.real), float(p.imag)) for p in turned]
+
+
+# --- space ------------------------------------------------------------------------------------
+
+
+_Mesh = tuple[np.ndarray, list[tuple[int, ...]]]
+
+
+def _meshes(entity: Any, kind: str) -> list[_Mesh]:
+    """Vertices and faces of a mesh, or of the bodies of a solid with flat faces."""
+    if kind == "MESH":
+        return [_mesh(entity)]
+    if kind == "POLYLINE" and (entity.is_poly_face_mesh or entity.is_polygon_mesh):
+        from ezdxf.render import MeshBuilder
+
+        return [_mesh(MeshBuilder.from_polyface(entity))]
+    if kind in ("3DSOLID", "BODY"):
+        from ezdxf.acis import api as acis
+
+        try:
+            return [
+                _mesh(built)
+                for body in acis.load_dxf(entity)
+                for built in acis.mesh_from_body(body)
+            ]
+        except Exception:  # curved faces, or a version that ezdxf does not know: left out, and said
+            return []
+    return []
+
+
+def _mesh(built: Any) -> _Mesh:
+    vertices = np.array([tuple(v) for v in built.vertices], dtype=np.float64).reshape(-1, 3)
+    faces = [tuple(map(int, face)) for face in built.faces]
+    check_faces(len(vertices), faces, "a mesh: ")
+    return vertices, [face for face in faces if len(face) > 2]
+
+
+def _components(layer: str, faces: Sequence[np.ndarray]) -> list[Shape]:
+    """The connected surfaces of 3D faces of one layer."""
+    if sum(map(len, faces)) > MOST:
+        raise ModelError(["has more faces than any drawing of blocks"])
+    first = np.cumsum([0, *(len(face) for face in faces)]).tolist()
+    loops = [tuple(range(a, a + len(face))) for a, face in zip(first, faces, strict=False)]
+    shapes = shapes_of_mesh(np.vstack(faces), loops, layer=layer)
+    return [_renamed(shape, f"{layer}/{k}") for k, shape in enumerate(shapes, 1)]
+
+
+def _renamed(shape: Shape, name: str) -> Shape:
+    return Shape(
+        name=name,
+        vertices=shape.vertices,
+        faces=shape.faces,
+        layer=shape.layer,
+        groups=shape.groups,
+        support=shape.layer.lower() in SUPPORT_LAYERS,
+    )
+
+
+def _named(
+    entity: Any, layer: str, vertices: np.ndarray, faces: list[tuple[int, ...]]
+) -> list[Shape]:
+    """A mesh as one shape, or as many as it has connected surfaces."""
+    known = _extended(entity)
+    if known:
+        return [_known(known, layer, vertices, tuple(faces))]
+    shapes = shapes_of_mesh(vertices, faces, layer=layer)
+    handle = entity.dxf.get("handle") or "mesh"
+    return [
+        _renamed(shape, f"{layer}/{handle}" + (f"/{k}" if len(shapes) > 1 else ""))
+        for k, shape in enumerate(shapes, 1)
+    ]
+
+
+def _marked(entity: Any, layer: str, k: int, vertices: np.ndarray) -> Shape:
+    known = _extended(entity)
+    if known:
+        return _known(known, layer, vertices, ())
+    return _renamed(Shape(name="", vertices=vertices, layer=layer), f"{layer}/{k}")
+
+
+def _known(
+    known: dict[str, Any], layer: str, vertices: np.ndarray, faces: tuple[tuple[int, ...], ...]
+) -> Shape:
+    """A shape that `write` wrote."""
+    groups = known.get("groups")
+    return Shape(
+        name=tidy_name(known.get("id")) or layer,
+        vertices=vertices,
+        faces=faces,
+        layer=tidy_name(known.get("material", layer)),
+        groups=tuple(map(tidy_name, groups)) if isinstance(groups, list) else (),
+        support=known.get("support") is True,
+    )
+
+
+def _extended(entity: Any) -> dict[str, Any]:
+    """What `write` put beside an entity; nothing where another program drew it."""
+    try:
+        tags = entity.get_xdata(APPLICATION) if entity.has_xdata(APPLICATION) else ()
+        known = json.loads("".join(str(tag.value) for tag in tags if tag.code == 1000) or "{}")
+    except (ValueError, AttributeError):
+        return {}
+    return known if isinstance(known, dict) and known.get("id") else {}
+
+
+def write(shapes: Sequence[Shape], title: str, control: Sequence[float] | None = None) -> str:
+    """The text of a file: polylines or meshes on layers by their materials, in metres.
+
+    Raises `ModelError` where ezdxf is not installed.
+    """
+    try:
+        import ezdxf
+    except ImportError:
+        raise ModelError(
+            ["dxf: needs ezdxf, which is not installed: pip install drystone[dxf]"]
+        ) from None
+    document = ezdxf.new("R2010", units=6)
+    document.appids.add(APPLICATION)
+    space = document.modelspace()
+    for shape in shapes:
+        layer = "support" if shape.support else _layer(shape.layer)
+        if shape.faces:
+            entity: Any = space.add_mesh(dxfattribs={"layer": layer})
+            with entity.edit_data() as data:
+                data.vertices = [tuple(row) for row in shape.vertices.tolist()]
+                data.faces = [tuple(face) for face in shape.faces]
+        else:
+            entity = space.add_lwpolyline(
+                [tuple(row) for row in shape.vertices.tolist()],
+                close=True,
+                dxfattribs={"layer": layer},
+            )
+        known = {
+            "id": shape.name,
+            "material": shape.layer,
+            "groups": list(shape.groups),
+            "support": bool(shape.support),
+        }
+        text = json.dumps(known)
+        tags = [(1000, text[k : k + 240]) for k in range(0, len(text), 240)]
+        entity.set_xdata(APPLICATION, tags)
+    if control is not None:
+        place = (*map(float, control), 0.0)[:3]
+        space.add_point(place, dxfattribs={"layer": "control"})
+    stream = io.StringIO()
+    document.header["$PROJECTNAME"] = tidy_name(title)
+    document.write(stream)
+    return stream.getvalue()
+
+
+def _layer(name: str) -> str:
+    """A layer's name without letters that DXF forbids."""
+    return "".join("_" if c in '<>/\\":;?*|=`,' else c for c in name) or "0"

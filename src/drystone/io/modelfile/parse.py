@@ -1,0 +1,117 @@
+"""The bytes of a model file as nested dicts and lists, or a sentence on why not."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from typing import Any
+
+from drystone.model.construction.errors import ModelError
+from drystone.model.construction.words import quoted
+
+NESTED = "is nested too deeply to be a model: check its brackets"
+#: Tables and lists inside each other that no model has.
+DEEPEST = 32
+
+#: Text and comments of TOML, in which dots mean nothing.
+_NO_KEYS = re.compile(
+    r'''"""(?:[^"\\]|\\.|"(?!""))*+"""|'{3}(?:[^']|'(?!''))*+'{3}'''
+    r"""|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+'|\#[^\n]*+""",
+    re.DOTALL,
+)
+#: A key of too many parts: tables inside each other, for each of which the parser takes memory.
+_LONG_KEY = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{DEEPEST}}}")
+#: A number with a decimal comma, as the value of a key.
+_COMMA = re.compile(r"""^\s*[\w."'-]+\s*[=:]\s*([-+]?\d+),(\d+)""")
+
+
+def parse(contents: bytes, *, is_json: bool) -> dict[str, Any]:
+    """TOML or JSON, told apart by ``is_json`` or by the opening brace that no TOML file has."""
+    try:
+        text = contents.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ModelError(
+            [f"is not text (byte {error.start + 1} is not UTF-8): give a TOML or JSON file"]
+        ) from None
+    if not text.strip():
+        raise ModelError(["is empty: write a model into it, the examples show how"])
+    try:
+        if is_json or text.lstrip().startswith("{"):
+            data = _json(text)
+        elif _LONG_KEY.search(_NO_KEYS.sub("text", text)):
+            raise ModelError(["has a key of too many parts: no key has more than three"])
+        else:
+            data = tomllib.loads(text)
+    except json.JSONDecodeError as error:
+        hint = _decimal_comma(text, error.lineno)
+        raise ModelError(
+            [f"line {error.lineno}, column {error.colno}: not valid JSON: {error.msg}{hint}"]
+        ) from None
+    except tomllib.TOMLDecodeError as error:
+        raise ModelError([_torn_toml(str(error), text)]) from None
+    except RecursionError:
+        raise ModelError([NESTED]) from None
+    except ValueError:  # Python declines to read whole numbers of more than 4300 digits
+        raise ModelError(["holds a whole number of thousands of digits: shorten it"]) from None
+    if _depth_exceeds(data, DEEPEST):
+        raise ModelError([NESTED])
+    if not isinstance(data, dict):
+        raise ModelError(['must hold a table of keys, as { "dimension": 2, ... }'])
+    return data
+
+
+def _json(text: str) -> Any:
+    def table(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        keys = dict(pairs)
+        if len(keys) < len(pairs):
+            names = [name for name, _ in pairs]
+            twice = next(name for name in names if names.count(name) > 1)
+            raise ModelError([f"key {quoted(twice)} is given twice in one table: take one out"])
+        return keys
+
+    data = json.loads(text, object_pairs_hook=table)
+    if re.search(r"\\u[dD][89a-fA-F]", text):  # half a character could not even be printed
+        try:
+            json.dumps(data, ensure_ascii=False).encode()
+        except UnicodeEncodeError:
+            raise ModelError(["holds half a character, as \\ud800 without its mate"]) from None
+    return data
+
+
+def _depth_exceeds(data: Any, most: int) -> bool:
+    """Whether lists and tables lie in each other more than ``most`` deep; without recursion."""
+    level = [data]
+    for _ in range(most + 1):
+        holders = [item for item in level if isinstance(item, dict | list)]
+        if not holders:
+            return False
+        level = [
+            item
+            for holder in holders
+            for item in (holder.values() if isinstance(holder, dict) else holder)
+        ]
+    return True
+
+
+def _torn_toml(message: str, text: str) -> str:
+    """The parser's message with its place in front."""
+    match = re.fullmatch(r"(.*) \(at (line \d+, column \d+|end of document)\)", message, re.DOTALL)
+    if not match:
+        return f"not valid TOML: {message}"
+    what, where = match.groups()
+    hint = _decimal_comma(text, int(where.split()[1].rstrip(","))) if where[:4] == "line" else ""
+    if where == "end of document":
+        lines = text.rstrip("\n").split("\n")
+        where = f"line {len(lines)}, column {len(lines[-1]) + 1} (end of the file)"
+    return f"{where}: not valid TOML: {what}{hint}".replace("\n", " ")
+
+
+def _decimal_comma(text: str, line: int) -> str:
+    """End of a sentence where a line gives a key a number with a comma, else nothing."""
+    lines = text.split("\n")
+    found = _COMMA.search(lines[line - 1]) if 0 < line <= len(lines) else None
+    if not found:
+        return ""
+    whole, decimals = found.groups()
+    return f": write decimals with a point, as in {whole}.{decimals}"

@@ -1,0 +1,459 @@
+"""``results.h5``: everything of one analysis, written while it runs.
+
+::
+
+    /                       attributes: title, engine, status, reason, model (its text), ...
+    /curve/<column>         (n_points,) every field of `CurvePoint`
+    /poses                  (n_points, n, n_pose) m, m, rad; in space m, m, m, unit quaternion
+    /contacts/offset        (n_points + 1,) rows of the contacts of point k: offset[k]:offset[k + 1]
+    /contacts/<field>       every field of `ContactForces`, all points one after the other
+    /blocks/id, centroid, weight, support
+    /blocks/vertices, offset, body      shape s, of block body[s], has vertices from offset[s] on
+    /blocks/rows, face_offset, part_faces, axes     of space only, see below
+    /groups/name, offset, block         group k has the blocks block[offset[k]:offset[k + 1]]
+    /ties/name              of ties, where there are any
+    /ties/force, elongation, state      (n_points, n_ties) N, m, row of `ties.STATES`
+    /blocks_left/<field>    every field of `BlockLeft`, once the analysis has ended
+
+Shapes are outlines in the plane, one to a block, so that ``body`` is left out, but for those given
+in parts.  In space they are the convex parts of the blocks: face f is made of the vertices
+``rows[face_offset[f]:face_offset[f + 1]]``, counter-clockwise from outside, and shape s of the
+faces from ``part_faces[s]`` to ``part_faces[s + 1]``; ``axes`` are the principal ones as designed,
+in columns.  Poses are about the centroids, see `geometry.motion`; of contacts in space ``tangent``
+is the first of two directions of ``tangential_reaction``, the second is normal x tangent.
+
+Points are gathered in memory and written about once a second: what is on the disk is a readable
+file at every moment but those of a write, so that a process that is killed or a disk that is full
+leaves the points of up to a second ago.  The file is not locked: it can be read while it grows.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, Self
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.forces import ContactForces
+from drystone.io.modelfile import model_to_dict
+from drystone.io.modelfile.write import to_toml
+from drystone.io.results.diskfile import DiskFile
+from drystone.io.results.interrupts import uninterrupted
+from drystone.io.results.summary import package_version
+from drystone.model.assembly import Assembly
+from drystone.model.model import Model
+from drystone.model.ties import TieState, names_of
+from drystone.results.curve import BlockLeft, CapacityCurve, CurvePoint, TieRecord
+from drystone.results.shapes import MovingShapes
+
+Array = NDArray[np.float64]
+
+#: Status of a run that has not ended, or that was killed.
+RUNNING = "running"
+#: Points are written when this many seconds have passed since the last time ...
+SECONDS = 1.0
+#: ... or when this many bytes wait, whichever comes first.
+BYTES = 32_000_000
+#: States of more blocks than this are compressed: that takes little time beside their steps.
+MANY_BODIES = 1000
+
+TYPES = {"int": "i8", "float": "f8", "str": "S8", "bool": "?"}
+COLUMN_TYPES = {f.name: np.dtype(TYPES[str(f.type)]) for f in fields(CurvePoint)}
+UNITS = {
+    "control_displacement": "m",
+    "penetration": "m",
+    "motion": "m",
+    "time_step": "s",
+    "position": "m",
+    "gap": "m",
+    "area": "m2",
+    "normal_reaction": "N",
+    "tangential_reaction": "N",
+    "vertices": "m",
+    "centroid": "m",
+    "weight": "N",
+    "force": "N",
+    "reaction": "N, N m",
+    "elongation": "m",
+}
+POSE_UNITS = {2: "m, m, rad", 3: "m, m, m, 1, 1, 1, 1"}
+STORED_AS = {"block_a": "i4", "block_b": "i4", "status": "i1"}
+LEFT_TYPES = {"block": h5py.string_dtype(), "step": "i8", "control_displacement": "f8"}
+#: Of ties: names in the file, fields of `TieState`, how they are stored.
+TIE_FIELDS = (
+    ("force", "force", "f8"),
+    ("elongation", "elongation", "f8"),
+    ("state", "branch", "i1"),
+)
+CONTACT_FIELDS = tuple(f.name for f in fields(ContactForces))
+#: What files of plane models do not hold: it follows from the rest.
+OF_SPACE = ("tangent",)
+
+
+class ResultsWriter:
+    """Writes one ``results.h5``.  Replaces a file of that name."""
+
+    def __init__(
+        self, path: Path | str, model: Model, engine: str, strategy: str, *, part_of: str = ""
+    ) -> None:
+        self._disk = DiskFile(path)
+        self._file = h5py.File(self._disk, "w")
+        self.whole = True  # the disk took everything so far
+        self.n_kept = 0  # points on the disk
+        self._points: list[CurvePoint] = []
+        self._poses: list[Array] = []
+        self._contacts: list[ContactForces] = []
+        self._ties: list[TieState] = []
+        self._waiting = 0  # bytes
+        self._n_points = self._n_contacts = 0  # in the file
+        self._written = time.monotonic()
+        large = model.assembly.n_bodies > MANY_BODIES
+        self._packing: dict[str, Any] = (
+            {"compression": "gzip", "compression_opts": 1, "shuffle": True} if large else {}
+        )
+        try:
+            self._describe(model, engine, strategy, part_of)
+            self._lay_out(model)
+            self.flush()
+        except BaseException:
+            self._let_go()
+            Path(path).unlink(missing_ok=True)
+            raise
+
+    def append(
+        self,
+        point: CurvePoint,
+        pose: Array,
+        contacts: ContactForces,
+        ties: TieState | None = None,
+    ) -> None:
+        """Take one point; the first is on the disk at once, others a second later, or after
+        `flush`."""
+        if ties is not None:
+            self._ties.append(ties)
+        self._points.append(point)
+        self._poses.append(np.array(pose))
+        self._contacts.append(contacts)
+        self._waiting += pose.nbytes + sum(
+            getattr(contacts, name).nbytes for name in CONTACT_FIELDS
+        )
+        first = self._n_points == 0
+        if first or self._waiting > BYTES or time.monotonic() - self._written > SECONDS:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write what waits and bring it to the disk; raises `OSError` where that takes no more."""
+        with uninterrupted():
+            self._lay_down()
+            self._file.flush()
+            try:
+                self._disk.commit()
+            except OSError:
+                self.whole = False
+                raise
+        self._written = time.monotonic()
+        self.n_kept = self._n_points
+
+    def close(self, curve: CapacityCurve | None = None) -> None:
+        """Write what waits, and how the analysis ended where it did.  May be called twice.
+
+        After a write that failed the file stays as it was before.
+        """
+        if not self._file:
+            return
+        try:
+            if self.whole and curve is not None:
+                attributes = self._file.attrs
+                attributes["status"], attributes["reason"] = curve.status, text_of(curve.reason)
+                for name in ("stop_multiplier", "settlement", "wall_time", "compile_time"):
+                    attributes[name] = getattr(curve, name)
+                self._put_left(curve.blocks_left)
+            if self.whole:
+                self.flush()
+        finally:
+            self._let_go()
+
+    def _put_left(self, left: Sequence[BlockLeft]) -> None:
+        group = self._file.create_group("blocks_left")
+        for name, kind in LEFT_TYPES.items():
+            values = [getattr(block, name) for block in left]
+            values = [text_of(v) if isinstance(v, str) else v for v in values]
+            group.create_dataset(name, data=np.array(values, dtype=kind))
+
+    def _let_go(self) -> None:
+        with uninterrupted():
+            self._file.close()
+            self._disk.close()
+
+    def _lay_down(self) -> None:
+        """Give HDF5 the points that wait."""
+        if not self._points:
+            return
+        n = self._n_points
+        for name, kind in COLUMN_TYPES.items():
+            values = np.array([getattr(point, name) for point in self._points], dtype=kind)
+            _put(self._file["curve"][name], n, values)
+        _put(self._file["poses"], n, np.array(self._poses))
+        if self._ties:
+            for name, own, _ in TIE_FIELDS:
+                rows = np.array([getattr(state, own) for state in self._ties])
+                _put(self._file["ties"][name], n, rows)
+        group = self._file["contacts"]
+        counts = [contacts.n_contacts for contacts in self._contacts]
+        for name in filter(group.__contains__, CONTACT_FIELDS):
+            values = np.concatenate([getattr(c, name) for c in self._contacts])
+            _put(group[name], self._n_contacts, values)
+        # Last: what it counts is there.
+        _put(group["offset"], n + 1, self._n_contacts + np.cumsum(counts))
+        self._n_points += len(counts)
+        self._n_contacts += sum(counts)
+        self._points, self._poses, self._contacts, self._waiting = [], [], [], 0
+        self._ties = []
+
+    def _describe(self, model: Model, engine: str, strategy: str, part_of: str) -> None:
+        text = _text_of_file(model)
+        if text is None:
+            text = to_toml(model_to_dict(model))
+        self._file.attrs.update(
+            {
+                "title": text_of(model.title),
+                "engine": engine,
+                "strategy": strategy,
+                "status": RUNNING,
+                "reason": "",
+                "stop_multiplier": model.analysis.stop_multiplier,
+                "dimension": model.assembly.dimension,
+                "thickness": model.assembly.thickness,
+                "model": text_of(text),
+                "model_source": text_of(model.source or ""),
+                "model_folder": text_of(_folder_of(model)),
+                "model_sha256": model.sha256,
+                "part_of": part_of,
+                "version": package_version(),
+                "units": "SI: m, N, s, rad",
+            }
+        )
+
+    def _lay_out(self, model: Model) -> None:
+        assembly = model.assembly
+        blocks = self._file.create_group("blocks")
+        blocks["id"] = np.array([text_of(name) for name in assembly.ids], dtype=h5py.string_dtype())
+        for name, values in (
+            *_shapes(assembly),
+            ("centroid", assembly.centroid),
+            ("weight", assembly.weight),
+            ("support", assembly.fixed),
+        ):
+            blocks[name] = values
+            if name in UNITS:
+                blocks[name].attrs["unit"] = UNITS[name]
+
+        groups = self._file.create_group("groups")
+        groups["name"] = np.array(
+            [text_of(name) for name in assembly.groups], dtype=h5py.string_dtype()
+        )
+        members = list(assembly.groups.values())
+        groups["offset"] = np.cumsum([0, *map(len, members)])
+        groups["block"] = np.concatenate([np.zeros(0, np.int64), *members])
+
+        curve = self._file.create_group("curve")
+        for name, kind in COLUMN_TYPES.items():
+            self._growing(curve, name, (), kind, rows=512)
+        shape = assembly.rest_pose().shape
+        rows = int(np.clip(1_000_000 // (8 * shape[0] * shape[1]), 1, 64))
+        self._growing(self._file, "poses", shape, np.dtype("f8"), rows=rows)
+        self._file["poses"].attrs["unit"] = POSE_UNITS[assembly.dimension]
+
+        if model.ties:
+            ties, names = self._file.create_group("ties"), names_of(model.ties)
+            ties["name"] = np.array([text_of(n) for n in names], dtype=h5py.string_dtype())
+            for name, _, stored in TIE_FIELDS:
+                self._growing(ties, name, (len(names),), np.dtype(stored), rows=64)
+
+        contacts = self._file.create_group("contacts")
+        widths = {"position": assembly.dimension, "normal": assembly.dimension}
+        widths["tangential_reaction"] = assembly.dimension - 1
+        widths["tangent"] = assembly.dimension
+        for name in CONTACT_FIELDS:
+            if name in OF_SPACE and assembly.dimension == 2:
+                continue
+            width = (widths[name],) if name in widths else ()
+            self._growing(contacts, name, width, np.dtype(STORED_AS.get(name, "f8")), rows=16384)
+        self._growing(contacts, "offset", (), np.dtype("i8"), rows=512)
+        _put(contacts["offset"], 0, np.zeros(1, dtype=np.int64))
+
+    def _growing(
+        self,
+        group: h5py.Group,
+        name: str,
+        shape: tuple[int, ...],
+        kind: np.dtype[Any],
+        *,
+        rows: int,
+    ) -> None:
+        dataset = group.create_dataset(
+            name,
+            shape=(0, *shape),
+            maxshape=(None, *shape),
+            dtype=kind,
+            chunks=(rows, *shape),
+            **self._packing,
+        )
+        if name in UNITS:
+            dataset.attrs["unit"] = UNITS[name]
+
+
+def _folder_of(model: Model) -> str:
+    """Whole path from where files go that the model's site and assessment name; "" without."""
+    told = model.site or model.assessment
+    return "" if told is None else str(Path(told.folder).resolve())
+
+
+def _shapes(assembly: Assembly) -> Iterator[tuple[str, NDArray[Any]]]:
+    """Arrays of the blocks' shapes by their names in the file."""
+    shapes = MovingShapes.of(assembly)
+    yield "offset", shapes.offset
+    yield "vertices", shapes.vertices
+    if assembly.dimension == 3:
+        solids = assembly.polyhedra
+        yield "rows", solids.rows
+        yield "face_offset", solids.face_offset
+        yield "part_faces", solids.part_faces
+        yield "axes", assembly.axes
+    if assembly.dimension == 3 or len(shapes.body) != assembly.n_bodies:
+        yield "body", shapes.body
+
+
+def _text_of_file(model: Model) -> str | None:
+    """The model file, where that is all there is to the model: without imports, and as read."""
+    if model.source is None:
+        return None
+    try:
+        contents = Path(model.source).read_bytes()
+    except OSError:
+        return None
+    if hashlib.sha256(contents).hexdigest() != model.sha256:
+        return None
+    return contents.decode("utf-8", errors="replace")
+
+
+class ResultsReader:
+    """Reads a ``results.h5`` point by point, so that memory holds one state at a time."""
+
+    def __init__(self, path: Path | str) -> None:
+        self._file = h5py.File(path, "r", locking=False)
+        self._offset = self._file["contacts"]["offset"][:]
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._file.close()
+
+    @property
+    def n_points(self) -> int:
+        """Points whose contacts were written, too."""
+        return len(self._offset) - 1
+
+    def attribute(self, name: str) -> Any:
+        """One of the attributes of the file, see the module's description."""
+        return self._file.attrs[name]
+
+    def part_of(self) -> str:
+        """Digest of the model of which this is the other sense; empty where it is none."""
+        return str(self._file.attrs.get("part_of", ""))
+
+    def folder_of_model(self) -> str | None:
+        """From where files go that the model's site names; None of files that do not say."""
+        return self._file.attrs.get("model_folder") or None
+
+    def points(self) -> tuple[CurvePoint, ...]:
+        """All points of the curve."""
+        columns = {
+            name: self._file["curve"][name][: self.n_points].tolist()
+            for name in COLUMN_TYPES
+            if name in self._file["curve"]  # of those that came later, none in older files
+        }
+        columns["status"] = [status.decode() for status in columns["status"]]
+        rows = zip(*columns.values(), strict=True)
+        return tuple(CurvePoint(**dict(zip(columns, row, strict=True))) for row in rows)
+
+    def blocks_left(self) -> tuple[BlockLeft, ...]:
+        """Blocks that have left the structure; none are known while the analysis goes on."""
+        group = self._file.get("blocks_left")
+        if group is None:
+            return ()
+        names, steps, places = (group[name][:].tolist() for name in LEFT_TYPES)
+        return tuple(
+            BlockLeft(block=name.decode(), step=step, control_displacement=place)
+            for name, step, place in zip(names, steps, places, strict=True)
+        )
+
+    def groups(self) -> dict[str, NDArray[np.int64]]:
+        """Rows of the blocks of each group, ascending; none of older files."""
+        if "groups" not in self._file:
+            return {}
+        names, offset, block = (self._file["groups"][key][:] for key in ("name", "offset", "block"))
+        return {
+            name.decode(): block[offset[k] : offset[k + 1]] for k, name in enumerate(names.tolist())
+        }
+
+    def ties(self) -> TieRecord | None:
+        """What every tie carried at every point; None where there are no ties."""
+        group = self._file.get("ties")
+        if group is None or len(group["force"]) < self.n_points:
+            return None
+        values = {own: group[name][: self.n_points] for name, own, _ in TIE_FIELDS}
+        return TieRecord(
+            names=tuple(name.decode() for name in group["name"][:]),
+            force=values["force"],
+            elongation=values["elongation"],
+            branch=values["branch"].astype(np.int64),
+        )
+
+    def poses(self) -> Array:
+        """Poses of the blocks at all points, (n_points, n, n_pose)."""
+        return np.asarray(self._file["poses"][: self.n_points])
+
+    def pose(self, k: int) -> Array:
+        """Poses of the blocks at point ``k``, (n, n_pose)."""
+        return np.asarray(self._file["poses"][k])
+
+    def blocks(self) -> dict[str, NDArray[Any]]:
+        """What the file tells of the blocks, by the names of the module's description."""
+        return {name: values[:] for name, values in self._file["blocks"].items()}
+
+    def contacts(self, k: int) -> ContactForces:
+        """Contact points at point ``k``."""
+        return self.contacts_between(k, k + 1)
+
+    def n_contacts(self) -> NDArray[np.int64]:
+        """Contact points at every point, (n_points,)."""
+        return np.diff(self._offset)
+
+    def contacts_between(self, first: int, last: int) -> ContactForces:
+        """Contact points at the points from ``first`` to before ``last``, one after the other."""
+        rows = slice(self._offset[first], self._offset[last])
+        group = self._file["contacts"]
+        values = {name: group[name][rows] for name in CONTACT_FIELDS if name in group}
+        return ContactForces(
+            **{n: v.astype(np.int64) if n in STORED_AS else v for n, v in values.items()}
+        )
+
+
+def text_of(text: str) -> str:
+    """A text that HDF5 takes: without the NUL, at which its own would end."""
+    return text.replace("\0", "")
+
+
+def _put(dataset: h5py.Dataset, start: int, values: NDArray[Any]) -> None:
+    """Rows from ``start`` on, which become the last."""
+    if len(values):
+        dataset.resize(start + len(values), axis=0)
+        dataset[start:] = values

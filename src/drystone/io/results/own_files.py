@@ -1,0 +1,59 @@
+"""What the program itself has written into a folder of results, and how it goes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+from drystone.io.results.paraview import remove_series
+from drystone.io.results.senses import DIRECTION, OPPOSITE_FOLDER
+
+SUMMARY, CURVE, RESULTS, TIES = "summary.json", "curve.csv", "results.h5", "ties.csv"
+CURVE_FIGURE, MECHANISM_FIGURE, PARAVIEW = "curve.png", "mechanism.png", "paraview"
+#: Of pictures.
+FORMATS = ("png", "svg", "pdf")
+#: What every analysis leaves; ``ties.csv`` stands beside it where there are ties.
+FILES = (SUMMARY, CURVE, CURVE_FIGURE, MECHANISM_FIGURE, RESULTS)
+#: What an assessment writes beside the results, and what says nothing of new ones.
+ASSESSMENT = "assessment.json"
+OF_ASSESSMENT = (ASSESSMENT, "adrs.svg", "adrs.png", "adrs.pdf")
+#: What several directions have in common.
+OF_DIRECTIONS = ("directions.csv", "directions.png")
+#: Pages of the commands ``report`` and ``view``; a page of someone else has no such mark in it.
+PAGES = ("report.html", "view.html")
+MARK, WITHIN = b'name="generator" content="drystone', 4096
+
+
+def clear(folder: Path) -> None:
+    """Remove what runs, assessments, reports and viewers have left, folders of other senses and
+    directions included.  Files of other names, and pages of someone else, stay.
+    """
+    for name in (*FILES, TIES, *OF_ASSESSMENT, *OF_DIRECTIONS):
+        (folder / name).unlink(missing_ok=True)
+    for name in (CURVE_FIGURE, MECHANISM_FIGURE):
+        for format in FORMATS:
+            (folder / name).with_suffix(f".{format}").unlink(missing_ok=True)
+    for name in PAGES:
+        if _is_ours(folder / name):
+            (folder / name).unlink()
+    remove_series(folder / PARAVIEW)
+    for inner in list(_folders(folder)):
+        clear(inner)
+        for empty in (inner / PARAVIEW, inner):
+            with suppress(OSError):  # of something else that is in it
+                empty.rmdir()
+
+
+def _folders(folder: Path) -> Iterator[Path]:
+    """Folders of other senses and directions that hold results; not where links lead elsewhere."""
+    for inner in (folder / OPPOSITE_FOLDER, *sorted(folder.glob(f"{DIRECTION}*"))):
+        if inner.is_dir() and not inner.is_symlink():
+            yield inner
+
+
+def _is_ours(page: Path) -> bool:
+    if not page.is_file():
+        return False
+    with page.open("rb") as file:
+        return MARK in file.read(WITHIN)

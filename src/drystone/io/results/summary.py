@@ -1,0 +1,134 @@
+"""``summary.json``: the figures of one analysis."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from drystone.model.model import Model
+    from drystone.results.curve import CapacityCurve
+
+
+def package_version() -> str:
+    """Version of this package; "unknown" where it runs without having been installed."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("drystone")
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
+    """Figures of a curve of at least one point, SI units, ready for JSON: None where there is none.
+
+    ``max_...`` are taken over all points of the curve, ``peak`` is the whole point of the peak,
+    or the highest so far where ``peak_passed`` is false.
+    """
+    from drystone.results.curve import COLUMNS, DYNAMIC
+
+    peak = curve.peak
+    last = curve.points[-1]
+    summary: dict[str, Any] = {
+        "title": model.title,
+        "engine": curve.engine,
+        "strategy": curve.strategy,
+        "status": curve.status,
+        "reason": curve.reason,
+        "dimension": model.assembly.dimension,
+        "n_blocks": model.assembly.n_blocks,
+        "n_supports": model.assembly.n_supports,
+        "load": model.load.words,
+        "mode": _mode(model),
+        "n_steps": curve.n_steps,
+        "n_points": len(curve.points),
+        "n_dynamic": sum(point.status == DYNAMIC for point in curve.points),
+        "n_iterations": sum(point.n_iterations for point in curve.points),
+        "peak_multiplier": peak.load_multiplier,
+        "peak_displacement": peak.control_displacement,
+        "peak_passed": curve.peak_passed,
+        "ultimate_displacement": curve.ultimate_displacement,
+        "stop_multiplier": curve.stop_multiplier,
+        "settlement": curve.settlement,
+        "capacity_multiplier": curve.capacity.load_multiplier,
+        "capacity_displacement": curve.capacity.control_displacement,
+        "events": [event.as_dict() for event in curve.events],
+        "blocks_left": [asdict(block) for block in curve.blocks_left],
+        "last_displacement": last.control_displacement,
+        "last_multiplier": last.load_multiplier,
+        "max_residual": _largest(curve, "residual"),
+        "max_penetration": _largest(curve, "penetration"),
+        "max_friction_violation": _largest(curve, "friction_violation"),
+        "peak": {name: getattr(peak, name) for name in COLUMNS},
+        **(_settling(curve, model) if curve.settles else {}),
+        "wall_time": curve.wall_time,
+        "compile_time": curve.compile_time,
+        "version": package_version(),
+        "notes": model.notes,
+        "model": model.source,
+        "model_sha256": model.sha256,
+    }
+    return {key: plain(value) for key, value in summary.items()}
+
+
+def _settling(curve: CapacityCurve, model: Model) -> dict[str, Any]:
+    """Of supports that move: how their reaction goes, in N and m, or in N m and rad."""
+    settlement, reaction = model.settlement, curve.reaction
+    least, greatest = int(reaction.argmin()), int(reaction.argmax())
+    return {
+        "support_motion": settlement.words if settlement is not None else "",
+        "initial_reaction": reaction[0],
+        "least_reaction": reaction[least],
+        "least_reaction_at": curve.points[least].control_displacement,
+        "greatest_reaction": reaction[greatest],
+        "greatest_reaction_at": curve.points[greatest].control_displacement,
+        "largest_motion": curve.points[-1].control_displacement,
+        "stands": settlement is not None
+        and curve.points[-1].control_displacement >= settlement.largest * (1.0 - 1e-9),
+    }
+
+
+def _mode(model: Model) -> dict[str, Any] | None:
+    """Of a load in proportion to a mode of vibration."""
+    from drystone.model.inspection import VibrationMode
+
+    mode = VibrationMode.of(model)
+    return asdict(mode) if mode is not None else None
+
+
+def write_summary(summary: dict[str, Any], path: Path | str) -> None:
+    """Write it whole or not at all: readers never see half a file."""
+    from drystone.io.results.folder import whole_file
+
+    with whole_file(Path(path)) as draft:
+        draft.write_text(to_json(summary) + "\n", encoding="utf-8")
+
+
+def to_json(value: Any) -> str:
+    """JSON that every reader takes: no NaN, no infinity."""
+    return json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=False)
+
+
+def plain(value: Any) -> Any:
+    """The same value in Python's own types; NaN and infinities become None."""
+    if hasattr(value, "tolist"):  # arrays and scalars of numpy
+        value = value.tolist()
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def _largest(curve: CapacityCurve, name: str) -> float:
+    """Largest value over all points; NaN where no point knows it."""
+    known = [
+        v for v in (float(getattr(point, name)) for point in curve.points) if not math.isnan(v)
+    ]
+    return max(known, default=math.nan)

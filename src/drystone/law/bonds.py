@@ -1,0 +1,99 @@
+"""Bonds of brittle joints: how near each is to its end, and which give way.
+
+A bond of cohesion c and tensile strength f_t holds at a contact of area A while
+
+    |r_t| <= mu r_n + c A,        r_n >= -f_t A
+
+and is lost at once.  Its margin is the smaller of what is left until then, either over its own
+strength.  A law that softens, or crushes, has another margin; what follows from it stays the same.
+"""
+
+from __future__ import annotations
+
+from functools import reduce
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.contacts import FRICTION, NONE, Slots
+from drystone.law import law as joint_law
+from drystone.law.certificate import JudgedContacts
+from drystone.law.law import BOND_TIE
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+#: Margins that differ by less belong to bonds that break together, such as those of mirrored
+#: blocks: a millionth, above the rounding of their reactions and below any other difference.
+TOGETHER = 1e-6
+
+#: Strength by which a margin is measured at least, over the other strength of the bond.
+LEAST_SCALE = 0.1
+
+
+def brittle(laws: Array) -> bool:
+    """Whether any joint law has a bond, by the table of `law.table`."""
+    return bool((laws[:, [joint_law.COHESION, joint_law.TENSION]] > 0.0).any())
+
+
+def apart(slots: Slots, slack: float) -> BoolArray:
+    """Contacts (n_slots,) that no bond spans, as they are not shut to ``slack`` [m] when built."""
+    return (slots.kind == NONE) | (slots.gap > slack)
+
+
+def shear(reaction: Array) -> Array:
+    """Size of the tangential reaction (n,) [N] of reactions (n, dim)."""
+    size: Array = reduce(np.hypot, reaction[:, 1:].T)
+    return np.abs(size)
+
+
+def margins(judged: JudgedContacts, slack: float) -> Array:
+    """Margins of contacts, (n_contacts,); infinite where nothing is bonded.
+
+    ``slack`` [N] is how well reactions are known: none breaks for less.
+    """
+    normal, tangential = judged.reaction[:, 0], shear(judged.reaction)
+    bond, tension = judged.strength
+    bonded = bond + tension > 0.0
+    along = judged.contacts.table[:, FRICTION] * normal + bond + slack - tangential
+    along = np.divide(along, np.maximum(bond, LEAST_SCALE * tension), where=bonded, out=along)
+    across = normal + tension + slack
+    across = np.divide(across, np.maximum(tension, LEAST_SCALE * bond), where=bonded, out=across)
+    return np.where(bonded, np.minimum(along, across), np.inf)
+
+
+def weakest(margin: Array) -> IntArray:
+    """The bonds that give way: those most beyond their strength, if any is."""
+    worst = margin.min(initial=np.inf)
+    if worst >= -BOND_TIE:
+        return np.zeros(0, np.int64)
+    return np.flatnonzero(margin <= worst + TOGETHER)
+
+
+def crossing(first: float, before: Array, second: float, after: Array, aim: float) -> float:
+    """Share of a step at which the first bond comes down to the margin ``aim``; or infinity.
+
+    ``before`` and ``after`` are margins of the same contacts at the shares ``first`` and
+    ``second``; straight lines through them are followed, also beyond.
+    """
+    falling = np.isfinite(before) & (after < before)
+    drop = before[falling] - after[falling]
+    reached = first + (second - first) * (before[falling] - aim) / drop
+    return float(reached.min(initial=np.inf))
+
+
+def yielded(laws: Array, law: IntArray, reaction: Array) -> IntArray:
+    """Branch of the joint law (n,) of contacts whose bond breaks at a reaction (n, dim) [N]."""
+    normal, in_plane = reaction[:, 0], reaction.shape[1] == 2
+    sliding = np.where(reaction[:, 1] > 0.0, joint_law.FORWARD, joint_law.BACKWARD)
+    sliding = sliding if in_plane else np.full(len(normal), joint_law.SLIDING)
+    sticks = shear(reaction) <= laws[law, joint_law.MU] * normal
+    return np.where(normal <= 0.0, joint_law.OPEN, np.where(sticks, joint_law.STICKING, sliding))
+
+
+def release(laws: Array, law: IntArray, reaction: Array) -> Array:
+    """What contacts let go at once when their bond breaks at a reaction (n, dim), (n,) [N]."""
+    normal, tangential = reaction[:, 0], shear(reaction)
+    limit = laws[law, joint_law.MU] * np.maximum(normal, 0.0)
+    return np.hypot(np.minimum(normal, 0.0), np.maximum(tangential - limit, 0.0))

@@ -1,0 +1,155 @@
+"""Joints that soften or are crushed, with their strengths where a step ends: reactions, tangent.
+
+`law.yielding` holds strengths while a step is solved; here they follow from the gap y and the
+trial shear T of a contact, both per area, as `law.strengths` says.  With all that opens, slips
+and softens at once there is one unknown a contact, how far its bond has softened:
+
+    s = s_0 + (c / G_II) gamma(s) + (f_t / G_I) kappa(s),
+    gamma = (|T| - most(s)) / k_s,    kappa = y - opened - f_t e^-s / k_n,
+
+each where it is positive.  Without a bond it is what the joint has slid, with friction that falls.
+The tangent follows from the same equation, so that Newton's method on the balance of the blocks is
+consistent with the law (Simo and Taylor 1985).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.common.compiled import njit
+
+#: Columns of a law: k_n, k_s [Pa/m], friction first and last, how it falls by slip [1/m], c, f_t
+#: [Pa], how the bond softens by opening and by slip [1/m], f_c [Pa] and how that falls [1/m], 1
+#: where there is a bond, 1 where friction falls with it.
+S_KN, S_KS, S_MU, S_LEAST, S_PER_SLIP, S_COHESION, S_TENSION = 0, 1, 2, 3, 4, 5, 6
+S_BY_OPENING, S_BY_SLIP, S_CRUSH, S_BY_CRUSHING, S_BONDED, S_SOFTENS = 7, 8, 9, 10, 11, 12
+N_SOFTENING = 13
+
+#: Columns of a contact: 1 where its bond is whole, what it has come to, gap [m] and trial shear
+#: [Pa]; its law is in a list beside.
+C_WHOLE, C_SOFTENED, C_OPENED, C_SLID, C_CRUSHED, C_GAP, C_SHEAR = 0, 1, 2, 3, 4, 5, 6
+N_CONTACT = 7
+
+#: Columns of what follows: pressure, shear [Pa], their derivatives by gap [Pa/m] and by trial
+#: shear, and what the contact has come to.
+P_NORMAL, P_SHEAR, P_NY, P_NT, P_TY, P_TT, P_SOFTENED, P_OPENED, P_SLID, P_CRUSHED = range(10)
+N_POINT = 10
+
+#: How far a bond has softened when it is lost; as far a joint that is crushed may soften.
+LOST = 20.0
+
+#: Least slope of the equation for s: where a joint would snap by itself it is steeper.
+LEAST_SLOPE = 1e-3
+
+
+@njit(cache=True, error_model="numpy")
+def _pressed(law, crushed, y):
+    """Pressure of a contact that is shut, its derivative by the gap, closure by crushing."""
+    kn, strength, rate = law[S_KN], law[S_CRUSH], law[S_BY_CRUSHING]
+    p = -kn * y
+    at = crushed
+    if not p > strength * np.exp(-min(rate * crushed, LOST)):
+        return p, -kn, crushed
+    for _ in range(60):  # convex and falling, from below
+        holds = strength * np.exp(-min(rate * at, LOST))
+        slope = rate * holds if rate * at < LOST else 0.0
+        more = (-kn * (y + at - crushed) - holds) / max(kn - slope, LEAST_SLOPE * kn)
+        at += more
+        if abs(more) <= 1e-15 * (abs(y) + at):
+            break
+    holds = strength * np.exp(-min(rate * at, LOST))
+    slope = rate * holds if rate * at < LOST else 0.0
+    return holds, slope * kn / max(kn - slope, LEAST_SLOPE * kn), at
+
+
+@njit(cache=True, error_model="numpy")
+def _normal(law, whole, opened, pulls, y, s, at):
+    """Fill ``at`` with the pressure, its derivatives by y and s, kappa and its derivatives, of a
+    contact that is open."""
+    for i in range(6):
+        at[i] = 0.0
+    if not (whole and pulls):
+        return
+    kn, f = law[S_KN], law[S_TENSION] * np.exp(-s)
+    beyond = y - opened
+    if beyond > f / kn:
+        at[0], at[2] = -f, f
+        at[3], at[4], at[5] = beyond - f / kn, 1.0, f / kn
+    else:
+        at[0], at[1] = -kn * beyond, -kn
+
+
+@njit(cache=True, error_model="numpy")
+def points(laws, law_of, contact, point):
+    """Fill ``point`` (n, N_POINT) for contacts (n, N_CONTACT) of laws (n_laws, N_SOFTENING)."""
+    at = np.zeros(6)
+    for c in range(law_of.shape[0]):
+        law = laws[law_of[c]]
+        whole = contact[c, C_WHOLE] != 0.0 and law[S_BONDED] != 0.0
+        y, shear, out = contact[c, C_GAP], contact[c, C_SHEAR], point[c]
+        opened, slid, crushed = contact[c, C_OPENED], contact[c, C_SLID], contact[c, C_CRUSHED]
+        ks, least, fall = law[S_KS], law[S_LEAST], law[S_MU] - law[S_LEAST]
+        pulls = opened == 0.0 or y > opened
+        shut = y <= 0.0
+        if shut:
+            p, py, crushed = _pressed(law, crushed, y)
+            at[:] = 0.0
+            at[0], at[1] = p, py
+        s, start = contact[c, C_SOFTENED], contact[c, C_SOFTENED]
+        gamma, most, my, ms, slope = 0.0, 0.0, 0.0, 0.0, 1.0
+        if whole:
+            by_slip, by_opening = law[S_BY_SLIP], law[S_BY_OPENING]
+            for _ in range(100):
+                left = np.exp(-s)
+                if not shut:
+                    _normal(law, whole, opened, pulls, y, s, at)
+                mu = least + fall * left
+                most = mu * at[0] + law[S_COHESION] * left
+                my, ms = mu * at[1], mu * at[2] - fall * left * at[0] - law[S_COHESION] * left
+                if most < 0.0:
+                    most, my, ms = 0.0, 0.0, 0.0
+                gamma, slope = 0.0, 1.0 - by_opening * at[5]
+                if shear > most:
+                    gamma = (shear - most) / ks
+                    slope += by_slip * ms / ks
+                slope = max(slope, LEAST_SLOPE)
+                more = (start + by_slip * gamma + by_opening * at[3] - s) / slope
+                s += more
+                if abs(more) <= 1e-14 * (1.0 + s):
+                    break
+        else:
+            rate = 0.0 if law[S_SOFTENS] != 0.0 else law[S_PER_SLIP]
+            fallen = law[S_SOFTENS] != 0.0
+            if not shut:
+                at[:] = 0.0
+            pressure = max(at[0], 0.0)
+            for _ in range(100):
+                mu = least + (0.0 if fallen else fall * np.exp(-rate * (slid + gamma)))
+                most, my = mu * pressure, mu * at[1]
+                if not shear > most:
+                    gamma = 0.0
+                    break
+                slope = max(1.0 - rate * (mu - least) * pressure / ks, LEAST_SLOPE)
+                more = ((shear - most) / ks - gamma) / slope
+                gamma += more
+                if abs(more) <= 1e-14 * (gamma + slid):
+                    break
+        slides = shear > most
+        if whole:
+            sy = by_opening * at[4] - (by_slip * my / ks if slides else 0.0)
+            sy, st = sy / slope, (by_slip / ks / slope if slides else 0.0)
+            out[P_NY], out[P_NT] = at[1] + at[2] * sy, at[2] * st
+            out[P_TY], out[P_TT] = (my + ms * sy, ms * st) if slides else (0.0, 1.0)
+        else:
+            # What is slid more lowers friction: most = mu(slid + gamma) p.
+            loss = -rate * (mu - least) * pressure if slides else 0.0
+            gy, gt = -my / ks / slope, 1.0 / ks / slope
+            out[P_NY], out[P_NT] = at[1], 0.0
+            out[P_TY], out[P_TT] = (my + loss * gy, loss * gt) if slides else (0.0, 1.0)
+        if not (whole or at[0] > 0.0):
+            most, slides = 0.0, True
+            out[P_TY], out[P_TT] = 0.0, 0.0
+        out[P_NORMAL], out[P_SHEAR] = at[0], most if slides else shear
+        out[P_SOFTENED], out[P_SLID] = s, slid + gamma
+        out[P_OPENED] = opened + (at[3] if whole else 0.0)
+        out[P_CRUSHED] = crushed

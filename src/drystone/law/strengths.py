@@ -1,0 +1,280 @@
+"""What joints hold as they soften, are crushed and close: strengths by history.
+
+With the inelastic opening k_n and slip k_t [m] of a contact, its bond has softened by
+
+    s = k_n f_t / G_I + k_t c / G_II
+
+(Lourenco and Rots 1997: both are bridges of the same mortar, which opening and slip break alike),
+and what is left of it, with the friction, is
+
+    f = f_t exp(-s),    c = c_0 exp(-s),    mu = mu_r + (mu_0 - mu_r) exp(-s).
+
+So opening alone takes G_I per area, and slip alone G_II over what friction takes.  Joints without a
+bond may lose friction over their slip instead, by exp(-k_t / residual slip).  A joint that is
+crushed by k_c [m] holds f_c exp(-f_c k_c / G_c).  One that closes hyperbolically by v carries
+k_n v / (1 - v / v_m) (Bandis, Lumsden and Barton 1983).
+
+A contact that has been torn open pulls again where it is opened further than it was, and presses
+where it is shut: between both nothing acts.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.contacts import CRUSH, FRICTION, PULL, ROOM, SHIFT
+from drystone.law import softening
+from drystone.law.law import (
+    BROKEN,
+    DILATION,
+    H_CRUSH,
+    H_KN,
+    H_MU,
+    H_PULL,
+    H_ROOM,
+    H_SHIFT,
+    N_HELD,
+    N_HISTORY,
+    OPENED,
+    SLID,
+    SOFTENED,
+)
+from drystone.model.assembly import Assembly, JointLaw
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+#: How far a bond has softened when it is lost: two billionths of its strength are left.  A joint
+#: that is crushed keeps as much.
+LOST = softening.LOST
+
+#: Share of the greatest closure that a tangent is made at, at most: beyond it the joint is rigid.
+NEARLY_SHUT = 1.0 - 1e-9
+
+
+class Reached(NamedTuple):
+    """What contacts (n_slots,) have come to at the end of a step."""
+
+    softened: Array  # s, -
+    opened: Array  # m, inelastic
+    slid: Array  # m
+    crushed: Array  # m
+    gap: Array  # m, less what was crushed
+
+    def at(self, source: IntArray) -> Reached:
+        """Those of other slots (n_slots,); what is new, -1, is as it was in the same slot."""
+        return Reached(*(np.where(source >= 0, a[source], a) for a in self))
+
+
+class Strengths:
+    """Strengths of all joint laws of an assembly; per area."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        self.any = any(law.yields for law in assembly.laws)
+        columns = [yielding_row(law) for law in assembly.laws]
+        (
+            self.mu, self.residual, self.per_slip, self.kn, self.cohesion, self.tension,
+            self.by_opening, self.by_slip, self.crush, self.by_crushing, self.closure,
+        ) = np.array(columns).T  # fmt: skip
+        softens = [law.softens for law in assembly.laws]
+        self.yields: BoolArray = np.array([law.yields for law in assembly.laws])
+        #: Whether `law.softening` has all of what joints do.
+        self.smooth = not np.isfinite(self.closure).any()
+        ks = [law.shear_stiffness or 0.0 for law in assembly.laws]
+        self.softens: BoolArray = np.array(softens)
+        self.bonded: BoolArray = self.softens & (self.cohesion + self.tension > 0.0)
+        bonded = self.bonded.astype(float)
+        #: (n_laws, N_SOFTENING), see `law.softening`.
+        self.table = np.column_stack((
+            self.kn, ks, self.mu, self.residual, self.per_slip, self.cohesion, self.tension,
+            self.by_opening, self.by_slip, self.crush, self.by_crushing, bonded, self.softens,
+        ))  # fmt: skip
+        #: What contacts of each law hold that are made later, (n_laws, N_HELD): without a bond.
+        self.fresh = self._fresh()
+
+    def _fresh(self) -> Array:
+        n = len(self.mu)
+        history = np.zeros((n, N_HISTORY))
+        history[:, BROKEN] = 1.0
+        return self.held(np.arange(n), history, self.first(history, np.zeros(n)))
+
+    def first(self, history: Array, slots_gap: Array) -> Reached:
+        """Where contacts begin, by their history (n_slots, N_HISTORY + dim - 2)."""
+        return Reached(
+            softened=history[:, SOFTENED].copy(),
+            opened=history[:, OPENED].copy(),
+            slid=history[:, SLID].copy(),
+            crushed=np.maximum(-history[:, DILATION], 0.0),
+            gap=slots_gap - history[:, DILATION],
+        )
+
+    def held(self, law: IntArray, history: Array, now: Reached) -> Array:
+        """What contacts hold (n_slots, N_HELD), see `law.law`, once they have come so far."""
+        whole = (history[:, BROKEN] == 0.0) & self.bonded[law]
+        left = np.where(whole, np.exp(-now.softened), 0.0)
+        friction = np.where(self.softens[law], left, np.exp(-self.per_slip[law] * now.slid))
+        held = np.zeros((len(law), N_HELD))
+        mu = self.residual[law] + (self.mu - self.residual)[law] * friction
+        pulls = (now.opened == 0.0) | (now.gap > now.opened)
+        kn = self.kn[law]
+        pull = np.where(pulls, self.tension[law] * left, 0.0)
+        held[:, H_KN], held[:, H_MU], held[:, H_PULL] = kn, mu, pull
+        held[:, H_SHIFT] = pull + np.where(pulls & whole, kn * now.opened, 0.0)
+        held[:, H_ROOM] = np.maximum(self.cohesion[law] * left - mu * pull, 0.0)
+        crush = np.exp(-np.minimum(self.by_crushing[law] * now.crushed, LOST))
+        held[:, H_CRUSH] = self.crush[law] * crush + pull
+        curved = np.isfinite(self.closure[law])
+        if curved.any():
+            self._tangent(law, curved, now.gap, held)
+        return held
+
+    def _tangent(self, law: IntArray, curved: BoolArray, gap: Array, held: Array) -> None:
+        """Of joints that close hyperbolically, the tangent where they have come to."""
+        limit, kn = self.closure[law][curved], held[curved, H_KN]
+        share = np.clip(
+            np.nan_to_num(-gap[curved], posinf=0.0, neginf=0.0) / limit, 0.0, NEARLY_SHUT
+        )
+        slope = kn / (1.0 - share) ** 2
+        held[curved, H_KN] = slope
+        held[curved, H_SHIFT] += kn * limit * share / (1.0 - share) - slope * limit * share
+
+    def points(
+        self, law: IntArray, start: Array, committed: Array, gap: Array, shear: Array
+    ) -> Array:
+        """What follows of gaps and trial shears, (n, N_POINT); see `law.softening`.
+
+        Parameters
+        ----------
+        law
+            Of each contact, (n,).
+        start, committed
+            Their history where the step starts, and with what has been slid and crushed on the way
+            that is over, (n, N_HISTORY + dim - 2).
+        gap, shear
+            Where the step ends, (n,) [m], and the size of the trial shear [Pa].
+        """
+        contact = np.empty((len(law), softening.N_CONTACT))
+        whole = start[:, BROKEN] == 0.0
+        slid = committed[:, SLID] - start[:, SLID]
+        softened = start[:, SOFTENED] + np.where(whole, self.by_slip[law] * slid, 0.0)
+        contact[:, softening.C_WHOLE], contact[:, softening.C_SOFTENED] = whole, softened
+        contact[:, softening.C_OPENED] = start[:, OPENED]
+        contact[:, softening.C_SLID] = committed[:, SLID]
+        contact[:, softening.C_CRUSHED] = np.maximum(-committed[:, DILATION], 0.0)
+        contact[:, softening.C_GAP] = gap - committed[:, DILATION]
+        contact[:, softening.C_SHEAR] = shear
+        point = np.empty((len(law), softening.N_POINT))
+        softening.points(self.table, law, contact, point)
+        return point
+
+    def reached(self, law: IntArray, before: Array, after: Array, gap: Array) -> Reached:
+        """What contacts come to where a step ends.
+
+        Parameters
+        ----------
+        law
+            Of each slot, (n_slots,).
+        before, after
+            Their history where the step starts and where it ends, (n_slots, N_HISTORY + dim - 2).
+        gap
+            Where it ends, (n_slots,) [m].
+        """
+        bonded = self.bonded[law] & (before[:, BROKEN] == 0.0)
+        slid = after[:, SLID]
+        gap = gap - after[:, DILATION]
+        by_opening, elastic = self.by_opening[law], self.tension[law] / self.kn[law]
+        sheared = before[:, SOFTENED] + self.by_slip[law] * (slid - before[:, SLID])
+        beyond = np.where(bonded & np.isfinite(gap), gap, 0.0) - before[:, OPENED]
+        softened = sheared.copy()
+        tears = bonded & (by_opening > 0.0) & (beyond > elastic * np.exp(-sheared))
+        s, start, far = (a[tears] for a in (sheared, sheared, beyond))
+        rate, give = by_opening[tears], elastic[tears]
+        s = start + rate * far
+        for _ in range(60):  # convex and rising, from above
+            step = (s - start - rate * (far - give * np.exp(-s))) / (1.0 - rate * give * np.exp(-s))
+            s = s - step
+            if not (np.abs(step) > 1e-15 * (1.0 + np.abs(s))).any():
+                break
+        softened[tears] = np.maximum(s, start)
+        opened = before[:, OPENED].copy()
+        opened[tears] += far - give * np.exp(-softened[tears])
+        return Reached(
+            softened=softened,
+            opened=opened,
+            slid=slid.copy(),
+            crushed=np.maximum(-after[:, DILATION], 0.0),
+            gap=gap,
+        )
+
+    def fill(self, law: IntArray, history: Array, gap: Array, size: Array, table: Array) -> None:
+        """What contacts (n_contacts,) hold, for their table; times the ``size`` of their joint."""
+        now = self.first(history, gap)
+        held = self.held(law, history, now)
+        table[:, FRICTION] = held[:, H_MU]
+        for column, own in ((SHIFT, H_SHIFT), (PULL, H_PULL), (ROOM, H_ROOM), (CRUSH, H_CRUSH)):
+            table[:, column] = held[:, own] * size
+
+    def write(self, law: IntArray, now: Reached, history: Array) -> None:
+        """Make what contacts have come to a part of their history."""
+        history[:, SOFTENED], history[:, OPENED] = now.softened, now.opened
+        history[self.bonded[law] & (now.softened > LOST), BROKEN] = 1.0
+
+
+class Row(NamedTuple):
+    """What a law is made of; strengths [Pa] of bonds that soften only, rates [1/m]."""
+
+    mu: float
+    residual: float
+    per_slip: float
+    kn: float  # Pa/m
+    cohesion: float
+    tension: float
+    by_opening: float
+    by_slip: float
+    crush: float
+    by_crushing: float
+    closure: float  # m
+
+
+def yielding_row(law: JointLaw) -> Row:
+    """The numbers of a law; the tensile strength is that of its cone at most."""
+    mu, residual = law.friction_coefficient, law.residual_friction_coefficient
+    cohesion, tension = (law.cohesion, law.tensile_strength) if law.softens else (0.0, 0.0)
+    tension = min(tension, cohesion / mu) if mu > 0.0 else tension
+    return Row(
+        mu=mu,
+        residual=mu if residual is None else residual,
+        per_slip=0.0 if law.residual_slip is None else 1.0 / law.residual_slip,
+        kn=law.normal_stiffness or 0.0,
+        cohesion=cohesion,
+        tension=tension,
+        by_opening=_over(tension, law.tensile_fracture_energy),
+        by_slip=_over(cohesion, law.shear_fracture_energy),
+        crush=law.compressive_strength,
+        by_crushing=_over(law.compressive_strength, law.compressive_fracture_energy),
+        closure=law.greatest_closure,
+    )
+
+
+def _over(strength: float, energy: float | None) -> float:
+    return 0.0 if energy is None else strength / energy
+
+
+def difference(held: Array, other: Array, reaction: Array, area: Array) -> float:
+    """Largest force [N] by which two of what contacts hold (n_slots, N_HELD) differ.
+
+    ``reaction`` (n_slots,) is normal [N], which friction and stiffness count with.
+    """
+    pressed = np.maximum(reaction, 0.0)
+    force = np.abs(held[:, H_PULL] - other[:, H_PULL]) * area
+    force = np.maximum(force, np.abs(held[:, H_ROOM] - other[:, H_ROOM]) * area)
+    force = np.maximum(force, np.abs(held[:, H_MU] - other[:, H_MU]) * pressed)
+    capped = np.isfinite(held[:, H_CRUSH])
+    crush = np.abs(held[capped, H_CRUSH] - other[capped, H_CRUSH]) * area[capped]
+    # Of a tangent that has moved on, to second order.
+    curved = np.abs(held[:, H_KN] / other[:, H_KN] - 1.0) * pressed
+    return float(max(force.max(initial=0.0), crush.max(initial=0.0), curved.max(initial=0.0)))

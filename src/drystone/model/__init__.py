@@ -1,0 +1,1 @@
+"""What is analysed: blocks, joints, supports, loads, ties, settlements; generators and checks."""

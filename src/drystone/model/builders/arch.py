@@ -1,0 +1,105 @@
+"""Arches of any intrados."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from drystone.model.assembly import Block
+from drystone.model.builders.profile import Joints, ring
+from drystone.model.builders.stones import Depth, Mason, positive
+from drystone.model.construction.errors import ModelError
+
+
+# Long by its keys, each with its words: they are those of model files.
+def arch(
+    *,
+    thickness: float,
+    unit_weight: float,
+    span: float | None = None,
+    rise: float | None = None,
+    shape: str = "circular",
+    intrados: Sequence[Sequence[float]] | None = None,
+    voussoirs: int | None = None,
+    size: float | None = None,
+    depth: float | None = None,
+    abutments: bool = False,
+    material: str = "",
+) -> list[Block]:
+    """A ring of voussoirs with joints normal to the intrados, its springings at the origin's level.
+
+    Voussoirs are equal along the intrados, their faces plane from joint to joint.  A size is cut to
+    fit: the nearest odd number is taken, of a pointed arch the nearest even one.
+
+    Parameters
+    ----------
+    thickness
+        Of the ring [m].
+    unit_weight
+        N/m3.
+    span
+        Between the springings of the intrados [m], the origin in its middle.
+    rise
+        Of the intrados [m]; half the span by default.
+    shape
+        ``circular``, ``pointed`` (two arcs with centres on the springing line) or ``elliptic``.
+    intrados
+        Instead of span, rise and shape: points [x, z] [m] from left to right of a smooth curve.
+    voussoirs, size
+        How many, or how long at the intrados [m].
+    depth
+        Along y, from 0 [m]; none in the plane.
+    abutments
+        Whether to lay a fixed block, ``left`` and ``right``, behind either springing.
+
+    Returns
+    -------
+    list of Block
+        ``v1`` to ``vN`` from left to right; the middle one of an odd number is in the group
+        "keystone".
+
+    Raises
+    ------
+    ModelError
+        The measures make no arch.
+    """
+    if problems := positive(depth=depth):
+        raise ModelError(problems)
+    joints = ring(
+        thickness=thickness, span=span, rise=rise, shape=shape, intrados=intrados,
+        voussoirs=voussoirs, size=size,
+    )  # fmt: skip
+    mason = Mason(unit_weight=unit_weight, material=material)
+    across = None if depth is None else (0.0, depth)
+    made = voussoirs_of(mason, joints, across)
+    return [*abutments_of(mason, joints, across), *made] if abutments else made
+
+
+def voussoirs_of(
+    mason: Mason, joints: Joints, depth: Depth, prefix: str = "", *groups: str
+) -> list[Block]:
+    """The stones of a ring, from left to right."""
+    n = joints.n_voussoirs
+    return [
+        mason.upright(
+            f"{prefix}v{i + 1}",
+            joints.outline(i),
+            depth,
+            *groups,
+            *(("keystone",) if 2 * i + 1 == n else ()),
+        )
+        for i in range(n)
+    ]
+
+
+def abutments_of(mason: Mason, joints: Joints, depth: Depth) -> list[Block]:
+    """A fixed block behind either springing, as thick as the ring."""
+    made = []
+    for name, k, sense in (("left", 0, -1.0), ("right", -1, 1.0)):
+        low, high = joints.inner[k], joints.outer[k]
+        back = sense * np.array([(high - low)[1], -(high - low)[0]])
+        corners = [low, low + back, high + back, high]
+        outline = np.array(corners if sense > 0.0 else corners[::-1])
+        made.append(mason.upright(name, outline, depth, support=True))
+    return made

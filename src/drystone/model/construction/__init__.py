@@ -1,0 +1,1 @@
+"""A model put together from its parts, and checked."""

@@ -1,0 +1,220 @@
+"""What keeps a set of blocks from being an assembly that can be analysed, as sentences."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import combinations
+
+import numpy as np
+
+from drystone.common.ranges import problem
+from drystone.geometry import GeometryError
+from drystone.geometry.plane.outlines import TOUCHING, Outlines
+from drystone.geometry.space.polyhedra import Polyhedra
+from drystone.model.assembly import (
+    MAY_BE_INFINITE,
+    MAY_BE_MISSING,
+    MOTIONS,
+    Assembly,
+    Block,
+    Corner,
+    JointLaw,
+)
+from drystone.model.construction.joint_checks import yielding_problems
+from drystone.model.construction.words import millimetres, quoted
+
+#: Overlap, relative to the smaller block, that is taken for rounding of the coordinates.
+OVERLAPPING = 1e-6
+
+#: Overlaps that are told, each in a sentence.
+MOST_TOLD = 1000
+
+#: Names a block by its row, as its author would look for it.
+Place = Callable[[int], str]
+
+
+def law_problems(law: JointLaw) -> list[str]:
+    """Values that no joint can have, each as "key: sentence"."""
+    problems = [
+        wrong
+        for key, value in vars(law).items()
+        if not (value is None and key in MAY_BE_MISSING)
+        and not (value == math.inf and key in MAY_BE_INFINITE)
+        and (wrong := problem(key, value))
+    ]
+    if problems:
+        return problems
+    friction_angle = float(np.degrees(np.arctan(law.friction_coefficient)))
+    if law.dilatancy_angle > friction_angle * (1.0 + 1e-9):
+        problems.append(
+            f"dilatancy_angle: {law.dilatancy_angle:g} degrees is more than the friction angle of "
+            f"{friction_angle:.4g} degrees, and such a joint would make energy: make it smaller"
+        )
+    return problems + yielding_problems(law)
+
+
+def held_problems(blocks: Sequence[Block], place: Place) -> list[str]:
+    """Of motions that rollers cannot hold."""
+    problems = []
+    for i, block in enumerate(blocks):
+        known = MOTIONS[block.dimension]
+        if unknown := [name for name in block.held if name not in known]:
+            listed = ", ".join(known)
+            problems.append(f'{place(i)} held: there is no motion "{unknown[0]}": take of {listed}')
+        elif block.held and (block.support or len(set(block.held)) == len(known)):
+            problems.append(f"{place(i)} held: nothing moves it: set support alone")
+    return problems
+
+
+def block_problems(blocks: Sequence[Block], corner: Corner, place: Place) -> list[str]:
+    """Ids given twice, outlines and corners that are impossible, blocks without weight."""
+    problems = []
+    too_round = []
+    first: dict[str, int] = {}
+    for i, block in enumerate(blocks):
+        if first.setdefault(block.id, i) != i:
+            problems.append(
+                f"{place(i)}: the id is taken by {place(first[block.id])}: give it another"
+            )
+        wrong = problem("unit_weight", block.unit_weight)
+        if wrong:
+            problems.append(f"{place(i)} {wrong}")
+        try:
+            figure = block.figure()
+        except GeometryError as error:
+            problems.append(f"{place(i)} {block.shape_key}: {error}")
+            continue
+        try:
+            corner.cores(figure)
+        except GeometryError as error:
+            too_round.append(f"corner, at {place(i)}: {error}")
+    if too_round:  # one value is to blame for all of them
+        others = f" (and so at {len(too_round) - 1} more)" if len(too_round) > 1 else ""
+        problems.append(too_round[0] + others)
+    return problems
+
+
+def pair_problems(
+    blocks: Sequence[Block], joint_between: Mapping[frozenset[str], JointLaw]
+) -> list[str]:
+    """Laws between blocks, groups or materials that do not exist, or cannot be told apart."""
+    if not joint_between:
+        return []
+    ids = {block.id for block in blocks}
+    materials = {block.material for block in blocks}
+    groups = {name for block in blocks for name in block.groups}
+    problems, of_groups = [], []
+    for names in joint_between:
+        place = f'joint.between."{" ".join(sorted(names))}"'
+        if names <= ids and len(names) == 2:
+            continue
+        if names & groups and names <= ids | groups:
+            of_groups.append(names)
+            problems += [
+                f"{place}: {quoted(name)} is a group and a {what}: give the group another name"
+                for name in sorted(names & groups)
+                for what, others in (("block", ids), ("material", materials))
+                if name in others
+            ]
+        elif not names <= materials:
+            problems.append(f"{place}: names neither two blocks or groups nor two materials")
+    return problems or _ambiguous(blocks, {names: joint_between[names] for names in of_groups})
+
+
+def _ambiguous(blocks: Sequence[Block], of_groups: Mapping[frozenset[str], JointLaw]) -> list[str]:
+    """Two blocks between which the pairs of groups give two laws."""
+    members: dict[str, set[str]] = {}
+    for block in blocks:
+        for name in (block.id, *block.groups):
+            members.setdefault(name, set()).add(block.id)
+    found = []
+    for (names, law), (others, other_law) in combinations(of_groups.items(), 2):
+        if law == other_law:
+            continue
+        a, b = members[min(names)], members[max(names)]
+        for c, d in ((min(others), max(others)), (max(others), min(others))):
+            first, last = a & members[c], b & members[d]
+            both = ((i, j) for i in sorted(first) for j in sorted(last) if i != j)
+            if pair := next(both, None):
+                i, j = pair
+                found.append(
+                    f'joint.between."{" ".join(sorted(names))}": between blocks {quoted(i)} and '
+                    f'{quoted(j)} "{" ".join(sorted(others))}" gives another law: take smaller '
+                    "groups, or name the two blocks"
+                )
+                break
+    return found
+
+
+#: What closes overlaps of blocks that one file holds, as messages name it.
+CLOSING = "overlap = {:g} in [[import]]"
+
+
+def layout_problems(assembly: Assembly, place: Place, closing: str = CLOSING) -> list[str]:
+    """No support, nothing that moves, blocks that overlap or touch nothing."""
+    problems = []
+    if assembly.n_supports == 0:
+        problems.append(
+            "block: no block is a support: set support = true in one, base = true in [wall] "
+            "or [[build]], or support or support_below in [[import]]"
+        )
+    if assembly.n_blocks == 0:
+        problems.append("block: every block is a support, nothing can move: add a block")
+    packed = assembly.packed
+    p, q = packed.near_pairs()
+    depth = packed.overlap_depths(p, q)
+    size = packed.pair_size(p, q)
+    a, b = packed.body[p], packed.body[q]
+    deepest: dict[tuple[int, int], float] = {}  # of the parts of two blocks
+    for k in np.flatnonzero(depth > OVERLAPPING * size).tolist():
+        pair = int(a[k]), int(b[k])
+        deepest[pair] = max(float(depth[k]), deepest.get(pair, 0.0))
+    most: dict[str, float] = {}  # of the blocks that one table [[import]] reads
+    for (i, j), by in deepest.items():
+        if table := _table_of(place(i), place(j)):
+            most[table] = max(by, most.get(table, 0.0))
+    for told, ((i, j), by) in enumerate(deepest.items()):
+        if told == MOST_TOLD:
+            problems.append(f"block: {len(deepest) - told:,} more pairs of blocks overlap")
+            break
+        first, second = place(i), place(j)
+        mend = "move them apart, or make one smaller"
+        if table := _table_of(first, second):
+            mend += f", or let {closing.format(_upwards(most[table]))} close the joint"
+        problems.append(f"{first} and {second} overlap by {millimetres(by)}: {mend}")
+    touches = np.zeros(assembly.n_bodies, dtype=bool)
+    near = depth >= -TOUCHING * size
+    touches[a[near]] = touches[b[near]] = True
+    if assembly.n_bodies > 1:
+        problems.extend(_lonely(packed, np.flatnonzero(~touches & ~assembly.fixed), place))
+    return problems
+
+
+def _table_of(first: str, second: str) -> str:
+    """The table [[import]] that both places are of; "" where there is none."""
+    table = first.split(" ")[0]
+    return table if table.startswith("import[") and table == second.split(" ")[0] else ""
+
+
+def _upwards(value: float) -> float:
+    """A value with two digits that is somewhat larger."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return round(unit * math.ceil(1.05 * value / unit), 12)
+
+
+def _lonely(packed: Outlines | Polyhedra, lonely: Iterable[int], place: Place) -> list[str]:
+    """Sentences on movable blocks that touch nothing, the first few with their nearest block."""
+    problems = []
+    for told, i in enumerate(lonely):
+        nearest = ""
+        if told < 10:  # each one looks at all blocks, so that only those that get listed may
+            own, others = np.flatnonzero(packed.body == i), np.flatnonzero(packed.body != i)
+            between = np.maximum(packed.lower[others] - packed.upper[own, None], 0.0)
+            between += np.maximum(packed.lower[own, None] - packed.upper[others], 0.0)
+            distance = np.linalg.norm(between, axis=2)
+            k, j = np.unravel_index(int(np.argmin(distance)), distance.shape)
+            gap = -packed.overlap_depths(own[[k]], others[[j]])[0]
+            nearest = f" ({place(packed.body[others[j]])} is nearest, {millimetres(gap)} away)"
+        problems.append(f"{place(i)} touches no other block{nearest}: move it, or take it out")
+    return problems

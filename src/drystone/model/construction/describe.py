@@ -1,0 +1,159 @@
+"""A model as plain data, with the keys of the model file."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import fields, replace
+from typing import Any
+
+from drystone.model.assembly import POINTS, Assembly, Block, JointLaw
+from drystone.model.construction.errors import ModelError
+from drystone.model.model import Analysis, Model
+
+
+def model_to_dict(model: Model) -> dict[str, Any]:
+    """The model as nested dicts, lists, texts, numbers: what a model file would hold.
+
+    Walls come out block by block.  Blocks without a material name get ``material1`` and so on,
+    one for each unit weight.
+    """
+    assembly = model.assembly
+    names = material_names(assembly.blocks)
+    data: dict[str, Any] = {
+        "title": model.title,
+        "dimension": assembly.dimension,
+        **({"thickness": float(assembly.thickness)} if assembly.dimension == 2 else {}),
+        "material": {name: {"unit_weight": weight} for (_, weight), name in names.items()},
+        "joint": _joint(assembly),
+    }
+    corner = {key: float(v) for key, v in vars(assembly.corner).items() if v}
+    if corner:
+        data["corner"] = corner
+    if assembly.dimension == 3 or assembly.points != POINTS[2]:
+        data["contact"] = {"points": assembly.points}
+    data["block"] = [
+        {
+            "id": block.id,
+            "material": names[block.material, float(block.unit_weight)],
+            **shape_of_block(block),
+            "support": bool(block.support),
+            **({"groups": list(block.groups)} if block.groups else {}),
+            **({"held": list(block.held)} if block.held else {}),
+        }
+        for block in assembly.blocks
+    ]
+    data |= _acting(model)
+    data["control"] = {
+        "block": assembly.blocks[model.control_point.block].id,
+        "point": model.control_point.point.tolist(),
+        "direction": model.control_point.direction.tolist(),
+    }
+    data["analysis"] = _asked(model.analysis)
+    if model.site is not None:
+        data["site"] = model.site.as_dict()
+    if model.assessment is not None:
+        data["assessment"] = model.assessment.as_dict()
+    return data
+
+
+def _asked(analysis: Analysis) -> dict[str, Any]:
+    """[analysis], of what has a default only what differs from it."""
+    given = {
+        "ground": None,
+        "falling": None,
+        "event_share": Analysis.event_share,
+        "max_penetration": Analysis.max_penetration,
+    }
+    return {
+        "engine": analysis.engine,
+        "strategy": analysis.strategy,
+        "stop_multiplier": float(analysis.stop_multiplier),
+        **{
+            key: value if isinstance(value, str) else float(value)
+            for key, default in given.items()
+            if (value := getattr(analysis, key)) != default
+        },
+        **{key: float(value) for key, value in analysis.options.items()},
+    }
+
+
+def _acting(model: Model) -> dict[str, Any]:
+    """What acts on the structure, and what ties it."""
+    data: dict[str, Any] = {}
+    if model.settlement is None:
+        data["load"] = {"pattern": model.load.name, **model.load.keys()}
+    else:
+        data["settlement"] = model.settlement.keys()
+    if model.dead_loads:
+        data["dead_load"] = [load.keys() for load in model.dead_loads]
+    for key, spring in (("tie", False), ("spring", True)):
+        if listed := [tie.keys() for tie in model.ties if tie.spring == spring]:
+            data[key] = listed
+    return data
+
+
+def digest(model: Model) -> str:
+    """SHA-256 of the model's description in canonical JSON, as 64 hexadecimal digits.
+
+    What a curve does not depend on is not part of it: site and assessment.
+    """
+    data = model_to_dict(replace(model, site=None, assessment=None))
+    text = json.dumps(data, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def material_names(blocks: Sequence[Block]) -> dict[tuple[str, float], str]:
+    """Name in the file of each material, by its name and unit weight in the model.
+
+    Raises
+    ------
+    ModelError
+        Two unit weights go by the same name.
+    """
+    names: dict[tuple[str, float], str] = {}
+    unnamed = 0
+    for material, weight in dict.fromkeys((b.material, float(b.unit_weight)) for b in blocks):
+        name = material
+        if not name:
+            unnamed += 1
+            name = f"material{unnamed}"
+        if name in names.values():
+            raise ModelError(
+                [f"material.{name}: has two unit weights: give each its own material name"]
+            )
+        names[material, weight] = name
+    return names
+
+
+def shape_of_block(block: Block) -> dict[str, Any]:
+    """Vertices and faces of a block, or those of its parts where these were given."""
+    if block.parts:
+        return {"parts": [_solid(part.vertices, part.faces) for part in block.parts]}
+    return _solid(block.vertices, block.faces)
+
+
+def _solid(vertices: Any, faces: Any) -> dict[str, Any]:
+    listed = {"faces": [list(map(int, face)) for face in faces]} if faces else {}
+    return {"vertices": vertices.tolist(), **listed}
+
+
+def _joint(assembly: Assembly) -> dict[str, Any]:
+    joint: dict[str, Any] = dict(_law(assembly.joint))
+    if assembly.joint_between:
+        pairs = {_pair_key(names): law for names, law in assembly.joint_between.items()}
+        joint["between"] = {key: _law(pairs[key]) for key in sorted(pairs)}
+    return joint
+
+
+def _pair_key(names: frozenset[str]) -> str:
+    first, *rest = sorted(names)
+    return f"{first} {rest[0] if rest else first}"
+
+
+def _law(law: JointLaw) -> dict[str, float]:
+    """What the file says of a law: without stiffnesses that are missing, or a dilatancy's end."""
+    values = {field.name: getattr(law, field.name) for field in fields(law)}
+    return {k: float(v) for k, v in values.items() if v is not None and v != math.inf}

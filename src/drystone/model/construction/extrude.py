@@ -1,0 +1,81 @@
+"""A plane model as solids: x stays, y becomes z, and its thickness runs along y."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.geometry.space import solid
+from drystone.geometry.space.solid import Part
+from drystone.model.assembly import Assembly, Block
+from drystone.model.model import Model
+from drystone.model.monitor import ControlPoint
+
+Array = NDArray[np.float64]
+
+
+def extruded(model: Model, *, points: int = 4) -> Model:
+    """The same structure in space, from y = 0 to its thickness.
+
+    Load and control point lie in the plane amid them; edges are treated as corners were, on all
+    sides of a block.
+
+    Parameters
+    ----------
+    points
+        Contact points on a quadrilateral interface, see `make_model`.
+
+    Raises
+    ------
+    ValueError
+        The model is one of space already.
+    """
+    plane = model.assembly
+    if plane.dimension != 2:
+        raise ValueError("the model is one of space already: only plane ones can be extruded")
+    depth = plane.thickness
+    control = model.control_point
+
+    def into(vector: Array, *, point: bool = False) -> Array:
+        return _in_space(vector, 0.5 * depth if point else 0.0)
+
+    return replace(
+        model,
+        assembly=Assembly.build(
+            [_extruded(block, depth) for block in plane.blocks],
+            joint=plane.joint,
+            corner=plane.corner,
+            joint_between=plane.joint_between,
+            points=points,
+            up=_in_space(plane.up),
+        ),
+        load=model.load.in_space(into),
+        dead_loads=tuple(load.in_space(into) for load in model.dead_loads),
+        ties=tuple(tie.in_space(into) for tie in model.ties),
+        settlement=model.settlement and model.settlement.in_space(into),
+        control_point=ControlPoint(
+            block=control.block,
+            point=_in_space(control.point, 0.5 * depth),
+            direction=_in_space(control.direction),
+        ),
+    )
+
+
+#: Axes of the plane in space.
+AXES = {"y": "z"}
+
+
+def _extruded(block: Block, depth: float) -> Block:
+    block = replace(block, held=tuple(AXES.get(name, name) for name in block.held))
+    outlines = [part.vertices for part in block.parts] or [block.vertices]
+    parts = [Part(*solid.extruded(outline, (0.0, depth))) for outline in outlines]
+    if block.parts:
+        vertices = np.vstack([part.vertices for part in parts])
+        return replace(block, vertices=vertices, parts=tuple(parts))
+    return replace(block, vertices=parts[0].vertices, faces=parts[0].faces)
+
+
+def _in_space(vector: Array, y: float = 0.0) -> Array:
+    return np.array([vector[0], y, vector[1]])

@@ -1,0 +1,310 @@
+"""A model from its parts, checked: the one way that files and builders put it together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.common.names import quoted, there_is_no
+from drystone.common.ranges import LARGEST, problem, too_many
+from drystone.common.vectors import unit_vector
+from drystone.geometry import GeometryError
+from drystone.geometry.mended import Mended
+from drystone.model.assembly import POINTS_KNOWN, Assembly, Block, Corner, JointLaw
+from drystone.model.construction.checks import (
+    Place,
+    block_problems,
+    held_problems,
+    law_problems,
+    layout_problems,
+    pair_problems,
+)
+from drystone.model.construction.control import choose_control_point
+from drystone.model.construction.describe import material_names
+from drystone.model.construction.errors import ModelError
+from drystone.model.construction.fit import DRAWING_TOLERANCE, fitted, straightened, turned_round
+from drystone.model.loading import DeadLoad, LoadPattern, MassPattern, NoPattern
+from drystone.model.model import Analysis, Model, Origin
+from drystone.model.monitor import ControlPoint
+from drystone.model.settlement import Settlement
+from drystone.model.site import AssessmentInput, Site
+from drystone.model.ties import Tie, problems_of
+
+Array = NDArray[np.float64]
+
+#: Cosine of the angle between load and control direction that counts as none.
+AGAINST = 1e-9
+
+
+# Long by its arguments, each with its words: they are the keys of a model file.
+def make_model(
+    blocks: Sequence[Block],
+    *,
+    joint: JointLaw,
+    load_direction: Sequence[float] | None = None,
+    load: LoadPattern | None = None,
+    dead_loads: Sequence[DeadLoad] = (),
+    ties: Sequence[Tie] = (),
+    settlement: Settlement | None = None,
+    thickness: float | None = None,
+    corner: Corner | None = None,
+    points: int | None = None,
+    joint_between: Mapping[frozenset[str], JointLaw] | None = None,
+    control_block: str | None = None,
+    control_point: str | Sequence[float] | None = None,
+    control_direction: Sequence[float] | None = None,
+    analysis: Analysis | None = None,
+    title: str = "",
+    source: str | None = None,
+    sha256: str | None = None,
+    place: Place | None = None,
+    drawing_tolerance: float = DRAWING_TOLERANCE,
+    notes: Sequence[str] = (),
+    mended: Sequence[Mended] = (),
+    site: Site | None = None,
+    assessment: AssessmentInput | None = None,
+) -> Model:
+    """Put a model together and check that it can be analysed.
+
+    Parameters
+    ----------
+    blocks
+        Movable blocks and supports; their order is that of all arrays.
+    joint, joint_between
+        Law of every joint, and of those between two block ids or two materials.
+    thickness
+        Out of plane [m]; none in space.
+    load_direction
+        Of the load pattern; scaled to length one.  May be left out beside a ``load``.
+    load
+        The pattern that the multiplier scales; by default forces in proportion to mass.
+    dead_loads
+        Beside the blocks' weight.
+    ties
+        Ties and springs between blocks.
+    settlement
+        Of supports that move, in place of a load.
+    corner
+        How corners are treated for contact; sharp by default.
+    points
+        Contact points on a joint: in the plane 2 to 64, and 2 where nothing is said; in space, on
+        one of four corners, 4, 9, 16 or the square of an odd number from 5 to 33, and 4.
+    control_block, control_point, control_direction
+        See `choose_control_point`.
+    source, sha256
+        Path of the file it came from and digest of the file's bytes, if it did.
+    place
+        Names a block by its row in messages.
+    drawing_tolerance
+        Gaps and overlaps of joints, over the smallest edge of all blocks, that are closed.
+    notes
+        Sentences on the file that was read, to go with those on its outlines.
+    mended
+        What was done to blocks that were imported.
+    site, assessment
+        What the ground does, and how the curve is assessed; no curve depends on them.
+
+    Raises
+    ------
+    ModelError
+        With everything that was found wrong.
+    """
+    place = place or (lambda i: f'block "{blocks[i].id}"')
+    _raise(_too_large(blocks))
+    dimension = blocks[0].dimension if blocks else len(load_direction or (0.0, 0.0))
+    if settlement is not None and load is None and load_direction is None:
+        load = NoPattern(direction=np.eye(dimension)[min(1, dimension - 2)])
+    pattern = _pattern(load, load_direction, dimension)
+    assembly, amended = assembly_of(
+        blocks,
+        joint,
+        dict(joint_between or {}),
+        corner=corner or Corner(),
+        thickness=thickness,
+        points=points,
+        drawing_tolerance=drawing_tolerance,
+        place=place,
+    )
+    wanted = {"block": control_block, "point": control_point, "direction": control_direction}
+    problems = layout_problems(assembly, place) + pattern.problems(assembly)
+    for k, one in enumerate(dead_loads):
+        named = f' "{one.name}"' if one.name else ""
+        problems += one.problems(assembly, f"dead_load[{k + 1}]{named}")
+    problems += problems_of(ties, assembly)
+    if settlement is not None:
+        problems += settlement.problems(assembly)
+        if not isinstance(pattern, NoPattern):
+            problems.append("settlement: stands in place of [load]: take one of the two out")
+    problems += _unknown_parts(assembly, assessment)
+    control = _control(assembly, pattern, problems, **wanted)
+    model = Model(
+        title=title,
+        assembly=assembly,
+        load=pattern,
+        dead_loads=tuple(dead_loads),
+        ties=tuple(ties),
+        settlement=settlement,
+        control_point=control,
+        analysis=analysis or Analysis(),
+        notes=(*notes, *amended),
+        mended=tuple(mended),
+        site=site,
+        assessment=assessment,
+    )
+    if source is None or sha256 is None:
+        return model
+    return replace(model, origin=Origin(path=source, sha256=sha256, contents=model.contents))
+
+
+def _too_large(blocks: Sequence[Block]) -> list[str]:
+    """More blocks than anything takes, names that fill screens."""
+    found = [f"block: the model {wrong}"] if (wrong := too_many("blocks", len(blocks))) else []
+    return found + [
+        f"{quoted(block.id)}: the id has {len(block.id):,} letters: give it at most "
+        f"{LARGEST['name']}"
+        for block in blocks
+        if len(block.id) > LARGEST["name"]
+    ]
+
+
+def _unknown_parts(assembly: Assembly, assessment: AssessmentInput | None) -> list[str]:
+    """Sentences on parts that may fall and are not there."""
+    values = {} if assessment is None else assessment.values
+    known = [*assembly.groups, *assembly.ids]
+    return [
+        "assessment.parts_that_may_fall: " + there_is_no("block or group", name, known)
+        for name in values.get("parts_that_may_fall", ())
+        if name not in known
+    ]
+
+
+def _pattern(
+    load: LoadPattern | None, direction: Sequence[float] | None, dimension: int
+) -> LoadPattern:
+    """The pattern, along the direction where one is given; raises `ModelError`."""
+    if load is not None and not hasattr(load, "along"):
+        raise ModelError(
+            [
+                "load: is no pattern: give one, as ds.MassPattern(direction=(1.0, 0.0)), or a "
+                "load_direction alone"
+            ]
+        )
+    if direction is None and load is not None:
+        return load
+    along = unit_vector(() if direction is None else direction, "load.direction", dimension)
+    if load is None:
+        return MassPattern(direction=along)
+    try:
+        return load.towards(along)
+    except ValueError as error:
+        raise ModelError([f"load.direction: {error}"]) from None
+
+
+def assembly_of(
+    blocks: Sequence[Block],
+    joint: JointLaw,
+    between: Mapping[frozenset[str], JointLaw],
+    *,
+    corner: Corner,
+    thickness: float | None,
+    points: int | None,
+    drawing_tolerance: float,
+    place: Place,
+) -> tuple[Assembly, tuple[str, ...]]:
+    """The blocks turned round, straightened, fitted, and sentences on that; raises `ModelError`."""
+    blocks, turned = turned_round(blocks)
+    problems = [f"joint.{wrong}" for wrong in law_problems(joint)]
+    for names, law in between.items():
+        where = " ".join(sorted(names))
+        problems += [f'joint.between."{where}".{wrong}' for wrong in law_problems(law)]
+    problems += pair_problems(blocks, between)
+    problems += held_problems(blocks, place)
+    if wrong := problem("drawing_tolerance", drawing_tolerance):
+        problems.append(wrong)
+    if not blocks:
+        problems.append("block: there is none: add [[block]], [[build]] or [wall]")
+    problems += _depth_problems(blocks, thickness, points)
+    if any(problem("unit_weight", weight) for weight in {block.unit_weight for block in blocks}):
+        problems += block_problems(blocks, corner, place)
+    _raise(problems)
+    material_names(blocks)  # raises where a name has two unit weights
+
+    def build(blocks: Sequence[Block]) -> Assembly:
+        return Assembly.build(
+            blocks,
+            joint=joint,
+            corner=corner,
+            thickness=1.0 if thickness is None else thickness,
+            joint_between=between,
+            points=points,
+        )
+
+    try:
+        assembly = build(blocks)
+        blocks, amended = _fitted(blocks, drawing_tolerance)
+        if amended:
+            assembly = build(blocks)
+    except GeometryError:  # says the first; look at each block to say them all
+        raise ModelError(block_problems(blocks, corner, place)) from None
+    if len(set(assembly.ids)) < len(blocks):
+        raise ModelError(block_problems(blocks, corner, place))
+    return assembly, turned + amended
+
+
+def _fitted(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], tuple[str, ...]]:
+    """Blocks with straight edges and closed joints, and sentences on both; an edge may come to be
+    straight as the joint along it is closed."""
+    blocks, straight = straightened(blocks)
+    blocks, moved = fitted(blocks, tolerance)
+    blocks, then = straightened(blocks) if moved else (blocks, ())
+    return list(blocks), straight + moved + then
+
+
+def _depth_problems(
+    blocks: Sequence[Block], thickness: float | None, points: int | None
+) -> list[str]:
+    """Of a thickness that is missing or too much, and of numbers of contact points."""
+    found = []
+    dimension = blocks[0].dimension if blocks else 2
+    if points is not None and points not in POINTS_KNOWN[dimension]:
+        in_space = "4, 9, 16 or the square of an odd number from 5 to 33"
+        known = "from 2 to 64 in the plane" if dimension == 2 else in_space
+        found.append(f"contact.points: must be {known}, it is {points}")
+    if blocks and blocks[0].dimension == 3:
+        if thickness is not None:
+            found.append("thickness: is of two dimensions: take it out")
+    elif thickness is None:
+        found.append("thickness: is missing: give it in m, out of plane")
+    elif wrong := problem("thickness", thickness):
+        found.append(wrong)
+    return found
+
+
+def _control(
+    assembly: Assembly, load: LoadPattern, problems: list[str], **wanted: Any
+) -> ControlPoint:
+    """The control point as wanted; raises `ModelError` with those of the layout before its own."""
+    if assembly.n_blocks == 0 or load.problems(assembly):
+        raise ModelError(problems)
+    load_direction = load.along(assembly)
+    try:
+        control = choose_control_point(assembly, load_direction, **wanted)
+    except ModelError as error:
+        raise ModelError(problems + error.problems) from None
+    loaded = not isinstance(load, NoPattern)
+    if loaded and not float(control.direction @ load_direction) > AGAINST:
+        problems.append(
+            "control.direction: leads against the load or across it, so that the control "
+            "displacement would not grow as the load does: turn it to the load's side"
+        )
+    _raise(problems)
+    return control
+
+
+def _raise(problems: list[str]) -> None:
+    if problems:
+        raise ModelError(problems)

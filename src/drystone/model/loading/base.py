@@ -1,0 +1,217 @@
+"""The contracts of load patterns and dead loads, and what both stand on: masses and directions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.common.language import say
+from drystone.common.vectors import direction_of
+from drystone.model.assembly import Assembly
+from drystone.model.loading.dead_forces import DeadForces
+
+Array = NDArray[np.float64]
+
+
+class Scale(Protocol):
+    """What takes points and forces of a drawing to other coordinates and units; see `frame`."""
+
+    def place(self, points: Array) -> Array:
+        """Points (..., dim) [m]."""
+        ...
+
+    def forces(self, forces: Array) -> Array:
+        """Forces (..., dim) [N]."""
+        ...
+
+    def height(self, height: float) -> float:
+        """A height [m], along gravity."""
+        ...
+
+    def pressure(self, pressure: float) -> float:
+        """A pressure [Pa]."""
+        ...
+
+    def weight(self, unit_weight: float) -> float:
+        """A unit weight [N/m3]."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Masses:
+    """Masses of dead loads that count in patterns, beside those of the blocks, as weights."""
+
+    weight: Array | None = None  # (n,) N; None where there are none
+    moment: Array | None = None  # (n, dim) N m, of the weights, with arms from the centroids
+
+    def forces(self, assembly: Assembly, over_weight: Array) -> DeadForces:
+        """Forces of all masses, (n, dim) over the weight at each block's centroid.
+
+        Masses that lie elsewhere feel what the block's centroid feels.
+        """
+        force = assembly.weight[:, None] * over_weight
+        if self.weight is None or self.moment is None:
+            return DeadForces(force=force)
+        lever = self.moment[:, :, None] * over_weight[:, None, :]
+        return DeadForces(force=force + self.weight[:, None] * over_weight, lever=lever)
+
+    def weights(self, assembly: Assembly) -> Array:
+        """Of the blocks with what they carry, (n,) [N]; zero on supports."""
+        all_ = assembly.weight if self.weight is None else assembly.weight + self.weight
+        return np.where(assembly.fixed, 0.0, all_)
+
+
+#: Those of the blocks alone.
+NO_MASSES = Masses()
+
+
+class LoadPattern(Protocol):
+    """The load that the multiplier scales.
+
+    A pattern knows by itself which way it leads: whoever wants a direction asks `along`.
+    """
+
+    name: ClassVar[str]  # as in files: [load] pattern
+    #: Whether the dead load shrinks as the pattern grows, see `tilt`.
+    turns_gravity: ClassVar[bool]
+
+    def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
+        """Forces at multiplier one; those on supports do not count."""
+        ...
+
+    def along(self, assembly: Assembly) -> Array:
+        """(dim,) unit vector that the load as a whole leads along."""
+        ...
+
+    def towards(self, direction: Array) -> Self:
+        """The pattern along another direction (dim,), a unit vector; raises `ValueError`."""
+        ...
+
+    def opposite(self, assembly: Assembly) -> Self:
+        """The pattern in the other sense."""
+        ...
+
+    def in_space(self, vector: Callable[..., Array]) -> Self:
+        """That of a plane model as solids; ``vector`` takes vectors to space."""
+        ...
+
+    def in_frame(self, scale: Scale) -> Self:
+        """The pattern in other coordinates and units."""
+        ...
+
+    def problems(self, assembly: Assembly) -> list[str]:
+        """What keeps it from acting on an assembly, a sentence each that begins with its key."""
+        ...
+
+    def keys(self) -> dict[str, Any]:
+        """What a model file says of it under [load], its name apart."""
+        ...
+
+    @property
+    def words(self) -> str:
+        """What it is, for people, as the end of a sentence."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Directed:
+    """What patterns along one direction have in common."""
+
+    direction: Array  # (dim,) unit vector; any two or three numbers are made one
+    name: ClassVar[str]
+    turns_gravity: ClassVar[bool] = False
+    horizontal: ClassVar[bool] = False  # whether its direction must be
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "direction", direction_of(self.direction, "load.direction"))
+
+    def along(self, assembly: Assembly) -> Array:
+        """See `LoadPattern`."""
+        return self.direction
+
+    def towards(self, direction: Array) -> Self:
+        """See `LoadPattern`."""
+        return replace(self, direction=direction)
+
+    def opposite(self, assembly: Assembly) -> Self:
+        """Sideways the other way; what it has of up or down stays, where it leads sideways."""
+        upright = float(self.direction @ assembly.up) * assembly.up
+        sideways = self.direction - upright
+        kept = upright if np.linalg.norm(sideways) > LEVEL else -upright
+        return self.towards(kept - sideways)
+
+    def in_space(self, vector: Callable[..., Array]) -> Self:
+        """See `LoadPattern`."""
+        return replace(self, direction=vector(self.direction))
+
+    def in_frame(self, scale: Scale) -> Self:
+        """See `LoadPattern`."""
+        return self
+
+    def problems(self, assembly: Assembly) -> list[str]:
+        """See `LoadPattern`."""
+        if len(self.direction) != assembly.dimension:
+            return [f"load.direction: must have {assembly.dimension} entries"]
+        if self.horizontal and abs(float(self.direction @ assembly.up)) > LEVEL:
+            return [
+                f'load.direction: the pattern "{self.name}" acts sideways: give a horizontal '
+                'direction, or take pattern = "mass"'
+            ]
+        return []
+
+    def keys(self) -> dict[str, Any]:
+        """See `LoadPattern`."""
+        return {"direction": self.direction.tolist()}
+
+    @property
+    def words(self) -> str:
+        """See `LoadPattern`."""
+        direction = [float(x) for x in self.direction]
+        return say("load.along", pattern=self.name, direction=direction)
+
+
+#: Rise of a direction that is level.
+LEVEL = 1e-9
+
+
+class DeadLoad(Protocol):
+    """A load beside the blocks' weight that the multiplier does not scale."""
+
+    name: str  # "" where it has none
+    stage: int  # 0: with the weight; else after what has a lower one has settled
+    mass: bool  # whether its downward part is the weight of a mass, which counts in patterns
+
+    def forces(self, assembly: Assembly) -> DeadForces:
+        """Forces on the blocks."""
+        ...
+
+    def in_space(self, vector: Callable[..., Array]) -> Self:
+        """That of a plane model as solids; ``vector`` takes vectors to space."""
+        ...
+
+    def in_frame(self, scale: Scale) -> Self:
+        """The load in other coordinates and units."""
+        ...
+
+    def problems(self, assembly: Assembly, place: str) -> list[str]:
+        """What keeps it from acting on an assembly, a sentence each that begins with its place."""
+        ...
+
+    def keys(self) -> dict[str, Any]:
+        """What a model file says of it under [[dead_load]]."""
+        ...
+
+
+def masses_of(assembly: Assembly, loads: tuple[DeadLoad, ...]) -> Masses:
+    """Masses that go with the loads that say so: what they weigh, where they lie."""
+    counted = [load.forces(assembly) for load in loads if load.mass]
+    if not counted:
+        return NO_MASSES
+    sums = sum(counted[1:], counted[0])
+    n, dim = sums.force.shape
+    moment = np.zeros((n, dim)) if sums.lever is None else -(sums.lever @ assembly.up)
+    return Masses(weight=-(sums.force @ assembly.up), moment=moment)

@@ -1,0 +1,139 @@
+"""Forces on blocks that keep their direction however blocks move: what any load comes down to.
+
+A force P acts at a point of its block, whose arm b from the centroid turns with the block to a = R
+b.  All that a block feels of several is the sum of P and the sum of the moments a x P.  The latter
+are those of the tensor B = sum a P^T, which turns as B = R B_0 and so is kept as designed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.geometry.motion import translations
+from drystone.model.assembly import Assembly
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DeadForces:
+    """Forces of fixed direction at points of the blocks, summed up by blocks."""
+
+    force: Array  # (n, dim) N
+    lever: Array | None = None
+    """(n, dim, dim) [N m] sum of arm times force, of arms from the centroids as designed; None
+    where all forces act at centroids."""
+
+    @classmethod
+    def none(cls, assembly: Assembly) -> DeadForces:
+        """No force at all."""
+        return cls(force=np.zeros((assembly.n_bodies, assembly.dimension)))
+
+    @classmethod
+    def at_points(
+        cls, assembly: Assembly, body: NDArray[np.int64], point: Array, force: Array
+    ) -> DeadForces:
+        """Forces (m, dim) [N] at points (m, dim) [m], as designed, of the blocks ``body`` (m,)."""
+        dim = assembly.dimension
+        sums, lever = (np.zeros((assembly.n_bodies, *shape)) for shape in ((dim,), (dim, dim)))
+        arm = point - assembly.centroid[body]
+        np.add.at(sums, body, force)
+        np.add.at(lever, body, arm[:, :, None] * force[:, None, :])
+        return cls(force=sums, lever=lever if lever.any() else None)
+
+    def __add__(self, other: DeadForces) -> DeadForces:
+        levers = [lever for lever in (self.lever, other.lever) if lever is not None]
+        return DeadForces(
+            force=self.force + other.force, lever=np.sum(levers, axis=0) if levers else None
+        )
+
+    def __mul__(self, factor: float) -> DeadForces:
+        lever = None if self.lever is None else factor * self.lever
+        return DeadForces(force=factor * self.force, lever=lever)
+
+    __rmul__ = __mul__
+
+    def without(self, rows: NDArray[np.bool_]) -> DeadForces:
+        """Those on all blocks but some, (n,)."""
+        force = np.where(rows[:, None], 0.0, self.force)
+        lever = None if self.lever is None else np.where(rows[:, None, None], 0.0, self.lever)
+        return replace(self, force=force, lever=lever)
+
+    @property
+    def turns(self) -> bool:
+        """Whether moments change as blocks turn."""
+        return self.lever is not None
+
+    def tensor(self, pose: Array) -> Array:
+        """B = sum a P^T of arms in the poses (n, n_pose), (n, dim, dim) [N m]."""
+        assert self.lever is not None
+        return rotation_matrices(pose) @ self.lever
+
+    def wrenches(self, assembly: Assembly, pose: Array | None = None) -> Array:
+        """Generalised forces about the centroids, (n, n_dof) [N, N m], as designed or in poses (n,
+        n_pose); in space moments are about the principal axes there, see `geometry.motion`."""
+        found = np.zeros((assembly.n_bodies, assembly.n_dof))
+        translations(found)[:] = self.force
+        if self.lever is None:
+            return found
+        if pose is None:
+            pose = assembly.rest_pose()
+        about = _axial(self.tensor(pose))
+        if assembly.dimension == 3:
+            about = np.einsum("nij,ni->nj", principal_axes(assembly, pose), about)
+        found[:, assembly.dimension :] = about
+        return found
+
+    def moments(self) -> Array:
+        """Moments as designed about the axes of the world, (n, 1) in the plane, (n, 3) [N m]."""
+        dim = self.force.shape[1]
+        if self.lever is None:
+            return np.zeros((len(self.force), 1 if dim == 2 else 3))
+        return _axial(self.lever)
+
+    def stiffness(self, assembly: Assembly, pose: Array) -> Array:
+        """By how much moments fall as blocks turn on, (n, n_rot, n_rot) [N m].
+
+        From d(a x P) = (B - tr B) omega for a rotation omega, in space about the principal axes.
+        """
+        if assembly.dimension == 2:
+            found = np.zeros((assembly.n_bodies, 1, 1))
+            if self.lever is not None:
+                found[:, 0, 0] = np.einsum("nii->n", self.tensor(pose))
+            return found
+        found = np.zeros((assembly.n_bodies, 3, 3))
+        if self.lever is not None:
+            tensor, axes = self.tensor(pose), principal_axes(assembly, pose)
+            world = np.einsum("nii->n", tensor)[:, None, None] * np.eye(3) - tensor
+            found = np.einsum("nki,nkl,nlj->nij", axes, world, axes)
+        return found
+
+
+def principal_axes(assembly: Assembly, pose: Array) -> Array:
+    """Principal axes of blocks in space in poses (n, 7), (n, 3, 3) in columns."""
+    return rotation_matrices(pose) @ assembly.axes
+
+
+def rotation_matrices(pose: Array) -> Array:
+    """By which blocks have turned in poses (n, n_pose), (n, dim, dim)."""
+    if pose.shape[1] == 3:
+        c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+        return np.stack((np.column_stack((c, -s)), np.column_stack((s, c))), axis=1)
+    w, v = pose[:, 3], pose[:, 4:]
+    cross = np.zeros((len(pose), 3, 3))
+    cross[:, 2, 1], cross[:, 0, 2], cross[:, 1, 0] = v.T
+    cross -= cross.transpose(0, 2, 1)
+    return np.eye(3) + 2.0 * (w[:, None, None] * cross + cross @ cross)
+
+
+def _axial(tensor: Array) -> Array:
+    """Moments sum a x P of tensors sum a P^T, (n, 1) in the plane, (n, 3) in space."""
+    if tensor.shape[1] == 2:
+        return (tensor[:, 0, 1] - tensor[:, 1, 0])[:, None]
+    t = tensor
+    return np.column_stack(
+        (t[:, 1, 2] - t[:, 2, 1], t[:, 2, 0] - t[:, 0, 2], t[:, 0, 1] - t[:, 1, 0])
+    )

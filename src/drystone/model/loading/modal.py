@@ -1,0 +1,264 @@
+"""``pattern = "modal"``: forces of the first mode of vibration, of blocks on elastic joints.
+
+Of small motions x about the structure at rest under its weight
+
+    M x'' + K x = 0
+
+with the masses and the stiffness of the joints that are then closed: all that press on each other,
+where none pulls.  Of the lowest modes that one counts which has the largest mass along the
+direction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.common.errors import ModelError
+from drystone.common.names import listed
+from drystone.model.assembly import GRAVITY, Assembly
+from drystone.model.loading.base import NO_MASSES, Directed, Masses
+from drystone.model.loading.dead_forces import DeadForces
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+#: Modes that are looked at, and degrees of freedom up to which all are.
+MODES, ALL_UP_TO = 20, 60
+#: Looks at which joints are closed, and force over the weight of all that closes one.
+LOOKS, CLOSED = 50, 1e-9
+#: Shift of the stiffness, over the mean of its diagonal: what keeps loose blocks from making it
+#: singular.
+SHIFT = 1e-9
+#: Share of a mode's mass that moves with blocks on no support, from which on it is their free
+#: motion: of modes that vibrate it is zero but for rounding, of free motions one.
+FREE = 0.5
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Mode:
+    """A mode of vibration."""
+
+    shape: Array  # (n, n_dof), the largest displacement of a centroid along the direction being 1
+    frequency: float  # Hz
+    participation: float  # mass along the direction over that of all blocks
+    number: int  # counted from 1, in the order of frequencies
+
+    @property
+    def period(self) -> float:
+        """In s."""
+        return 1.0 / self.frequency if self.frequency > 0.0 else np.inf
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ModalPattern(Directed):
+    """Sideways forces in proportion to mass times the mode's displacement along the direction.
+
+    Their sum is the weight of all masses.
+    """
+
+    name: ClassVar[str] = "modal"
+    horizontal: ClassVar[bool] = True
+    known: WeakKeyDictionary[Assembly, tuple[Masses, Mode]] = field(
+        default_factory=WeakKeyDictionary, repr=False
+    )
+
+    def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
+        """See `LoadPattern`."""
+        dim, weights = assembly.dimension, masses.weights(assembly)
+        along = self.mode(assembly, masses).shape[:, :dim] @ self.direction
+        share = along * weights.sum() / float(weights @ along)
+        return masses.forces(assembly, share[:, None] * self.direction)
+
+    def towards(self, direction: Array) -> Self:
+        """See `LoadPattern`."""
+        return replace(self, direction=direction, known=WeakKeyDictionary())
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What goes to another process: modes are found again there."""
+        return {"direction": self.direction}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """See `__getstate__`."""
+        object.__setattr__(self, "direction", state["direction"])
+        object.__setattr__(self, "known", WeakKeyDictionary())
+
+    def mode(self, assembly: Assembly, masses: Masses = NO_MASSES) -> Mode:
+        """The mode, found once."""
+        known = self.known.get(assembly)
+        if known is None or not _alike(known[0], masses):
+            known = masses, first_mode(assembly, self.direction, masses)
+            self.known[assembly] = known
+        return known[1]
+
+    def problems(self, assembly: Assembly) -> list[str]:
+        """See `LoadPattern`."""
+        found = super().problems(assembly)
+        if any(
+            law.normal_stiffness is None or law.shear_stiffness is None for law in assembly.laws
+        ):
+            found.append('load.pattern: "modal" needs the stiffnesses of the joints: add them')
+        return found
+
+
+def first_mode(assembly: Assembly, direction: Array, masses: Masses = NO_MASSES) -> Mode:
+    """The mode with the largest mass along a direction (dim,), of the lowest `MODES`.
+
+    Raises
+    ------
+    ModelError
+        Nothing vibrates: it is the free motion of blocks that no closed joint ties to a support.
+    """
+    free = np.flatnonzero(~assembly.fixed)
+    mass = np.array(assembly.mass)
+    mass[:, : assembly.dimension] = masses.weights(assembly)[:, None] / GRAVITY
+    diagonal = mass[free].ravel()
+    stiffness, loose = _stiffness_at_rest(assembly, masses)
+    if not stiffness.count_nonzero():
+        raise _free(assembly, loose)
+    square, shapes = _lowest(stiffness, diagonal)
+    rigid = np.zeros((len(free), assembly.n_dof))
+    rigid[:, : assembly.dimension] = direction
+    share = (shapes.T @ (diagonal * rigid.ravel())) ** 2 / float(rigid.ravel() ** 2 @ diagonal)
+    best = int(np.argmax(share))
+    shape = np.zeros((assembly.n_bodies, assembly.n_dof))
+    shape[free] = shapes[:, best].reshape(len(free), -1)
+    if float((mass * shape**2)[loose].sum()) > FREE:
+        raise _free(assembly, loose)
+    along = shape[:, : assembly.dimension] @ direction
+    return Mode(
+        shape=shape / along[int(np.argmax(np.abs(along)))],
+        frequency=float(np.sqrt(max(square[best], 0.0))) / (2.0 * np.pi),
+        participation=float(share[best]),
+        number=best + 1,
+    )
+
+
+def _free(assembly: Assembly, loose: IntArray) -> ModelError:
+    """The error on blocks that no closed joint ties to a support."""
+    names = [assembly.ids[i] for i in loose]
+    who, have = ("block", "has") if len(names) == 1 else ("blocks", "have")
+    return ModelError(
+        [
+            'load.pattern: "modal" has no mode here: '
+            f"under the weight {who} {listed(names)} {have} no closed joint that leads to "
+            "a support: move them onto one another, or take another pattern"
+        ]
+    )
+
+
+def _lowest(stiffness: csc_array, mass: Array) -> tuple[Array, Array]:
+    """Squares of circular frequencies [1/s2], ascending, and modes in columns, of mass one."""
+    from scipy.linalg import eigh  # scipy takes long to import; other patterns do without
+    from scipy.sparse import diags_array
+    from scipy.sparse.linalg import eigsh
+
+    if len(mass) <= ALL_UP_TO:
+        square, shapes = eigh(stiffness.toarray(), np.diag(mass))
+        return square, shapes
+    shift = -SHIFT * float((stiffness.diagonal() / mass).mean())
+    start = np.ones(len(mass))  # the same modes in every run
+    square, shapes = eigsh(
+        stiffness, MODES, M=diags_array(mass, format="csc"), sigma=shift, v0=start
+    )
+    order = np.argsort(square)
+    return square[order], shapes[:, order]
+
+
+def _stiffness_at_rest(assembly: Assembly, masses: Masses) -> tuple[csc_array, IntArray]:
+    """Stiffness of the movable blocks on the joints that the weight closes, linear; and rows of
+    the blocks that these do not tie to a support."""
+    # Imported here because it brings compiled code along, which a schema check does not need.
+    from scipy.sparse import csc_array
+
+    from drystone.contact.contacts import BODY_A, BODY_B, SLOT, STIFF_N, STIFF_T
+    from drystone.contact.detection import Detector
+    from drystone.law import law as joint_law
+    from drystone.law.table import law_table
+
+    detector, laws, pose = Detector(assembly), law_table(assembly), assembly.rest_pose()
+    pairs = detector.pairs(pose)
+    slots = detector.find(pairs, pose)
+    contacts = detector.pack(pairs, pose, slots, laws)
+    touching = slots.gap[contacts.slot] <= 1e-9 * assembly.smallest_extent
+    n_dof, dim = assembly.n_dof, assembly.dimension
+    a, b = contacts.which[touching, BODY_A], contacts.which[touching, BODY_B]
+    rows = contacts.rows[touching, :dim].reshape(len(a), dim, 2 * n_dof)
+    table = contacts.table[touching]
+    law = laws[pairs.law_of_slot[contacts.which[touching, SLOT]]]
+    bonded = (law[:, joint_law.COHESION] > 0.0) | (law[:, joint_law.TENSION] > 0.0)
+    columns = n_dof * np.column_stack((a, b))[:, :, None] + np.arange(n_dof)
+    matrix = _matrix(rows, columns.reshape(len(a), 1, -1), n_dof * assembly.n_bodies)
+    keep = np.flatnonzero(np.repeat(~assembly.fixed, n_dof))
+    matrix = csc_array(matrix[:, keep])
+    stiff = np.column_stack((table[:, STIFF_N], *[table[:, STIFF_T]] * (dim - 1)))
+    weight = masses.weights(assembly)
+    dead = np.zeros((assembly.n_bodies, n_dof))
+    dead[:, :dim] = -weight[:, None] * assembly.up
+    least = CLOSED * float(weight.sum())
+    stiffness, closed = _closed(matrix, stiff, dead.ravel()[keep], bonded, least)
+    return stiffness, _loose(assembly, a[closed], b[closed])
+
+
+def _loose(assembly: Assembly, a: IntArray, b: IntArray) -> IntArray:
+    """Rows of blocks that pairs ``a``, ``b`` do not lead to a support."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    n = assembly.n_bodies
+    _, label = connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(n, n)), False)
+    return np.flatnonzero(~np.isin(label, label[assembly.fixed]))
+
+
+def _matrix(rows: Array, columns: IntArray, width: int) -> csc_array:
+    """Gradients (n, dim, 2 n_dof) as a matrix of n dim rows."""
+    from scipy.sparse import coo_array, csc_array
+
+    n, dim, wide = rows.shape
+    at = np.repeat(np.arange(n * dim), wide)
+    across = np.broadcast_to(columns, rows.shape).ravel()
+    return csc_array(coo_array((rows.ravel(), (at, across)), shape=(n * dim, width)))
+
+
+def _closed(
+    matrix: csc_array, stiff: Array, dead: Array, bonded: BoolArray, least: float
+) -> tuple[csc_array, BoolArray]:
+    """The stiffness with those contacts that press under the dead load, or are bonded; and these,
+    (n,)."""
+    from scipy.sparse import csc_array, diags_array
+    from scipy.sparse.linalg import splu
+
+    closed = np.ones(len(stiff), np.bool_)
+    for _ in range(LOOKS if len(stiff) else 0):
+        stiffness = _of(matrix, stiff, closed)
+        shift = SHIFT * float(stiffness.diagonal().mean())
+        x = splu(csc_array(stiffness + shift * diags_array(np.ones(len(dead))))).solve(dead)
+        pressed = -stiff[:, 0] * (matrix @ x).reshape(stiff.shape)[:, 0]
+        now = bonded | (pressed > least)
+        if np.array_equal(now, closed):
+            break
+        closed = now
+        if not closed.any():
+            break
+    return _of(matrix, stiff, closed), closed
+
+
+def _of(matrix: csc_array, stiff: Array, closed: BoolArray) -> csc_array:
+    from scipy.sparse import csc_array, diags_array
+
+    values = np.where(closed[:, None], stiff, 0.0).ravel()
+    return csc_array(matrix.T @ diags_array(values) @ matrix)
+
+
+def _alike(first: Masses, second: Masses) -> bool:
+    if first.weight is None or second.weight is None:
+        return first.weight is second.weight
+    return np.array_equal(first.weight, second.weight)

@@ -1,0 +1,32 @@
+"""No load but the dead one: of analyses that supports pace which move."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.common.language import say
+from drystone.model.assembly import Assembly
+from drystone.model.loading.base import NO_MASSES, Directed, Masses
+from drystone.model.loading.dead_forces import DeadForces
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class NoPattern(Directed):
+    """Nothing; its direction is that from which pictures are seen."""
+
+    name: ClassVar[str] = "none"
+
+    def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
+        """See `LoadPattern`."""
+        return DeadForces.none(assembly)
+
+    @property
+    def words(self) -> str:
+        """See `LoadPattern`."""
+        return say("load.none")

@@ -1,0 +1,63 @@
+"""``pattern = "triangular"``: forces in proportion to mass times height above the base."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.model.assembly import Assembly
+from drystone.model.loading.base import NO_MASSES, Directed, Masses, Scale
+from drystone.model.loading.dead_forces import DeadForces
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TriangularPattern(Directed):
+    """Sideways forces F_i = W m_i z_i / sum m_j z_j with the weight W of all masses: EN 1998-1,
+    (4.11).
+
+    Heights are those of the blocks' centroids; what lies below the base feels nothing.
+    """
+
+    name: ClassVar[str] = "triangular"
+    horizontal: ClassVar[bool] = True
+    base: float | None = None  # m, height; None: where the lowest movable block begins
+
+    def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
+        """See `LoadPattern`."""
+        weights, height = masses.weights(assembly), self.heights(assembly)
+        mean = float((weights * height).sum() / weights.sum())
+        share = height / mean if mean > 0.0 else np.zeros_like(height)
+        return masses.forces(assembly, share[:, None] * self.direction)
+
+    def heights(self, assembly: Assembly) -> Array:
+        """Of the centroids above the base, (n,) [m]."""
+        base = self.base
+        if base is None:
+            movable = [block.vertices for block in assembly.blocks if not block.support]
+            base = min(float((vertices @ assembly.up).min()) for vertices in movable)
+        return np.maximum(assembly.centroid @ assembly.up - base, 0.0)
+
+    def in_frame(self, scale: Scale) -> Self:
+        """See `LoadPattern`."""
+        return replace(self, base=None if self.base is None else scale.height(self.base))
+
+    def in_space(self, vector: Callable[..., Array]) -> Self:
+        """See `LoadPattern`."""
+        return replace(self, direction=vector(self.direction))
+
+    def problems(self, assembly: Assembly) -> list[str]:
+        """See `LoadPattern`."""
+        found = super().problems(assembly)
+        if assembly.n_blocks and not self.heights(assembly)[~assembly.fixed].any():
+            found.append("load.base: all blocks lie below it: lower it")
+        return found
+
+    def keys(self) -> dict[str, Any]:
+        """See `LoadPattern`."""
+        return super().keys() | ({} if self.base is None else {"base": self.base})

@@ -1,0 +1,267 @@
+"""A model: everything that one analysis needs, read from a file or put together in Python."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.common.errors import ModelError
+from drystone.common.vectors import direction_of
+from drystone.geometry.mended import Mended
+from drystone.model.assembly import Assembly, Corner
+from drystone.model.loading import DeadLoad, LoadPattern
+from drystone.model.monitor import ControlPoint
+from drystone.model.settlement import Settlement
+from drystone.model.site import AssessmentInput, Site
+from drystone.model.ties import Tie
+
+Array = NDArray[np.float64]
+
+#: What becomes of an analysis where a part of the structure collapses.
+REMOVE, STOP = "remove", "stop"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Analysis:
+    """What the file asks for.
+
+    ``options`` are the numerical settings of strategy and engine, by name.
+    """
+
+    engine: str = "equilibrium"
+    strategy: str = "displacement"  # or "published"
+    stop_multiplier: float = 0.01  # load multiplier under which the curve ends, after the peak
+    ground: float | None = None  # m; None: the supports' lowest point, see `Problem.level`
+    falling: str | None = None  # `REMOVE` blocks that leave and go on, or `STOP` where a part
+    # collapses; None leaves it to the command: an assessment stops, all else removes
+    event_share: float = 0.5  # of its smallest extent, by which a block that moves by itself has
+    # collapsed; see `event_log`
+    max_penetration: float = 0.05  # of two blocks, over the smallest block: the published walls'
+    # joints close by up to 0.01, and with 0.05 the block has another shape than the drawn one
+    options: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Origin:
+    """The file that a model was read from, and what it held."""
+
+    path: str
+    sha256: str  # of the file's bytes; with imports, of its digest and theirs
+    contents: tuple[Any, ...]  # `Model.contents` as read
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Model:
+    """Assembly, load, control point and analysis, with where they came from.
+
+    A model never changes.  The methods ``with_...`` give a new one, checked like the first, in
+    which everything derived follows; so does `dataclasses.replace`, without the checks.
+    """
+
+    title: str
+    assembly: Assembly
+    load: LoadPattern
+    control_point: ControlPoint
+    dead_loads: tuple[DeadLoad, ...] = ()  # beside the blocks' weight
+    ties: tuple[Tie, ...] = ()
+    settlement: Settlement | None = None  # of supports that move, in place of a load that grows
+    analysis: Analysis = field(default_factory=Analysis)
+    origin: Origin | None = None
+    notes: tuple[str, ...] = ()
+    """Sentences on what was amended or looks amiss in the file or the outlines."""
+    mended: tuple[Mended, ...] = ()
+    """What was done to which block of files that were imported."""
+    site: Site | None = None
+    """What the ground does, for an assessment; the curve does not depend on it."""
+    assessment: AssessmentInput | None = None
+    """How the curve is assessed; likewise."""
+
+    @property
+    def contents(self) -> tuple[Any, ...]:
+        """What makes one model differ from another."""
+        return (
+            self.assembly,
+            self.load,
+            self.control_point,
+            self.dead_loads,
+            self.ties,
+            self.settlement,
+            self.title,
+            self.analysis,
+            self.site,
+            self.assessment,
+        )
+
+    @cached_property
+    def load_along(self) -> Array:
+        """(dim,) unit vector that the load pattern as a whole leads along."""
+        return self.load.along(self.assembly)
+
+    @property
+    def load_shown(self) -> Array | None:
+        """The same for pictures; None where supports move instead."""
+        return None if self.settlement is not None else self.load_along
+
+    @property
+    def parts_that_may_fall(self) -> frozenset[str]:
+        """Ids of the blocks whose fall is no limit, as [assessment] says: by id or by group."""
+        values = {} if self.assessment is None else self.assessment.values
+        names = values.get("parts_that_may_fall", ())
+        ids, groups = self.assembly.ids, self.assembly.groups
+        return frozenset(
+            member
+            for name in names
+            for member in ([ids[i] for i in groups[name]] if name in groups else [name])
+        )
+
+    @property
+    def source(self) -> str | None:
+        """Path of the model file; None where the model was varied since, or made in Python."""
+        return self.origin.path if self.origin and self._as_read(self.origin) else None
+
+    @cached_property
+    def sha256(self) -> str:
+        """Digest of the file's bytes and of those of its imports; without `source`, of the model's
+        own description."""
+        if self.origin and self._as_read(self.origin):
+            return self.origin.sha256
+        from drystone.model.construction.describe import digest
+
+        return digest(self)
+
+    def _as_read(self, origin: Origin) -> bool:
+        now, read = self.contents, origin.contents
+        same = all(a is b for a, b in zip(now[:6], read[:6], strict=True))
+        return same and now[6:] == read[6:]
+
+    def with_joint(
+        self, *, between: tuple[str, str] | None = None, **values: float | None
+    ) -> Model:
+        """The model with other values of the joint law.
+
+        An exception by pair keeps the values in which it differs from the law of all other
+        joints, and takes on the new ones where it had the same.
+
+        Parameters
+        ----------
+        between
+            Two block ids or two materials: only their law is changed, or made an exception.
+        values
+            Of `JointLaw`, by name: ``friction_coefficient=0.5``.
+
+        Raises
+        ------
+        ModelError
+            A value that no joint can have, or a name that nothing goes by.
+        """
+        from drystone.model.construction.vary import joints_with, remade
+
+        return remade(self, **joints_with(self.assembly, between, values))
+
+    def with_corner(self, *, radius: float | None = None, chamfer: float | None = None) -> Model:
+        """The model with other corners [m]: rounded, chamfered, or sharp where nothing is said."""
+        from drystone.model.construction.vary import remade
+
+        return remade(self, corner=Corner(radius=radius, chamfer=chamfer))
+
+    def with_load(
+        self,
+        pattern: LoadPattern | Sequence[float] | None = None,
+        *,
+        direction: Sequence[float] | None = None,
+        dead_loads: Sequence[DeadLoad] | None = None,
+    ) -> Model:
+        """The model under another load: a pattern, its direction, the dead loads beside weight.
+
+        In place of a pattern, numbers are a direction: ``model.with_load((-1, 0))``.
+
+        Control block, point and direction follow as far as they are those that are taken where
+        nothing is said about them; what was chosen otherwise stays.
+        """
+        from drystone.model.construction.vary import control_beside_default, remade
+
+        if isinstance(pattern, list | tuple | np.ndarray):
+            if direction is not None:
+                raise ModelError(["load: there are two directions: give one of them"])
+            direction = direction_of(pattern, "load.direction").tolist()
+            pattern = None
+        kept = None if self.settlement is not None else self.load
+        load: dict[str, Any] = {
+            "load": kept if pattern is None else pattern,
+            "load_direction": direction,
+        }
+        load["settlement"] = None
+        if dead_loads is not None:
+            load["dead_loads"] = tuple(dead_loads)
+        return remade(self, **load, **control_beside_default(self))
+
+    def with_ties(self, ties: Sequence[Tie]) -> Model:
+        """The model with these ties and springs in place of its own."""
+        from drystone.model.construction.vary import remade
+
+        return remade(self, ties=tuple(ties))
+
+    def with_settlement(self, settlement: Settlement) -> Model:
+        """The model with supports that move in place of the load pattern."""
+        from drystone.model.construction.vary import remade
+
+        return remade(self, settlement=settlement, load=None)
+
+    def with_control(
+        self,
+        *,
+        block: str | None = None,
+        point: str | Sequence[float] | None = None,
+        direction: Sequence[float] | None = None,
+    ) -> Model:
+        """The model with another control point; what is left out is chosen as in a model file."""
+        from drystone.model.construction.vary import remade
+
+        return remade(self, control_block=block, control_point=point, control_direction=direction)
+
+    def with_analysis(
+        self,
+        *,
+        engine: str | None = None,
+        strategy: str | None = None,
+        stop_multiplier: float | None = None,
+        ground: float | None = None,
+        falling: str | None = None,
+        event_share: float | None = None,
+        max_penetration: float | None = None,
+        **options: float | None,
+    ) -> Model:
+        """The model to be analysed otherwise.
+
+        Parameters
+        ----------
+        engine, strategy, stop_multiplier, ground, falling, event_share, max_penetration
+            As in `Analysis`; what is left out stays.
+        options
+            Settings by name, beside those there are; None takes one out.
+        """
+        now = self.analysis
+        merged = {**now.options, **options}
+        analysis = Analysis(
+            engine=now.engine if engine is None else engine,
+            strategy=now.strategy if strategy is None else strategy,
+            stop_multiplier=now.stop_multiplier if stop_multiplier is None else stop_multiplier,
+            ground=now.ground if ground is None else ground,
+            falling=now.falling if falling is None else falling,
+            event_share=now.event_share if event_share is None else event_share,
+            max_penetration=now.max_penetration if max_penetration is None else max_penetration,
+            options={name: value for name, value in merged.items() if value is not None},
+        )
+        return replace(self, analysis=analysis)
+
+    def __repr__(self) -> str:
+        along = ", ".join(f"{x:g}" for x in self.load_along)
+        return (
+            f"<Model {self.title!r}: {self.assembly!r}, pushed along ({along}), "
+            f"{self.analysis.engine}>"
+        )

@@ -1,0 +1,1 @@
+"""What an analysis gives: the capacity curve and the events along it."""

@@ -1,0 +1,456 @@
+"""The result of a pushover analysis: the capacity curve, point by point, frozen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from html import escape
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.common.language import say
+from drystone.contact.forces import ContactForces
+from drystone.model.monitor import ControlPoint
+from drystone.model.ties import STATES, TieState
+from drystone.results.events import PRINTED, Event, first_collapse
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
+
+    from drystone.assessment.verdict import Verdict
+    from drystone.model.model import Model
+    from drystone.model.site import Site
+
+Array = NDArray[np.float64]
+
+#: How a point was reached: at rest, or on the way of a block that falls or a wall that jumps.
+STATIC, DYNAMIC = "static", "dynamic"
+
+#: Share of the highest multiplier below which a curve has passed its peak; local drops, where a
+#: block comes loose, are smaller as a rule.
+PASSED = 0.99
+
+#: Strategy of curves that supports pace which move.
+SETTLEMENT = "settlement"
+
+#: Status of a curve that is complete.
+FINISHED = "finished"
+
+
+class RecorderError(Exception):
+    """Points of a curve cannot be kept as they come; the message is for the user."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CurvePoint:
+    """One point of the curve with its certificate.
+
+    ``residual`` is the largest unbalanced force on a block, or violation of the joint law, over
+    the weight of the heaviest block.
+    """
+
+    step: int
+    control_displacement: float  # m
+    load_multiplier: float  # static: the assembly would rest under it in its present shape
+    applied_multiplier: float
+    carried_multiplier: float  # support reaction over the sum of the load pattern
+    residual: float  # -
+    penetration: float  # m, deepest overlap of two blocks' contact shapes
+    friction_violation: float  # -, largest excess over the friction cone, over heaviest weight
+    energy_ratio: float  # -, kinetic over potential energy released since the last point
+    inertia_ratio: float  # -, inertia force over applied force
+    n_open: int
+    n_sticking: int
+    n_sliding: int
+    motion: float  # m, of the fastest block in this step
+    time_step: float  # s
+    n_iterations: int
+    status: str = STATIC
+    jumped: bool = False  # reached in a jump: none at rest lies between it and the point before
+    lost_shear: float = 0.0  # -, of contacts that were taken away in the step, over heaviest weight
+    unstable: bool = False  # an equilibrium that the structure would not keep, no other beside it
+    reaction: float = (
+        0.0  # N or N m, of supports that move, whose motion is then what paces the curve
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlockLeft:
+    """A block that has left the structure, and when: the last point that it was part of."""
+
+    block: str
+    step: int
+    control_displacement: float  # m
+
+    @classmethod
+    def at(cls, point: CurvePoint, block: str) -> BlockLeft:
+        """A block that left at a point."""
+        return cls(block=block, step=point.step, control_displacement=point.control_displacement)
+
+    @property
+    def displacement_text(self) -> str:
+        """The control displacement for people, without what is a rounding of zero."""
+        return f"{round(self.control_displacement, PRINTED) + 0.0:.4g} m"
+
+    def __str__(self) -> str:
+        place = self.displacement_text.removesuffix(" m")
+        return str(say("end.block_left", block=self.block, place=place, step=self.step))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TieRecord:
+    """What every tie carried at every point; arrays (n_points, n_ties)."""
+
+    names: tuple[str, ...]
+    force: Array  # N, tension positive
+    elongation: Array  # m, beyond the length as designed
+    branch: NDArray[np.int64]  # row of `ties.STATES`
+
+    @classmethod
+    def of(cls, names: tuple[str, ...], states: Sequence[TieState]) -> TieRecord:
+        """Of the states of all points."""
+        shape = len(states), len(names)
+        return cls(
+            names=names,
+            force=np.array([state.force for state in states]).reshape(shape),
+            elongation=np.array([state.elongation for state in states]).reshape(shape),
+            branch=np.array([state.branch for state in states], np.int64).reshape(shape),
+        )
+
+    def at(self, point: int) -> TieState:
+        """Forces, elongations and branches at a point."""
+        n = len(self.names)
+        return TieState(
+            plastic=np.full(n, np.nan),
+            branch=self.branch[point],
+            force=self.force[point],
+            elongation=self.elongation[point],
+            margin=np.full(n, np.inf),
+        )
+
+    def until(self, n: int) -> TieRecord:
+        """That of the first ``n`` points."""
+        rows = slice(n)
+        return replace(
+            self,
+            force=self.force[rows],
+            elongation=self.elongation[rows],
+            branch=self.branch[rows],
+        )
+
+    def state(self, point: int, tie: int | str) -> str:
+        """What a tie does at a point: "slack", "elastic", "yielding" or "broken"."""
+        column = self.names.index(tie) if isinstance(tie, str) else tie
+        return STATES[self.branch[point, column]]
+
+
+COLUMNS: tuple[str, ...] = tuple(f.name for f in fields(CurvePoint))
+
+
+class KeptContacts(Sequence[ContactForces]):
+    """Contact forces of every point, made from an engine's states when they are asked for.
+
+    Parameters
+    ----------
+    states
+        One per point, as the engine gave them.
+    contacts
+        Makes contact forces of a state; the engine is nobody else's.
+    """
+
+    def __init__(self, states: Sequence[Any], contacts: Callable[[Any], ContactForces]) -> None:
+        self._states, self._contacts = tuple(states), contacts
+
+    def __len__(self) -> int:
+        return len(self._states)
+
+    @overload
+    def __getitem__(self, index: int) -> ContactForces: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> list[ContactForces]: ...
+
+    def __getitem__(self, index: int | slice) -> ContactForces | list[ContactForces]:
+        if isinstance(index, slice):
+            return [self._contacts(state) for state in self._states[index]]
+        return self._contacts(self._states[index])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copies and pickles hold the forces, not the engine."""
+        return tuple, (tuple(self),)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class CapacityCurve:
+    """Load multiplier against control displacement, over the peak and down.
+
+    The control displacement is zero where the load begins.  Poses are those from the designed
+    places, `settlement` included.  Every array has one entry per point.  `reason` says in a
+    sentence why the curve ends.
+    """
+
+    engine: str
+    strategy: str
+    points: tuple[CurvePoint, ...]
+    status: str  # "finished", "stopped" or "interrupted"; "running" of results that grow still
+    reason: str
+    stop_multiplier: float
+    wall_time: float  # s, without `compile_time`
+    blocks_left: tuple[BlockLeft, ...] = ()  # in the order in which they went
+    events: tuple[Event, ...] = ()  # in the order of the curve
+    settlement: float = 0.0  # m, of the control point under the structure's own weight alone
+    compile_time: float = 0.0  # s, of kernels that were needed for the first time on this machine
+    poses: Array | None = None  # (n_points, n, n_pose), as in `motion`; None where not kept
+    contacts: Sequence[ContactForces] | None = None  # likewise
+    ties: TieRecord | None = None  # None where there are none
+    ended_by: Event | None = None  # of a curve that was cut off there, see `until`
+    motion_unit: str = "m"  # of control displacements; "rad" where supports pace it that turn
+    control_point: ControlPoint | None = None  # None of curves that were read: that of their model
+
+    def traced_of(self, model: Model) -> Model:
+        """The model with the control point that the curve was traced with."""
+        if self.control_point is None or model.control_point is self.control_point:
+            return model
+        return replace(model, control_point=self.control_point)
+
+    def column(self, name: str) -> NDArray[Any]:
+        """One quantity over all points, (n_points,); the names are the fields of `CurvePoint`."""
+        return np.array([getattr(point, name) for point in self.points])
+
+    def to_frame(self) -> DataFrame:
+        """All columns as a frame of pandas, one row per point; needs pandas."""
+        try:
+            from pandas import DataFrame
+        except ImportError:
+            raise ImportError(
+                "pandas is not installed: install it, or take curve.column(name) for arrays"
+            ) from None
+        return DataFrame({name: self.column(name) for name in COLUMNS})
+
+    def plot(
+        self,
+        ax: Axes | None = None,
+        *,
+        label: str = "",
+        limits: Mapping[str, float] | None = None,
+    ) -> Axes:
+        """Draw the curve on axes, those of a new figure by default: see `report.plot_curve`."""
+        from drystone.report.plots import plot_curve
+
+        return plot_curve(self, ax, label=label, limits=limits)
+
+    def assess(self, model: Model, *, site: Site | None = None, **options: Any) -> Verdict:
+        """Limit states and verdict, as ``drystone assess`` gives them.
+
+        Parameters
+        ----------
+        model
+            What was traced, wherever its control point; its ``site`` and ``assessment`` say what
+            is asked.
+        site
+            In place of the model's own.
+        options
+            Keys of [assessment] by name and in the units of files, over those of the model; or
+            ``settings`` and ``spectra``, see `drystone.assessment.verdict.assessed`.
+
+        Raises
+        ------
+        AssessmentError
+            Something is missing, or the method does not apply; `UnfinishedError` where the curve
+            does not go far enough.
+        """
+        from drystone.assessment.verdict import assessed
+
+        return assessed(self, self.traced_of(model), site=site, **options)
+
+    @property
+    def control_displacement(self) -> Array:
+        """(n_points,) [m]."""
+        return self.column("control_displacement")
+
+    @property
+    def load_multiplier(self) -> Array:
+        """(n_points,) static multiplier: the curve."""
+        return self.column("load_multiplier")
+
+    @property
+    def applied_multiplier(self) -> Array:
+        """(n_points,) multiplier that was applied in the step."""
+        return self.column("applied_multiplier")
+
+    @property
+    def carried_multiplier(self) -> Array:
+        """(n_points,) support reaction over the sum of the load pattern."""
+        return self.column("carried_multiplier")
+
+    @property
+    def residual(self) -> Array:
+        """(n_points,) certificate of equilibrium, see `CurvePoint`."""
+        return self.column("residual")
+
+    @property
+    def settles(self) -> bool:
+        """Whether supports that move pace it: control displacements are then their motion [m, rad],
+        multipliers their reaction over the blocks' weight (times an arm, where they turn)."""
+        return self.strategy == SETTLEMENT
+
+    @property
+    def reaction(self) -> Array:
+        """(n_points,) of supports that move, along their motion [N], or about its axis [N m]."""
+        return self.column("reaction")
+
+    @property
+    def n_steps(self) -> int:
+        """Points after the first, which is the structure at rest under its own weight."""
+        return max(len(self.points) - 1, 0)
+
+    @property
+    def peak(self) -> CurvePoint:
+        """The static point of highest load multiplier."""
+        static = [p for p in self.points if p.status == STATIC] or list(self.points)
+        return max(static, key=lambda p: p.load_multiplier)
+
+    @property
+    def peak_passed(self) -> bool:
+        """Whether the curve comes down from its `peak`: else that is the highest point so far."""
+        top = self.peak
+        after = (p for p in self.points if p.step > top.step and p.status == STATIC)
+        return any(p.load_multiplier < PASSED * top.load_multiplier for p in after)
+
+    @property
+    def ultimate_displacement(self) -> float | None:
+        """Control displacement [m] where the multiplier falls below the stop value, or None.
+
+        Points at rest tell, and the collapse that ends the curve: in a jump that the structure
+        survives, inertia carries for a while what its joints do not.  A jump that takes the control
+        point back, and the multiplier below the stop value, begins where the curve ends; where it
+        takes it on, the shape that it leads to may have carried on the way.  A collapse in a jump
+        begins where the curve ends, too, and so does one in which as much is carried to its last
+        point.
+        """
+        if self.settles:
+            return None
+        top = self.peak.step
+        rest = max((p.step for p in self.points if p.status == STATIC), default=0)
+        collapse = self.status == FINISHED
+        after = [
+            p
+            for p in self.points
+            if p.step >= top
+            and (p.status == STATIC or (p.step > rest and collapse and not p.jumped))
+        ]
+        for before, point in pairwise(after):
+            if point.load_multiplier <= self.stop_multiplier < before.load_multiplier:
+                if point.jumped and point.control_displacement < before.control_displacement:
+                    return before.control_displacement
+                drop = before.load_multiplier - point.load_multiplier
+                share = (before.load_multiplier - self.stop_multiplier) / drop
+                return before.control_displacement + share * (
+                    point.control_displacement - before.control_displacement
+                )
+        if collapse and self.points[-1].status == DYNAMIC and after:
+            return self.points[rest].control_displacement
+        return None
+
+    @property
+    def first_collapse(self) -> Event | None:
+        """The first event in which a part of the structure collapses; None where none does."""
+        return first_collapse(self.events)
+
+    @property
+    def capacity(self) -> CurvePoint:
+        """The static point of highest load multiplier before a part of the structure collapses.
+
+        It is the `peak` where no part does, or where the peak comes before.
+        """
+        first = self.first_collapse
+        return self.peak if first is None else self.until(first).peak
+
+    @property
+    def rises_after_collapse(self) -> bool:
+        """Whether what is left after a part has collapsed bears more than the whole did before."""
+        return self.peak.load_multiplier > self.capacity.load_multiplier
+
+    @property
+    def name_of_peak(self) -> str:
+        """What the point of highest multiplier is: no peak before the curve comes down from it, and
+        none of the structure where a part of that has collapsed before."""
+        if self.rises_after_collapse:
+            return say("mark.left")
+        return say("mark.peak" if self.peak_passed else "mark.highest")
+
+    def until(self, event: Event) -> CapacityCurve:
+        """The curve up to the last point at rest before an event, as one that ends there.
+
+        The first point of the motion from there on is kept, where there is one: it shows how the
+        structure moves.
+        """
+        n = event.step + 1
+        n += n < len(self.points) and self.points[n].status == DYNAMIC
+        return replace(
+            self.first(n),
+            blocks_left=tuple(b for b in self.blocks_left if b.step <= event.step),
+            events=tuple(e for e in self.events if e.step < event.step),
+            status=FINISHED,
+            reason=str(event),
+            ended_by=event,
+        )
+
+    def first(self, n: int) -> CapacityCurve:
+        """The curve of its first ``n`` points, with what happened up to the last of them."""
+        return replace(
+            self,
+            points=self.points[:n],
+            poses=None if self.poses is None else self.poses[:n],
+            contacts=None if self.contacts is None else self.contacts[:n],
+            ties=None if self.ties is None else self.ties.until(n),
+            blocks_left=tuple(b for b in self.blocks_left if b.step < n),
+            events=tuple(e for e in self.events if e.step < n),
+        )
+
+    def gone(self, ids: Sequence[str], step: int) -> NDArray[np.bool_]:
+        """Which of the blocks named have left after a step, (n,)."""
+        left = {block.block for block in self.blocks_left if block.step <= step}
+        return np.array([name in left for name in ids], dtype=np.bool_)
+
+    def nearest(self, control_displacement: float) -> int:
+        """Index of the point nearest to a control displacement [m]."""
+        return int(np.argmin(np.abs(self.control_displacement - control_displacement)))
+
+    @property
+    def _facts(self) -> dict[str, str]:
+        """What a person wants to know first, in words."""
+        facts = {"engine": self.engine, "points": str(len(self.points))}
+        if self.points and self.settles:
+            start, end, unit = self.points[0], self.points[-1], self.motion_unit
+            force = "N m" if unit == "rad" else "N"
+            facts["reaction"] = f"{start.reaction:.4g} to {end.reaction:.4g} {force}"
+            facts["end"] = f"{end.control_displacement:.4g} {unit}"
+        elif self.points:
+            peak, ultimate = self.peak, self.ultimate_displacement
+            last = self.points[-1].control_displacement
+            if self.rises_after_collapse:
+                whole = self.capacity
+                facts["capacity"] = (
+                    f"{whole.load_multiplier:.4f} at {whole.control_displacement:.4g} m"
+                )
+            facts[self.name_of_peak] = (
+                f"{peak.load_multiplier:.4f} at {peak.control_displacement:.4g} m"
+            )
+            facts["end"] = f"{last if ultimate is None else ultimate:.4g} m"
+        return {**facts, "status": self.status, "reason": self.reason}
+
+    def __repr__(self) -> str:
+        facts = self._facts
+        del facts["reason"]
+        engine = facts.pop("engine")
+        return f"<CapacityCurve {engine}: {', '.join(f'{k} {v}' for k, v in facts.items())}>"
+
+    def _repr_html_(self) -> str:
+        """A small table, for notebooks."""
+        rows = (f"<tr><th>{k}</th><td>{escape(v)}</td></tr>" for k, v in self._facts.items())
+        return f"<table>{''.join(rows)}</table>"

@@ -1,0 +1,280 @@
+"""Finds the events along a curve from its points, poses, ties and contacts.
+
+A structure *moves by itself* where it jumps: between two neighbouring points at rest lie points in
+motion, or the second is marked as reached in a jump, or a block has gone so far in one step that it
+would have collapsed: steps are a fifth of the smallest block at most.  The first jump in which a
+block moves by more than `SNAP` of its smallest extent, or collapses, is where the structure first
+*loses its equilibrium*.  A block that moves by itself by more than
+`Analysis.event_share` of its smallest extent, be it on the way, has collapsed.  It has *fallen* if
+afterwards it lies lower by as much, hangs on ties alone or has left the structure, else it is
+*displaced*.  By default the share is a half.  A block that rests on the middle of another of its
+size has its centroid above the edge of that one when it has moved by half its extent: from there on
+it does not rest on what bore it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.forces import ContactForces
+from drystone.geometry.motion import translations
+from drystone.model.assembly import Assembly
+from drystone.model.model import Model
+from drystone.model.ties import BROKEN, YIELDING, Tie, TieState, names_of
+from drystone.results.curve import STATIC, BlockLeft, CurvePoint, TieRecord
+from drystone.results.events import Event, EventKind, Outcome
+
+#: Share of a block's smallest extent up to which a jump is no event.  The shortest step that
+#: engines prefer is as long, so that a curve does not tell such a jump from a step.
+SNAP = 0.02
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+Contacts = Callable[[], ContactForces]
+
+
+class EventLog:
+    """Takes the points of a curve one by one, and keeps the events that it sees."""
+
+    def __init__(self, model: Model) -> None:
+        self._assembly = assembly = model.assembly
+        self._ties = model.ties
+        self._settling = model.settlement.unit if model.settlement else ""
+        self._limit = model.analysis.event_share * assembly.extents  # m
+        self._snap = np.minimum(SNAP * assembly.extents, self._limit)  # m
+        self._up = assembly.up
+        self._events: list[Event] = []
+        self._last: tuple[CurvePoint, Array] | None = None  # last point at rest and its pose
+        self._pose: Array | None = None  # of the last point
+        self._moving = False  # whether the structure has moved by itself since
+        self._through_motion = False  # whether a point in motion lies on that way
+        self._far = np.zeros(assembly.n_bodies)  # m, by which it did, at most
+        self._gone = np.zeros(assembly.n_bodies, np.bool_)  # left since
+        self._collapsed = np.zeros(assembly.n_bodies, np.bool_)  # in the jump that is under way
+        self._lost_equilibrium = False
+        self._branch: NDArray[np.int64] | None = None
+        self._yielded = np.zeros(len(model.ties), np.bool_)
+        self._bearing: set[int] | None = None  # supports that bore the structure at first
+        self._watch_supports = int(assembly.fixed.sum()) > 1
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """Those found so far, in the order of the curve."""
+        return tuple(sorted(self._events, key=lambda event: event.step))
+
+    def add(
+        self,
+        point: CurvePoint,
+        pose: Array,
+        contacts: Contacts,
+        *,
+        ties: TieState | None = None,
+        left: Sequence[int] = (),
+    ) -> list[int]:
+        """Take the next point.
+
+        Parameters
+        ----------
+        pose
+            (n, n_pose) m, as in `motion`.
+        contacts
+            Gives the contact forces of the point; asked where an event needs them.
+        ties
+            What the ties carry at the point.
+        left
+            Rows of blocks that have left the structure since the point before.
+
+        Returns
+        -------
+        Rows of the blocks that have collapsed since the point before.
+        """
+        if ties is not None:
+            self._see_ties(point, ties)
+        at_rest = point.status == STATIC
+        collapsed: list[int] = []
+        self._gone[list(left)] = True
+        if self._last is not None:
+            self._moving |= not at_rest or point.jumped or len(left) > 0
+            if not self._moving:
+                self._moving = bool((self._way(pose) > self._limit).any())
+            self._through_motion |= not at_rest
+            if self._moving:
+                collapsed = self._move(pose)
+        self._pose = pose
+        if at_rest:
+            if self._moving:
+                self._come_to_rest(contacts)
+            self._last = (point, np.array(pose))
+            if self._watch_supports:
+                self._see_supports(point, contacts())
+        return collapsed
+
+    def end(self) -> tuple[Event, ...]:
+        """The curve is over: all its events.  What still moves then is in motion."""
+        if self._moving:
+            self._come_to_rest(None)
+        return self.events
+
+    def _way(self, pose: Array) -> Array:
+        """By how far centroids are from where they last rested, (n,) [m]."""
+        assert self._last is not None
+        return np.linalg.norm(translations(pose) - translations(self._last[1]), axis=1)
+
+    def _move(self, pose: Array) -> list[int]:
+        assert self._last is not None
+        self._far = np.maximum(self._far, self._way(pose))
+        new = ((self._far > self._limit) | self._gone) & ~self._collapsed
+        self._collapsed |= new
+        return [int(i) for i in np.flatnonzero(new)]
+
+    def _come_to_rest(self, contacts: Contacts | None) -> None:
+        """A jump is over: what it moved.  Without ``contacts`` it is not, but the curve is."""
+        assert self._last is not None and self._pose is not None
+        before, start = self._last
+        place = {
+            "step": before.step,
+            "control_displacement": before.control_displacement,
+            "load_multiplier": before.load_multiplier,
+        }
+        snapped = self._through_motion and bool((self._far > self._snap).any())
+        if not self._lost_equilibrium and (snapped or self._collapsed.any()):
+            self._lost_equilibrium = True
+            movers = self._collapsed if self._collapsed.any() else self._far >= self._far.max()
+            self._log(EventKind.LOSS_OF_EQUILIBRIUM, movers, None, **place)
+        if self._collapsed.any():
+            hanging = self._hanging(contacts)
+            drop = (translations(start) - translations(self._pose)) @ self._up
+            fallen = self._collapsed & ((drop > self._limit) | self._gone | hanging)
+            displaced = self._collapsed & ~fallen
+            rest = Outcome.IN_MOTION if contacts is None else Outcome.AT_REST
+            for kind, rows, outcome in (
+                (EventKind.BLOCK_FALLEN, fallen & self._gone, Outcome.LEFT),
+                (EventKind.BLOCK_FALLEN, fallen & ~self._gone & hanging, Outcome.HANGING),
+                (EventKind.BLOCK_FALLEN, fallen & ~self._gone & ~hanging, rest),
+                (EventKind.BLOCK_DISPLACED, displaced, rest),
+            ):
+                if rows.any():
+                    self._log(kind, rows, outcome, **place)
+        self._moving = self._through_motion = False
+        for array in (self._far, self._gone, self._collapsed):
+            array[:] = 0
+
+    def _log(
+        self, kind: EventKind, rows: BoolArray, outcome: Outcome | None, **place: float
+    ) -> None:
+        self._events.append(
+            Event(
+                kind=kind,
+                step=int(place["step"]),
+                control_displacement=place["control_displacement"],
+                load_multiplier=place["load_multiplier"],
+                blocks=self._ids(np.flatnonzero(rows)),
+                motion=float(self._far[rows].max(initial=0.0)),
+                outcome=outcome,
+                settling=self._settling,
+            )
+        )
+
+    def _ids(self, rows: Sequence[int] | NDArray[np.int64]) -> tuple[str, ...]:
+        return tuple(self._assembly.ids[int(i)] for i in rows)
+
+    def _hanging(self, contacts: Contacts | None) -> BoolArray:
+        """Blocks that have collapsed, are tied and touch nothing, (n,)."""
+        tied = np.zeros(self._assembly.n_bodies, np.bool_)
+        if contacts is None or self._branch is None:
+            return tied
+        for tie, branch in zip(self._ties, self._branch, strict=True):
+            if branch != BROKEN:
+                tied[_rows(tie, self._assembly)] = True
+        tied &= self._collapsed
+        if tied.any():
+            found = contacts()
+            closed = found.normal_reaction > 0.0
+            tied[found.block_a[closed]] = False
+            tied[found.block_b[closed]] = False
+        return tied
+
+    def _see_ties(self, point: CurvePoint, ties: TieState) -> None:
+        now, before = ties.branch, self._branch
+        self._branch = np.array(now)
+        yields = (now == YIELDING) & ~self._yielded
+        self._yielded |= yields
+        breaks = now == BROKEN if before is None else (now == BROKEN) & (before != BROKEN)
+        for kind, rows in (
+            (EventKind.TIE_YIELDED, yields),
+            (EventKind.TIE_BROKEN, breaks),
+        ):
+            if rows.any():
+                tied = [self._ties[k] for k in np.flatnonzero(rows)]
+                joined = {row for tie in tied for row in _rows(tie, self._assembly)}
+                self._events.append(
+                    Event(
+                        kind=kind,
+                        step=point.step,
+                        control_displacement=point.control_displacement,
+                        load_multiplier=point.load_multiplier,
+                        blocks=self._ids(sorted(joined)),
+                        ties=tuple(np.array(names_of(self._ties))[rows].tolist()),
+                        settling=self._settling,
+                    )
+                )
+
+    def _see_supports(self, point: CurvePoint, contacts: ContactForces) -> None:
+        """Supports that bear nothing any more, each once."""
+        closed = contacts.normal_reaction > 0.0
+        touched = {*contacts.block_a[closed].tolist(), *contacts.block_b[closed].tolist()}
+        bearing = {row for row in touched if self._assembly.fixed[row]}
+        if self._bearing is None:
+            self._bearing = bearing
+        lost = sorted(self._bearing - bearing)
+        self._bearing -= set(lost)
+        if lost:
+            self._events.append(
+                Event(
+                    kind=EventKind.SUPPORT_LOST,
+                    step=point.step,
+                    control_displacement=point.control_displacement,
+                    load_multiplier=point.load_multiplier,
+                    blocks=self._ids(lost),
+                    settling=self._settling,
+                )
+            )
+
+
+def events_of(
+    model: Model,
+    points: Sequence[CurvePoint],
+    poses: Array,
+    contacts: Sequence[ContactForces],
+    *,
+    ties: TieRecord | None = None,
+    left: Sequence[BlockLeft] = (),
+) -> tuple[Event, ...]:
+    """The events of a curve that was kept, as of a file of results.
+
+    Parameters
+    ----------
+    poses
+        (n_points, n, n_pose).
+    contacts
+        One entry a point.
+    """
+    log = EventLog(model)
+    for k, point in enumerate(points):
+        rows = [model.assembly.index(block.block) for block in left if block.step == point.step]
+        log.add(
+            point,
+            poses[k],
+            lambda k=k: contacts[k],  # type: ignore[misc]
+            ties=None if ties is None else ties.at(k),
+            left=rows,
+        )
+    return log.end()
+
+
+def _rows(tie: Tie, assembly: Assembly) -> list[int]:
+    """Rows of the blocks that a tie joins."""
+    return [end.row(assembly) for end in (tie.start, tie.end) if end.block is not None]

@@ -1,1 +1,0 @@
-"""Solvers of the equations of a step: they see arrays, not models."""

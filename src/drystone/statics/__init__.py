@@ -1,0 +1,1 @@
+"""The engine `equilibrium`: static steps with the multiplier as an unknown."""

@@ -1,0 +1,810 @@
+"""Static equilibrium, followed change by change of the contacts, the multiplier an unknown.
+
+The unknowns of a step are the increments x of the poses and the multiplier.  They solve
+
+    R(x, lambda) = 0,    c(x) = Delta
+
+with the unbalanced forces R of `statics.plane.static_step`, evaluated where the step ends, and c
+the displacement that paces the step; `statics.plane.piecewise` says how.  The time step in R is so
+long that inertia only keeps loose blocks from making the matrix singular; with a short one, a step
+says where inertia takes blocks that have no equilibrium nearby.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.common.records import changed
+from drystone.contact.contacts import Pairs, Slots
+from drystone.contact.detection import Detector, predecessor_pairs, predecessor_slots
+from drystone.contact.forces import ActedContacts, ContactForces
+from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
+from drystone.engines.bonds import SLIGHT, BondSteps
+from drystone.engines.departure import departing
+from drystone.engines.measures import (
+    LoadArrays,
+    StepOutcome,
+    not_crushed,
+    report,
+    unstable_sentence,
+)
+from drystone.geometry import motion
+from drystone.law import law as joint_law
+from drystone.law.bonds import apart, brittle, margins, yielded
+from drystone.law.certificate import Forces, JudgedContacts, certify
+from drystone.law.law import N_HISTORY
+from drystone.law.strengths import Strengths
+from drystone.law.table import law_table
+from drystone.model.assembly import Assembly
+from drystone.model.ties import Bars, TieState
+from drystone.statics import yielding
+from drystone.statics.linear_step import Loads, PointPace
+from drystone.statics.plane import piecewise
+from drystone.statics.plane.interior import InteriorPoint, InteriorSettings
+from drystone.statics.plane.piecewise import Accuracy, PathSettings, StepSolution
+from drystone.statics.plane.static_step import STATUS_OF, Constants, StaticStep
+from drystone.statics.space import cone_solution
+from drystone.statics.space.cone_solution import Before, SpaceSettings
+from drystone.statics.space.cone_step import ConeStep
+from drystone.statics.tie_forces import TieForces
+from drystone.statics.ways import WayInPlane, WayInSpace
+from drystone.statics.yielding import Way
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+#: Margin of a bond at which a step ends for it.
+AT_STRENGTH = 1e-5
+
+
+#: What joints hold may still change by this force, over the heaviest weight, where a step ends.
+SETTLED = 1e-6
+
+
+@dataclass(frozen=True, kw_only=True)
+class EquilibriumSettings:
+    """Numerical settings; none changes what the solution is, but to within its tolerance.
+
+    Times and lengths in them are those of the structure's own frame, where the smallest block
+    measures 0.175 m, so that they mean the same for every structure; see `frame`.
+    """
+
+    #: Largest unbalanced force over the heaviest weight, -: what is promised, and a thousand times
+    #: the rounding of the sums that make it up.
+    tolerance: float = 1e-9
+    #: Time step of a static step [s]: the inertia of a step of 1 mm is then 1e-7 of a weight.
+    static_time_step: float = 30.0
+    #: Farthest motion of a block in one step over the smallest block, -: beyond it, contacts that
+    #: the step has not looked for could be made.
+    max_motion: float = 0.2
+    #: Inertia, -, above which a point is dynamic: of all blocks over the applied force, and of any
+    #: block over its weight.
+    inertia_limit: float = 1e-3
+    path: PathSettings = field(default_factory=PathSettings)
+    interior: InteriorSettings = field(default_factory=InteriorSettings)
+    space: SpaceSettings = field(default_factory=SpaceSettings)
+
+
+@dataclass(frozen=True, kw_only=True)
+class EquilibriumState:
+    """Poses, joint history and what the next step is predicted from."""
+
+    pose: Array  # (n, n_dof) m, rad
+    multiplier: float
+    pairs: Pairs
+    slots: Slots  # contacts in `pose`
+    history: Array  # (n_slots, N_HISTORY + dim - 2)
+    reaction: Array  # (n_slots, dim) N
+    branch: IntArray  # (n_slots,) of the joint law, see `law.law`
+    last_increment: Array  # (n, n_dof) m, rad; zeros where there is nothing to predict from
+    margin: Array  # (n_slots + n_ties,) of bonds, see `law.bonds`, and ties
+    due: IntArray  # rows of those that break next
+    gone: BoolArray  # (n,) blocks that have left
+    ties: TieState
+    settled: float = 0.0  # m or rad, by which supports have moved
+    last_settled: float = 0.0  # in the last step
+    kept: IntArray | None = None  # (n_pairs,) steps for which features stay; of the plane
+    slope: float = np.nan  # 1/m, of the curve, where it is known
+    softened: bool = False  # whether joints soften, and the slope is with that
+    # Of space:
+    tangent: Array | None = None  # (n, n_dof) per m of the control displacement
+    unstable: bool = False  # whether the structure would not keep it
+    held: bool = False  # by more inertia, as blocks slid or turned without resistance
+    calm: bool = False  # whether no contact has changed its state in the last step
+    acted: ActedContacts | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Step:
+    """What a step begins with and is to reach, whatever its joints hold."""
+
+    state: EquilibriumState
+    demand: Demand
+    pace: PointPace | None
+    guess: Array  # (n, n_dof) m, rad
+    multiplier: float
+    h: float  # s
+    accuracy: Accuracy
+
+
+class EquilibriumEngine:
+    """See the module's text."""
+
+    name = "equilibrium"
+    in_own_frame = True
+    moves_supports = True
+    prescribes_displacement = True
+    #: A thousand times what its steps are solved to: steps that stiff joints do not let be solved
+    #: as well are told from those that only seem to be solved.
+    residual_limit = 1e-6
+
+    def __init__(self, settings: EquilibriumSettings | None = None) -> None:
+        self.settings = settings or EquilibriumSettings()
+
+    def preferences(self, assembly: Assembly) -> dict[str, float]:
+        """See `Engine`: a step is to turn a mechanism by about 1 in 500, whatever its height."""
+        size = assembly.smallest_extent
+        height = float(np.ptp(assembly.centroid[~assembly.fixed] @ assembly.up)) + size
+        step = {"displacement_step": min(max(height / 500.0, 0.02 * size), 0.1 * size)}
+        if assembly.dimension == 3:
+            step.update(easy_iterations=60, hard_iterations=400, bend_share=4e-3, smooth=True)
+        return step
+
+    def start(self, problem: Problem) -> tuple[EquilibriumState, StepReport]:
+        """Settle under the dead load, stage by stage; raises `UnstableError`."""
+        self.problem, self.stage = problem, problem.stages[0]
+        assembly = problem.assembly
+        self.detector = Detector(assembly)
+        try:
+            laws = law_table(assembly)
+        except ValueError as error:
+            raise EngineError(f"{error}: the equilibrium engine cannot do without") from None
+        self.laws = laws
+        #: Of designed gaps [m], which are differences of coordinates.
+        self.rounding = 8.0 * np.finfo(float).eps * float(np.ptp(assembly.centroid, axis=0).max())
+        self.bars = Bars.of(assembly, problem.ties)
+        #: Whether steps end where a bond or a tie gives way.
+        self.brittle = brittle(laws) or self.bars.give_way
+        self.strengths = Strengths(assembly)
+        pose = assembly.rest_pose()
+        pairs, gone = self.detector.pairs(pose), np.zeros(assembly.n_bodies, np.bool_)
+        self._take_loads(gone)
+        self._write_equations(pairs)
+        self.accuracy = self._accuracy()
+        slots = self.detector.find(pairs, pose)
+        state = EquilibriumState(
+            pose=pose,
+            multiplier=0.0,
+            pairs=pairs,
+            slots=slots,
+            history=self._first_history(slots),
+            reaction=np.zeros_like(slots.normal),
+            branch=self._first_branches(pairs, slots),
+            last_increment=assembly.no_motion(),
+            margin=np.full(len(slots.kind) + self.bars.n_ties, np.inf),
+            due=np.zeros(0, np.int64),
+            gone=gone,
+            ties=self.bars.first(),
+        )
+        state, outcome = self._settle(state)
+        for self.stage in problem.stages[1:]:
+            self._take_loads(state.gone)
+            self._write_equations(state.pairs)
+            state, outcome = self._settle(state)
+        return state, outcome
+
+    def _settle(self, state: EquilibriumState) -> tuple[EquilibriumState, StepReport]:
+        """A short step under the dead load and long ones, or shorter where they fail, to rest."""
+        h, limit = 0.1, self.settings.static_time_step
+        farthest = self.problem.assembly.smallest_extent + 4.0 * self._settlement()
+        outcome = StepReport(converged=False)
+        travelled = 0.0
+        for _ in range(100):
+            demand = Demand(multiplier=0.0, time_step=h)
+            new, outcome = self._bond_steps(demand, farthest).rest(state, 1.0)
+            if not outcome.converged:
+                h *= 0.25
+                if h < 1e-5:
+                    break
+                continue
+            state = new
+            travelled += outcome.motion
+            if h >= limit and self._at_rest(outcome):
+                return replace(new, last_increment=self.problem.assembly.no_motion()), outcome
+            if travelled > farthest:
+                break
+            h = min(100.0 * h, limit)
+        gone = self.problem.length * self.detector.travelled(state.pose)
+        raise UnstableError(unstable_sentence(self.problem, gone))
+
+    def _at_rest(self, outcome: StepReport) -> bool:
+        """Whether a step ended at rest: the structure, and each block, which may be a small part of
+        it."""
+        return max(outcome.inertia_ratio, outcome.acceleration) <= self.settings.inertia_limit
+
+    def _missed(self, state: EquilibriumState) -> bool:
+        """Whether blocks overlap that were no pair."""
+        if not self.detector.outdated(state.pairs, state.pose):
+            return False
+        pairs = self.detector.pairs(state.pose, state.gone)
+        new = predecessor_pairs(state.pairs, pairs) < 0
+        slots = self.detector.find(pairs, state.pose)
+        return bool((slots.gap[new[pairs.of_slot]] < 0.0).any())
+
+    def _settlement(self) -> float:
+        """By how much the top of a column as high as the structure sinks in its soft joints [m]."""
+        assembly = self.problem.assembly
+        free = ~assembly.fixed
+        area = assembly.smallest_extent * assembly.thickness
+        heaviest = float(np.abs(motion.translations(self.loads.dead)[free]).max())
+        n = 1.0 + float(np.ptp(assembly.centroid[free] @ assembly.up)) / assembly.smallest_extent
+        return 0.5 * n**2 * heaviest / (float(self.constants.laws[:, joint_law.KN].min()) * area)
+
+    def contacts(self, state: EquilibriumState) -> ContactForces:
+        """Contact points and reactions of a state: those that are in balance."""
+        these = state.acted or self._acted(state)
+        return self.detector.forces(
+            these.pairs, state.pose, these.slots, these.reaction, these.status
+        )
+
+    def ties_of(self, state: EquilibriumState) -> TieState:
+        """What the ties of a state carry."""
+        return state.ties
+
+    @staticmethod
+    def _acted(state: EquilibriumState) -> ActedContacts:
+        return ActedContacts(
+            pairs=state.pairs,
+            slots=state.slots,
+            reaction=state.reaction,
+            status=STATUS_OF[state.branch],
+        )
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+    def step(self, state: EquilibriumState, demand: Demand) -> tuple[EquilibriumState, StepReport]:
+        """One implicit step from rest; see `Engine.step`."""
+        farthest = self.settings.max_motion * self.problem.assembly.smallest_extent
+        if self.brittle:
+            steps, state = self._bond_steps(demand, farthest), self._refresh(state)
+            paced = demand.increment is not None or demand.settlement is not None
+            free = not paced or demand.time_step > 0.0
+            new, outcome = steps.again(state) if free else steps.advance(state)
+        else:
+            new, outcome = self._step(state, demand, farthest)
+        if outcome.converged and outcome.dynamic:
+            new = self._let_go(new)
+        return new, outcome
+
+    def _bond_steps(self, demand: Demand, farthest: float) -> BondSteps[EquilibriumState]:
+        def solve(state: EquilibriumState, share: float) -> tuple[EquilibriumState, StepReport]:
+            if demand.settlement is not None:
+                part = replace(demand, settlement=share * demand.settlement)
+            elif demand.increment is not None:
+                part = replace(demand, increment=share * demand.increment)
+            else:
+                return self._step(state, demand, farthest)
+            new, report = self._step(state, part, farthest)
+            if share == 0.0 and report.converged:  # what a break moves says nothing of what follows
+                new = replace(new, last_increment=state.last_increment)
+            return new, report
+
+        return BondSteps(
+            solve=solve,
+            broken=self._broken,
+            laws=self.constants.laws,
+            slight=SLIGHT * self.problem.assembly.heaviest_weight,
+            near=AT_STRENGTH,
+            bars=self.bars if self.bars.n_ties else None,
+        )
+
+    def _broken(self, state: EquilibriumState, due: IntArray) -> EquilibriumState:
+        """The state without the bonds of some slots, and past what ties were due for."""
+        n_slots = len(state.reaction)
+        slots = due[due < n_slots]
+        if len(slots) < len(due):
+            ties = self.bars.past(state.ties, due[due >= n_slots] - n_slots)
+            margin = np.concatenate((state.margin[:n_slots], ties.margin))
+            state = replace(state, ties=ties, margin=margin)
+        history, branch, margin = state.history.copy(), state.branch.copy(), state.margin.copy()
+        law = state.pairs.law_of_slot[slots]
+        history[slots, joint_law.BROKEN], margin[slots] = 1.0, np.inf
+        branch[slots] = yielded(self.constants.laws, law, state.reaction[slots])
+        nothing = np.zeros(0, np.int64)
+        return replace(state, history=history, branch=branch, margin=margin, due=nothing)
+
+    def _let_go(self, state: EquilibriumState) -> EquilibriumState:
+        """Take out blocks that have left; the rest does not feel it."""
+        left = departing(
+            self.problem, self.detector, self.loads, state.pose, state.multiplier,
+            state.pairs, state.slots, state.reaction, self.bars.whole(state.ties),
+        )  # fmt: skip
+        return self._paired(state, state.gone | left) if left.any() else state
+
+    def _step(
+        self, state: EquilibriumState, demand: Demand, farthest: float
+    ) -> tuple[EquilibriumState, StepReport]:
+        """A step that fails where a block moves by more than ``farthest`` [m]."""
+        state = self._refresh(state)
+        pace = self._pace(state, demand)
+        h = demand.time_step or self.settings.static_time_step
+        guess, multiplier = self._predict(state, demand, pace)
+        step = _Step(
+            state=state,
+            demand=demand,
+            pace=pace,
+            guess=self._move_supports(state, demand, guess),
+            multiplier=multiplier,
+            h=h,
+            accuracy=changed(self.accuracy, farthest=farthest),
+        )
+        solved = self._solve(step)
+        if solved.reason == piecewise.TOO_STIFF:
+            raise EngineError(solved.reason)  # no smaller step would do
+        if solved.reason:
+            return state, StepReport(
+                converged=False,
+                reason=solved.reason,
+                n_iterations=solved.n_iterations,
+                turn=solved.turn,
+            )
+        if solved.held:
+            h = 1.0 / np.sqrt(1.0 / h**2 + solved.held)
+        new, outcome = self._accept(state, solved, h, demand)
+        if self._missed(new):
+            return state, StepReport(
+                converged=False,
+                reason="blocks meet that were far apart",
+                n_iterations=solved.n_iterations,
+                turn=solved.turn,
+            )
+        return new, outcome
+
+    def _solve(self, step: _Step) -> StepSolution:
+        equations, state = self.equations, step.state
+        solve = self._once_in_space if isinstance(equations, ConeStep) else self._once_in_plane
+        last: StepSolution | None = None
+
+        def once(
+            held: Array | None, fresh: Array | None, branch: IntArray, near: Array | None
+        ) -> StepSolution:
+            nonlocal last
+            if self.ties:
+                self.ties.begin(state.ties)
+            last = solve(step, held, fresh, branch, near, last)
+            return last
+
+        if not self.strengths.any:
+            return once(None, None, state.branch, None)
+        increment = step.demand.increment
+        start = yielding.Beginning(
+            state.history,
+            state.slots.gap,
+            state.branch,
+            state.multiplier,
+            state.slope * increment if increment and state.softened else np.nan,
+        )
+        heaviest = self.problem.assembly.heaviest_weight
+        demand = step.demand
+        return yielding.solve(
+            equations,
+            self.strengths,
+            start,
+            once,
+            partial(self._way, step),
+            SETTLED * heaviest,
+            increment,
+            lets_go=increment is None or demand.over_fold or demand.time_step > 0.0,
+        )
+
+    def _way(
+        self, step: _Step, solved: StepSolution | None, held: Array, fresh: Array
+    ) -> Way | None:
+        """Newton's method from a solution, or from where the step is expected to end; see
+        `yielding.solve`."""
+        if not self.strengths.smooth:
+            return None
+        equations, state, strengths, accuracy = (
+            self.equations,
+            step.state,
+            self.strengths,
+            step.accuracy,
+        )
+        if solved is None and self.ties:
+            self.ties.begin(state.ties)
+        at = state.pose, state.slots, state.history, state.branch, step.h
+        if isinstance(equations, ConeStep):
+            if solved is None:
+                x, demand = step.guess, step.demand
+                if state.tangent is not None and demand.increment is not None:
+                    x = demand.increment * state.tangent
+                equations.begin(*at, step.pace, held, fresh)
+                equations.set_out(x, step.multiplier)
+            space = self.settings.space
+            slight = space.slight * self.problem.assembly.heaviest_weight
+            return WayInSpace(equations, strengths, accuracy, space, slight)
+        x, multiplier = step.guess, step.multiplier
+        if solved:
+            x, multiplier = solved.increment, solved.multiplier
+        else:
+            equations.begin(*at, x, held, fresh)
+            equations.branch[:] = state.branch
+        return WayInPlane(equations, strengths, step.pace, accuracy, x, multiplier)
+
+    def _once_in_space(
+        self,
+        step: _Step,
+        held: Array | None,
+        fresh: Array | None,
+        branch: IntArray,
+        near: Array | None,
+        last: StepSolution | None,
+    ) -> StepSolution:
+        """Solve a step with what joints hold, from the ``last`` solution of it, if any."""
+        equations, state, demand, pace = self.equations, step.state, step.demand, step.pace
+        assert isinstance(equations, ConeStep)
+        equations.begin(state.pose, state.slots, state.history, branch, step.h, pace, held, fresh)
+        guesses, multiplier = [step.guess], step.multiplier
+        if state.tangent is not None and demand.increment is not None:
+            guesses.append(demand.increment * state.tangent)
+        if last is not None:
+            guesses = [last.increment if near is None else near]
+            multiplier = multiplier if pace is None else last.multiplier
+        return cone_solution.solve(
+            equations,
+            guesses,
+            multiplier,
+            step.accuracy,
+            self.settings.space,
+            Before(
+                calm=state.calm or last is not None,
+                unstable=state.unstable,
+                held=state.held,
+                slope=np.nan if state.softened else state.slope,
+            ),
+            dynamic=demand.time_step > 0.0,
+            thorough=demand.thorough,
+        )
+
+    def _once_in_plane(
+        self,
+        step: _Step,
+        held: Array | None,
+        fresh: Array | None,
+        branch: IntArray,
+        near: Array | None,
+        last: StepSolution | None,
+    ) -> StepSolution:
+        """The same, always from where the step starts."""
+        equations, state, demand, pace = self.equations, step.state, step.demand, step.pace
+        assert isinstance(equations, StaticStep)
+        x = step.guess
+        equations.begin(state.pose, state.slots, state.history, branch, step.h, x, held, fresh)
+        equations.kept[:] = 0 if state.kept is None else state.kept
+        return piecewise.solve(
+            equations,
+            self.interior,
+            pace,
+            x if near is None or pace is None else near,
+            step.multiplier,
+            branch,
+            state.reaction,
+            step.accuracy,
+            self.settings.path,
+            whole=pace is None or demand.time_step > 0.0 or demand.over_fold,
+        )
+
+    def _accuracy(self) -> Accuracy:
+        """What steps are solved to; how far a block may move is for each to say."""
+        scale = self.problem.assembly.heaviest_weight
+        tolerance, stiffest = self.settings.tolerance * scale, self._stiffest(joint_law.KN)
+        rounding = 4.0 * np.finfo(float).eps  # of a gap, over the motions that it is a sum of
+        return Accuracy(
+            tolerance=tolerance,
+            rounding=rounding * stiffest,
+            sliding_rounding=rounding * self._stiffest(joint_law.KS),
+            coarsest=self.residual_limit * scale,
+            depth=max(1e-3 * tolerance / stiffest, self.rounding),
+            slight=1e-6 * self.problem.assembly.smallest_extent,
+            farthest=np.inf,
+        )
+
+    def _first_branches(self, pairs: Pairs, slots: Slots) -> IntArray:
+        """Contacts that touch stick, by a bond where there is one."""
+        laws = self.constants.laws[pairs.law_of_slot]
+        bonded = (laws[:, joint_law.COHESION] > 0.0) | (laws[:, joint_law.TENSION] > 0.0)
+        touching = np.where(bonded, joint_law.BONDED, joint_law.STICKING)
+        bonded = bonded | self.strengths.bonded[pairs.law_of_slot]
+        # Weight presses on joints that lie; those that stand are shut, but hold by a bond only.
+        held = (np.abs(slots.normal @ self.problem.assembly.up) > 0.7) | bonded
+        return np.where(held & ~self._apart(slots), touching, joint_law.OPEN)
+
+    def _first_history(self, slots: Slots) -> Array:
+        """Nothing but that joints which are open when built have no bond."""
+        history = np.zeros((len(slots.kind), N_HISTORY + slots.dim - 2))
+        history[self._apart(slots), joint_law.BROKEN] = 1.0
+        return history
+
+    def _apart(self, slots: Slots) -> NDArray[np.bool_]:
+        return apart(slots, 1e-9 * self.problem.assembly.smallest_extent)
+
+    def _stiffest(self, column: int) -> float:
+        """Stiffness [N/m] of a joint as long as the smallest block, of the stiffest law."""
+        assembly = self.problem.assembly
+        stiffness = float(self.constants.laws[:, column].max())
+        return stiffness * assembly.smallest_extent * assembly.thickness
+
+    def _refresh(self, state: EquilibriumState) -> EquilibriumState:
+        """New pairs where the blocks have moved far, and the equations that fit the state."""
+        if self.detector.outdated(state.pairs, state.pose):
+            state = self._paired(state, state.gone)
+        if self.equations.pairs is not state.pairs:
+            if state.gone is not self.gone:
+                self._take_loads(state.gone)
+            self._write_equations(state.pairs)
+        return state
+
+    def _paired(self, state: EquilibriumState, gone: BoolArray) -> EquilibriumState:
+        """The state with new pairs, without the blocks that are ``gone``."""
+        pairs = self.detector.pairs(state.pose, gone)
+        source = predecessor_slots(state.pairs, pairs)
+        before = state.slots.at(source)
+        slots = self.detector.find(pairs, state.pose, before if before.dim == 3 else None)
+        if before.dim == 3:
+            same = self.detector.predecessors(pairs, before, slots)
+            source = np.where(same >= 0, source[same], -1)
+        history, reaction, branch = self._inherited(source, state, slots)
+        margin, known = np.full(len(source), np.inf), source >= 0
+        margin[known] = state.margin[source[known]]
+        margin = np.concatenate((margin, state.ties.margin))
+        n_before, n_after = len(state.reaction), len(source)
+        of_ties = state.due[state.due >= n_before] + (n_after - n_before)
+        return replace(
+            state,
+            pairs=pairs,
+            slots=slots,
+            history=history,
+            reaction=reaction,
+            branch=branch,
+            margin=margin,
+            due=np.concatenate((np.flatnonzero(np.isin(source, state.due)), of_ties)),
+            last_increment=np.where(gone[:, None], 0.0, state.last_increment),
+            tangent=None if gone.any() else state.tangent,
+            gone=gone,
+            kept=None,
+        )
+
+    def _take_loads(self, gone: BoolArray) -> None:
+        """What the equations are written with, up to the stage, but for blocks that are gone."""
+        self.gone = gone
+        loads = self.loads = LoadArrays.of(self.problem, gone, self.stage)
+        ties = TieForces(self.bars, self.problem.assembly, gone) if self.bars.n_ties else None
+        self.ties = ties
+        self.constants = Constants(
+            detector=self.detector,
+            laws=self.laws,
+            thickness=self.problem.assembly.thickness,
+            loads=Loads(
+                dead=loads.dead,
+                pattern=loads.pattern,
+                mass=loads.mass,
+                extent=np.maximum(self.detector.extent, 1e-12),
+                fixed=loads.fixed,
+                acting=None if loads.acting.steady else loads.acting,
+                ties=ties,
+            ),
+        )
+
+    def _write_equations(self, pairs: Pairs) -> None:
+        self.equations: ConeStep | StaticStep
+        if self.problem.assembly.dimension == 3:
+            self.equations = ConeStep(self.constants, pairs)
+            return
+        flat = self.equations = StaticStep(self.constants, pairs)
+        self.interior = InteriorPoint(flat, self.settings.interior)
+
+    def _pace(self, state: EquilibriumState, demand: Demand) -> PointPace | None:
+        if demand.increment is None:
+            return None
+        control = self.problem.control_point
+        designed = control.point - self.problem.assembly.centroid[control.block]
+        (arm,) = motion.turned(designed[None], state.pose[control.block, None])
+        return PointPace(
+            body=control.block,
+            arm=arm,
+            axis=control.direction,
+            axes=self._axes_of(control.block, state.pose),
+            increment=demand.increment,
+        )
+
+    def _axes_of(self, block: int, pose: Array) -> Array:
+        """Principal axes of a block in a pose, (dim, dim) in columns; in the plane as designed,
+        as no one asks for them."""
+        designed = self.problem.assembly.axes[block]
+        if len(designed) == 2:
+            return designed
+        turned = motion.turned(designed.T, np.repeat(pose[block, None], len(designed), axis=0))
+        return np.ascontiguousarray(turned.T)
+
+    def _predict(
+        self, state: EquilibriumState, demand: Demand, pace: PointPace | None
+    ) -> tuple[Array, float]:
+        """Where the step will end, and the multiplier it starts from.
+
+        The last increments go on, turned with the blocks, where they moved the same way.
+        """
+        if demand.settlement is not None:
+            return self._follow_supports(state, demand.settlement), 0.0
+        if pace is None:
+            assert demand.multiplier is not None
+            return self.problem.assembly.no_motion(), demand.multiplier
+        moved = pace.increment - pace.missing(state.last_increment)
+        if moved * pace.increment <= 0.0:
+            return self.problem.assembly.no_motion(), state.multiplier
+        share = pace.increment / moved
+        guess = share * state.last_increment
+        if guess.shape[1] == 6:
+            return guess, state.multiplier
+        way = motion.translations(guess)
+        way[:] = motion.turned(way, 0.5 * (1.0 + share) * state.last_increment)
+        return guess, state.multiplier
+
+    def _move_supports(self, state: EquilibriumState, demand: Demand, guess: Array) -> Array:
+        """Give the equations the increments (n, n_dof) of supports that move; the guess with
+        them."""
+        problem, given = self.problem, self.equations.given
+        if problem.settlement is None:
+            return guess  # and given is nothing, from the start
+        given[:] = 0.0
+        if not demand.settlement:
+            return guess
+        amount = state.settled + demand.settlement
+        given[:] = problem.settlement.increment(problem.assembly, state.pose, amount)
+        return np.where(np.any(given, axis=1, keepdims=True), given, guess)
+
+    def _follow_supports(self, state: EquilibriumState, amount: float) -> Array:
+        """The last increments go on as the supports do."""
+        if not state.last_settled:
+            return self.problem.assembly.no_motion()
+        return amount / state.last_settled * state.last_increment
+
+    def _accept(
+        self, state: EquilibriumState, solved: StepSolution, h: float, demand: Demand
+    ) -> tuple[EquilibriumState, StepReport]:
+        """The state that a step has led to, and its figures."""
+        judged, then = self._ended(state)
+        flat = self.equations if isinstance(self.equations, StaticStep) else None
+        increment = demand.settlement if demand.increment is None else demand.increment
+        slots = self.equations.found.copied()
+        source = self.detector.predecessors(state.pairs, self.equations.known, slots)
+        history, reaction, branch = self._inherited(source, then, slots)
+        margin = np.full(len(source), np.inf)
+        if self.brittle:
+            margin[judged.contacts.slot] = margins(judged, 0.0)
+            margin = np.where(source >= 0, margin[source], np.inf)
+        pose, ties = self.problem.assembly.moved(state.pose, solved.increment), state.ties
+        if self.ties:
+            self.ties.act(pose)
+            ties = self.ties.ended()
+            margin = np.concatenate((margin, ties.margin))
+        new = EquilibriumState(
+            pose=pose,
+            multiplier=solved.multiplier,
+            pairs=state.pairs,
+            slots=slots,
+            history=history,
+            reaction=reaction,
+            branch=branch,
+            last_increment=solved.increment,
+            margin=margin,
+            due=np.zeros(0, np.int64),
+            gone=state.gone,
+            ties=ties,
+            settled=state.settled + (demand.settlement or 0.0),
+            last_settled=demand.settlement or 0.0,
+            slope=solved.slope,
+            softened=solved.softened,
+            tangent=solved.tangent,
+            kept=flat.kept.copy() if flat else None,
+            unstable=solved.unstable,
+            held=solved.held > 0.0,
+            calm=flat is None and bool(np.array_equal(then.branch, state.branch)),
+            acted=then.acted,
+        )
+        outcome = self._report(new, judged, solved.n_iterations, h)
+        if solved.held and outcome.motion < 2.0 * abs(increment or 0.0):
+            new = replace(new, held=False)
+        return new, changed(
+            outcome,
+            static_multiplier=outcome.static_multiplier
+            if demand.increment is None
+            else solved.multiplier,
+            turn=solved.turn,
+            excess=solved.excess,
+            bend=solved.bend,
+            swerve=solved.swerve,
+            dynamic=not self._at_rest(outcome),
+            unstable=solved.unstable,
+            lost_shear=self._lost(source, then),
+        )
+
+    def _ended(self, state: EquilibriumState) -> tuple[JudgedContacts, EquilibriumState]:
+        """The contacts that a step was solved with, where it has ended: as they are judged, and in
+        the state that it started from."""
+        equations = self.equations
+        if not isinstance(equations, ConeStep):
+            return equations.judged(), changed(
+                state,
+                slots=equations.known,
+                history=equations.history,
+                reaction=equations.reaction,
+                branch=equations.branch,
+            )
+        history = equations.finish()
+        ended = changed(
+            state,
+            slots=equations.slots.copied(),
+            history=history,
+            reaction=equations.by_slot(equations.reaction),
+            branch=equations.by_slot(equations.branch),
+        )
+        return equations.judged(history), changed(ended, acted=self._acted(ended))
+
+    def _lost(self, source: IntArray, then: EquilibriumState) -> float:
+        """Shear that no contact goes on with, over the heaviest weight; in space."""
+        if then.slots.dim == 2:
+            return 0.0
+        shear = then.history[:, joint_law.SHEAR :]
+        return self.detector.lost(source, shear) / self.problem.assembly.heaviest_weight
+
+    def _report(
+        self, new: EquilibriumState, judged: JudgedContacts, n_iterations: int, h: float
+    ) -> StepReport:
+        """Figures and certificate of the step that has led to a state from rest, in time h [s]."""
+        x, contact_force = new.last_increment, self.equations.contact_force
+        loads = self.loads.near(new.pose, new.multiplier)
+        acceleration = x / h**2
+        forces = Forces(
+            contact=contact_force,
+            load=loads.dead + new.multiplier * loads.pattern,
+            inertia=loads.mass * acceleration,
+        )
+        certificate = certify(judged, forces, self.constants.loads.extent, loads.fixed)
+        outcome = StepOutcome(
+            multiplier=new.multiplier,
+            pose=new.pose,
+            increment=x,
+            acceleration=acceleration,
+            velocity=x / h,
+            contact_force=contact_force,
+            slots=not_crushed(new.slots, new.history) if self.strengths.any else new.slots,
+            status=STATUS_OF[new.branch],
+            certificate=self.ties.marked(certificate) if self.ties else certificate,
+            settled=new.settled,
+            motion=self.detector.farthest(x),
+            n_iterations=n_iterations,
+        )
+        return report(self.problem, loads, outcome)
+
+    def _inherited(
+        self, source: IntArray, then: EquilibriumState, now: Slots
+    ) -> tuple[Array, Array, IntArray]:
+        """History, reactions and branch of the slots ``now``, from those that they go on in of
+        ``then``, where the blocks are in the same place; -1 marks contacts that are new."""
+        n = len(source)
+        history = np.empty((n, then.history.shape[1]))
+        reaction, branch = np.empty((n, then.reaction.shape[1])), np.empty(n, np.int64)
+        joint_law.inherit(
+            source, then.history, then.reaction, then.branch, history, reaction, branch
+        )
+        if now.dim == 3:
+            for values, first in ((history, joint_law.SHEAR), (reaction, 1)):
+                was = then.history if values is history else then.reaction
+                values[:, first:] = self.detector.carried(then.slots, now, source, was[:, first:])
+        return history, reaction, branch

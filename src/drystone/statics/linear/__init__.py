@@ -1,0 +1,1 @@
+"""Linear equations with one dense block per body: order, factors, solutions."""

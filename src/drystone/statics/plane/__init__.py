@@ -1,0 +1,1 @@
+"""Static steps of structures in the plane."""

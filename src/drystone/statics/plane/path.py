@@ -1,0 +1,385 @@
+"""One linear step, followed from one contact's change to the next.
+
+With all gradients held fast the unbalanced forces R are piecewise linear in the increments x and
+the multiplier l, one piece for every choice of branches of the joint law.  From where they start
+the unknowns are moved so that all that is missing shrinks together,
+
+    R(x, l) = (1 - t) R_0,    g . (x - x_0) = t lag_0,    t from 0 to 1
+
+along straight lines that bend where a contact leaves its branch.  There the matrix changes by
+u v^T only, so that the new direction takes one more solution with the factors of the first matrix
+(Sherman-Morrison).  Where 1 + v . K^-1 u is negative the line has turned back: t falls until the
+path turns again; a path that falls below its start has no solution ahead of it (Katzenelson 1965).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.common.compiled import njit
+from drystone.contact.contacts import (
+    BODY_A,
+    BODY_B,
+    FRICTION,
+    ROOM,
+    SLOT,
+    STIFF_N,
+    STIFF_T,
+    TRIAL_N,
+    TRIAL_T,
+)
+from drystone.contact.plane.rows import along
+from drystone.contact.rows import MEASURED, OF_GAP
+from drystone.law.law import (  # fmt: skip
+    OPEN,
+    STICKING,
+    all_dry,
+    change,
+    commit,
+    distance,
+    distance_of_dry,
+    landing,
+)
+from drystone.law.yielding import BACKWARD, FORWARD, along_joint, held_normal, sense
+from drystone.statics.linear.numeric import solve
+
+#: How a path ends: where it should; before it, as it turns back; at a change after which the
+#: matrix must be made anew; after too many changes; where there is no direction; with more
+#: changes ahead than are worth following, where it starts or after a leap.
+DONE, TURNED, RENEW, LOST, SINGULAR, MANY = 0, 1, 2, 3, 4, 5
+
+#: Sliding back by less than this share of the blocks' motion does not end sliding.
+SLOW = 1e-6
+SLOW_BACK = 1e-10
+
+Array = NDArray[np.float64]
+
+
+class Frame(NamedTuple):
+    """What borders the matrix, and memory for a path's directions; arrays are (n, n_dof)."""
+
+    load: Array  # F
+    pace: Array  # g, gradient of the pacing displacement
+    axis: Array  # direction of the spring e over all bodies
+    columns: Array  # (3, n, n_dof) direction, K'^-1 F, k K'^-1 e
+    changes: Array  # (n_changes, n, n_dof) K^-1 u of every change
+    change_of_multiplier: Array  # (n_changes,)
+    row: Array  # (n_changes, 1, 2 n_dof) v of every change
+    bodies: NDArray[np.int64]  # (n_changes, 2)
+    pivot: Array  # (n_changes,) 1 + v . K^-1 u
+    rate: Array  # (n_slots, 2) of the trial reactions along the direction
+    turn: Array  # (2,) share of the step and multiplier where the path first turned back; or NaN
+    sense: Array  # (1,) -1 where the path goes back, else 1
+    border: Array  # (1,) by which the determinant of the bordered matrix exceeds that of K'
+    sign: Array  # (1,) of the latter; where the product is positive, a motion is unstable
+    bends: Array  # (n_bends, 2) share of the step and multiplier at every change
+
+
+@njit(cache=True, error_model="numpy")
+def _dot(first, second):
+    total = 0.0
+    for i in range(first.shape[0]):
+        for d in range(first.shape[1]):
+            total += first[i, d] * second[i, d]
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def border(frame, x, lag):
+    """From K'^-1 rhs to the solution of K dx - F dl = rhs, g . dx = lag, in place; returns dl.
+
+    With K' = K + k e e^T and s = e . dx:  dx = K'^-1 rhs + dl K'^-1 F + s k K'^-1 e.
+    """
+    by_load, by_spring = frame.columns[1], frame.columns[2]
+    g1, g2, g3 = _dot(frame.pace, x), _dot(frame.pace, by_load), _dot(frame.pace, by_spring)
+    e1, e2, e3 = _dot(frame.axis, x), _dot(frame.axis, by_load), _dot(frame.axis, by_spring)
+    determinant = g2 * (e3 - 1.0) - g3 * e2
+    frame.border[0] = determinant
+    if determinant == 0.0:
+        return np.nan
+    missing = lag - g1
+    change = (missing * (e3 - 1.0) + g3 * e1) / determinant
+    along = (-g2 * e1 - e2 * missing) / determinant
+    for i in range(x.shape[0]):
+        for d in range(x.shape[1]):
+            x[i, d] += change * by_load[i, d] + along * by_spring[i, d]
+    return change
+
+
+@njit(cache=True, error_model="numpy")
+def _rates(table, rows, c, field, a, b):
+    """Rates of the trial reactions of contact c along a field of the bodies' motion."""
+    gap, slip = along(rows, c, OF_GAP, field, a, b), along(rows, c, MEASURED, field, a, b)
+    return -table[c, STIFF_N] * gap, -table[c, STIFF_T] * slip
+
+
+@njit(cache=True, error_model="numpy")
+def _sliding_back(table, c, now, rate_n, rate_t):
+    """How fast a sliding contact goes on along its branch, negative where it goes back [m]."""
+    if now <= BACKWARD:
+        sign = 1.0 if now == FORWARD else -1.0
+        return (sign * rate_t - table[c, FRICTION] * rate_n) / table[c, STIFF_T]
+    return sense(now) * rate_t / table[c, STIFF_T]
+
+
+@njit(cache=True, error_model="numpy")
+def _ahead(contacts, count, direction, branch, whole):
+    """How many contacts would change on the way along the direction."""
+    which, rows, table = contacts
+    changed = 0
+    for c in range(count):
+        a = which[c, BODY_A]
+        b = which[c, BODY_B]
+        rate_n, rate_t = _rates(table, rows, c, direction, a, b)
+        now = branch[which[c, SLOT]]
+        far, _ = distance(table, c, now, rate_n, rate_t, whole)
+        back = 0.0
+        if not whole and now > STICKING:
+            back = _sliding_back(table, c, now, rate_n, rate_t)
+        if far < 1.0 or back < -SLOW_BACK:
+            changed += 1
+    return changed
+
+
+@njit(cache=True, error_model="numpy")
+def _leap(contacts, count, direction, branch):
+    """Take all contacts to the end of the direction and to the branches they have there."""
+    which, rows, table = contacts
+    for c in range(count):
+        a = which[c, BODY_A]
+        b = which[c, BODY_B]
+        rate_n, rate_t = _rates(table, rows, c, direction, a, b)
+        table[c, TRIAL_N] += rate_n
+        table[c, TRIAL_T] += rate_t
+        branch[which[c, SLOT]] = landing(table, c, branch[which[c, SLOT]])
+
+
+@njit(cache=True, error_model="numpy")
+def _keep_slow(contacts, count, branch):
+    """Make sliding back that was too slow to end a part of the history."""
+    table, which = contacts.table, contacts.which
+    for c in range(count):
+        now = branch[which[c, SLOT]]
+        sign = sense(now)
+        if sign != 0.0:
+            most = table[c, FRICTION] * held_normal(table, c, now) + table[c, ROOM]
+            if sign * table[c, TRIAL_T] < most:
+                commit(table, c, now)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _next_change(contacts, count, branch, direction, ahead, whole, dry, last, left_behind, rate):
+    """The first contact that leaves its branch along the direction, which ``rate`` is filled for.
+
+    The contact ``last`` does not go back to the branch it has ``left_behind``.  Returns how far
+    that is, the contact, or ``count`` where there is none, and its branch from there on.
+    """
+    which, rows, table = contacts
+    nearest = np.inf
+    chosen, following = count, count  # none yet; literals would be compiled for on their own
+    slowest, back = 0.0, False
+    if not whole:
+        for i in range(direction.shape[0]):
+            slowest = max(slowest, abs(direction[i, 0]), abs(direction[i, 1]))
+        slowest *= -SLOW
+    for c in range(count):
+        rate_n, rate_t = _rates(table, rows, c, direction, which[c, BODY_A], which[c, BODY_B])
+        rate_n *= ahead
+        rate_t *= ahead
+        rate[c, 0], rate[c, 1] = rate_n, rate_t
+        now = branch[which[c, SLOT]]
+        if not whole and now > STICKING:
+            speed = _sliding_back(table, c, now, rate_n, rate_t)
+            if speed < slowest:
+                slowest = speed
+                chosen = c
+                following = now - along_joint(now) + STICKING
+                nearest, back = 0.0, True
+        if back:
+            continue
+        if dry:
+            far, other = distance_of_dry(table, c, now, rate_n, rate_t, whole)
+        else:
+            far, other = distance(table, c, now, rate_n, rate_t, whole)
+        if c == last and other == left_behind:
+            continue
+        if far < nearest:
+            nearest = far
+            chosen = c
+            following = other
+    return nearest, chosen, following
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _add_change(structure, factors, frame, paced, contacts, chosen, before, following, new):
+    """Take the change of a contact's branch into the matrix, as number ``new`` since it was made.
+
+    Returns 1 + v . K^-1 u of it, which is zero where there is no direction.
+    """
+    past, pivots, past_v, bodies = frame.changes, frame.pivot, frame.row, frame.bodies
+    n, n_dof = past.shape[1], past.shape[2]
+    a = contacts.which[chosen, BODY_A]
+    b = contacts.which[chosen, BODY_B]
+    u = np.zeros(2 * n_dof)
+    change(contacts.table, contacts.rows, chosen, before, following, u, past_v, new)
+    bodies[new, 0] = a
+    bodies[new, 1] = b
+    w = past[new]
+    w[:, :] = 0.0
+    for i in range(n_dof):
+        w[a, i] += u[i]
+        w[b, i] += u[n_dof + i]
+    solve(structure, factors, w.reshape((1, n, n_dof)))
+    by_w = border(frame, w, 0.0) if paced else 0.0
+    for old in range(new):
+        share = along(past_v, old, 0, w, bodies[old, 0], bodies[old, 1]) / pivots[old]
+        for i in range(n):
+            for d in range(n_dof):
+                w[i, d] -= share * past[old, i, d]
+        by_w -= share * frame.change_of_multiplier[old]
+    frame.change_of_multiplier[new] = by_w
+    pivots[new] = 1.0 + along(past_v, new, 0, w, a, b)
+    return pivots[new]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _first_direction(structure, factors, frame, paced, force, lag, spring):
+    """Fill the first direction; returns how the multiplier changes along it, NaN for none."""
+    columns = frame.columns[:3] if paced else frame.columns[:1]
+    for i in range(force.shape[0]):
+        for d in range(force.shape[1]):
+            columns[0, i, d] = force[i, d]
+            if paced:
+                columns[1, i, d] = frame.load[i, d]
+                columns[2, i, d] = spring * frame.axis[i, d]
+    solve(structure, factors, columns)
+    return border(frame, columns[0], lag) if paced else 0.0
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _go(direction, length, x, rate, share, table, count):
+    """Move increments and trial reactions along."""
+    for i in range(x.shape[0]):
+        for d in range(x.shape[1]):
+            x[i, d] += length * direction[i, d]
+    for c in range(count):
+        table[c, TRIAL_N] += share * rate[c, 0]
+        table[c, TRIAL_T] += share * rate[c, 1]
+
+
+# Many: what is unknown, what it starts from, and when to stop.
+@njit(cache=True, error_model="numpy")
+def follow_path(
+    structure, factors, frame, paced, whole, contacts, count, branch, force, lag, spring, x,
+    multiplier, left, changes, patience, worth, leap,
+):  # fmt: skip
+    """Follow the path of a step from where it is.
+
+    Parameters
+    ----------
+    structure, factors
+        Of the matrix K', see `statics.linear.numeric`.
+    frame
+        See `Frame`.
+    paced
+        Whether the multiplier is an unknown and the pacing displacement given.
+    whole
+        Whether sliding counts over the whole of the step, as in the implicit law.  Otherwise it
+        ends, and is kept, as soon as a contact would slide back: the path that a slow loading
+        takes, which no structure follows beyond where it turns.
+    contacts, count
+        See `statics.plane.forces.joint_forces`; trial reactions are moved on.
+    branch
+        (n_slots,) changed as the path goes.
+    force, lag, spring
+        What is unbalanced at the start, (n, n_dof) [N, N m]; what is missing of the pacing
+        displacement [m]; k [N/m].
+    x, multiplier
+        (n, n_dof) increments, moved on; the multiplier at the start.
+    left, changes
+        Share 1 - t of the step that is left, and the number of changes so far.
+    patience
+        Largest number of changes.
+    worth, leap
+        Number of changes ahead up to which they are followed, and whether to go all the way in one
+        where more are: one step of Newton's method.
+
+    Returns
+    -------
+    How the path ended, the multiplier, the share that is left and the number of changes.
+    """
+    table, which, rate = contacts.table, contacts.which, frame.rate
+    direction = frame.columns[0]
+    by_direction = _first_direction(structure, factors, frame, paced, force, lag, spring)
+    if not np.isfinite(by_direction):
+        return SINGULAR, multiplier, left, changes
+    if worth < count:
+        many = _ahead(contacts, count, direction, branch, whole)
+        astray = paced and frame.sign[0] * frame.border[0] > 0.0
+        if (many > worth or astray) and not leap:
+            return MANY, multiplier, left, changes
+        if many > worth:
+            _leap(contacts, count, direction, branch)
+            _go(direction, 1.0, x, rate, 0.0, table, 0)
+            return MANY, multiplier + by_direction, left, changes
+    ahead, dry = frame.sense[0], all_dry(table, count)
+    new, last = -1, -1  # change since the factorisation, and the contact that has changed
+    before = OPEN
+    while True:
+        nearest, chosen, following = _next_change(
+            contacts, count, branch, direction, ahead, whole, dry, last, before, rate
+        )
+        arrives = ahead > 0.0 and nearest >= 1.0
+        length = 1.0 if arrives else nearest
+        if not np.isfinite(length):
+            return LOST, multiplier, left, changes
+        _go(direction, ahead * length, x, rate, length, table, count)
+        multiplier += ahead * length * by_direction
+        if arrives:
+            if not whole:
+                _keep_slow(contacts, count, branch)
+            return DONE, multiplier, 0.0, changes
+        left *= 1.0 - ahead * length
+        if left > 1.0 + 1e-3:
+            return TURNED, multiplier, left, changes
+        last, before = chosen, branch[which[chosen, SLOT]]
+        branch[which[chosen, SLOT]] = following
+        if changes < frame.bends.shape[0]:
+            frame.bends[changes, 0], frame.bends[changes, 1] = 1.0 - left, multiplier
+        changes += 1
+        new += 1
+        if not whole:
+            commit(table, chosen, before)
+        if changes > patience:
+            return LOST, multiplier, left, changes
+        if new == frame.changes.shape[0]:
+            return RENEW, multiplier, left, changes
+        pivot = _add_change(
+            structure, factors, frame, paced, contacts, chosen, before, following, new
+        )
+        if pivot == 0.0 or not np.isfinite(pivot):
+            return SINGULAR, multiplier, left, changes
+        scale = 1.0 - ahead * length
+        by_direction = _bend(frame, contacts, chosen, new, scale, direction, by_direction)
+        if pivot < 0.0:
+            if not whole:
+                # What the structure snaps over is looked for on the path of the implicit law.
+                whole = True
+                frame.turn[0], frame.turn[1] = 1.0 - left, multiplier
+            ahead = -ahead
+            frame.sense[0] = ahead
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _bend(frame, contacts, chosen, new, scale, direction, by_direction):
+    """Turn the direction by the latest change, over what is left of it; see `_add_change`."""
+    which, w = contacts.which, frame.changes[new]
+    a, b = which[chosen, BODY_A], which[chosen, BODY_B]
+    share = scale * along(frame.row, new, 0, direction, a, b) / frame.pivot[new]
+    for i in range(direction.shape[0]):
+        for d in range(direction.shape[1]):
+            direction[i, d] = scale * direction[i, d] - share * w[i, d]
+    return scale * by_direction - share * frame.change_of_multiplier[new]

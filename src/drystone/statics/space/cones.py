@@ -1,0 +1,493 @@
+"""Contacts in space from the interior of their law: of static steps (`statics.space.cone_search`)
+and of
+implicit steps in time (`dynamics.cones`).
+
+With the trial reactions T of a contact, its stiffnesses k_n, k_s and a barrier e [J],
+
+    r_n = T_n + w + c zeta,    r_n w = k_n e,
+    r_t = T_t - z,             (mu r_n, r_t) o (zeta, -z) = (2 k_s e, 0),
+
+where (a, b) o (c, d) = (a c + b.d, a d + c b) and both pairs lie within the cone of second order.
+Without a barrier this is the joint law of `law.law`: zeta is |z|, k_s times the length slid,
+and lifts the joint by dilatancy alone, c = k_n tan psi / k_s.  A contact that its bond holds is
+linear, r = T.  Changes are scaled as by Nesterov and Todd.
+
+Joints that pull by f, that have the room k for shear without pressure and are crushed at C (see
+`law.yielding`) are counted from the tension on, r_n' = r_n + f and C' = C + f:
+
+    r_n' = T_n' + w - v,    r_n' w = k_n e,    (C' - r_n') v = k_n e,    (mu r_n' + k, r_t) o ...
+
+Of steps in time the same is written in impulses: T_n = -h k_n (g + h u_n), T_t = c - P u_t for a
+contact that a spring P holds about c; h^2 k_n and P then stand for the stiffnesses.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.common.compiled import njit
+from drystone.contact.contacts import BODY_A, BODY_B, PAIR, STIFF_N
+from drystone.contact.rows import IN_SPACE
+from drystone.law.yielding import central_normal
+
+#: Columns of a contact's law: stiffnesses [N/m; kg], friction, what dilatancy lifts by over the
+#: shear that slid, whether a bond holds; tension that the normal reaction is counted from, room
+#: for shear without pressure, and the reaction at which it is crushed, or zero [N].
+KN, KS, MU, RAISE, HELD, PULL, ROOM, CRUSH = range(8)
+N_JOINT = 8
+
+#: Columns of a contact's variables, and of their changes: reactions, slacks, slack of crushing and
+#: what is left until then [N; N s].
+PN, P1, P2, W, ZETA, Z1, Z2, V, CAP = range(9)
+N_INNER = 9
+
+#: Columns of a contact's scaling: the factor of the cone's pair and its direction; the response
+#: A = [[nn, n1, n2], [t1, s11, s12], [t2, s12, s22]]; what is lacking, before A; rho.
+ETA, V0, V1, V2, NN, N1, N2, T1, T2, S11, S12, S22, B0, B1, B2, R0, R1, R2 = range(18)
+N_SCALING = 18
+
+#: A pair this near to the ends of its cones, over the middle between them, is put back there; and
+#: the product of a normal reaction and its slack, over what it should be.
+CENTRAL, CENTRAL_NORMAL = 1e-2, 1e-3
+#: What a normal reaction and its slack keep of what they are in an iteration.
+KEPT = 1e-2
+#: Room that a pair keeps of its cones, over their size: with less, what slides far is lost in
+#: rounding.  Reactions are wrong by no more than that where the barrier is none, and exact once the
+#: law itself is asked.
+LEAST = 1e-10
+#: Cosine of the angle by which what slides may turn in an iteration.
+TURN = 0.5
+#: Friction over what keeps a contact open, below which it is open: it slides freely.
+OPENING = 1e-2
+
+
+@njit(cache=True, error_model="numpy")
+def trial_impulses(problem, h, penalty, centre, relative, trial):
+    """Trial impulses (n_contacts, 3) for relative velocities (n_contacts, 3)."""
+    table, gap = problem.contacts.table, problem.gap
+    for c in range(gap.shape[0]):
+        trial[c, 0] = -h * table[c, STIFF_N] * (gap[c] + h * relative[c, 0])
+        trial[c, 1] = centre[c, 0] - penalty * relative[c, 1]
+        trial[c, 2] = centre[c, 1] - penalty * relative[c, 2]
+
+
+@njit(cache=True, error_model="numpy")
+def _floor(joint, inner, c):
+    """Product that a contact's pair keeps where there is no barrier; see `LEAST`."""
+    square = inner[c, Z1] * inner[c, Z1] + inner[c, Z2] * inner[c, Z2]
+    most = 2.0 * LEAST * joint[c, MU] * inner[c, PN] + 2.0 * LEAST * joint[c, ROOM]
+    return most * np.sqrt(square)
+
+
+@njit(cache=True, error_model="numpy")
+def _is_central(inner, c, most, beta):
+    """Whether a contact's pair lies well within its cones, for the product that it should have."""
+    zeta = inner[c, ZETA]
+    square = inner[c, P1] * inner[c, P1] + inner[c, P2] * inner[c, P2]
+    slid = inner[c, Z1] * inner[c, Z1] + inner[c, Z2] * inner[c, Z2]
+    if not (square < most * most and slid < zeta * zeta and zeta > 0.0):
+        return False
+    return (most * most - square) * (zeta * zeta - slid) > (CENTRAL * beta) ** 2
+
+
+@njit(cache=True, error_model="numpy")
+def _is_central_normal(joint, inner, c, product):
+    """Whether a contact's normal reaction and slack are so, for the product that they should have;
+    those of contacts that may be crushed never leave their cones."""
+    if joint[c, CRUSH] > 0.0:
+        return True
+    pn, w = inner[c, PN], inner[c, W]
+    return pn > 0.0 and w > 0.0 and pn * w >= CENTRAL_NORMAL * product
+
+
+@njit(cache=True, error_model="numpy")
+def _room_of_friction(most, size, beta):
+    """The room s in (0, m] that friction leaves: (T - m + s) s (2 m - s) = beta (m - s)."""
+    low, high, room = 0.0, most, min(most, max(most - size, beta / (size + most + beta / most)))
+    for _ in range(80):
+        rest = size - most + room
+        value = rest * room * (2.0 * most - room) - beta * (most - room)
+        if value > 0.0:
+            high = room
+        else:
+            low = room
+        slope = room * (2.0 * most - room) + 2.0 * rest * (most - room) + beta
+        nearer = room - value / slope
+        if not low < nearer < high:
+            nearer = 0.5 * (low + high)
+        done = abs(nearer - room) <= 1e-14 * room
+        room = nearer
+        if done:
+            break
+    return room
+
+
+@njit(cache=True, error_model="numpy")
+def _centre_crushing(crush, trial, product, inner, c):
+    """Normal variables of a contact that may be crushed, for a product."""
+    r = central_normal(trial, crush, product)
+    inner[c, PN], inner[c, W] = r, product / r
+    if trial > 0.5 * crush:  # what is left is too little to be told from the reaction
+        inner[c, V] = max(trial - r + inner[c, W], product / crush)
+        inner[c, CAP] = product / inner[c, V]
+    else:
+        inner[c, CAP] = crush - r
+        inner[c, V] = product / inner[c, CAP]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def centre_contacts(joint, energy, everything, trial, inner):
+    """Variables of contacts for their trial reactions and a barrier ``energy`` [J]: of those that
+    lie too near to the ends of their cones or outside, or of all."""
+    for c in range(joint.shape[0]):
+        tn, t1, t2 = trial[c, 0], trial[c, 1], trial[c, 2]
+        if joint[c, HELD] != 0.0:
+            if everything:
+                inner[c, PN], inner[c, P1], inner[c, P2], inner[c, W] = tn, t1, t2, 0.0
+                inner[c, ZETA], inner[c, Z1], inner[c, Z2] = 0.0, 0.0, 0.0
+                inner[c, V], inner[c, CAP] = 0.0, 0.0
+            continue
+        beta = 2.0 * joint[c, KS] * energy
+        product = joint[c, KN] * energy
+        if everything or not _is_central_normal(joint, inner, c, product):
+            larger = 0.5 * (abs(tn) + np.sqrt(tn * tn + 4.0 * product))
+            inner[c, PN] = larger if tn > 0.0 else product / larger
+            inner[c, W] = product / inner[c, PN]
+            inner[c, V], inner[c, CAP] = 0.0, 0.0
+            if joint[c, CRUSH] > 0.0:
+                _centre_crushing(joint[c, CRUSH], tn, product, inner, c)
+        most, size = joint[c, MU] * inner[c, PN] + joint[c, ROOM], np.sqrt(t1 * t1 + t2 * t2)
+        if not everything and _is_central(inner, c, most, beta + _floor(joint, inner, c)):
+            continue
+        if most == 0.0:
+            inner[c, P1], inner[c, P2], inner[c, ZETA] = 0.0, 0.0, 0.0
+            inner[c, Z1], inner[c, Z2] = 0.0, 0.0
+            continue
+        beta += 2.0 * LEAST * most * size
+        room = _room_of_friction(most, size, beta)
+        share = (most - room) / size if size > 0.0 else 0.0
+        zeta, p1, p2 = beta * most / (room * (2.0 * most - room)), share * t1, share * t2
+        inner[c, P1], inner[c, P2], inner[c, ZETA] = p1, p2, zeta
+        inner[c, Z1], inner[c, Z2] = zeta * p1 / most, zeta * p2 / most
+
+
+@njit(cache=True, error_model="numpy")
+def scale(joint, inner, scaling):
+    """Fill what of the scaling does not depend on what is aimed at; the mean energy [J]."""
+    energy, n = 0.0, 0
+    for c in range(joint.shape[0]):
+        mu, ks = joint[c, MU], joint[c, KS]
+        n1, n2, t1, t2, s11, s12, s22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        if joint[c, HELD] != 0.0:
+            nn, s11, s22 = 1.0, 1.0, 1.0
+        else:
+            pn, p1, p2, w = inner[c, PN], inner[c, P1], inner[c, P2], inner[c, W]
+            energy += pn * w / joint[c, KN]
+            n += 1
+            nn = pn / (pn + w)
+            if joint[c, CRUSH] > 0.0:
+                energy += inner[c, V] * inner[c, CAP] / joint[c, KN]
+                n += 1
+                nn = 1.0 / (1.0 + w / pn + inner[c, V] / inner[c, CAP])
+        if joint[c, HELD] == 0.0 and mu + joint[c, ROOM] != 0.0:
+            zeta, z1, z2 = inner[c, ZETA], inner[c, Z1], inner[c, Z2]
+            most = mu * pn + joint[c, ROOM]
+            dot = most * zeta - p1 * z1 - p2 * z2
+            energy += max(dot - _floor(joint, inner, c), 0.0) / (2.0 * ks)
+            n += 1
+            det_p, det_d = most * most - (p1 * p1 + p2 * p2), zeta * zeta - (z1 * z1 + z2 * z2)
+            rp, rd = 1.0 / np.sqrt(det_p), 1.0 / np.sqrt(det_d)
+            half = 0.5 / np.sqrt(0.5 * (1.0 + rp * rd * dot))
+            v1, v2 = half * (rp * p1 + rd * z1), half * (rp * p2 + rd * z2)
+            v0 = np.sqrt(1.0 + v1 * v1 + v2 * v2)
+            scaling[c, V0], scaling[c, V1], scaling[c, V2] = v0, v1, v2
+            g = det_d * rd * rp  # sqrt(det_d / det_p), one over the square of the factor
+            scaling[c, ETA] = 1.0 / np.sqrt(g)
+            # (I + G_tt)^-1, apart along and across the direction: no differences of what is alike.
+            square = v1 * v1 + v2 * v2
+            across, along = 1.0 / (1.0 + g), 1.0 / (1.0 + g + 2.0 * g * square)
+            size = np.sqrt(square)
+            e1, e2 = (v1 / size, v2 / size) if size > 0.0 else (1.0, 0.0)
+            s11, s22 = along * e1 * e1 + across * e2 * e2, along * e2 * e2 + across * e1 * e1
+            s12 = (along - across) * e1 * e2
+            g1, g2 = -2.0 * g * v0 * v1, -2.0 * g * v0 * v2
+            first, second = along * g1, along * g2
+            raised = joint[c, RAISE]
+            if raised > 0.0:
+                g0 = g * (2.0 * v0 * v0 - 1.0)
+                nn = 1.0 / (1.0 + w / pn + raised * mu * (g0 - g1 * first - g2 * second))
+                n1, n2 = -nn * raised * first, -nn * raised * second
+                s11 -= mu * first * n1
+                s12 -= mu * first * n2
+                s22 -= mu * second * n2
+            t1, t2 = -mu * nn * first, -mu * nn * second
+        scaling[c, NN], scaling[c, N1], scaling[c, N2] = nn, n1, n2
+        scaling[c, T1], scaling[c, T2] = t1, t2
+        scaling[c, S11], scaling[c, S12], scaling[c, S22] = s11, s12, s22
+    return energy / max(n, 1)
+
+
+@njit(cache=True, error_model="numpy")
+def _scaled(eta, v0, v1, v2, x0, x1, x2):
+    """W x of the factor and the direction of a scaling; W^-1 x with 1 / eta, v0, -v1, -v2."""
+    dot = v1 * x1 + v2 * x2
+    more = x0 + dot / (1.0 + v0)
+    return eta * (v0 * x0 + dot), eta * (x1 + more * v1), eta * (x2 + more * v2)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def aim(joint, energy, second, trial, inner, change, scaling, reaction):
+    """Fill what is lacking of a barrier ``energy`` [J]; with ``second``, the products of the
+    changes that the step without a barrier would make are taken off.
+
+    ``reaction`` (n_contacts, 3) is filled with what the aim asks for where the blocks do not move.
+    """
+    for c in range(joint.shape[0]):
+        mu = joint[c, MU]
+        pn, p1, p2, w = inner[c, PN], inner[c, P1], inner[c, P2], inner[c, W]
+        if joint[c, HELD] != 0.0:
+            b0, b1, b2 = trial[c, 0] - pn, trial[c, 1] - p1, trial[c, 2] - p2
+        else:
+            lack = joint[c, KN] * energy - pn * w
+            if second:
+                lack -= change[c, PN] * change[c, W]
+            b0, b1, b2 = trial[c, 0] + w - pn + lack / pn, 0.0, 0.0
+            if joint[c, CRUSH] > 0.0:
+                lack = joint[c, KN] * energy - inner[c, V] * inner[c, CAP]
+                if second:
+                    lack -= change[c, V] * change[c, CAP]
+                b0 -= inner[c, V] + lack / inner[c, CAP]
+        if joint[c, HELD] == 0.0 and mu + joint[c, ROOM] != 0.0:
+            zeta, z1, z2 = inner[c, ZETA], inner[c, Z1], inner[c, Z2]
+            eta, v0, v1, v2 = scaling[c, ETA], scaling[c, V0], scaling[c, V1], scaling[c, V2]
+            back = 1.0 / eta
+            l0, l1, l2 = _scaled(eta, v0, v1, v2, zeta, -z1, -z2)
+            floor = _floor(joint, inner, c)
+            x0 = 2.0 * joint[c, KS] * energy + floor - (l0 * l0 + l1 * l1 + l2 * l2)
+            x1, x2 = -2.0 * l0 * l1, -2.0 * l0 * l2
+            if second:
+                q0, q1, q2 = _scaled(
+                    back, v0, -v1, -v2, mu * change[c, PN], change[c, P1], change[c, P2]
+                )
+                d0, d1, d2 = _scaled(
+                    eta, v0, v1, v2, change[c, ZETA], -change[c, Z1], -change[c, Z2]
+                )
+                x0 -= q0 * d0 + q1 * d1 + q2 * d2
+                x1 -= q0 * d1 + d0 * q1
+                x2 -= q0 * d2 + d0 * q2
+            y0 = (l0 * x0 - l1 * x1 - l2 * x2) / (l0 * l0 - l1 * l1 - l2 * l2)
+            y1, y2 = (x1 - y0 * l1) / l0, (x2 - y0 * l2) / l0
+            r0, r1, r2 = _scaled(back, v0, -v1, -v2, y0, y1, y2)
+            scaling[c, R0], scaling[c, R1], scaling[c, R2] = r0, r1, r2
+            b1, b2 = trial[c, 1] - z1 - p1 + r1, trial[c, 2] - z2 - p2 + r2
+            b0 += joint[c, RAISE] * (zeta + r0)
+        scaling[c, B0], scaling[c, B1], scaling[c, B2] = b0, b1, b2
+        s12 = scaling[c, S12]
+        reaction[c, 0] = pn + scaling[c, NN] * b0 + scaling[c, N1] * b1 + scaling[c, N2] * b2
+        reaction[c, 0] -= joint[c, PULL]
+        reaction[c, 1] = p1 + scaling[c, T1] * b0 + scaling[c, S11] * b1 + s12 * b2
+        reaction[c, 2] = p2 + scaling[c, T2] * b0 + s12 * b1 + scaling[c, S22] * b2
+
+
+@njit(cache=True, error_model="numpy")
+def tangent(problem, joint, scaling, diagonal, upper, lower):
+    """Add H^T A diag(k_n, k_s, k_s) H to a block matrix [kg], of contacts without dilatancy."""
+    nd = len(IN_SPACE)
+    which, rows, _ = problem.contacts
+    block = np.zeros((2 * nd, 2 * nd))
+    for c in range(which.shape[0]):
+        kn, penalty = joint[c, KN], joint[c, KS]
+        a, b, pair = which[c, BODY_A], which[c, BODY_B], which[c, PAIR]
+        a00, a10, a20 = kn * scaling[c, NN], kn * scaling[c, T1], kn * scaling[c, T2]
+        a11, a12 = penalty * scaling[c, S11], penalty * scaling[c, S12]
+        a22 = penalty * scaling[c, S22]
+        for i in range(2 * nd):
+            x, y, z = rows[c, 0, i], rows[c, 1, i], rows[c, 2, i]
+            b0 = a00 * x + a10 * y + a20 * z
+            b1, b2 = a11 * y + a12 * z, a12 * y + a22 * z
+            for j in range(2 * nd):
+                block[i, j] = b0 * rows[c, 0, j] + b1 * rows[c, 1, j] + b2 * rows[c, 2, j]
+        for i in range(nd):
+            for j in range(nd):
+                diagonal[a, i, j] += block[i, j]
+                diagonal[b, i, j] += block[nd + i, nd + j]
+                upper[pair, i, j] += block[i, nd + j]
+                lower[pair, i, j] += block[nd + i, j]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def responses(scaling, response):
+    """Derivatives (n_contacts, 3, 3) of the reactions by the trial reactions."""
+    for c in range(scaling.shape[0]):
+        response[c, 0, 0] = scaling[c, NN]
+        response[c, 0, 1], response[c, 0, 2] = scaling[c, N1], scaling[c, N2]
+        response[c, 1, 0], response[c, 2, 0] = scaling[c, T1], scaling[c, T2]
+        response[c, 1, 1], response[c, 2, 2] = scaling[c, S11], scaling[c, S22]
+        response[c, 1, 2] = response[c, 2, 1] = scaling[c, S12]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def changes(joint, energy, second, relative, inner, scaling, change):
+    """Changes of all variables for those of relative places or velocities (n_contacts, 3)."""
+    for c in range(inner.shape[0]):
+        mu, kn, ks = joint[c, MU], joint[c, KN], joint[c, KS]
+        x0 = scaling[c, B0] - kn * relative[c, 0]
+        x1, x2 = scaling[c, B1] - ks * relative[c, 1], scaling[c, B2] - ks * relative[c, 2]
+        s12 = scaling[c, S12]
+        dn = scaling[c, NN] * x0 + scaling[c, N1] * x1 + scaling[c, N2] * x2
+        d1 = scaling[c, T1] * x0 + scaling[c, S11] * x1 + s12 * x2
+        d2 = scaling[c, T2] * x0 + s12 * x1 + scaling[c, S22] * x2
+        dw, d_zeta, dz1, dz2, dv = 0.0, 0.0, 0.0, 0.0, 0.0
+        if joint[c, HELD] == 0.0:
+            pn, w = inner[c, PN], inner[c, W]
+            lack = kn * energy - pn * w
+            if second:
+                lack -= change[c, PN] * change[c, W]
+            dw = (lack - w * dn) / pn
+            if joint[c, CRUSH] > 0.0:
+                lack = kn * energy - inner[c, V] * inner[c, CAP]
+                if second:
+                    lack -= change[c, V] * change[c, CAP]
+                dv = (lack + inner[c, V] * dn) / inner[c, CAP]
+            if mu + joint[c, ROOM] == 0.0:
+                d1, d2 = 0.0, 0.0
+            else:
+                # W^-2 = (2 v v^T - diag(1, -1, -1)) / eta^2, with the direction reversed.
+                v0, v1, v2 = scaling[c, V0], scaling[c, V1], scaling[c, V2]
+                g = 1.0 / (scaling[c, ETA] * scaling[c, ETA])
+                along = 2.0 * (v0 * mu * dn - v1 * d1 - v2 * d2)
+                d_zeta = scaling[c, R0] - g * (v0 * along - mu * dn)
+                dz1 = g * (d1 - v1 * along) - scaling[c, R1]
+                dz2 = g * (d2 - v2 * along) - scaling[c, R2]
+        change[c, PN], change[c, P1], change[c, P2], change[c, W] = dn, d1, d2, dw
+        change[c, ZETA], change[c, Z1], change[c, Z2] = d_zeta, dz1, dz2
+        if joint[c, CRUSH] > 0.0:
+            change[c, V], change[c, CAP] = dv, -dn
+
+
+@njit(cache=True, error_model="numpy")
+def _room(p0, p1, p2, d0, d1, d2):
+    """How far a pair may go before it leaves the cone."""
+    a = d0 * d0 - d1 * d1 - d2 * d2
+    b = p0 * d0 - p1 * d1 - p2 * d2
+    c = p0 * p0 - (p1 * p1 + p2 * p2)
+    far = np.inf
+    if d0 < 0.0:
+        far = -p0 / d0
+    disc = b * b - a * c
+    if disc < 0.0:
+        return far
+    q = -(b + np.sqrt(disc)) if b > 0.0 else -(b - np.sqrt(disc))
+    if a != 0.0 and q / a > 0.0:
+        far = min(far, q / a)
+    if q != 0.0 and c / q > 0.0:
+        far = min(far, c / q)
+    return far
+
+
+@njit(cache=True, error_model="numpy")
+def _within(p0, p1, p2, d0, d1, d2, far):
+    """Whether a pair that is in the cone still is so far ahead, and so all the way."""
+    x0, x1, x2 = p0 + far * d0, p1 + far * d1, p2 + far * d2
+    return x0 > 0.0 and x0 * x0 > x1 * x1 + x2 * x2
+
+
+@njit(cache=True, error_model="numpy")
+def length(joint, inner, change, leeway):
+    """How far all contacts may go along their changes, at most 1, by their normal reactions; and by
+    their pairs as well.
+
+    Normal reactions and slacks may leave their cones by what a barrier ``leeway`` [J] makes of them
+    in the middle, sqrt(k_n e): `centre_contacts` then puts them back.
+    """
+    far, pairs = 1.0, 1.0
+    for c in range(inner.shape[0]):
+        if joint[c, HELD] != 0.0:
+            continue
+        mu, pn, dn = joint[c, MU], inner[c, PN], change[c, PN]
+        w, dw = inner[c, W], change[c, W]
+        if joint[c, CRUSH] > 0.0:
+            far = _up_to(inner[c, V], change[c, V], 0.0, far)
+            far = _up_to(inner[c, CAP], change[c, CAP], 0.0, far)
+            beyond = 0.0
+        else:
+            beyond = np.sqrt(joint[c, KN] * leeway)
+        far = _up_to(pn, dn, beyond, far)
+        far = _up_to(w, dw, beyond, far)
+        if mu + joint[c, ROOM] > 0.0 and pn + far * dn > 0.0:
+            p1, p2, d1, d2 = inner[c, P1], inner[c, P2], change[c, P1], change[c, P2]
+            most = mu * pn + joint[c, ROOM]
+            if not _within(most, p1, p2, mu * dn, d1, d2, pairs):
+                pairs = min(pairs, _room(most, p1, p2, mu * dn, d1, d2))
+            p0, d0 = inner[c, ZETA], change[c, ZETA]
+            p1, p2, d1, d2 = inner[c, Z1], inner[c, Z2], change[c, Z1], change[c, Z2]
+            if not _within(p0, p1, p2, d0, d1, d2, pairs):
+                pairs = min(pairs, _room(p0, p1, p2, d0, d1, d2))
+    return far, min(far, pairs)
+
+
+@njit(cache=True, error_model="numpy")
+def _up_to(value, change, beyond, far):
+    """``far``, or as far as a positive value keeps its share or gets ``beyond`` zero by no more."""
+    least = KEPT * value - beyond
+    return (least - value) / change if value + far * change < least else far
+
+
+@njit(cache=True, error_model="numpy")
+def turns_too_far(joint, far, inner, change, leeway):
+    """Whether a contact leaves its cone by so much, ``far`` along its changes, that it cannot be
+    put back by turning: see `TURN`.
+
+    Forces that a barrier ``leeway`` [J] makes fuzzy, up to sqrt(k_s e), may turn any way.
+    """
+    for c in range(inner.shape[0]):
+        if joint[c, HELD] != 0.0:
+            continue
+        w1, w2, u1, u2 = inner[c, P1], inner[c, P2], inner[c, Z1], inner[c, Z2]
+        most = joint[c, MU] * (inner[c, PN] + far * change[c, PN]) + joint[c, ROOM]
+        p1, p2 = w1 + far * change[c, P1], w2 + far * change[c, P2]
+        z1, z2 = u1 + far * change[c, Z1], u2 + far * change[c, Z2]
+        zeta = inner[c, ZETA] + far * change[c, ZETA]
+        size, slid = p1 * p1 + p2 * p2, z1 * z1 + z2 * z2
+        if size < most * most and slid < zeta * zeta and most > 0.0 and zeta > 0.0:
+            continue
+        if most <= 0.0 or most < OPENING * (inner[c, W] + far * change[c, W]):
+            continue
+        size, slid = np.sqrt(size), np.sqrt(slid)
+        was, slid_was = np.sqrt(w1 * w1 + w2 * w2), np.sqrt(u1 * u1 + u2 * u2)
+        fuzzy = np.sqrt(joint[c, KS] * leeway)
+        if max(most, size, slid, abs(zeta)) < fuzzy:
+            continue
+        # What has slid by little may stick again at once.
+        little = max(most, fuzzy)
+        if size > 2.0 * most + fuzzy or (slid_was > little and slid < 0.1 * slid_was):
+            return True
+        if size > max(0.3 * most, fuzzy) and p1 * w1 + p2 * w2 < TURN * size * was:
+            return True
+        if slid > little and z1 * u1 + z2 * u2 < TURN * slid * slid_was:
+            return True
+    return False
+
+
+@njit(cache=True, error_model="numpy")
+def energy_at(joint, far, inner, change):
+    """Mean energy [J] where all contacts have gone ``far`` along their changes."""
+    energy, n = 0.0, 0
+    for c in range(inner.shape[0]):
+        if joint[c, HELD] != 0.0:
+            continue
+        mu, pn = joint[c, MU], inner[c, PN] + far * change[c, PN]
+        energy += pn * (inner[c, W] + far * change[c, W]) / joint[c, KN]
+        n += 1
+        if joint[c, CRUSH] > 0.0:
+            v, cap = inner[c, V] + far * change[c, V], inner[c, CAP] + far * change[c, CAP]
+            energy += v * cap / joint[c, KN]
+            n += 1
+        if mu + joint[c, ROOM] > 0.0:
+            most = mu * pn + joint[c, ROOM]
+            dot = most * (inner[c, ZETA] + far * change[c, ZETA])
+            dot -= (inner[c, P1] + far * change[c, P1]) * (inner[c, Z1] + far * change[c, Z1])
+            dot -= (inner[c, P2] + far * change[c, P2]) * (inner[c, Z2] + far * change[c, Z2])
+            energy += max(dot - _floor(joint, inner, c), 0.0) / (2.0 * joint[c, KS])
+            n += 1
+    return energy / max(n, 1)

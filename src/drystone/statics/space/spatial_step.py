@@ -1,0 +1,693 @@
+"""Contacts of a static step in space: where they are, what they carry, how stiff they are.
+
+A contact is a point of body v on a plane of body f.  With Q = [n t1 t2] its axes (n from f to v)
+and p from v's centroid to the point where the step starts, the motions (u, R) since then, and d
+from f's centroid to the point now, the axes are E = R_f Q, and gap and slips have grown by
+
+    y = Q^T { (R_f^T - I) d + u_v - u_f + (R_v - I) p }
+
+measured in f's own axes: a rigid motion of both gives nothing.  Everything is formed from
+increments, for stiffness times the rounding of coordinates would be felt.  Where the point is the
+centre of a rounded corner of radius r, its surface is met at -r n from it, and rolls on the plane.
+
+The force F = E r acts on v at arm a and, reversed, on f at arm b.  As E turns with f, forces turn
+as well; that gives the geometric part of the stiffness, which is not symmetric.  Matrices are found
+per pair in axes of the world, and turned to the principal axes of the bodies.
+
+Kernels take a range of pairs: parts of a structure may be gone through at the same time, and what
+each body gets is summed afterwards in the order of its pairs, however many did the work.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.common.compiled import njit
+from drystone.contact.contacts import (
+    ARM_A_3,
+    ARM_B_3,
+    BALL_3,
+    BODY_A,
+    BODY_B,
+    GAP,
+    KIND,
+    LAW,
+    NONE,
+    NORMAL_3,
+    PAIR,
+    SIZE,
+    SLOT,
+    TANGENT_3,
+    VERTEX_B,
+    A,
+    B,
+)
+from drystone.geometry.rotation import place_axes, spin
+from drystone.law.law import (
+    BONDED,
+    BROKEN,
+    COHESION,
+    DILATANCY_END,
+    DILATION,
+    FORWARD,
+    OPEN,
+    SHEAR,
+    SLID,
+    STICKING,
+    TAN_PSI,
+    TENSION,
+    TIE,
+)
+from drystone.law.law import KN as LAW_KN
+from drystone.law.law import KS as LAW_KS
+from drystone.law.law import MU as LAW_MU
+from drystone.law.yielding import CRUSHED, TORN, along_joint
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: Columns of a contact's place where the step starts: the point from v's centroid and from f's, the
+#: axes Q by columns, gap less dilation, radius, and +1 where v is b, -1 where it is a.
+POINT, FROM_F, AXES, GAP_0, BALL, SIDE = 0, 3, 6, 15, 16, 17
+N_PLACE = 18
+
+#: Columns of where it is now: what gap and slips have grown by, axes E by columns, the arms from
+#: both bodies to where the surfaces meet.
+Y, NOW, ARM_V, ARM_F = 0, 3, 12, 15
+N_NOW = 18
+
+#: Columns of its law: stiffnesses [N/m], friction, lift [N/m], bond and tensile force [N]; of
+#: joints that soften, are crushed or close hyperbolically what is added to the trial reaction, the
+#: tension that it is counted from, room for shear without pressure, and the reaction, so counted,
+#: at which the joint is crushed; that is zero of all others [N].  See `law.yielding`.
+KN, KS, MU, LIFT, BOND, TENSILE, SHIFT, PULL, ROOM, CRUSH = range(10)
+N_LAW = 10
+
+#: Of the sums that the stiffness of a pair is made from, where those begin that its contacts of
+#: either sense add to its geometric part, after the material part of 6 by 6.
+ON_B, ON_A = 36, 57
+N_TOTAL = 78
+
+
+class Places(NamedTuple):
+    """Contacts in use, in the order of their pairs; the first ``count`` rows."""
+
+    which: IntArray  # (n_slots, 4) slot, pair, bodies
+    start: Array  # (n_slots, N_PLACE)
+    law: Array  # (n_slots, N_LAW)
+    shear: Array  # (n_slots, 2) N, at the start of the step
+    held: Array  # (n_slots,) 1 where a bond holds
+    first: IntArray  # (n_pairs + 1,) first contact of each pair
+
+
+@njit(cache=True)
+def pack(slots, pairs, laws, history, closed, places):
+    """Fill ``places`` from the slots in use, as found where the step starts; their number.
+
+    ``closed`` (n_slots,) says which joints may dilate in the step.
+    """
+    meets, value = slots
+    pair, of_pair = pairs.of_slot, pairs.which
+    which, start, law_of, first = places.which, places.start, places.law, places.first
+    count, last = 0, -1
+    for k in range(meets.shape[0]):
+        if meets[k, KIND] == NONE:
+            continue
+        c, p = count, pair[k]
+        count += 1
+        while last < p:
+            last += 1
+            first[last] = c
+        law = of_pair[p, LAW]
+        which[c, SLOT], which[c, PAIR] = k, p
+        which[c, BODY_A], which[c, BODY_B] = of_pair[p, A], of_pair[p, B]
+        on_b = meets[k, KIND] == VERTEX_B
+        side, of_v, of_f = (1.0, ARM_B_3, ARM_A_3) if on_b else (-1.0, ARM_A_3, ARM_B_3)
+        ball = value[k, BALL_3]
+        for i in range(3):
+            j, m = (i + 1) % 3, (i + 2) % 3
+            n, t = value[k, NORMAL_3 + i], value[k, TANGENT_3 + i]
+            s = value[k, NORMAL_3 + j] * value[k, TANGENT_3 + m]
+            s -= value[k, NORMAL_3 + m] * value[k, TANGENT_3 + j]
+            start[c, AXES + 3 * i] = side * n
+            start[c, AXES + 3 * i + 1] = side * t
+            start[c, AXES + 3 * i + 2] = side * s
+            start[c, POINT + i] = value[k, of_v + i] + ball * side * n
+            start[c, FROM_F + i] = value[k, of_f + i] + ball * side * n
+        start[c, GAP_0] = value[k, GAP] - history[k, DILATION]
+        start[c, BALL], start[c, SIDE] = ball, side
+        area = value[k, SIZE]
+        law_of[c, KN], law_of[c, KS] = laws[law, LAW_KN] * area, laws[law, LAW_KS] * area
+        law_of[c, MU] = laws[law, LAW_MU]
+        dilates = closed[k] and history[k, SLID] < laws[law, DILATANCY_END]
+        law_of[c, LIFT] = law_of[c, KN] * laws[law, TAN_PSI] if dilates else 0.0
+        law_of[c, BOND], law_of[c, TENSILE] = laws[law, COHESION] * area, laws[law, TENSION] * area
+        bonded = law_of[c, BOND] > 0.0 or law_of[c, TENSILE] > 0.0
+        law_of[c, SHIFT], law_of[c, PULL], law_of[c, ROOM], law_of[c, CRUSH] = 0.0, 0.0, 0.0, 0.0
+        places.held[c] = 1.0 if bonded and history[k, BROKEN] == 0.0 else 0.0
+        places.shear[c, 0], places.shear[c, 1] = history[k, SHEAR], history[k, SHEAR + 1]
+    while last < of_pair.shape[0]:
+        last += 1
+        first[last] = count
+    return count
+
+
+@njit(cache=True)
+def turn_on(step, length, axes_0, motion, turn, axes):
+    """Move bodies on by ``length`` times increments, from where they are in a step.
+
+    Parameters
+    ----------
+    step
+        (n, 6) increments [m, rad], rotations about the principal axes as they are now.
+    length
+        Of it.
+    axes_0
+        (n, 3, 3) principal axes where the step starts, in columns.
+    motion
+        Poses (n, 7) as seen from the start of the step, changed in place.
+    turn, axes
+        (n, 3, 3) filled with the rotation less identity, and the principal axes.
+    """
+    for i in range(step.shape[0]):
+        vx, vy, vz = 0.0, 0.0, 0.0
+        for k in range(3):
+            motion[i, k] += length * step[i, k]
+            w = length * step[i, 3 + k]
+            vx += axes_0[i, 0, k] * w
+            vy += axes_0[i, 1, k] * w
+            vz += axes_0[i, 2, k] * w
+        spin(motion, i, vx, vy, vz)
+        place_axes(motion, i, axes_0, turn, axes)
+
+
+@njit(cache=True, nogil=True)
+def locate(which, start, law, shear, first, low, high, motion, turn, now, trial):
+    """Where the contacts of pairs ``low`` to ``high`` are, and their trial reactions (n, 3) [N]."""
+    for c in range(first[low], first[high]):
+        on_b = start[c, SIDE] > 0.0
+        v = which[c, BODY_B] if on_b else which[c, BODY_A]
+        f = which[c, BODY_A] if on_b else which[c, BODY_B]
+        ball = start[c, BALL]
+        p0, p1, p2 = start[c, POINT], start[c, POINT + 1], start[c, POINT + 2]
+        m0 = turn[v, 0, 0] * p0 + turn[v, 0, 1] * p1 + turn[v, 0, 2] * p2
+        m1 = turn[v, 1, 0] * p0 + turn[v, 1, 1] * p1 + turn[v, 1, 2] * p2
+        m2 = turn[v, 2, 0] * p0 + turn[v, 2, 1] * p1 + turn[v, 2, 2] * p2
+        g0 = motion[v, 0] - motion[f, 0] + m0
+        g1 = motion[v, 1] - motion[f, 1] + m1
+        g2 = motion[v, 2] - motion[f, 2] + m2
+        d0, d1, d2 = start[c, FROM_F] + g0, start[c, FROM_F + 1] + g1, start[c, FROM_F + 2] + g2
+        # (R_f^T - I) d is that of the transpose.
+        g0 += turn[f, 0, 0] * d0 + turn[f, 1, 0] * d1 + turn[f, 2, 0] * d2
+        g1 += turn[f, 0, 1] * d0 + turn[f, 1, 1] * d1 + turn[f, 2, 1] * d2
+        g2 += turn[f, 0, 2] * d0 + turn[f, 1, 2] * d1 + turn[f, 2, 2] * d2
+        for k in range(3):
+            q0, q1, q2 = start[c, AXES + k], start[c, AXES + 3 + k], start[c, AXES + 6 + k]
+            now[c, Y + k] = q0 * g0 + q1 * g1 + q2 * g2
+            now[c, NOW + k] = q0 + turn[f, 0, 0] * q0 + turn[f, 0, 1] * q1 + turn[f, 0, 2] * q2
+            now[c, NOW + 3 + k] = q1 + turn[f, 1, 0] * q0 + turn[f, 1, 1] * q1 + turn[f, 1, 2] * q2
+            now[c, NOW + 6 + k] = q2 + turn[f, 2, 0] * q0 + turn[f, 2, 1] * q1 + turn[f, 2, 2] * q2
+        now[c, ARM_V] = p0 + m0 - ball * now[c, NOW]
+        now[c, ARM_V + 1] = p1 + m1 - ball * now[c, NOW + 3]
+        now[c, ARM_V + 2] = p2 + m2 - ball * now[c, NOW + 6]
+        now[c, ARM_F] = d0 - ball * now[c, NOW]
+        now[c, ARM_F + 1] = d1 - ball * now[c, NOW + 3]
+        now[c, ARM_F + 2] = d2 - ball * now[c, NOW + 6]
+        if ball > 0.0:
+            # Rolling: the rotation of v against f, to third order, times the radius.
+            w0 = 0.5 * (turn[v, 2, 1] - turn[v, 1, 2] - turn[f, 2, 1] + turn[f, 1, 2])
+            w1 = 0.5 * (turn[v, 0, 2] - turn[v, 2, 0] - turn[f, 0, 2] + turn[f, 2, 0])
+            w2 = 0.5 * (turn[v, 1, 0] - turn[v, 0, 1] - turn[f, 1, 0] + turn[f, 0, 1])
+            n0, n1, n2 = now[c, NOW], now[c, NOW + 3], now[c, NOW + 6]
+            x0, x1, x2 = w1 * n2 - w2 * n1, w2 * n0 - w0 * n2, w0 * n1 - w1 * n0
+            for k in range(1, 3):
+                along = now[c, NOW + k] * x0 + now[c, NOW + 3 + k] * x1 + now[c, NOW + 6 + k] * x2
+                now[c, Y + k] -= ball * along
+        trial[c, 0] = law[c, SHIFT] - law[c, KN] * (start[c, GAP_0] + now[c, Y])
+        trial[c, 1] = shear[c, 0] - law[c, KS] * now[c, Y + 1]
+        trial[c, 2] = shear[c, 1] - law[c, KS] * now[c, Y + 2]
+
+
+@njit(cache=True, nogil=True)
+def relative(which, start, now, first, low, high, twist, found):
+    """How gaps and slips go (n, 3) with twists (n, 6) of the bodies, in axes of the world."""
+    for c in range(first[low], first[high]):
+        on_b = start[c, SIDE] > 0.0
+        v = which[c, BODY_B] if on_b else which[c, BODY_A]
+        f = which[c, BODY_A] if on_b else which[c, BODY_B]
+        a0, a1, a2 = now[c, ARM_V], now[c, ARM_V + 1], now[c, ARM_V + 2]
+        b0, b1, b2 = now[c, ARM_F], now[c, ARM_F + 1], now[c, ARM_F + 2]
+        x = twist[v, 0] - twist[f, 0] + twist[v, 4] * a2 - twist[v, 5] * a1
+        x -= twist[f, 4] * b2 - twist[f, 5] * b1
+        y = twist[v, 1] - twist[f, 1] + twist[v, 5] * a0 - twist[v, 3] * a2
+        y -= twist[f, 5] * b0 - twist[f, 3] * b2
+        z = twist[v, 2] - twist[f, 2] + twist[v, 3] * a1 - twist[v, 4] * a0
+        z -= twist[f, 3] * b1 - twist[f, 4] * b0
+        for k in range(3):
+            found[c, k] = now[c, NOW + k] * x + now[c, NOW + 3 + k] * y + now[c, NOW + 6 + k] * z
+
+
+@njit(cache=True)
+def twists(motion, axes, twist):
+    """Twists (n, 6) in axes of the world of motions (n, 6), rotations about the principal axes."""
+    for i in range(motion.shape[0]):
+        for d in range(3):
+            twist[i, d] = motion[i, d]
+            twist[i, 3 + d] = (
+                axes[i, d, 0] * motion[i, 3]
+                + axes[i, d, 1] * motion[i, 4]
+                + axes[i, d, 2] * motion[i, 5]
+            )
+
+
+@njit(cache=True, nogil=True)
+def wrenches(which, start, now, first, low, high, reaction, wrench):
+    """What the contacts of each pair do to its bodies, (n_pairs, 2, 6), in axes of the world."""
+    for p in range(low, high):
+        # Forces on b and moments on both, of which a gets the force reversed.
+        fx, fy, fz = 0.0, 0.0, 0.0
+        ax, ay, az, bx, by, bz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for c in range(first[p], first[p + 1]):
+            r0, r1, r2 = reaction[c, 0], reaction[c, 1], reaction[c, 2]
+            if r0 == 0.0 and r1 == 0.0 and r2 == 0.0:
+                continue
+            side = start[c, SIDE]
+            x = now[c, NOW] * r0 + now[c, NOW + 1] * r1 + now[c, NOW + 2] * r2
+            y = now[c, NOW + 3] * r0 + now[c, NOW + 4] * r1 + now[c, NOW + 5] * r2
+            z = now[c, NOW + 6] * r0 + now[c, NOW + 7] * r1 + now[c, NOW + 8] * r2
+            x, y, z = side * x, side * y, side * z
+            v0, v1, v2 = now[c, ARM_V], now[c, ARM_V + 1], now[c, ARM_V + 2]
+            f0, f1, f2 = now[c, ARM_F], now[c, ARM_F + 1], now[c, ARM_F + 2]
+            if side < 0.0:
+                v0, v1, v2, f0, f1, f2 = f0, f1, f2, v0, v1, v2
+            fx += x
+            fy += y
+            fz += z
+            bx += v1 * z - v2 * y
+            by += v2 * x - v0 * z
+            bz += v0 * y - v1 * x
+            ax -= f1 * z - f2 * y
+            ay -= f2 * x - f0 * z
+            az -= f0 * y - f1 * x
+        wrench[p, 0, 0], wrench[p, 0, 1], wrench[p, 0, 2] = -fx, -fy, -fz
+        wrench[p, 0, 3], wrench[p, 0, 4], wrench[p, 0, 5] = ax, ay, az
+        wrench[p, 1, 0], wrench[p, 1, 1], wrench[p, 1, 2] = fx, fy, fz
+        wrench[p, 1, 3], wrench[p, 1, 4], wrench[p, 1, 5] = bx, by, bz
+
+
+@njit(cache=True)
+def sum_wrenches(begin, of_body, wrench, axes, force):
+    """Fill ``force`` (n, 6): of each body the wrenches of its pairs, moments about its axes.
+
+    ``of_body`` lists twice the pair, plus one where the body is b, of body i from ``begin[i]`` on.
+    """
+    for i in range(force.shape[0]):
+        f0, f1, f2, m0, m1, m2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for j in range(begin[i], begin[i + 1]):
+            p, side = of_body[j] // 2, of_body[j] % 2
+            f0 += wrench[p, side, 0]
+            f1 += wrench[p, side, 1]
+            f2 += wrench[p, side, 2]
+            m0 += wrench[p, side, 3]
+            m1 += wrench[p, side, 4]
+            m2 += wrench[p, side, 5]
+        force[i, 0], force[i, 1], force[i, 2] = f0, f1, f2
+        for d in range(3):
+            force[i, 3 + d] = axes[i, 0, d] * m0 + axes[i, 1, d] * m1 + axes[i, 2, d] * m2
+
+
+@njit(cache=True)
+def _state_beyond(law, c, tn, size, hint):
+    """Branch of a contact of a joint that yields, and its normal reaction, from the tension on; it
+    stays in the branch ``hint`` where another is no nearer but by rounding."""
+    room, crush, was = law[c, ROOM], law[c, CRUSH], along_joint(hint)
+    state, normal = 0, tn
+    if tn <= 0.0 or (tn <= TIE * room and BONDED < hint <= CRUSHED):
+        if room == 0.0:
+            return OPEN, 0.0
+        state, normal = TORN, 0.0
+    elif tn > crush * (1.0 + TIE) or (tn >= crush * (1.0 - TIE) and hint > CRUSHED):
+        state, normal = CRUSHED, crush
+    most = law[c, MU] * normal + room
+    over, near = size - most, TIE * (size + most)
+    if over <= 0.0:
+        return state + (FORWARD if was == FORWARD and over >= -near else STICKING), normal
+    return state + (STICKING if was == STICKING and over <= near else FORWARD), normal
+
+
+@njit(cache=True)
+def _respond_beyond(law, trial, c, hint, reaction, response):
+    """`respond` of a contact of a joint that yields; its branch."""
+    t1, t2, mu = trial[c, 1], trial[c, 2], law[c, MU]
+    size = np.sqrt(t1 * t1 + t2 * t2)
+    branch, normal = _state_beyond(law, c, trial[c, 0], size, hint)
+    reaction[c, 0], reaction[c, 1], reaction[c, 2] = normal - law[c, PULL], 0.0, 0.0
+    if branch == OPEN:
+        return branch
+    nn = 0.0 if branch > BONDED else 1.0
+    response[c, 0, 0] = nn
+    if along_joint(branch) == STICKING:
+        reaction[c, 1], reaction[c, 2] = t1, t2
+        response[c, 1, 1], response[c, 2, 2] = 1.0, 1.0
+        return branch
+    most = mu * normal + law[c, ROOM]
+    e1, e2, share = 0.0, 0.0, 0.0
+    if size > 0.0:
+        e1, e2, share = t1 / size, t2 / size, most / size
+    reaction[c, 1], reaction[c, 2] = most * e1, most * e2
+    response[c, 1, 0], response[c, 2, 0] = mu * e1 * nn, mu * e2 * nn
+    response[c, 1, 1], response[c, 2, 2] = share * (1.0 - e1 * e1), share * (1.0 - e2 * e2)
+    response[c, 1, 2] = response[c, 2, 1] = -share * e1 * e2
+    return branch
+
+
+@njit(cache=True, nogil=True)
+def respond(law, held, trial, low, high, branch, reaction, response):
+    """The joint law: reactions (n, 3) and their derivatives (n, 3, 3) by the trial reactions.
+
+    ``branch`` (n,) is filled; a contact at its cone to rounding keeps the one it has.
+    """
+    for c in range(low, high):
+        tn, t1, t2 = trial[c, 0], trial[c, 1], trial[c, 2]
+        for i in range(3):
+            for j in range(3):
+                response[c, i, j] = 0.0
+        if held[c] != 0.0:
+            branch[c] = BONDED
+            reaction[c, 0], reaction[c, 1], reaction[c, 2] = tn, t1, t2
+            response[c, 0, 0], response[c, 1, 1], response[c, 2, 2] = 1.0, 1.0, 1.0
+            continue
+        if law[c, CRUSH] != 0.0:
+            branch[c] = _respond_beyond(law, trial, c, branch[c], reaction, response)
+            continue
+        ks, mu, lift = law[c, KS], law[c, MU], law[c, LIFT]
+        size = np.sqrt(t1 * t1 + t2 * t2)
+        if ks * tn + lift * size <= 0.0:
+            branch[c] = OPEN
+            reaction[c, 0], reaction[c, 1], reaction[c, 2] = 0.0, 0.0, 0.0
+            continue
+        over, near = size - mu * tn, TIE * (size + mu * abs(tn))
+        if (over <= 0.0 and not (branch[c] == FORWARD and over >= -near)) or (
+            branch[c] == STICKING and over <= near
+        ):
+            branch[c] = STICKING
+            reaction[c, 0], reaction[c, 1], reaction[c, 2] = tn, t1, t2
+            response[c, 0, 0], response[c, 1, 1], response[c, 2, 2] = 1.0, 1.0, 1.0
+            continue
+        branch[c] = FORWARD
+        raised = lift / (ks + mu * lift)
+        rn = tn + raised * (size - mu * tn)
+        e1, e2 = (t1 / size, t2 / size) if size > 0.0 else (0.0, 0.0)
+        share = mu * rn / size if size > 0.0 else 0.0
+        reaction[c, 0], reaction[c, 1], reaction[c, 2] = rn, mu * rn * e1, mu * rn * e2
+        nn, n1, n2 = 1.0 - raised * mu, raised * e1, raised * e2
+        response[c, 0, 0], response[c, 0, 1], response[c, 0, 2] = nn, n1, n2
+        response[c, 1, 0], response[c, 2, 0] = mu * e1 * nn, mu * e2 * nn
+        response[c, 1, 1] = mu * e1 * n1 + share * (1.0 - e1 * e1)
+        response[c, 1, 2] = mu * e1 * n2 - share * e1 * e2
+        response[c, 2, 1] = mu * e2 * n1 - share * e1 * e2
+        response[c, 2, 2] = mu * e2 * n2 + share * (1.0 - e2 * e2)
+
+
+@njit(cache=True)
+def age(which, law, trial, reaction, branch, count, history):
+    """What contacts have at the end of a step, into ``history`` (n_slots, N_HISTORY) so far."""
+    for c in range(count):
+        k = which[c, SLOT]
+        history[k, SHEAR], history[k, SHEAR + 1] = reaction[c, 1], reaction[c, 2]
+        if law[c, CRUSH] != 0.0:
+            normal = reaction[c, 0] + law[c, PULL]
+            if branch[c] > CRUSHED:
+                history[k, DILATION] -= (trial[c, 0] - normal) / law[c, KN]
+            if along_joint(branch[c]) == FORWARD:
+                most = law[c, MU] * normal + law[c, ROOM]
+                slid = (np.hypot(trial[c, 1], trial[c, 2]) - most) / law[c, KS]
+                history[k, SLID] += slid
+        elif branch[c] == FORWARD:
+            size = np.hypot(trial[c, 1], trial[c, 2])
+            mu, lift = law[c, MU], law[c, LIFT]
+            slid = (size - mu * trial[c, 0]) / (law[c, KS] + mu * lift)
+            if lift > 0.0:
+                history[k, DILATION] += lift / law[c, KN] * slid
+            history[k, SLID] += slid
+
+
+@njit(cache=True)
+def _add_row(total, at, b0, b1, b2, r0, r1, r2, j, up, k, down):
+    """Add a row of B and its share of the moments' rows, from ``j`` and ``k`` on."""
+    c0, c1, c2 = b1 * r2 - b2 * r1, b2 * r0 - b0 * r2, b0 * r1 - b1 * r0
+    total[at] += b0
+    total[at + 1] += b1
+    total[at + 2] += b2
+    total[at + 3] += c0
+    total[at + 4] += c1
+    total[at + 5] += c2
+    total[j] += up * b0
+    total[j + 1] += up * b1
+    total[j + 2] += up * b2
+    total[j + 3] += up * c0
+    total[j + 4] += up * c1
+    total[j + 5] += up * c2
+    total[k] -= down * b0
+    total[k + 1] -= down * b1
+    total[k + 2] -= down * b2
+    total[k + 3] -= down * c0
+    total[k + 4] -= down * c1
+    total[k + 5] -= down * c2
+
+
+@njit(cache=True)
+def _add_material(now, law, response, c, side, total):
+    """Add a contact's B, B [r], [r] B and [r] B [r] to ``total``, r its arm from body a."""
+    kn, ks = law[c, KN], law[c, KS]
+    arm = ARM_F if side > 0.0 else ARM_V
+    r0, r1, r2 = now[c, arm], now[c, arm + 1], now[c, arm + 2]
+    q00, q01, q02 = now[c, NOW], now[c, NOW + 1], now[c, NOW + 2]
+    q10, q11, q12 = now[c, NOW + 3], now[c, NOW + 4], now[c, NOW + 5]
+    q20, q21, q22 = now[c, NOW + 6], now[c, NOW + 7], now[c, NOW + 8]
+    # What the axes get of a motion along each of them: A diag(k_n, k_s, k_s) E^T.
+    a00, a01, a02 = response[c, 0, 0] * kn, response[c, 0, 1] * ks, response[c, 0, 2] * ks
+    a10, a11, a12 = response[c, 1, 0] * kn, response[c, 1, 1] * ks, response[c, 1, 2] * ks
+    a20, a21, a22 = response[c, 2, 0] * kn, response[c, 2, 1] * ks, response[c, 2, 2] * ks
+    n0, n1, n2 = (
+        a00 * q00 + a01 * q01 + a02 * q02,
+        a00 * q10 + a01 * q11 + a02 * q12,
+        a00 * q20 + a01 * q21 + a02 * q22,
+    )
+    s0, s1, s2 = (
+        a10 * q00 + a11 * q01 + a12 * q02,
+        a10 * q10 + a11 * q11 + a12 * q12,
+        a10 * q20 + a11 * q21 + a12 * q22,
+    )
+    t0, t1, t2 = (
+        a20 * q00 + a21 * q01 + a22 * q02,
+        a20 * q10 + a21 * q11 + a22 * q12,
+        a20 * q20 + a21 * q21 + a22 * q22,
+    )
+    b0, b1, b2 = (
+        q00 * n0 + q01 * s0 + q02 * t0,
+        q00 * n1 + q01 * s1 + q02 * t1,
+        q00 * n2 + q01 * s2 + q02 * t2,
+    )
+    _add_row(total, 0, b0, b1, b2, r0, r1, r2, 24, r2, 30, r1)
+    b0, b1, b2 = (
+        q10 * n0 + q11 * s0 + q12 * t0,
+        q10 * n1 + q11 * s1 + q12 * t1,
+        q10 * n2 + q11 * s2 + q12 * t2,
+    )
+    _add_row(total, 6, b0, b1, b2, r0, r1, r2, 30, r0, 18, r2)
+    b0, b1, b2 = (
+        q20 * n0 + q21 * s0 + q22 * t0,
+        q20 * n1 + q21 * s1 + q22 * t1,
+        q20 * n2 + q21 * s2 + q22 * t2,
+    )
+    _add_row(total, 12, b0, b1, b2, r0, r1, r2, 18, r1, 24, r0)
+
+
+@njit(cache=True)
+def _add_geometric(now, reaction, c, ball, total, at):
+    """Add a contact's force, F v^T and r n F^T to ``total`` from ``at`` on, v its arm from body v,
+    r the radius of its corner."""
+    r0, r1, r2 = reaction[c, 0], reaction[c, 1], reaction[c, 2]
+    v0, v1, v2 = now[c, ARM_V], now[c, ARM_V + 1], now[c, ARM_V + 2]
+    x = now[c, NOW] * r0 + now[c, NOW + 1] * r1 + now[c, NOW + 2] * r2
+    y = now[c, NOW + 3] * r0 + now[c, NOW + 4] * r1 + now[c, NOW + 5] * r2
+    z = now[c, NOW + 6] * r0 + now[c, NOW + 7] * r1 + now[c, NOW + 8] * r2
+    total[at] += x
+    total[at + 1] += y
+    total[at + 2] += z
+    total[at + 3] += x * v0
+    total[at + 4] += x * v1
+    total[at + 5] += x * v2
+    total[at + 6] += y * v0
+    total[at + 7] += y * v1
+    total[at + 8] += y * v2
+    total[at + 9] += z * v0
+    total[at + 10] += z * v1
+    total[at + 11] += z * v2
+    if ball > 0.0:
+        for i in range(3):
+            n = ball * now[c, NOW + 3 * i]
+            total[at + 12 + 3 * i] += n * x
+            total[at + 13 + 3 * i] += n * y
+            total[at + 14 + 3 * i] += n * z
+
+
+@njit(cache=True)
+def _spread_material(total, d0, d1, d2, aa, ab, ba, bb):
+    """Fill the blocks (6, 6) of a pair from its sums about body a; see `stiffness`."""
+    for i in range(6):
+        for j in range(6):
+            aa[i, j] = total[6 * i + j]
+        x, y, z = aa[i, 0], aa[i, 1], aa[i, 2]
+        ab[i, 0], ab[i, 1], ab[i, 2] = -x, -y, -z
+        ab[i, 3] = y * d2 - z * d1 - aa[i, 3]
+        ab[i, 4] = z * d0 - x * d2 - aa[i, 4]
+        ab[i, 5] = x * d1 - y * d0 - aa[i, 5]
+    for j in range(6):
+        x, y, z = aa[0, j], aa[1, j], aa[2, j]
+        ba[0, j], ba[1, j], ba[2, j] = -x, -y, -z
+        ba[3, j] = d2 * y - d1 * z - aa[3, j]
+        ba[4, j] = d0 * z - d2 * x - aa[4, j]
+        ba[5, j] = d1 * x - d0 * y - aa[5, j]
+        x, y, z = ab[0, j], ab[1, j], ab[2, j]
+        bb[0, j], bb[1, j], bb[2, j] = -x, -y, -z
+        bb[3, j] = d2 * y - d1 * z - ab[3, j]
+        bb[4, j] = d0 * z - d2 * x - ab[4, j]
+        bb[5, j] = d1 * x - d0 * y - ab[5, j]
+
+
+@njit(cache=True)
+def _spread_geometric(total, at, sense, way, vv, vf, fv, ff):
+    """Add the geometric part of the contacts of one sense to the blocks (6, 6) of a pair; ``sense``
+    times ``way`` (3,) leads from f's centroid to v's."""
+    by_v = total[at + 3] + total[at + 7] + total[at + 11]
+    by_n = total[at + 12] + total[at + 16] + total[at + 20]
+    by_d = total[at] * way[0] + total[at + 1] * way[1] + total[at + 2] * way[2]
+    for i in range(3):
+        j, k = (i + 1 if i < 2 else 0), (i - 1 if i > 0 else 2)
+        fj, fk, along = total[at + j], total[at + k], sense * total[at + i]
+        # The matrix of F x.
+        vf[j, 3 + i] += fk
+        vf[k, 3 + i] -= fj
+        ff[j, 3 + i] -= fk
+        ff[k, 3 + i] += fj
+        fv[3 + j, i] -= fk
+        fv[3 + k, i] += fj
+        ff[3 + j, i] += fk
+        ff[3 + k, i] -= fj
+        for m in range(3):
+            # [v] [F] = F v^T - (v . F), [F] [v] its transpose; the arm from f is v + d.
+            rolled = total[at + 12 + 3 * i + m]
+            by_arm, turned = total[at + 3 + 3 * i + m] + rolled, total[at + 3 + 3 * m + i] + rolled
+            vv[3 + i, 3 + m] -= turned
+            fv[3 + i, 3 + m] += turned
+            vf[3 + i, 3 + m] += by_arm
+            ff[3 + i, 3 + m] -= by_arm + along * way[m]
+        vv[3 + i, 3 + i] += by_v + by_n
+        fv[3 + i, 3 + i] -= by_v + by_n
+        vf[3 + i, 3 + i] -= by_v + by_n
+        ff[3 + i, 3 + i] += by_v + by_n + sense * by_d
+
+
+# Many: contacts, what they carry, and the blocks that are filled.
+@njit(cache=True, nogil=True)
+def stiffness(
+    which, start, now, law, first, low, high, reaction, response, axes, diagonal, upper, lower,
+):  # fmt: skip
+    """Stiffness of the contacts of pairs ``low`` to ``high``, of minus forces, geometric part and
+    all.
+
+    With r the arms from body a and B = E A diag(k_n, k_s, k_s) E^T, the material part is
+
+        K_aa = sum [[B, -B [r]], [[r] B, -[r] B [r]]],    K_ab = -K_aa T,    K_bb = T^t K_aa T,
+
+    T = [[1, -[d]], [0, 1]] with d from b's centroid to a's.  The geometric part takes the sums of
+    F, F v^T and r n F^T, of contacts with v = b and with v = a.
+
+    Parameters
+    ----------
+    reaction
+        (n, 3) [N] of which the geometric part is that.
+    response
+        (n, 3, 3) derivatives of the reactions by the trial reactions.
+    axes
+        (n, 3, 3) principal axes of the bodies.
+    diagonal
+        (n_pairs, 2, 6, 6) filled: what each pair adds to the diagonal blocks of its bodies, in
+        axes of the world.
+    upper, lower
+        (n_pairs, 6, 6) filled: rows of a and columns of b, and the other way round.
+    """
+    total, way = np.zeros(N_TOTAL), np.zeros(3)
+    for p in range(low, high):
+        aa, bb, ab, ba = diagonal[p, 0], diagonal[p, 1], upper[p], lower[p]
+        if first[p] == first[p + 1]:
+            aa[:, :], ab[:, :], ba[:, :], bb[:, :] = 0.0, 0.0, 0.0, 0.0
+            continue
+        total[:] = 0.0
+        on_a, on_b = False, False
+        for c in range(first[p], first[p + 1]):
+            side = start[c, SIDE]
+            _add_material(now, law, response, c, side, total)
+            if reaction[c, 0] == 0.0 and reaction[c, 1] == 0.0 and reaction[c, 2] == 0.0:
+                continue
+            if side > 0.0:
+                on_b = True
+                _add_geometric(now, reaction, c, start[c, BALL], total, ON_B)
+            else:
+                on_a = True
+                _add_geometric(now, reaction, c, start[c, BALL], total, ON_A)
+        for i in range(6):  # so far they hold B [r], which the stiffness has with a minus sign
+            for j in range(3, 6):
+                total[6 * i + j] = -total[6 * i + j]
+        c = first[p]
+        side = start[c, SIDE]
+        for i in range(3):
+            way[i] = side * (now[c, ARM_V + i] - now[c, ARM_F + i])
+        _spread_material(total, way[0], way[1], way[2], aa, ab, ba, bb)
+        if on_b:
+            _spread_geometric(total, ON_B, -1.0, way, bb, ba, ab, aa)
+        if on_a:
+            _spread_geometric(total, ON_A, 1.0, way, aa, ab, ba, bb)
+        a, b = which[c, BODY_A], which[c, BODY_B]
+        _about_axes(ab, axes, a, b)
+        _about_axes(ba, axes, b, a)
+
+
+@njit(cache=True)
+def _about_axes(block, axes, r, c):
+    """Turn a block (6, 6) of forces on body r by motions of body c to principal axes, in place."""
+    a00, a01, a02 = axes[c, 0, 0], axes[c, 0, 1], axes[c, 0, 2]
+    a10, a11, a12 = axes[c, 1, 0], axes[c, 1, 1], axes[c, 1, 2]
+    a20, a21, a22 = axes[c, 2, 0], axes[c, 2, 1], axes[c, 2, 2]
+    for i in range(6):
+        x, y, z = block[i, 3], block[i, 4], block[i, 5]
+        block[i, 3] = x * a00 + y * a10 + z * a20
+        block[i, 4] = x * a01 + y * a11 + z * a21
+        block[i, 5] = x * a02 + y * a12 + z * a22
+    a00, a01, a02 = axes[r, 0, 0], axes[r, 0, 1], axes[r, 0, 2]
+    a10, a11, a12 = axes[r, 1, 0], axes[r, 1, 1], axes[r, 1, 2]
+    a20, a21, a22 = axes[r, 2, 0], axes[r, 2, 1], axes[r, 2, 2]
+    for i in range(6):
+        x, y, z = block[3, i], block[4, i], block[5, i]
+        block[3, i] = a00 * x + a10 * y + a20 * z
+        block[4, i] = a01 * x + a11 * y + a21 * z
+        block[5, i] = a02 * x + a12 * y + a22 * z
+
+
+@njit(cache=True)
+def sum_diagonals(begin, of_body, part, axes, diagonal):
+    """Fill the diagonal blocks (n, 6, 6) from those of each body's pairs, turned to its principal
+    axes; see `sum_wrenches`."""
+    for i in range(diagonal.shape[0]):
+        diagonal[i, :, :] = 0.0
+        for j in range(begin[i], begin[i + 1]):
+            p, side = of_body[j] // 2, of_body[j] % 2
+            for k in range(6):
+                for m in range(6):
+                    diagonal[i, k, m] += part[p, side, k, m]
+        _about_axes(diagonal[i], axes, i, i)

@@ -1,0 +1,276 @@
+"""Ties within the equations of implicit steps: their forces on the bodies, and the stiffness.
+
+The elongation of a tie has the gradient **h** by the motions of its two bodies; its force -N **h**
+on them has, of minus itself, the stiffness
+
+    k h h^T + (N / l) (J^T J - h h^T) + turning
+
+with **J** the motion of b's point seen from a's, the second part from the direction that turns, the
+third from arms that turn.  What has yielded in a step counts over the whole of it, as in
+`model.tie_kernels` with the plastic elongation at its start.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.law.certificate import Certificate
+from drystone.model import tie_kernels as kernel
+from drystone.model.assembly import Assembly
+from drystone.model.loading.dead_forces import principal_axes
+from drystone.model.ties import BROKEN, Bars, TieState
+from drystone.statics.plane.forces import Tangent
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+class TieForces:
+    """Ties of a structure from the state where a step begins.
+
+    Parameters
+    ----------
+    bars
+        All of them.
+    assembly
+        Whose bodies they join.
+    gone
+        (n,) bodies that have left, with their ties.
+    """
+
+    def __init__(self, bars: Bars, assembly: Assembly, gone: BoolArray) -> None:
+        self.bars, self.assembly = bars, assembly
+        self.there = ~gone[bars.body].any(axis=1)
+        #: As kernels take them, and change them.
+        self.arrays = bars.at_rest(assembly)
+        self.body, self.value, self.now = self.arrays
+        self.axes = np.ascontiguousarray(assembly.axes)
+
+    def begin(self, state: TieState) -> None:
+        """Start from a state."""
+        self.before = state
+        self.value[:, kernel.PLASTIC] = state.plastic
+        self.value[:, kernel.ACTIVE] = self.there & (state.branch != BROKEN)
+
+    def lose(self, gone: BoolArray) -> None:
+        """Take out the ties of bodies (n,) that have left."""
+        self.there = ~gone[self.body].any(axis=1)
+        self.value[~self.there, kernel.ACTIVE] = 0.0
+
+    def act(self, pose: Array) -> None:
+        """Go to poses (n, n_pose)."""
+        kernel.locate(self.body, self.value, pose, self.now)
+        self.turn(pose)
+
+    def turn(self, pose: Array) -> None:
+        """Count moments about the principal axes in poses (n, n_pose)."""
+        if len(self.body) and self.assembly.dimension == 3:
+            self.axes = np.ascontiguousarray(principal_axes(self.assembly, pose))
+
+    def add_to(self, force: Array) -> None:
+        """Add the forces on the bodies to an array (n, n_dof)."""
+        kernel.add_forces(self.body, self.now, self.axes, force)
+
+    def _points(self) -> Array:
+        """J: motion of b's point seen from a's by that of the bodies, (n_ties, dim, 2 n_dof)."""
+        dim, m = self.assembly.dimension, len(self.body)
+        sides = []
+        for side, first in ((0, kernel.NOW_A), (1, kernel.NOW_B)):
+            arm = self.now[:, first : first + 3]
+            straight = np.broadcast_to(np.eye(dim), (m, dim, dim))
+            if dim == 2:
+                turn = np.stack((-arm[:, 1], arm[:, 0]), axis=1)[:, :, None]
+            else:
+                axes = self.axes[self.body[:, side]]
+                turn = np.cross(axes, arm[:, :, None], axis=1)
+            sides.append(np.concatenate((straight, turn), axis=2))
+        return np.concatenate((-sides[0], sides[1]), axis=2)
+
+    def gradient(self) -> Array:
+        """h, (n_ties, 2 n_dof)."""
+        dim = self.assembly.dimension
+        along = self.now[:, kernel.ALONG : kernel.ALONG + dim]
+        return np.asarray(np.einsum("kd,kdi->ki", along, self._points()))
+
+    def stiffness(self) -> Array:
+        """Of minus the forces, (n_ties, 2 n_dof, 2 n_dof)."""
+        dim, now = self.assembly.dimension, self.now
+        points = self._points()
+        along = now[:, kernel.ALONG : kernel.ALONG + dim]
+        h = np.einsum("kd,kdi->ki", along, points)
+        outer = h[:, :, None] * h[:, None, :]
+        found = now[:, kernel.TANGENT, None, None] * outer
+        across = np.einsum("kdi,kdj->kij", points, points) - outer
+        found += (now[:, kernel.FORCE] / now[:, kernel.DISTANCE])[:, None, None] * across
+        n_dof = self.assembly.n_dof
+        for side, first, sign in ((0, kernel.NOW_A, 1.0), (1, kernel.NOW_B, -1.0)):
+            arm, at = now[:, first : first + dim], side * n_dof
+            pulled = sign * now[:, kernel.FORCE, None] * along
+            if dim == 2:
+                found[:, at + 2, at + 2] += np.einsum("kd,kd->k", arm, pulled)
+                continue
+            axes = self.axes[self.body[:, side]]
+            tensor = arm[:, :, None] * pulled[:, None, :]
+            world = np.einsum("kii->k", tensor)[:, None, None] * np.eye(3) - tensor
+            turned = np.einsum("kpi,kpq,kqj->kij", axes, world, axes)
+            found[:, at + 3 : at + 6, at + 3 : at + 6] += turned
+        return np.asarray(found)
+
+    def marked(self, certificate: Certificate) -> Certificate:
+        """A certificate in which bodies that ties hold are held."""
+        held = certificate.held.copy()
+        held[self.body[self.now[:, kernel.FORCE] != 0.0]] = True
+        return certificate._replace(held=held)
+
+    def joined(self, a: IntArray, b: IntArray) -> JoinedTies:
+        """With the pairs (n_pairs,) of bodies that contacts join; see `JoinedTies`."""
+        return JoinedTies.of(self.body, a, b)
+
+    def ended(self, *, yields: bool = True, aged: bool = False) -> TieState:
+        """The state where a step has ended at the last poses; see `Bars.ended`."""
+        return self.bars.ended(self.before, self.value, self.now, yields=yields, aged=aged)
+
+    def add_twice(self, blocks: Array) -> None:
+        """Add twice the stiffness along each tie to the blocks (n, n_dof, n_dof) of its bodies, as
+        if all were taut."""
+        n_dof, gradient = self.assembly.n_dof, self.gradient()
+        whole = self.value[:, kernel.STIFFNESS] * self.value[:, kernel.ACTIVE]
+        for side in range(2):
+            h = gradient[:, side * n_dof : side * n_dof + n_dof]
+            outer = 2.0 * whole[:, None, None] * h[:, :, None] * h[:, None, :]
+            np.add.at(blocks, self.body[:, side], outer)
+
+
+class TieImpulses:
+    """Ties in an implicit step of contact dynamics: along the lines that they have where it starts,
+    with the force at its end.
+
+    Parameters
+    ----------
+    ties
+        In the poses where the step starts.
+    a, b
+        Bodies of the contacts' pairs, (n_pairs,).
+    h
+        Time step [s].
+    """
+
+    def __init__(self, ties: TieForces, a: IntArray, b: IntArray, h: float) -> None:
+        self.ties, self.h, self.joined = ties, h, ties.joined(a, b)
+        self.start = ties.now[:, kernel.ELONGATION].copy()
+        self.gradient = ties.gradient()
+
+    def act(self, velocity: Array) -> None:
+        """Go on with velocities (n, n_dof)."""
+        ties = self.ties
+        both = velocity[ties.body].reshape(len(ties.body), -1)
+        rate = np.einsum("ki,ki->k", self.gradient, both)
+        ties.now[:, kernel.ELONGATION] = self.start + self.h * rate
+        for k in range(len(ties.body)):
+            kernel.pull(ties.value, ties.now, k)
+
+    def add_to(self, momenta: Array) -> None:
+        """Add the impulses on all bodies to momenta (n, n_dof)."""
+        ties, nd = self.ties, momenta.shape[1]
+        impulse = -self.h * ties.now[:, kernel.FORCE, None] * self.gradient
+        np.add.at(momenta, ties.body[:, 0], impulse[:, :nd])
+        np.add.at(momenta, ties.body[:, 1], impulse[:, nd:])
+
+    def stiffen(self, tangent: Tangent) -> None:
+        """Add how they go with velocities [kg]."""
+        h = self.gradient
+        found = (
+            self.h**2
+            * self.ties.now[:, kernel.TANGENT, None, None]
+            * (h[:, :, None] * h[:, None, :])
+        )
+        self.joined.stiffen(tangent, found)
+
+
+@dataclass(frozen=True, kw_only=True)
+class JoinedTies:
+    """Where the blocks of ties lie in a matrix of bodies and pairs.
+
+    Bodies that no contacts join make pairs of their own behind those that there are.
+    """
+
+    body: IntArray  # (n_ties, 2)
+    a: IntArray  # bodies of all pairs, those of contacts first
+    b: IntArray
+    pair: IntArray  # (n_ties,) among all pairs
+    turned: BoolArray  # (n_ties,) whether the tie's first body is the pair's second
+    apart: BoolArray  # (n_ties,) whether its two ends are on different bodies
+
+    @classmethod
+    def of(cls, body: IntArray, a: IntArray, b: IntArray) -> JoinedTies:
+        """Of ties between bodies (n_ties, 2), with the pairs of contacts."""
+        known: dict[tuple[int, int], int] = {}
+        first, last = a.tolist(), b.tolist()
+        wanted = {tuple(sorted(one)) for one in body.tolist()}
+        for p, pair in enumerate(zip(first, last, strict=True)):
+            if tuple(sorted(pair)) in wanted:
+                known.setdefault((min(pair), max(pair)), p)
+        pairs, turned = [], []
+        for i, j in body.tolist():
+            key = (min(i, j), max(i, j))
+            if key not in known and i != j:
+                known[key] = len(first)
+                first.append(i)
+                last.append(j)
+            p = known.get(key, -1)
+            pairs.append(p)
+            turned.append(p >= 0 and first[p] != i)
+        return cls(
+            body=body,
+            a=np.array(first, np.int64),
+            b=np.array(last, np.int64),
+            pair=np.array(pairs, np.int64),
+            turned=np.array(turned, np.bool_),
+            apart=body[:, 0] != body[:, 1],
+        )
+
+    def clear(self, tangent: Tangent, n_pairs: int) -> None:
+        """Empty the blocks behind those of the contacts' ``n_pairs``."""
+        tangent.upper[n_pairs:] = 0.0
+        tangent.lower[n_pairs:] = 0.0
+
+    def stiffen(self, tangent: Tangent, found: Array) -> None:
+        """Add stiffnesses (n_ties, 2 n_dof, 2 n_dof)."""
+        nd = tangent.diagonal.shape[1]
+        np.add.at(tangent.diagonal, self.body[:, 0], found[:, :nd, :nd])
+        np.add.at(tangent.diagonal, self.body[:, 1], found[:, nd:, nd:])
+        forth, back = found[:, :nd, nd:], found[:, nd:, :nd]
+        swap = self.turned[:, None, None]
+        kept = self.apart
+        np.add.at(tangent.upper, self.pair[kept], np.where(swap, back, forth)[kept])
+        np.add.at(tangent.lower, self.pair[kept], np.where(swap, forth, back)[kept])
+
+    def within(self, among: BoolArray) -> tuple[IntArray, IntArray]:
+        """The ties that have an end among some bodies (n,), and their bodies, (., 2): twice the
+        same where the other end is elsewhere."""
+        inside = among[self.body]
+        chosen = np.flatnonzero(inside.any(axis=1))
+        body = self.body[chosen]
+        return chosen, np.where(inside[chosen], body, body[:, ::-1])
+
+    def halved(self, found: Array, chosen: IntArray, body: IntArray) -> Array:
+        """Stiffnesses of the ties ``within``, without what moves an end that is elsewhere."""
+        part, nd = found[chosen], found.shape[1] // 2
+        elsewhere = body != self.body[chosen]
+        for side in range(2):
+            rows = slice(side * nd, side * nd + nd)
+            part[elsewhere[:, side], rows, :] = 0.0
+            part[elsewhere[:, side], :, rows] = 0.0
+        return part
+
+    def pull_on(self, found: Array, motion: Array, force: Array) -> None:
+        """Add minus stiffnesses times a motion (n, n_dof) to forces (n, n_dof)."""
+        nd = motion.shape[1]
+        both = motion[self.body].reshape(len(self.body), 2 * nd)
+        change = np.einsum("kij,kj->ki", found, both)
+        np.subtract.at(force, self.body[:, 0], change[:, :nd])
+        np.subtract.at(force, self.body[:, 1], change[:, nd:])

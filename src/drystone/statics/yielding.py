@@ -1,0 +1,429 @@
+"""Steps of structures whose joints soften, are crushed or close hyperbolically.
+
+Within a solution all strengths are constants: those of what contacts have come to where the step
+ends (`law.strengths`).  So a step is solved, what contacts have come to is read off, and it is
+solved again with the strengths of that, until these stand.  Strengths at the end, and not at the
+start, make the curve independent of how long steps are.
+
+From such a solution Newton's method goes on with strengths that follow from where the blocks are
+(`law.softening`), which finds those at the end in a few iterations wherever the structure has
+an equilibrium that it would keep.  Where it does not, as a joint lets go, strengths fall from one
+solution to the next, at the same pacing displacement, to the first ones that the structure can
+have: that is a snap, and Newton's method takes over where it ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.contacts import Pairs
+from drystone.law import softening
+from drystone.law.law import H_PULL, H_ROOM
+from drystone.law.strengths import Reached, Strengths, difference
+from drystone.law.yielding import BONDED, CRUSHED, OPEN, STICKING, TORN
+from drystone.statics.plane.piecewise import StepSolution
+from drystone.statics.plane.static_step import Ended
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: Shares of what is missing that are gone at a time.
+LEAST_SHARE, MOST_SHARE = 0.3, 10.0
+
+#: Solutions of a step before it counts as failed: where joints may let go in it, and where a
+#: shorter one would rather be tried.  With 15 to 60 of the former twenty random walls end alike,
+#: with 3 to 12 of the latter seven peaks are the same to the last bit, and steps 2 to 6 % fewer.
+MOST_SOLUTIONS, FEW_SOLUTIONS = 30, 6
+
+#: Iterations of Newton's method, halvings of one, and force that it may leave, over the one by
+#: which what contacts hold may still change.  With 4 to 8 halvings seven peaks are the same to the
+#: last bit; with 2 one moves by 3e-4.
+MOST_ITERATIONS, MOST_HALVINGS, LEFT = 20, 4, 5e-4
+
+
+#: What bonds that soften must hold, over the force by which it may change in a step, for the
+#: tangent to be gone on along: those that are all but lost give a structure no direction.  From 0
+#: to 10,000, and without asking, peaks and points of seven walls in the plane are the same.
+WORTH = 1.0
+
+#: What may be missing of the pacing displacement [m].
+LAG = 1e-12
+
+#: Share of a step up to which it is taken again, at most: where it bends goes with its length.
+#: Points lie elsewhere with another one: peaks are the same with 0.95, and move by up to 8e-4 with
+#: 0.35, as one is found 1.1e-3 too low here (bonded_wall(2, 2) of the tests).
+FARTHEST = 0.7
+
+#: Shares of a step at which its shape is looked at.  With 9 or 39 peaks move by up to 8e-4, that
+#: one again upwards: by where points lie, not by what is seen of a step.
+SHARES = np.linspace(0.05, 0.95, 19)
+
+
+class YieldingStep(Protocol):
+    """Equations of a step, of either dimension, as far as strengths follow from them."""
+
+    @property
+    def pairs(self) -> Pairs:
+        """Those of its slots."""
+        ...
+
+    def ended(self) -> Ended:
+        """What the solution last evaluated has led to; its `after` is the step's history."""
+        ...
+
+
+class Way(Protocol):
+    """A step on its way to an equilibrium with the strengths that joints have there."""
+
+    @property
+    def residual(self) -> float:
+        """Largest unbalanced force [N]."""
+        ...
+
+    @property
+    def missing(self) -> float:
+        """What is missing of the pacing displacement [m]."""
+        ...
+
+    @property
+    def increment(self) -> Array:
+        """Where it has come to, (n, n_dof)."""
+        ...
+
+    def soften(self, start: Array) -> tuple[IntArray, Array]:
+        """Unbalanced forces, and tangent, where it is: slots (n,) of joints that yield and what
+        they come to (n, N_POINT), by their history ``start`` (n_slots, N_HISTORY + dim - 2)."""
+        ...
+
+    def gap(self, slot: IntArray) -> Array:
+        """Gaps of slots (n,) [m]."""
+        ...
+
+    def aim(self) -> bool:
+        """Find the direction of Newton's method; whether there is one."""
+        ...
+
+    def move(self, length: float) -> None:
+        """Go on by so much of it."""
+        ...
+
+    def stand(self, held: Array, solved: StepSolution) -> StepSolution | None:
+        """The solution where it is, with what joints hold there (n_slots, N_HELD), if nothing is
+        unbalanced with that; but for its place as one ``solved`` before."""
+        ...
+
+    def slope(self) -> float | None:
+        """Of the curve [1/m], where it is; None where the structure would not keep it."""
+        ...
+
+
+class Beginning(NamedTuple):
+    """Where a step starts."""
+
+    history: Array  # (n_slots, N_HISTORY + dim - 2)
+    gap: Array  # (n_slots,) m
+    branch: IntArray  # (n_slots,)
+    multiplier: float
+    rise: float  # by which the multiplier would go along the tangent; or not a number
+
+
+_UNSOLVED = StepSolution(
+    increment=np.zeros((0, 0)), multiplier=np.nan, n_iterations=1, excess=None, bend=None
+)
+
+Once = Callable[[Array, Array, IntArray, Array | None], StepSolution]
+
+
+# Long: Newton's method and falling strengths take turns, each from what the other has found.
+def solve(
+    step: YieldingStep,
+    strengths: Strengths,
+    start: Beginning,
+    once: Once,
+    way: Callable[[StepSolution | None, Array, Array], Way | None],
+    tolerance: float,
+    increment: float | None,
+    *,
+    lets_go: bool,
+) -> StepSolution:
+    """Solve a step; its equations are left evaluated at the solution, with its history.
+
+    Parameters
+    ----------
+    step
+        The equations.
+    strengths
+        Of the joints.
+    start
+        Where the step starts.
+    once
+        Begins the step with what contacts hold (n_slots, N_HELD), and what those hold that are made
+        in it (n_slots, N_HELD), and solves it from the branches (n_slots,), with gradients of the
+        increments (n, n_dof) near which it will end, if these are known.
+    way
+        The way from a solution, or from the guess where there is none, with what contacts hold
+        and those that are made, as for ``once``; if there is a way.
+    tolerance
+        Force [N] by which what contacts hold may still change.
+    increment
+        Of the pacing displacement [m]; None where there is none.
+    lets_go
+        Whether joints may let go in it, to equilibria that are far.
+    """
+    law, history = step.pairs.law_of_slot, start.history
+    now = strengths.first(history, start.gap)
+    held, iterations = strengths.held(law, history, now), 0
+    fresh = strengths.fresh[law]
+    first: StepSolution | None = None
+    relaxation = _Relaxation(strengths, law, leaves=lets_go)
+    near: Array | None = None
+    slope: float | None = None
+    patient = lets_go or not strengths.smooth
+    fallen, most = 0, MOST_SOLUTIONS if patient else FEW_SOLUTIONS
+    begun = _Come(np.arange(len(law)), history, history, now, np.zeros(len(law)), np.inf)
+    # A curve that has a tangent is gone on along it.
+    solved = _UNSOLVED
+    for k in range(most + 1):
+        going: StepSolution | None = None
+        come = begun
+        if k or not np.isfinite(start.rise):
+            solved = once(held, fresh, _fitting(start.branch, held), near)
+            iterations = max(iterations, solved.n_iterations)
+            solved = replace(solved, n_iterations=iterations)
+            if not solved.reason:
+                going, first = solved, first or solved
+                come = _Come.to(step, strengths, history)
+                if come.change <= tolerance:
+                    strengths.write(law, come.reached, come.after)
+                    if first is solved:  # nothing has yielded
+                        return solved
+                    return _shaped(solved, first, start, increment, slope, fallen > 0, lets_go)
+                near = solved.increment
+            elif k > 1 or np.isfinite(start.rise):
+                return solved
+        on = way(going, held, fresh)
+        found = _settled(on, come, LEFT * tolerance)
+        if on and found:
+            slope, near = found.slope, on.increment
+            stood = on.stand(strengths.held(law, come.before, found.reached), solved)
+            if stood:
+                there = _Come.to(step, strengths, history)
+                if there.change <= tolerance:
+                    strengths.write(law, there.reached, there.after)
+                    end = _shaped(stood, first, start, increment, slope, fallen > 0, lets_go)
+                    worth = _worth(strengths, law, there, WORTH * tolerance)
+                    return end if worth else replace(end, softened=False, slope=np.nan)
+            now = _at(found.reached, now, come.origin)
+        elif going:
+            now, fallen = relaxation.next(now, come.reached, come.origin), fallen + 1
+        elif solved.reason:
+            return solved
+        after = strengths.held(law, come.before, found.reached if found else come.reached)
+        held = strengths.held(law, history, now)
+        fresh = np.where((come.origin < 0)[:, None], after, fresh)
+    return replace(solved, reason="joints do not come to rest as they soften")
+
+
+class _Come(NamedTuple):
+    """Where the equations of a step were last evaluated: what contacts have come to."""
+
+    origin: IntArray  # (n_slots,) see `Ended`
+    before: Array  # (n_slots, N_HISTORY + dim - 2), where the step starts
+    after: Array  # likewise, at the end: that of the step
+    reached: Reached
+    holds: Array  # (n_slots,) N, that bonds hold
+    change: float  # N, by which what contacts hold follows from it anew
+
+    @classmethod
+    def to(cls, step: YieldingStep, strengths: Strengths, history: Array) -> _Come:
+        """That of a step which starts with a ``history`` (n_slots, N_HISTORY + dim - 2)."""
+        law, end = step.pairs.law_of_slot, step.ended()
+        before = np.where((end.origin < 0)[:, None], end.before, history[end.origin])
+        reached = strengths.reached(law, before, end.after, end.gap)
+        held = strengths.held(law, before, reached)
+        change = difference(held, end.held, end.normal, end.area)
+        holds = (end.held[:, H_PULL] + end.held[:, H_ROOM]) * end.area
+        return cls(end.origin, before, end.after, reached, holds, change)
+
+
+def _worth(strengths: Strengths, law: IntArray, come: _Come, least: float) -> bool:
+    """Whether contacts that soften hold more than a force [N], as far as they are bonds."""
+    if (strengths.yields & ~strengths.bonded).any() or np.isfinite(strengths.crush).any():
+        return True
+    soft = strengths.bonded[law] & (come.reached.softened > 0.0)
+    return bool(come.holds[soft].max(initial=0.0) > least)
+
+
+class _Settled(NamedTuple):
+    reached: Reached
+    slope: float  # 1/m
+
+
+def _settled(way: Way | None, come: _Come, enough: float) -> _Settled | None:
+    """Newton's method on a way, as contacts have come to it; None where that leads to no
+    equilibrium that the structure would keep.  ``enough`` is the force that may be left [N]."""
+    if way is None:
+        return None
+    start = come.before
+    slot, point = way.soften(start)
+    for _ in range(MOST_ITERATIONS):
+        residual = way.residual
+        if residual <= enough and abs(way.missing) <= LAG:
+            break
+        if not (np.isfinite(residual) and way.aim()):
+            return None
+        length = 1.0
+        way.move(length)
+        slot, point = way.soften(start)
+        for _ in range(MOST_HALVINGS):
+            if way.residual < max(residual, enough):
+                break
+            length *= 0.5
+            way.move(-length)
+            slot, point = way.soften(start)
+        else:
+            if not way.residual < max(residual, enough):
+                return None
+    else:
+        return None
+    slope = way.slope()
+    if slope is None:
+        return None
+    reached = Reached(*(a.copy() for a in come.reached))
+    for own, column in (
+        (reached.softened, softening.P_SOFTENED),
+        (reached.opened, softening.P_OPENED),
+        (reached.slid, softening.P_SLID),
+        (reached.crushed, softening.P_CRUSHED),
+    ):
+        own[slot] = point[:, column]
+    reached.gap[slot] = way.gap(slot) + reached.crushed[slot]
+    return _Settled(reached, slope)
+
+
+def _at(then: Reached, now: Reached, origin: IntArray) -> Reached:
+    """What contacts have come to, ``then``, in the slots where the step starts, ``origin``
+    (n_slots,) of each."""
+    known = origin >= 0
+    found = []
+    for mine, theirs in zip(now, then, strict=True):
+        at = mine.copy()
+        at[origin[known]] = theirs[known]
+        found.append(at)
+    return Reached(*found)
+
+
+class _Relaxation:
+    """What contacts come to, extrapolated from how it changes (Irons and Tuck 1969).
+
+    Where joints soften nearly as fast as the structure lets go, one solution takes a small part of
+    the way, and the same part as the one before.  Where ever more is missing, the structure leaves
+    an equilibrium that it would not keep; if it ``leaves`` in this step, it goes ever faster.
+    """
+
+    def __init__(self, strengths: Strengths, law: IntArray, *, leaves: bool) -> None:
+        self.leaves = leaves
+        self.scale = strengths.per_slip[law], strengths.by_crushing[law]
+        self.share, self.last = 1.0, np.zeros(0)
+
+    def next(self, now: Reached, then: Reached, origin: IntArray) -> Reached:
+        """What to go on with, in the slots where the step starts: ``origin`` (n_slots,) of those
+        that have come to ``then``."""
+        there = _at(then, now, origin)
+        per_slip, by_crushing = self.scale
+        missing = np.concatenate(
+            (
+                there.softened - now.softened,
+                per_slip * (there.slid - now.slid),
+                by_crushing * (there.crushed - now.crushed),
+            )
+        )
+        if len(self.last):
+            change = missing - self.last
+            size, along = float(change @ change), float(self.last @ change)
+            share = -self.share * along / size if size > 0.0 else 1.0
+            if self.leaves and along > 0.0:
+                share = 2.0 * self.share
+            self.share = min(max(share, LEAST_SHARE), MOST_SHARE)
+        self.last = missing
+        more = self.share
+        return there._replace(
+            softened=np.maximum(now.softened + more * (there.softened - now.softened), 0.0),
+            slid=now.slid + more * (there.slid - now.slid),
+            crushed=np.maximum(now.crushed + more * (there.crushed - now.crushed), 0.0),
+        )
+
+
+def _shaped(
+    solved: StepSolution,
+    first: StepSolution | None,
+    start: Beginning,
+    increment: float | None,
+    slope: float | None,
+    fallen: bool,
+    lets_go: bool,
+) -> StepSolution:
+    """The solution of a step, with what it may hide of the curve; see `StepSolution`.
+
+    Of a curve that has tangents at both ends: what the cubic through them has.  Where joints have
+    let go on the way, it may have gone along the first tangent to just before the end.
+    """
+    if increment is None:
+        return replace(solved, excess=None)
+    before, after = start.multiplier, solved.multiplier
+    known = first.multiplier if first else after
+    rise = start.rise if np.isfinite(start.rise) else known - before
+    change, top = after - before, max(before, after)
+    if fallen and lets_go:
+        return replace(solved, excess=None, bend=None)
+    if fallen:
+        off = abs(rise - change)
+        return replace(solved, excess=(before + max(rise, 0.0) - top, 0.5), bend=(off, 0.5))
+    at_end = change if slope is None else slope * increment
+    away = SHARES * (1.0 - SHARES) * ((rise - change) * (1.0 - SHARES) - (at_end - change) * SHARES)
+    off = int(np.argmax(np.abs(away)))
+    excess = 0.0, 0.0
+    if rise > 0.0 > at_end:  # no higher than where the tangents meet: joints give way at corners
+        share = min(max((change - at_end) / (rise - at_end), 0.0), 1.0)
+        excess = max(before + share * rise - top, 0.0), share
+    if first and not np.isfinite(start.rise):
+        excess = _hidden(first, solved, before) or excess
+    bend = max(solved.bend or (0.0, 0.0), (float(abs(away[off])), float(SHARES[off])))
+    bend = bend[0], min(bend[1], FARTHEST)
+    if slope is None:
+        return replace(solved, excess=excess, bend=bend)
+    return replace(solved, excess=excess, bend=bend, slope=slope, softened=True)
+
+
+def _hidden(
+    first: StepSolution, last: StepSolution, multiplier: float
+) -> tuple[float, float] | None:
+    """By how much the multiplier may exceed both ends within the step, and where, see
+    `StepSolution`.
+
+    It is no higher than with the strengths at the start.  Where the way with these is straight, it
+    leaves it with the square of what has been gone.
+    """
+    if first.excess is None or first.bend is None:
+        return None
+    rise, drop = first.multiplier - multiplier, first.multiplier - last.multiplier
+    if abs(first.bend[0]) <= 0.1 * abs(drop) and first.excess[0] <= 0.0:
+        if drop <= 0.0 or not 0.0 < rise < 2.0 * drop:
+            return 0.0, 0.0
+        top = multiplier + 0.25 * rise * rise / drop
+        return top - max(last.multiplier, multiplier), 0.5 * rise / drop
+    highest = max(first.multiplier, multiplier) + max(first.excess[0], 0.0)
+    share = first.excess[1] if first.excess[0] > 0.0 else first.bend[1]
+    return highest - max(last.multiplier, multiplier), share
+
+
+def _fitting(branch: IntArray, held: Array) -> IntArray:
+    """Branches (n_slots,) that there are with what contacts hold: without room none is torn."""
+    room, torn = held[:, H_ROOM] > 0.0, (branch > BONDED) & (branch <= CRUSHED)
+    fitting = np.where((branch == OPEN) & room, TORN + STICKING, branch)
+    return np.where(torn & ~room, OPEN, fitting)
