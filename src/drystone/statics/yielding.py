@@ -389,7 +389,9 @@ def _shaped(
     off = int(np.argmax(np.abs(away)))
     excess = 0.0, 0.0
     if rise > 0.0 > at_end:  # no higher than where the tangents meet: joints give way at corners
-        share = min(max((change - at_end) / (rise - at_end), 0.0), 1.0)
+        share = min((change - at_end) / (rise - at_end), 1.0)
+        if share <= 0.0:  # they do not: it has dropped on the way, no one knows where
+            share = 0.5
         excess = max(before + share * rise - top, 0.0), share
     if first and not np.isfinite(start.rise):
         excess = _hidden(first, solved, before) or excess
