@@ -5,32 +5,24 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.contact.contacts import BODY_A, BODY_B, FRICTION, SLOT, STIFF_N, Contacts
+from drystone.contact.contacts import (
+    BODY_A,
+    BODY_B,
+    CRUSH,
+    FRICTION,
+    LIFT,
+    N_TABLE,
+    ROOM,
+    SLOT,
+    STIFF_N,
+    STIFF_T,
+    Contacts,
+)
 from drystone.dynamics import nlgs
 from drystone.dynamics.sweeps import ContactProblem
 from drystone.statics.linear.block_system import BlockSystem
 from drystone.statics.space import cones
-from drystone.statics.space.cones import (
-    CAP,
-    CRUSH,
-    ETA,
-    KN,
-    KS,
-    MU,
-    P1,
-    P2,
-    PN,
-    RAISE,
-    ROOM,
-    V0,
-    V1,
-    V2,
-    Z1,
-    Z2,
-    ZETA,
-    V,
-    W,
-)
+from drystone.statics.space.cones import CAP, ETA, P1, P2, PN, V0, V1, V2, Z1, Z2, ZETA, V, W
 
 pytestmark = pytest.mark.kernels
 
@@ -39,9 +31,9 @@ H, STIFFNESS, PENALTY = 0.1, 1e6, 3e5  # s, N/m, kg
 
 def joints_of(n, friction, raised=0.0):
     """Impulses for forces: see the module's text."""
-    joint = np.zeros((n, cones.N_JOINT))
-    joint[:, KN], joint[:, KS] = H * H * STIFFNESS, PENALTY
-    joint[:, MU], joint[:, RAISE] = friction, raised
+    joint = np.zeros((n, N_TABLE))
+    joint[:, STIFF_N], joint[:, STIFF_T] = H * H * STIFFNESS, PENALTY
+    joint[:, FRICTION], joint[:, LIFT] = friction, raised * PENALTY
     return joint
 
 
@@ -77,7 +69,7 @@ def yielding_joints(n):
     """Joints that may be crushed and have room for shear; the last third only the latter."""
     joint = joints_of(n, 0.6)
     joint[:, ROOM], joint[:, CRUSH] = 40.0, np.where(np.arange(n) < 2 * n // 3, 150.0, 0.0)
-    joint[::4, MU] = 0.0
+    joint[::4, FRICTION] = 0.0
     return joint
 
 
@@ -97,7 +89,7 @@ def test_central_variables_of_joints_that_yield(energy):
             assert v[CAP] * v[V] == pytest.approx(wanted, rel=1e-9)
             # Where it is crushed, what is left is below the rounding of the reaction.
             assert v[CAP] + v[PN] == pytest.approx(law[CRUSH], rel=1e-9)
-        most = law[MU] * v[PN] + law[ROOM]
+        most = law[FRICTION] * v[PN] + law[ROOM]
         pair, slack = np.array([most, v[P1], v[P2]]), np.array([v[ZETA], -v[Z1], -v[Z2]])
         scale = 1e-11 * np.abs(pair).max() * np.abs(slack).max()
         least = 2.0 * cones.LEAST * most * np.hypot(t[1], t[2])
@@ -124,7 +116,7 @@ def test_changes_solve_the_equations_of_joints_that_yield_linearised(second):
         cones.aim(joint, energy, again, trial, inner, change, scaling, reaction)
         cones.changes(joint, energy, again, relative, inner, scaling, change)
     capped = joint[:, CRUSH] > 0.0
-    there = trial - relative * joint[:, [KN, KS, KS]]
+    there = trial - relative * joint[:, [STIFF_N, STIFF_T, STIFF_T]]
     moved = inner + change
     assert moved[:, PN] - moved[:, W] + moved[:, V] == pytest.approx(there[:, 0], abs=1e-8)
     assert moved[:, [P1, P2]] + moved[:, [Z1, Z2]] == pytest.approx(there[:, 1:], abs=1e-7)
@@ -133,7 +125,7 @@ def test_changes_solve_the_equations_of_joints_that_yield_linearised(second):
         v, d, e = inner[of], change[of], first[of]
         left = v[:, one] * v[:, other] + d[:, one] * v[:, other] + v[:, one] * d[:, other]
         left += e[:, one] * e[:, other] * second
-        assert left == pytest.approx(joint[of, KN] * energy, rel=1e-6)
+        assert left == pytest.approx(joint[of, STIFF_N] * energy, rel=1e-6)
     # How far the nearest factor lets go, and the energy where nothing has gone.
     far, _ = cones.length(joint, inner, change, 0.0)
     ratio = (1.0 - cones.KEPT) * inner[:, [PN, W]] / -change[:, [PN, W]]
@@ -148,7 +140,7 @@ def test_normal_reactions_leave_their_cones_by_the_leeway_and_are_put_back():
     trial = np.array([[5.0, 0.0, 0.0], [-5.0, 0.0, 0.0]])
     inner, change = np.zeros((2, cones.N_INNER)), np.zeros((2, cones.N_INNER))
     cones.centre_contacts(joint, energy, True, trial, inner)
-    beyond = np.sqrt(joint[:, cones.KN] * energy)
+    beyond = np.sqrt(joint[:, STIFF_N] * energy)
     for c, of in ((0, PN), (1, W)):
         change[:] = 0.0
         change[c, of] = -4.0 * (inner[c, of] + beyond[c])

@@ -5,6 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drystone.contact.contacts import (
+    BOND,
+    CRUSH,
+    FRICTION,
+    HELD,
+    LIFT,
+    N_TABLE,
+    PULL,
+    ROOM,
+    SHIFT,
+    STIFF_N,
+    STIFF_T,
+)
 from drystone.law.law import BONDED, DILATION, FORWARD, N_HISTORY, OPEN, SHEAR, SLID, STICKING
 from drystone.law.yielding import CRUSHED, TORN
 from drystone.statics.space import spatial_step
@@ -12,19 +25,10 @@ from drystone.statics.space.spatial_step import (
     ARM_V,
     AXES,
     BALL,
-    BOND,
-    CRUSH,
     FROM_F,
     GAP_0,
-    KN,
-    KS,
-    LIFT,
-    MU,
     NOW,
     POINT,
-    PULL,
-    ROOM,
-    SHIFT,
     SIDE,
     Y,
 )
@@ -62,9 +66,9 @@ class Heap:
         self.start[:, AXES : AXES + 9] = [rotation(rng).ravel() for _ in range(n)]
         self.start[:, SIDE], self.start[:, BALL] = side, radius
         self.start[:, GAP_0] = rng.uniform(-1.0, -0.5, n)
-        self.law = np.zeros((n, spatial_step.N_LAW))
-        self.law[:, KN], self.law[:, KS] = rng.uniform(0.5, 2.0, (2, n))
-        self.held, self.shear = np.zeros(n), rng.normal(size=(n, 2))
+        self.law = np.zeros((n, N_TABLE))
+        self.law[:, STIFF_N], self.law[:, STIFF_T] = rng.uniform(0.5, 2.0, (2, n))
+        self.shear = rng.normal(size=(n, 2))
         self.axes_0 = np.array([rotation(rng) for _ in range(N)])
         self.motion = np.tile((0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0), (N, 1))
         self.turn, self.axes = np.zeros((N, 3, 3)), self.axes_0.copy()
@@ -86,7 +90,7 @@ class Heap:
             self.now, self.trial,
         )  # fmt: skip
         spatial_step.respond(
-            self.law, self.held, self.trial, 0, self.n, self.branch, self.reaction, self.response
+            self.law, self.trial, 0, self.n, self.branch, self.reaction, self.response
         )
 
     def wrenches(self):
@@ -137,9 +141,9 @@ class Heap:
 
 def dilatant(heap):
     """Friction with dilatancy, some bonds; sticking, sliding and open contacts among them."""
-    heap.law[:, MU], heap.law[:, LIFT] = 0.6, 0.3 * heap.law[:, KN]
+    heap.law[:, FRICTION], heap.law[:, LIFT] = 0.6, 0.3 * heap.law[:, STIFF_N]
     heap.law[:2, LIFT], heap.law[3, BOND] = 0.0, 1.0
-    heap.held[3] = 1.0
+    heap.law[:, HELD][3] = 1.0
     heap.start[4, GAP_0] = 5.0  # beyond what dilatancy lifts it by
     heap.shear[:4] *= 0.01
 
@@ -236,22 +240,26 @@ def test_responses_are_the_derivatives_of_the_joint_law():
         slides = heap.branch == FORWARD
         reaction, seen = heap.reaction[slides], seen | set(heap.branch)
         shear = np.hypot(reaction[:, 1], reaction[:, 2])
-        assert shear == pytest.approx(heap.law[slides, MU] * reaction[:, 0], rel=1e-12)
+        assert shear == pytest.approx(heap.law[slides, FRICTION] * reaction[:, 0], rel=1e-12)
     assert seen == {OPEN, STICKING, FORWARD, BONDED}
 
 
 def respond(heap):
-    spatial_step.respond(
-        heap.law, heap.held, heap.trial, 0, heap.n, heap.branch, heap.reaction, heap.response
-    )
+    spatial_step.respond(heap.law, heap.trial, 0, heap.n, heap.branch, heap.reaction, heap.response)
 
 
 def yielding(heap):
     """Joints that pull, that are sheared without pressure, and that are crushed; one has only the
     tip of its cone."""
     law = heap.law
-    law[:, MU], law[:, SHIFT], law[:, PULL], law[:, ROOM], law[:, CRUSH] = 0.6, 0.3, 0.3, 0.2, 1.0
-    law[0, ROOM], law[1, CRUSH] = 0.0, np.inf
+    law[:, FRICTION], law[:, SHIFT], law[:, PULL], law[:, ROOM], law[:, CRUSH] = (
+        0.6,
+        0.3,
+        0.3,
+        0.2,
+        1.0,
+    )
+    law[0, ROOM], law[1, CRUSH] = 0.0, 0.0
 
 
 def test_joints_that_yield_have_the_clipped_law_and_its_derivatives():
@@ -274,9 +282,10 @@ def test_joints_that_yield_have_the_clipped_law_and_its_derivatives():
         respond(heap)
         # As of dry joints; shear that is near nothing under room for some turns faster.
         assert heap.response == pytest.approx(np.stack(found, axis=-1), abs=1e-6)
-        normal = np.clip(trial[:, 0], 0.0, law[:, CRUSH])
+        crush = np.where(law[:, CRUSH] > 0.0, law[:, CRUSH], np.inf)
+        normal = np.clip(trial[:, 0], 0.0, crush)
         size = np.hypot(trial[:, 1], trial[:, 2])
-        share = np.minimum(1.0, (law[:, MU] * normal + law[:, ROOM]) / size)
+        share = np.minimum(1.0, (law[:, FRICTION] * normal + law[:, ROOM]) / size)
         expected = np.column_stack((normal - law[:, PULL], share[:, None] * trial[:, 1:]))
         assert heap.reaction == pytest.approx(expected, abs=1e-12)
         seen |= set(heap.branch)
@@ -293,10 +302,11 @@ def test_what_yields_ages():
     history = np.zeros((heap.n, N_HISTORY + 1))
     spatial_step.age(heap.which, heap.law, heap.trial, heap.reaction, heap.branch, heap.n, history)
     law, beyond = heap.law, heap.trial - heap.reaction
-    crushed = np.maximum(heap.trial[:, 0] - law[:, CRUSH], 0.0)
+    crush = np.where(law[:, CRUSH] > 0.0, law[:, CRUSH], np.inf)
+    crushed = np.maximum(heap.trial[:, 0] - crush, 0.0)
     assert crushed.max() > 0.0
-    assert history[:, DILATION] == pytest.approx(-crushed / law[:, KN], abs=1e-15)
-    slid = np.where(heap.branch == OPEN, 0.0, np.hypot(*beyond[:, 1:].T) / law[:, KS])
+    assert history[:, DILATION] == pytest.approx(-crushed / law[:, STIFF_N], abs=1e-15)
+    slid = np.where(heap.branch == OPEN, 0.0, np.hypot(*beyond[:, 1:].T) / law[:, STIFF_T])
     assert history[:, SLID] == pytest.approx(slid, abs=1e-14)
     assert history[:, SHEAR : SHEAR + 2] == pytest.approx(heap.reaction[:, 1:], abs=0.0)
 

@@ -197,7 +197,9 @@ TRIAL_N, TRIAL_T, ADD_N, ADD_T, PLASTIC = 6, 7, 8, 9, 10
 #: the tension that normal reactions are counted from, room for shear without pressure, and the
 #: reaction, so counted, at which the joint is crushed, or zero [N].
 SHIFT, PULL, ROOM, CRUSH = 11, 12, 13, 14
-N_TABLE = 15
+#: 1 where a bond holds, whatever it carries; in space (in the plane the branch BONDED says so).
+HELD = 15
+N_TABLE = 16
 
 
 class Contacts(NamedTuple):

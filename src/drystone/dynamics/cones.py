@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.contact.contacts import FRICTION, STIFF_N
+from drystone.contact.contacts import FRICTION, N_TABLE, STIFF_N, STIFF_T
 from drystone.contact.rows import IN_SPACE, contact_velocities
 from drystone.dynamics.sweeps import ContactProblem, momentum_defect
 from drystone.statics.linear.block_system import BlockSystem, SingularMatrixError
@@ -54,10 +54,10 @@ class Interior:
         self.trial, self.relative, self.aimed = (np.zeros((n, 3)) for _ in range(3))
         self.defect = np.zeros_like(self.free_velocity)
         table = self.problem.contacts.table
-        self.joint = np.zeros((n, kernels.N_JOINT))
-        self.joint[:, kernels.KN] = self.h * self.h * table[:, STIFF_N]
-        self.joint[:, kernels.KS] = self.penalty
-        self.joint[:, kernels.MU] = table[:, FRICTION]
+        self.joint = np.zeros((n, N_TABLE))
+        self.joint[:, STIFF_N] = self.h * self.h * table[:, STIFF_N]
+        self.joint[:, STIFF_T] = self.penalty
+        self.joint[:, FRICTION] = table[:, FRICTION]
 
     def start(self, velocity: Array, usual: float) -> None:
         """Begin at a velocity (n, n_dof), with impulses of the ``usual`` size [N s]."""

@@ -20,6 +20,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.contact.contacts import HELD, STIFF_N
 from drystone.geometry.motion import rotations, translations
 from drystone.statics.plane.piecewise import Accuracy
 from drystone.statics.space import cones
@@ -181,11 +182,11 @@ class ConeSearch:
         """Go down from a barrier; whether that ends in an equilibrium."""
         step, settings = self.step, self.settings
         n = step.n
-        joint, inner = step.joint[:n], step.inner[:n]
-        free = joint[:, cones.HELD] == 0.0
+        joint, inner = step.table[:n], step.inner[:n]
+        free = joint[:, HELD] == 0.0
         if not free.any():
             return self.newton(settings.warm_iterations)
-        unit = self.block_weight**2 / float(joint[free, cones.KN].mean())  # J
+        unit = self.block_weight**2 / float(joint[free, STIFF_N].mean())  # J
         step.damping[:] = 0.0
         self._centre(attempt, attempt.barrier, unit)
         again, least, since, stalled, recentred, fallen = 0, math.inf, 0, 0, 0, 0
@@ -247,7 +248,7 @@ class ConeSearch:
             barrier = max(barrier, most * unit)
         if attempt.by_increment:
             barrier += settings.reach * self.block_weight * abs(step.missing)
-        cones.centre_contacts(step.joint[:n], barrier, True, step.trial[:n], step.inner[:n])
+        cones.centre_contacts(step.table[:n], barrier, True, step.trial[:n], step.inner[:n])
 
     def _solved(self) -> bool:
         """Whether the joint law itself leaves nothing unbalanced here; else all is as before."""
@@ -295,7 +296,7 @@ class ConeSearch:
         """Predictor and corrector with one factorisation; how far along they went, at most 1, or
         not a number where there is no way on."""
         step, settings, n = self.step, self.settings, self.step.n
-        joint, inner, change = step.joint[:n], step.inner[:n], step.change[:n]
+        joint, inner, change = step.table[:n], step.inner[:n], step.change[:n]
         cones.responses(step.scaling[:n], step.response[:n])
         self.iterations += 1
         if not step.factorise(step.inside, attempt.least_damping):
@@ -329,7 +330,7 @@ class ConeSearch:
     def _direction(self, barrier: float, missing: float, *, second: bool) -> float:
         """Fill the first column and the changes; returns that of the multiplier."""
         step, n = self.step, self.step.n
-        joint, inner, change = step.joint[:n], step.inner[:n], step.change[:n]
+        joint, inner, change = step.table[:n], step.inner[:n], step.change[:n]
         scaling, trial, reaction = step.scaling[:n], step.trial[:n], step.reaction[:n]
 
         def aim(c: slice) -> None:
@@ -351,7 +352,7 @@ class ConeSearch:
     def _length(self, leeway: float, turning: float) -> float:
         """How far all may go: contacts may leave their cones where they can be put back."""
         step, n = self.step, self.step.n
-        joint, inner, change = step.joint[:n], step.inner[:n], step.change[:n]
+        joint, inner, change = step.table[:n], step.inner[:n], step.change[:n]
         far, least = cones.length(joint, inner, change, leeway)
         while far > least and cones.turns_too_far(joint, far, inner, change, turning):
             far *= 0.8

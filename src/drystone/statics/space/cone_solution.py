@@ -15,11 +15,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.contact.contacts import STIFF_N
 from drystone.geometry.motion import translations
 from drystone.statics.linear import numeric as lu_numeric
 from drystone.statics.plane import path
 from drystone.statics.plane.piecewise import Accuracy, StepSolution
-from drystone.statics.space import cones
 from drystone.statics.space.cone_search import Attempt, ConeSearch, ConeSettings
 from drystone.statics.space.cone_step import ConeStep, Place
 
@@ -107,7 +107,7 @@ class _Solver:
     def __init__(self, step: ConeStep, accuracy: Accuracy, settings: SpaceSettings) -> None:
         self.step, self.settings = step, settings
         self.search = ConeSearch(step, accuracy, settings.cones)
-        s, stiffness = settings.stability, step.joint[: step.n, cones.KN]
+        s, stiffness = settings.stability, step.table[: step.n, STIFF_N]
         closing = self.search.block_weight / float(stiffness.mean()) if step.n else math.inf
         self.shift = min(s.push * closing, s.most_push)  # m
 

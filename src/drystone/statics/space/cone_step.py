@@ -20,19 +20,17 @@ from numpy.typing import NDArray
 
 from drystone.common.threads import team
 from drystone.contact.contacts import (
-    BOND,
     CRUSH,
     FIRST,
     FRICTION,
-    LIFT,
+    HELD,
+    N_TABLE,
     NONE,
     PAIR,
     PULL,
     ROOM,
     SHIFT,
     STIFF_N,
-    STIFF_T,
-    TENSILE,
     TRIAL_N,
     TRIAL_T,
     Contacts,
@@ -106,9 +104,8 @@ class ConeStep:
         self.places = Places(
             which=np.zeros((n_slots, 4), np.int64),
             start=np.zeros((n_slots, spatial_step.N_PLACE)),
-            law=np.zeros((n_slots, spatial_step.N_LAW)),
+            table=np.zeros((n_slots, N_TABLE)),
             shear=np.zeros((n_slots, 2)),
-            held=np.zeros(n_slots),
             first=np.zeros(n_pairs + 1, np.int64),
         )
         self.n = 0
@@ -116,7 +113,6 @@ class ConeStep:
         self.trial, self.reaction, self.by_motion = (np.zeros((n_slots, 3)) for _ in range(3))
         self.response = np.zeros((n_slots, 3, 3))
         self.branch = np.zeros(n_slots, np.int64)
-        self.joint = np.zeros((n_slots, cones.N_JOINT))
         self.inner, self.change = (np.zeros((n_slots, cones.N_INNER)) for _ in range(2))
         self.scaling = np.zeros((n_slots, cones.N_SCALING))
         self.given = np.zeros((n, n_dof))  # increments of supports that move
@@ -187,12 +183,6 @@ class ConeStep:
         )
         self.cuts, self.little_cuts = self._cut(MANY), self._cut(MANY_OF_LITTLE)
         self.branch[:n] = branch[self.places.which[:n, 0]]
-        law, joint = self.places.law[:n], self.joint
-        joint[:n, cones.KN], joint[:n, cones.KS] = law[:, spatial_step.KN], law[:, spatial_step.KS]
-        joint[:n, cones.MU] = law[:, spatial_step.MU]
-        joint[:n, cones.RAISE] = law[:, spatial_step.LIFT] / law[:, spatial_step.KS]
-        joint[:n, cones.HELD] = self.places.held[:n]
-        joint[:n, cones.PULL :] = 0.0
         self.origin[:], self.history = np.arange(len(self.origin)), None
         self.holding = self.holding[:0] if held is None else held
         self.fresh = self.holding if fresh is None else fresh
@@ -207,15 +197,12 @@ class ConeStep:
         rows = np.flatnonzero(yields)
         slot = used[rows]
         now, area = held[slot], self.known.size[slot]
-        law, joint = self.places.law, self.joint
-        law[rows, spatial_step.KN] = joint[rows, cones.KN] = now[:, H_KN] * area
-        law[rows, spatial_step.MU] = joint[rows, cones.MU] = now[:, H_MU]
-        law[rows, spatial_step.SHIFT] = now[:, H_SHIFT] * area
-        law[rows, spatial_step.PULL] = joint[rows, cones.PULL] = now[:, H_PULL] * area
-        law[rows, spatial_step.ROOM] = joint[rows, cones.ROOM] = now[:, H_ROOM] * area
-        crush = now[:, H_CRUSH] * area
-        law[rows, spatial_step.CRUSH] = crush
-        joint[rows, cones.CRUSH] = np.where(np.isfinite(crush), crush, 0.0)
+        table, crush = self.places.table, now[:, H_CRUSH] * area
+        table[rows, STIFF_N] = now[:, H_KN] * area
+        table[rows, FRICTION] = now[:, H_MU]
+        for column, own in ((SHIFT, H_SHIFT), (PULL, H_PULL), (ROOM, H_ROOM)):
+            table[rows, column] = now[:, own] * area
+        table[rows, CRUSH] = np.where(np.isfinite(crush), crush, 0.0)
 
     def meet(self, slight: float) -> bool:
         """Take on the contacts of pairs that have come to press each other elsewhere than followed.
@@ -237,7 +224,7 @@ class ConeStep:
         pushes = np.maximum(self.reaction[:n, 0], 0.0)
         carried = np.bincount(self.places.which[:n, PAIR], pushes, minlength=pairs.n_pairs)
         # What bonds hold together has not come to meet.
-        held = np.bincount(self.places.which[:n, PAIR], self.places.held[:n], pairs.n_pairs)
+        held = np.bincount(self.places.which[:n, PAIR], self.places.table[:n, HELD], pairs.n_pairs)
         anew = ((pressed > slight + 2.0 * carried) & (held == 0.0))[pairs.of_slot]
         if not anew.any():
             return False
@@ -336,13 +323,18 @@ class ConeStep:
     # Equations.
 
     @property
+    def table(self) -> Array:
+        """What the contacts in use have of their joints, (n_slots, N_TABLE)."""
+        return self.places.table
+
+    @property
     def inside(self) -> Array:
         """Reactions (n_slots, 3 or more) of the variables of the interior [N]."""
         if not len(self.holding):
             return self.inner
         n = self.n
         self.drawn[:n] = self.inner[:n, :3]
-        self.drawn[:n, 0] -= self.joint[:n, cones.PULL]
+        self.drawn[:n, 0] -= self.table[:n, PULL]
         return self.drawn
 
     def respond(self) -> None:
@@ -447,30 +439,31 @@ class ConeStep:
         self._by_pairs(lambda low, high: work(slice(first[low], first[high])))
 
     def _locate(self, low: int, high: int) -> None:
-        which, start, law, shear, _, first = self.places
+        which, start, table, shear, first = self.places
         spatial_step.locate(
-            which, start, law, shear, first, low, high, self.motion, self.turn, self.now, self.trial
-        )
+            which, start, table, shear, first, low, high, self.motion, self.turn, self.now,
+            self.trial,
+        )  # fmt: skip
 
     def _respond(self, low: int, high: int) -> None:
-        law, held, first = self.places.law, self.places.held, self.places.first
+        table, first = self.places.table, self.places.first
         spatial_step.respond(
-            law, held, self.trial, first[low], first[high], self.branch, self.reaction,
+            table, self.trial, first[low], first[high], self.branch, self.reaction,
             self.response,
         )  # fmt: skip
 
     def _wrenches(self, reaction: Array, low: int, high: int) -> None:
-        which, start, _, _, _, first = self.places
+        which, start, _, _, first = self.places
         spatial_step.wrenches(which, start, self.now, first, low, high, reaction, self.wrench)
 
     def _relative(self, low: int, high: int) -> None:
-        which, start, _, _, _, first = self.places
+        which, start, _, _, first = self.places
         spatial_step.relative(which, start, self.now, first, low, high, self.twist, self.by_motion)
 
     def _stiffness(self, reaction: Array, low: int, high: int) -> None:
-        which, start, law, _, _, first = self.places
+        which, start, table, _, first = self.places
         spatial_step.stiffness(
-            which, start, self.now, law, first, low, high, reaction, self.response, self.axes,
+            which, start, self.now, table, first, low, high, reaction, self.response, self.axes,
             self.of_pairs, self.tangent.upper, self.tangent.lower,
         )  # fmt: skip
 
@@ -486,7 +479,7 @@ class ConeStep:
         """History of contacts where the step is, (n_slots, N_HISTORY + 1)."""
         history, places = self.history_before.copy(), self.places
         spatial_step.age(
-            places.which, places.law, self.trial, self.reaction, self.branch, self.n, history
+            places.which, places.table, self.trial, self.reaction, self.branch, self.n, history
         )
         return history
 
@@ -523,7 +516,7 @@ class ConeStep:
         committed = self.history_before[slot]
         gap = gap + committed[:, joint_law.DILATION]
         point = strengths.points(law, start[slot], committed, gap, size / area)
-        p, kn = point.T, self.places.law[rows, spatial_step.KN] / area
+        p, kn = point.T, self.table[rows, STIFF_N] / area
         along = np.divide(shear, size[:, None], out=np.zeros_like(shear), where=size[:, None] > 0.0)
         across = np.eye(2) - along[:, :, None] * along[:, None, :]
         share = np.divide(area * p[softening.P_SHEAR], size, out=np.ones(len(rows)), where=size > 0)
@@ -566,15 +559,11 @@ class ConeStep:
     def judged(self, history: Array) -> JudgedContacts:
         """The contacts as last evaluated; with their ``history``, see `finish`."""
         n = self.n
-        law, which = self.places.law[:n], self.places.which[:n]
+        which = self.places.which[:n]
         contacts = Contacts.empty(n, 3, 0)
         contacts.which[:] = which
         table = contacts.table
-        table[:, STIFF_N], table[:, STIFF_T] = law[:, spatial_step.KN], law[:, spatial_step.KS]
-        table[:, FRICTION], table[:, LIFT] = law[:, spatial_step.MU], law[:, spatial_step.LIFT]
-        table[:, BOND], table[:, TENSILE] = law[:, spatial_step.BOND], law[:, spatial_step.TENSILE]
-        table[:, SHIFT], table[:, PULL] = law[:, spatial_step.SHIFT], law[:, spatial_step.PULL]
-        table[:, ROOM], table[:, CRUSH] = law[:, spatial_step.ROOM], law[:, spatial_step.CRUSH]
+        table[:] = self.table[:n]
         table[:, TRIAL_N], table[:, TRIAL_T] = self.trial[:n, 0], self.trial[:n, 1]
         used = which[:, 0]
         gap = self.places.start[:n, spatial_step.GAP_0] + self.now[:n, Y]

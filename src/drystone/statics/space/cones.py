@@ -26,15 +26,21 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-from drystone.contact.contacts import BODY_A, BODY_B, PAIR, STIFF_N
+from drystone.contact.contacts import (
+    BODY_A,
+    BODY_B,
+    CRUSH,
+    FRICTION,
+    HELD,
+    LIFT,
+    PAIR,
+    PULL,
+    ROOM,
+    STIFF_N,
+    STIFF_T,
+)
 from drystone.contact.rows import IN_SPACE
 from drystone.law.yielding import central_normal
-
-#: Columns of a contact's law: stiffnesses [N/m; kg], friction, what dilatancy lifts by over the
-#: shear that slid, whether a bond holds; tension that the normal reaction is counted from, room
-#: for shear without pressure, and the reaction at which it is crushed, or zero [N].
-KN, KS, MU, RAISE, HELD, PULL, ROOM, CRUSH = range(8)
-N_JOINT = 8
 
 #: Columns of a contact's variables, and of their changes: reactions, slacks, slack of crushing and
 #: what is left until then [N; N s].
@@ -72,10 +78,10 @@ def trial_impulses(problem, h, penalty, centre, relative, trial):
 
 
 @njit(cache=True, error_model="numpy")
-def _floor(joint, inner, c):
+def _floor(table, inner, c):
     """Product that a contact's pair keeps where there is no barrier; see `LEAST`."""
     square = inner[c, Z1] * inner[c, Z1] + inner[c, Z2] * inner[c, Z2]
-    most = 2.0 * LEAST * joint[c, MU] * inner[c, PN] + 2.0 * LEAST * joint[c, ROOM]
+    most = 2.0 * LEAST * table[c, FRICTION] * inner[c, PN] + 2.0 * LEAST * table[c, ROOM]
     return most * np.sqrt(square)
 
 
@@ -91,10 +97,10 @@ def _is_central(inner, c, most, beta):
 
 
 @njit(cache=True, error_model="numpy")
-def _is_central_normal(joint, inner, c, product):
+def _is_central_normal(table, inner, c, product):
     """Whether a contact's normal reaction and slack are so, for the product that they should have;
     those of contacts that may be crushed never leave their cones."""
-    if joint[c, CRUSH] > 0.0:
+    if table[c, CRUSH] > 0.0:
         return True
     pn, w = inner[c, PN], inner[c, W]
     return pn > 0.0 and w > 0.0 and pn * w >= CENTRAL_NORMAL * product
@@ -136,28 +142,28 @@ def _centre_crushing(crush, trial, product, inner, c):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def centre_contacts(joint, energy, everything, trial, inner):
+def centre_contacts(table, energy, everything, trial, inner):
     """Variables of contacts for their trial reactions and a barrier ``energy`` [J]: of those that
     lie too near to the ends of their cones or outside, or of all."""
-    for c in range(joint.shape[0]):
+    for c in range(table.shape[0]):
         tn, t1, t2 = trial[c, 0], trial[c, 1], trial[c, 2]
-        if joint[c, HELD] != 0.0:
+        if table[c, HELD] != 0.0:
             if everything:
                 inner[c, PN], inner[c, P1], inner[c, P2], inner[c, W] = tn, t1, t2, 0.0
                 inner[c, ZETA], inner[c, Z1], inner[c, Z2] = 0.0, 0.0, 0.0
                 inner[c, V], inner[c, CAP] = 0.0, 0.0
             continue
-        beta = 2.0 * joint[c, KS] * energy
-        product = joint[c, KN] * energy
-        if everything or not _is_central_normal(joint, inner, c, product):
+        beta = 2.0 * table[c, STIFF_T] * energy
+        product = table[c, STIFF_N] * energy
+        if everything or not _is_central_normal(table, inner, c, product):
             larger = 0.5 * (abs(tn) + np.sqrt(tn * tn + 4.0 * product))
             inner[c, PN] = larger if tn > 0.0 else product / larger
             inner[c, W] = product / inner[c, PN]
             inner[c, V], inner[c, CAP] = 0.0, 0.0
-            if joint[c, CRUSH] > 0.0:
-                _centre_crushing(joint[c, CRUSH], tn, product, inner, c)
-        most, size = joint[c, MU] * inner[c, PN] + joint[c, ROOM], np.sqrt(t1 * t1 + t2 * t2)
-        if not everything and _is_central(inner, c, most, beta + _floor(joint, inner, c)):
+            if table[c, CRUSH] > 0.0:
+                _centre_crushing(table[c, CRUSH], tn, product, inner, c)
+        most, size = table[c, FRICTION] * inner[c, PN] + table[c, ROOM], np.sqrt(t1 * t1 + t2 * t2)
+        if not everything and _is_central(inner, c, most, beta + _floor(table, inner, c)):
             continue
         if most == 0.0:
             inner[c, P1], inner[c, P2], inner[c, ZETA] = 0.0, 0.0, 0.0
@@ -172,28 +178,28 @@ def centre_contacts(joint, energy, everything, trial, inner):
 
 
 @njit(cache=True, error_model="numpy")
-def scale(joint, inner, scaling):
+def scale(table, inner, scaling):
     """Fill what of the scaling does not depend on what is aimed at; the mean energy [J]."""
     energy, n = 0.0, 0
-    for c in range(joint.shape[0]):
-        mu, ks = joint[c, MU], joint[c, KS]
+    for c in range(table.shape[0]):
+        mu, ks = table[c, FRICTION], table[c, STIFF_T]
         n1, n2, t1, t2, s11, s12, s22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        if joint[c, HELD] != 0.0:
+        if table[c, HELD] != 0.0:
             nn, s11, s22 = 1.0, 1.0, 1.0
         else:
             pn, p1, p2, w = inner[c, PN], inner[c, P1], inner[c, P2], inner[c, W]
-            energy += pn * w / joint[c, KN]
+            energy += pn * w / table[c, STIFF_N]
             n += 1
             nn = pn / (pn + w)
-            if joint[c, CRUSH] > 0.0:
-                energy += inner[c, V] * inner[c, CAP] / joint[c, KN]
+            if table[c, CRUSH] > 0.0:
+                energy += inner[c, V] * inner[c, CAP] / table[c, STIFF_N]
                 n += 1
                 nn = 1.0 / (1.0 + w / pn + inner[c, V] / inner[c, CAP])
-        if joint[c, HELD] == 0.0 and mu + joint[c, ROOM] != 0.0:
+        if table[c, HELD] == 0.0 and mu + table[c, ROOM] != 0.0:
             zeta, z1, z2 = inner[c, ZETA], inner[c, Z1], inner[c, Z2]
-            most = mu * pn + joint[c, ROOM]
+            most = mu * pn + table[c, ROOM]
             dot = most * zeta - p1 * z1 - p2 * z2
-            energy += max(dot - _floor(joint, inner, c), 0.0) / (2.0 * ks)
+            energy += max(dot - _floor(table, inner, c), 0.0) / (2.0 * ks)
             n += 1
             det_p, det_d = most * most - (p1 * p1 + p2 * p2), zeta * zeta - (z1 * z1 + z2 * z2)
             rp, rd = 1.0 / np.sqrt(det_p), 1.0 / np.sqrt(det_d)
@@ -212,7 +218,7 @@ def scale(joint, inner, scaling):
             s12 = (along - across) * e1 * e2
             g1, g2 = -2.0 * g * v0 * v1, -2.0 * g * v0 * v2
             first, second = along * g1, along * g2
-            raised = joint[c, RAISE]
+            raised = table[c, LIFT] / table[c, STIFF_T]
             if raised > 0.0:
                 g0 = g * (2.0 * v0 * v0 - 1.0)
                 nn = 1.0 / (1.0 + w / pn + raised * mu * (g0 - g1 * first - g2 * second))
@@ -236,34 +242,34 @@ def _scaled(eta, v0, v1, v2, x0, x1, x2):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def aim(joint, energy, second, trial, inner, change, scaling, reaction):
+def aim(table, energy, second, trial, inner, change, scaling, reaction):
     """Fill what is lacking of a barrier ``energy`` [J]; with ``second``, the products of the
     changes that the step without a barrier would make are taken off.
 
     ``reaction`` (n_contacts, 3) is filled with what the aim asks for where the blocks do not move.
     """
-    for c in range(joint.shape[0]):
-        mu = joint[c, MU]
+    for c in range(table.shape[0]):
+        mu = table[c, FRICTION]
         pn, p1, p2, w = inner[c, PN], inner[c, P1], inner[c, P2], inner[c, W]
-        if joint[c, HELD] != 0.0:
+        if table[c, HELD] != 0.0:
             b0, b1, b2 = trial[c, 0] - pn, trial[c, 1] - p1, trial[c, 2] - p2
         else:
-            lack = joint[c, KN] * energy - pn * w
+            lack = table[c, STIFF_N] * energy - pn * w
             if second:
                 lack -= change[c, PN] * change[c, W]
             b0, b1, b2 = trial[c, 0] + w - pn + lack / pn, 0.0, 0.0
-            if joint[c, CRUSH] > 0.0:
-                lack = joint[c, KN] * energy - inner[c, V] * inner[c, CAP]
+            if table[c, CRUSH] > 0.0:
+                lack = table[c, STIFF_N] * energy - inner[c, V] * inner[c, CAP]
                 if second:
                     lack -= change[c, V] * change[c, CAP]
                 b0 -= inner[c, V] + lack / inner[c, CAP]
-        if joint[c, HELD] == 0.0 and mu + joint[c, ROOM] != 0.0:
+        if table[c, HELD] == 0.0 and mu + table[c, ROOM] != 0.0:
             zeta, z1, z2 = inner[c, ZETA], inner[c, Z1], inner[c, Z2]
             eta, v0, v1, v2 = scaling[c, ETA], scaling[c, V0], scaling[c, V1], scaling[c, V2]
             back = 1.0 / eta
             l0, l1, l2 = _scaled(eta, v0, v1, v2, zeta, -z1, -z2)
-            floor = _floor(joint, inner, c)
-            x0 = 2.0 * joint[c, KS] * energy + floor - (l0 * l0 + l1 * l1 + l2 * l2)
+            floor = _floor(table, inner, c)
+            x0 = 2.0 * table[c, STIFF_T] * energy + floor - (l0 * l0 + l1 * l1 + l2 * l2)
             x1, x2 = -2.0 * l0 * l1, -2.0 * l0 * l2
             if second:
                 q0, q1, q2 = _scaled(
@@ -280,23 +286,23 @@ def aim(joint, energy, second, trial, inner, change, scaling, reaction):
             r0, r1, r2 = _scaled(back, v0, -v1, -v2, y0, y1, y2)
             scaling[c, R0], scaling[c, R1], scaling[c, R2] = r0, r1, r2
             b1, b2 = trial[c, 1] - z1 - p1 + r1, trial[c, 2] - z2 - p2 + r2
-            b0 += joint[c, RAISE] * (zeta + r0)
+            b0 += (table[c, LIFT] / table[c, STIFF_T]) * (zeta + r0)
         scaling[c, B0], scaling[c, B1], scaling[c, B2] = b0, b1, b2
         s12 = scaling[c, S12]
         reaction[c, 0] = pn + scaling[c, NN] * b0 + scaling[c, N1] * b1 + scaling[c, N2] * b2
-        reaction[c, 0] -= joint[c, PULL]
+        reaction[c, 0] -= table[c, PULL]
         reaction[c, 1] = p1 + scaling[c, T1] * b0 + scaling[c, S11] * b1 + s12 * b2
         reaction[c, 2] = p2 + scaling[c, T2] * b0 + s12 * b1 + scaling[c, S22] * b2
 
 
 @njit(cache=True, error_model="numpy")
-def tangent(problem, joint, scaling, diagonal, upper, lower):
+def tangent(problem, table, scaling, diagonal, upper, lower):
     """Add H^T A diag(k_n, k_s, k_s) H to a block matrix [kg], of contacts without dilatancy."""
     nd = len(IN_SPACE)
     which, rows, _ = problem.contacts
     block = np.zeros((2 * nd, 2 * nd))
     for c in range(which.shape[0]):
-        kn, penalty = joint[c, KN], joint[c, KS]
+        kn, penalty = table[c, STIFF_N], table[c, STIFF_T]
         a, b, pair = which[c, BODY_A], which[c, BODY_B], which[c, PAIR]
         a00, a10, a20 = kn * scaling[c, NN], kn * scaling[c, T1], kn * scaling[c, T2]
         a11, a12 = penalty * scaling[c, S11], penalty * scaling[c, S12]
@@ -327,10 +333,10 @@ def responses(scaling, response):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def changes(joint, energy, second, relative, inner, scaling, change):
+def changes(table, energy, second, relative, inner, scaling, change):
     """Changes of all variables for those of relative places or velocities (n_contacts, 3)."""
     for c in range(inner.shape[0]):
-        mu, kn, ks = joint[c, MU], joint[c, KN], joint[c, KS]
+        mu, kn, ks = table[c, FRICTION], table[c, STIFF_N], table[c, STIFF_T]
         x0 = scaling[c, B0] - kn * relative[c, 0]
         x1, x2 = scaling[c, B1] - ks * relative[c, 1], scaling[c, B2] - ks * relative[c, 2]
         s12 = scaling[c, S12]
@@ -338,18 +344,18 @@ def changes(joint, energy, second, relative, inner, scaling, change):
         d1 = scaling[c, T1] * x0 + scaling[c, S11] * x1 + s12 * x2
         d2 = scaling[c, T2] * x0 + s12 * x1 + scaling[c, S22] * x2
         dw, d_zeta, dz1, dz2, dv = 0.0, 0.0, 0.0, 0.0, 0.0
-        if joint[c, HELD] == 0.0:
+        if table[c, HELD] == 0.0:
             pn, w = inner[c, PN], inner[c, W]
             lack = kn * energy - pn * w
             if second:
                 lack -= change[c, PN] * change[c, W]
             dw = (lack - w * dn) / pn
-            if joint[c, CRUSH] > 0.0:
+            if table[c, CRUSH] > 0.0:
                 lack = kn * energy - inner[c, V] * inner[c, CAP]
                 if second:
                     lack -= change[c, V] * change[c, CAP]
                 dv = (lack + inner[c, V] * dn) / inner[c, CAP]
-            if mu + joint[c, ROOM] == 0.0:
+            if mu + table[c, ROOM] == 0.0:
                 d1, d2 = 0.0, 0.0
             else:
                 # W^-2 = (2 v v^T - diag(1, -1, -1)) / eta^2, with the direction reversed.
@@ -361,7 +367,7 @@ def changes(joint, energy, second, relative, inner, scaling, change):
                 dz2 = g * (d2 - v2 * along) - scaling[c, R2]
         change[c, PN], change[c, P1], change[c, P2], change[c, W] = dn, d1, d2, dw
         change[c, ZETA], change[c, Z1], change[c, Z2] = d_zeta, dz1, dz2
-        if joint[c, CRUSH] > 0.0:
+        if table[c, CRUSH] > 0.0:
             change[c, V], change[c, CAP] = dv, -dn
 
 
@@ -393,7 +399,7 @@ def _within(p0, p1, p2, d0, d1, d2, far):
 
 
 @njit(cache=True, error_model="numpy")
-def length(joint, inner, change, leeway):
+def length(table, inner, change, leeway):
     """How far all contacts may go along their changes, at most 1, by their normal reactions; and by
     their pairs as well.
 
@@ -402,21 +408,21 @@ def length(joint, inner, change, leeway):
     """
     far, pairs = 1.0, 1.0
     for c in range(inner.shape[0]):
-        if joint[c, HELD] != 0.0:
+        if table[c, HELD] != 0.0:
             continue
-        mu, pn, dn = joint[c, MU], inner[c, PN], change[c, PN]
+        mu, pn, dn = table[c, FRICTION], inner[c, PN], change[c, PN]
         w, dw = inner[c, W], change[c, W]
-        if joint[c, CRUSH] > 0.0:
+        if table[c, CRUSH] > 0.0:
             far = _up_to(inner[c, V], change[c, V], 0.0, far)
             far = _up_to(inner[c, CAP], change[c, CAP], 0.0, far)
             beyond = 0.0
         else:
-            beyond = np.sqrt(joint[c, KN] * leeway)
+            beyond = np.sqrt(table[c, STIFF_N] * leeway)
         far = _up_to(pn, dn, beyond, far)
         far = _up_to(w, dw, beyond, far)
-        if mu + joint[c, ROOM] > 0.0 and pn + far * dn > 0.0:
+        if mu + table[c, ROOM] > 0.0 and pn + far * dn > 0.0:
             p1, p2, d1, d2 = inner[c, P1], inner[c, P2], change[c, P1], change[c, P2]
-            most = mu * pn + joint[c, ROOM]
+            most = mu * pn + table[c, ROOM]
             if not _within(most, p1, p2, mu * dn, d1, d2, pairs):
                 pairs = min(pairs, _room(most, p1, p2, mu * dn, d1, d2))
             p0, d0 = inner[c, ZETA], change[c, ZETA]
@@ -434,17 +440,17 @@ def _up_to(value, change, beyond, far):
 
 
 @njit(cache=True, error_model="numpy")
-def turns_too_far(joint, far, inner, change, leeway):
+def turns_too_far(table, far, inner, change, leeway):
     """Whether a contact leaves its cone by so much, ``far`` along its changes, that it cannot be
     put back by turning: see `TURN`.
 
     Forces that a barrier ``leeway`` [J] makes fuzzy, up to sqrt(k_s e), may turn any way.
     """
     for c in range(inner.shape[0]):
-        if joint[c, HELD] != 0.0:
+        if table[c, HELD] != 0.0:
             continue
         w1, w2, u1, u2 = inner[c, P1], inner[c, P2], inner[c, Z1], inner[c, Z2]
-        most = joint[c, MU] * (inner[c, PN] + far * change[c, PN]) + joint[c, ROOM]
+        most = table[c, FRICTION] * (inner[c, PN] + far * change[c, PN]) + table[c, ROOM]
         p1, p2 = w1 + far * change[c, P1], w2 + far * change[c, P2]
         z1, z2 = u1 + far * change[c, Z1], u2 + far * change[c, Z2]
         zeta = inner[c, ZETA] + far * change[c, ZETA]
@@ -455,7 +461,7 @@ def turns_too_far(joint, far, inner, change, leeway):
             continue
         size, slid = np.sqrt(size), np.sqrt(slid)
         was, slid_was = np.sqrt(w1 * w1 + w2 * w2), np.sqrt(u1 * u1 + u2 * u2)
-        fuzzy = np.sqrt(joint[c, KS] * leeway)
+        fuzzy = np.sqrt(table[c, STIFF_T] * leeway)
         if max(most, size, slid, abs(zeta)) < fuzzy:
             continue
         # What has slid by little may stick again at once.
@@ -470,24 +476,24 @@ def turns_too_far(joint, far, inner, change, leeway):
 
 
 @njit(cache=True, error_model="numpy")
-def energy_at(joint, far, inner, change):
+def energy_at(table, far, inner, change):
     """Mean energy [J] where all contacts have gone ``far`` along their changes."""
     energy, n = 0.0, 0
     for c in range(inner.shape[0]):
-        if joint[c, HELD] != 0.0:
+        if table[c, HELD] != 0.0:
             continue
-        mu, pn = joint[c, MU], inner[c, PN] + far * change[c, PN]
-        energy += pn * (inner[c, W] + far * change[c, W]) / joint[c, KN]
+        mu, pn = table[c, FRICTION], inner[c, PN] + far * change[c, PN]
+        energy += pn * (inner[c, W] + far * change[c, W]) / table[c, STIFF_N]
         n += 1
-        if joint[c, CRUSH] > 0.0:
+        if table[c, CRUSH] > 0.0:
             v, cap = inner[c, V] + far * change[c, V], inner[c, CAP] + far * change[c, CAP]
-            energy += v * cap / joint[c, KN]
+            energy += v * cap / table[c, STIFF_N]
             n += 1
-        if mu + joint[c, ROOM] > 0.0:
-            most = mu * pn + joint[c, ROOM]
+        if mu + table[c, ROOM] > 0.0:
+            most = mu * pn + table[c, ROOM]
             dot = most * (inner[c, ZETA] + far * change[c, ZETA])
             dot -= (inner[c, P1] + far * change[c, P1]) * (inner[c, Z1] + far * change[c, Z1])
             dot -= (inner[c, P2] + far * change[c, P2]) * (inner[c, Z2] + far * change[c, Z2])
-            energy += max(dot - _floor(joint, inner, c), 0.0) / (2.0 * joint[c, KS])
+            energy += max(dot - _floor(table, inner, c), 0.0) / (2.0 * table[c, STIFF_T])
             n += 1
     return energy / max(n, 1)

@@ -32,15 +32,26 @@ from drystone.contact.contacts import (
     BALL_3,
     BODY_A,
     BODY_B,
+    BOND,
+    CRUSH,
+    FRICTION,
     GAP,
+    HELD,
     KIND,
     LAW,
+    LIFT,
     NONE,
     NORMAL_3,
     PAIR,
+    PULL,
+    ROOM,
+    SHIFT,
     SIZE,
     SLOT,
+    STIFF_N,
+    STIFF_T,
     TANGENT_3,
+    TENSILE,
     VERTEX_B,
     A,
     B,
@@ -53,6 +64,9 @@ from drystone.law.law import (
     DILATANCY_END,
     DILATION,
     FORWARD,
+    KN,
+    KS,
+    MU,
     OPEN,
     SHEAR,
     SLID,
@@ -61,10 +75,7 @@ from drystone.law.law import (
     TENSION,
     TIE,
 )
-from drystone.law.law import KN as LAW_KN
-from drystone.law.law import KS as LAW_KS
-from drystone.law.law import MU as LAW_MU
-from drystone.law.yielding import CRUSHED, TORN, along_joint
+from drystone.law.yielding import CRUSHED, TORN, along_joint, crushing
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -79,13 +90,6 @@ N_PLACE = 18
 Y, NOW, ARM_V, ARM_F = 0, 3, 12, 15
 N_NOW = 18
 
-#: Columns of its law: stiffnesses [N/m], friction, lift [N/m], bond and tensile force [N]; of
-#: joints that soften, are crushed or close hyperbolically what is added to the trial reaction, the
-#: tension that it is counted from, room for shear without pressure, and the reaction, so counted,
-#: at which the joint is crushed; that is zero of all others [N].  See `law.yielding`.
-KN, KS, MU, LIFT, BOND, TENSILE, SHIFT, PULL, ROOM, CRUSH = range(10)
-N_LAW = 10
-
 #: Of the sums that the stiffness of a pair is made from, where those begin that its contacts of
 #: either sense add to its geometric part, after the material part of 6 by 6.
 ON_B, ON_A = 36, 57
@@ -97,9 +101,8 @@ class Places(NamedTuple):
 
     which: IntArray  # (n_slots, 4) slot, pair, bodies
     start: Array  # (n_slots, N_PLACE)
-    law: Array  # (n_slots, N_LAW)
+    table: Array  # (n_slots, N_TABLE), see `contact.contacts`
     shear: Array  # (n_slots, 2) N, at the start of the step
-    held: Array  # (n_slots,) 1 where a bond holds
     first: IntArray  # (n_pairs + 1,) first contact of each pair
 
 
@@ -111,7 +114,7 @@ def pack(slots, pairs, laws, history, closed, places):
     """
     meets, value = slots
     pair, of_pair = pairs.of_slot, pairs.which
-    which, start, law_of, first = places.which, places.start, places.law, places.first
+    which, start, table, first = places.which, places.start, places.table, places.first
     count, last = 0, -1
     for k in range(meets.shape[0]):
         if meets[k, KIND] == NONE:
@@ -140,14 +143,14 @@ def pack(slots, pairs, laws, history, closed, places):
         start[c, GAP_0] = value[k, GAP] - history[k, DILATION]
         start[c, BALL], start[c, SIDE] = ball, side
         area = value[k, SIZE]
-        law_of[c, KN], law_of[c, KS] = laws[law, LAW_KN] * area, laws[law, LAW_KS] * area
-        law_of[c, MU] = laws[law, LAW_MU]
+        table[c, STIFF_N], table[c, STIFF_T] = laws[law, KN] * area, laws[law, KS] * area
+        table[c, FRICTION] = laws[law, MU]
         dilates = closed[k] and history[k, SLID] < laws[law, DILATANCY_END]
-        law_of[c, LIFT] = law_of[c, KN] * laws[law, TAN_PSI] if dilates else 0.0
-        law_of[c, BOND], law_of[c, TENSILE] = laws[law, COHESION] * area, laws[law, TENSION] * area
-        bonded = law_of[c, BOND] > 0.0 or law_of[c, TENSILE] > 0.0
-        law_of[c, SHIFT], law_of[c, PULL], law_of[c, ROOM], law_of[c, CRUSH] = 0.0, 0.0, 0.0, 0.0
-        places.held[c] = 1.0 if bonded and history[k, BROKEN] == 0.0 else 0.0
+        table[c, LIFT] = table[c, STIFF_N] * laws[law, TAN_PSI] if dilates else 0.0
+        table[c, BOND], table[c, TENSILE] = laws[law, COHESION] * area, laws[law, TENSION] * area
+        bonded = table[c, BOND] > 0.0 or table[c, TENSILE] > 0.0
+        table[c, SHIFT], table[c, PULL], table[c, ROOM], table[c, CRUSH] = 0.0, 0.0, 0.0, 0.0
+        table[c, HELD] = 1.0 if bonded and history[k, BROKEN] == 0.0 else 0.0
         places.shear[c, 0], places.shear[c, 1] = history[k, SHEAR], history[k, SHEAR + 1]
     while last < of_pair.shape[0]:
         last += 1
@@ -185,7 +188,7 @@ def turn_on(step, length, axes_0, motion, turn, axes):
 
 
 @njit(cache=True, nogil=True)
-def locate(which, start, law, shear, first, low, high, motion, turn, now, trial):
+def locate(which, start, table, shear, first, low, high, motion, turn, now, trial):
     """Where the contacts of pairs ``low`` to ``high`` are, and their trial reactions (n, 3) [N]."""
     for c in range(first[low], first[high]):
         on_b = start[c, SIDE] > 0.0
@@ -226,9 +229,9 @@ def locate(which, start, law, shear, first, low, high, motion, turn, now, trial)
             for k in range(1, 3):
                 along = now[c, NOW + k] * x0 + now[c, NOW + 3 + k] * x1 + now[c, NOW + 6 + k] * x2
                 now[c, Y + k] -= ball * along
-        trial[c, 0] = law[c, SHIFT] - law[c, KN] * (start[c, GAP_0] + now[c, Y])
-        trial[c, 1] = shear[c, 0] - law[c, KS] * now[c, Y + 1]
-        trial[c, 2] = shear[c, 1] - law[c, KS] * now[c, Y + 2]
+        trial[c, 0] = table[c, SHIFT] - table[c, STIFF_N] * (start[c, GAP_0] + now[c, Y])
+        trial[c, 1] = shear[c, 0] - table[c, STIFF_T] * now[c, Y + 1]
+        trial[c, 2] = shear[c, 1] - table[c, STIFF_T] * now[c, Y + 2]
 
 
 @njit(cache=True, nogil=True)
@@ -320,10 +323,16 @@ def sum_wrenches(begin, of_body, wrench, axes, force):
 
 
 @njit(cache=True)
-def _state_beyond(law, c, tn, size, hint):
+def _beyond_dry(table, c):
+    """Whether a joint pulls, or may be torn or crushed."""
+    return table[c, PULL] > 0.0 or table[c, ROOM] > 0.0 or table[c, CRUSH] > 0.0
+
+
+@njit(cache=True)
+def _state_beyond(table, c, tn, size, hint):
     """Branch of a contact of a joint that yields, and its normal reaction, from the tension on; it
     stays in the branch ``hint`` where another is no nearer but by rounding."""
-    room, crush, was = law[c, ROOM], law[c, CRUSH], along_joint(hint)
+    room, crush, was = table[c, ROOM], crushing(table, c), along_joint(hint)
     state, normal = 0, tn
     if tn <= 0.0 or (tn <= TIE * room and BONDED < hint <= CRUSHED):
         if room == 0.0:
@@ -331,7 +340,7 @@ def _state_beyond(law, c, tn, size, hint):
         state, normal = TORN, 0.0
     elif tn > crush * (1.0 + TIE) or (tn >= crush * (1.0 - TIE) and hint > CRUSHED):
         state, normal = CRUSHED, crush
-    most = law[c, MU] * normal + room
+    most = table[c, FRICTION] * normal + room
     over, near = size - most, TIE * (size + most)
     if over <= 0.0:
         return state + (FORWARD if was == FORWARD and over >= -near else STICKING), normal
@@ -339,12 +348,12 @@ def _state_beyond(law, c, tn, size, hint):
 
 
 @njit(cache=True)
-def _respond_beyond(law, trial, c, hint, reaction, response):
+def _respond_beyond(table, trial, c, hint, reaction, response):
     """`respond` of a contact of a joint that yields; its branch."""
-    t1, t2, mu = trial[c, 1], trial[c, 2], law[c, MU]
+    t1, t2, mu = trial[c, 1], trial[c, 2], table[c, FRICTION]
     size = np.sqrt(t1 * t1 + t2 * t2)
-    branch, normal = _state_beyond(law, c, trial[c, 0], size, hint)
-    reaction[c, 0], reaction[c, 1], reaction[c, 2] = normal - law[c, PULL], 0.0, 0.0
+    branch, normal = _state_beyond(table, c, trial[c, 0], size, hint)
+    reaction[c, 0], reaction[c, 1], reaction[c, 2] = normal - table[c, PULL], 0.0, 0.0
     if branch == OPEN:
         return branch
     nn = 0.0 if branch > BONDED else 1.0
@@ -353,7 +362,7 @@ def _respond_beyond(law, trial, c, hint, reaction, response):
         reaction[c, 1], reaction[c, 2] = t1, t2
         response[c, 1, 1], response[c, 2, 2] = 1.0, 1.0
         return branch
-    most = mu * normal + law[c, ROOM]
+    most = mu * normal + table[c, ROOM]
     e1, e2, share = 0.0, 0.0, 0.0
     if size > 0.0:
         e1, e2, share = t1 / size, t2 / size, most / size
@@ -365,7 +374,7 @@ def _respond_beyond(law, trial, c, hint, reaction, response):
 
 
 @njit(cache=True, nogil=True)
-def respond(law, held, trial, low, high, branch, reaction, response):
+def respond(table, trial, low, high, branch, reaction, response):
     """The joint law: reactions (n, 3) and their derivatives (n, 3, 3) by the trial reactions.
 
     ``branch`` (n,) is filled; a contact at its cone to rounding keeps the one it has.
@@ -375,15 +384,15 @@ def respond(law, held, trial, low, high, branch, reaction, response):
         for i in range(3):
             for j in range(3):
                 response[c, i, j] = 0.0
-        if held[c] != 0.0:
+        if table[c, HELD] != 0.0:
             branch[c] = BONDED
             reaction[c, 0], reaction[c, 1], reaction[c, 2] = tn, t1, t2
             response[c, 0, 0], response[c, 1, 1], response[c, 2, 2] = 1.0, 1.0, 1.0
             continue
-        if law[c, CRUSH] != 0.0:
-            branch[c] = _respond_beyond(law, trial, c, branch[c], reaction, response)
+        if _beyond_dry(table, c):
+            branch[c] = _respond_beyond(table, trial, c, branch[c], reaction, response)
             continue
-        ks, mu, lift = law[c, KS], law[c, MU], law[c, LIFT]
+        ks, mu, lift = table[c, STIFF_T], table[c, FRICTION], table[c, LIFT]
         size = np.sqrt(t1 * t1 + t2 * t2)
         if ks * tn + lift * size <= 0.0:
             branch[c] = OPEN
@@ -413,25 +422,25 @@ def respond(law, held, trial, low, high, branch, reaction, response):
 
 
 @njit(cache=True)
-def age(which, law, trial, reaction, branch, count, history):
+def age(which, table, trial, reaction, branch, count, history):
     """What contacts have at the end of a step, into ``history`` (n_slots, N_HISTORY) so far."""
     for c in range(count):
         k = which[c, SLOT]
         history[k, SHEAR], history[k, SHEAR + 1] = reaction[c, 1], reaction[c, 2]
-        if law[c, CRUSH] != 0.0:
-            normal = reaction[c, 0] + law[c, PULL]
+        if _beyond_dry(table, c):
+            normal = reaction[c, 0] + table[c, PULL]
             if branch[c] > CRUSHED:
-                history[k, DILATION] -= (trial[c, 0] - normal) / law[c, KN]
+                history[k, DILATION] -= (trial[c, 0] - normal) / table[c, STIFF_N]
             if along_joint(branch[c]) == FORWARD:
-                most = law[c, MU] * normal + law[c, ROOM]
-                slid = (np.hypot(trial[c, 1], trial[c, 2]) - most) / law[c, KS]
+                most = table[c, FRICTION] * normal + table[c, ROOM]
+                slid = (np.hypot(trial[c, 1], trial[c, 2]) - most) / table[c, STIFF_T]
                 history[k, SLID] += slid
         elif branch[c] == FORWARD:
             size = np.hypot(trial[c, 1], trial[c, 2])
-            mu, lift = law[c, MU], law[c, LIFT]
-            slid = (size - mu * trial[c, 0]) / (law[c, KS] + mu * lift)
+            mu, lift = table[c, FRICTION], table[c, LIFT]
+            slid = (size - mu * trial[c, 0]) / (table[c, STIFF_T] + mu * lift)
             if lift > 0.0:
-                history[k, DILATION] += lift / law[c, KN] * slid
+                history[k, DILATION] += lift / table[c, STIFF_N] * slid
             history[k, SLID] += slid
 
 
@@ -460,9 +469,9 @@ def _add_row(total, at, b0, b1, b2, r0, r1, r2, j, up, k, down):
 
 
 @njit(cache=True)
-def _add_material(now, law, response, c, side, total):
+def _add_material(now, table, response, c, side, total):
     """Add a contact's B, B [r], [r] B and [r] B [r] to ``total``, r its arm from body a."""
-    kn, ks = law[c, KN], law[c, KS]
+    kn, ks = table[c, STIFF_N], table[c, STIFF_T]
     arm = ARM_F if side > 0.0 else ARM_V
     r0, r1, r2 = now[c, arm], now[c, arm + 1], now[c, arm + 2]
     q00, q01, q02 = now[c, NOW], now[c, NOW + 1], now[c, NOW + 2]
@@ -596,7 +605,7 @@ def _spread_geometric(total, at, sense, way, vv, vf, fv, ff):
 # Many: contacts, what they carry, and the blocks that are filled.
 @njit(cache=True, nogil=True)
 def stiffness(
-    which, start, now, law, first, low, high, reaction, response, axes, diagonal, upper, lower,
+    which, start, now, table, first, low, high, reaction, response, axes, diagonal, upper, lower,
 ):  # fmt: skip
     """Stiffness of the contacts of pairs ``low`` to ``high``, of minus forces, geometric part and
     all.
@@ -632,7 +641,7 @@ def stiffness(
         on_a, on_b = False, False
         for c in range(first[p], first[p + 1]):
             side = start[c, SIDE]
-            _add_material(now, law, response, c, side, total)
+            _add_material(now, table, response, c, side, total)
             if reaction[c, 0] == 0.0 and reaction[c, 1] == 0.0 and reaction[c, 2] == 0.0:
                 continue
             if side > 0.0:
