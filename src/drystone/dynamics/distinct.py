@@ -698,7 +698,7 @@ class DistinctEngine:
         work.cycle_once()
         k = slice(0, work.n_contacts)
         reaction, law = work.contacts.reaction[k], work.contacts.law[k]
-        stiffness = law[:, [joint_law.L_KN] + [joint_law.L_KS] * (reaction.shape[1] - 1)]
+        stiffness = law[:, [joint_law.KN] + [joint_law.KS] * (reaction.shape[1] - 1)]
         velocity = 0.5 * (before + work.motion.velocity)
         return Energy(
             kinetic=0.5 * float(np.sum(work.acting.mass * velocity**2)),

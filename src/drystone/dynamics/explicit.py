@@ -42,43 +42,7 @@ from drystone.dynamics.explicit_space import (
     move_in_space,
     place_in_space,
 )
-from drystone.law.law import (  # fmt: skip
-    BY_CRUSHING,
-    BY_OPENING,
-    BY_SLIP,
-    COHESION,
-    COHESIVE,
-    CRUSHES,
-    DILATANCY_END,
-    KN,
-    KS,
-    L_BOND,
-    L_BY_CRUSHING,
-    L_BY_OPENING,
-    L_BY_SLIP,
-    L_COHESIVE,
-    L_CRUSH,
-    L_END,
-    L_KN,
-    L_KS,
-    L_MU,
-    L_PER_SLIP,
-    L_PULL,
-    L_RESIDUAL,
-    L_TAN_PSI,
-    L_TENSION,
-    L_YIELDS,
-    LEAST_MU,
-    MU,
-    N_CONTACT_LAW,
-    N_HISTORY,
-    OPEN,
-    PER_SLIP,
-    PULLS,
-    TAN_PSI,
-    TENSION,
-    YIELDS,
-)
+from drystone.law.law import N_HISTORY, N_LAW, OPEN, PER_AREA
 from drystone.model.tie_kernels import add_forces, age, locate
 
 #: Entries of the meter, see `cycle`.
@@ -102,7 +66,7 @@ class FrozenContacts(NamedTuple):
     edge: IntArray  # (n_contacts,) body that owns the normal
     other: IntArray  # (n_contacts,)
     shape: Array  # (n_contacts, N_SHAPE), of `explicit_plane` or `explicit_space`
-    law: Array  # (n_contacts, N_CONTACT_LAW), see `law.law`
+    law: Array  # (n_contacts, N_LAW), as the table of laws; see `PER_AREA`
     history: Array  # (n_contacts, N_HISTORY + dim - 2)
     reaction: Array  # (n_contacts, dim) N
     status: IntArray  # (n_contacts,)
@@ -116,7 +80,7 @@ class FrozenContacts(NamedTuple):
             edge=np.zeros(n, np.int64),
             other=np.zeros(n, np.int64),
             shape=np.zeros((n, n_shape)),
-            law=np.zeros((n, N_CONTACT_LAW)),
+            law=np.zeros((n, N_LAW)),
             history=np.zeros((n, N_HISTORY + dim - 2)),
             reaction=np.zeros((n, dim)),
             status=np.zeros(n, np.int64),
@@ -173,18 +137,10 @@ def _pack(slots, pairs, laws, thickness, history, contacts):
         slot[c] = k
         area = value[k, SIZE] * thickness
         row = of_pair[pair[k], LAW]
-        law[c, L_KN] = laws[row, KN] * area
-        law[c, L_KS] = laws[row, KS] * area
-        law[c, L_MU] = laws[row, MU]
-        law[c, L_TAN_PSI] = laws[row, TAN_PSI]
-        law[c, L_BOND] = laws[row, COHESION] * area
-        law[c, L_TENSION] = laws[row, TENSION] * area
-        law[c, L_END] = laws[row, DILATANCY_END]
-        law[c, L_YIELDS], law[c, L_RESIDUAL] = laws[row, YIELDS], laws[row, LEAST_MU]
-        law[c, L_COHESIVE], law[c, L_PULL] = laws[row, COHESIVE] * area, laws[row, PULLS] * area
-        law[c, L_BY_OPENING], law[c, L_BY_SLIP] = laws[row, BY_OPENING], laws[row, BY_SLIP]
-        law[c, L_CRUSH], law[c, L_PER_SLIP] = laws[row, CRUSHES] * area, laws[row, PER_SLIP]
-        law[c, L_BY_CRUSHING] = laws[row, BY_CRUSHING]
+        for h in range(N_LAW):
+            law[c, h] = laws[row, h]
+        for h in PER_AREA:
+            law[c, h] *= area
         for h in range(known.shape[1]):
             known[c, h] = history[k, h]
         for d in range(reaction.shape[1]):

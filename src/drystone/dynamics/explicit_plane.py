@@ -30,26 +30,8 @@ from drystone.contact.contacts import (
     A,
     B,
 )
-from drystone.law.cycles import normal_in_cycle, shear_in_cycle
-from drystone.law.law import (  # fmt: skip
-    BROKEN,
-    DILATION,
-    L_BOND,
-    L_END,
-    L_KN,
-    L_KS,
-    L_MU,
-    L_TAN_PSI,
-    L_TENSION,
-    L_YIELDS,
-    OPEN,
-    SHEAR,
-    SLID,
-    SLIDING,
-    STICKING,
-    drag,
-    opens,
-)
+from drystone.law.cycles import holds_in_cycle, opens_in_cycle, react_in_cycle
+from drystone.law.law import DILATION, KN, KS, OPEN, SHEAR
 
 #: Columns of `explicit.FrozenContacts.shape`: local vertex of the other body, local vertex and
 #: tangent of the edge body [m], radius of the other body, sum of both, 1 where two vertices meet
@@ -163,23 +145,17 @@ def act_in_plane(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_w
             q = shape[c, R_SUM] / distance
             roll_o = shape[c, R_O]
             roll_e = shape[c, R_SUM] - roll_o
-        rn = law[c, L_KN] * (history[c, DILATION] - gap)
-        bonded = history[c, BROKEN] == 0.0
-        held = bonded and bonds_hold and law[c, L_BOND] + law[c, L_TENSION] > 0.0
-        yields = law[c, L_YIELDS] != 0.0
-        if not held and not yields:
-            is_open, whole = opens(rn, gap, law[c, L_TENSION], bonded)
-            if bonded and not whole:
-                history[c, BROKEN] = 1.0
-            if is_open:
-                rt = history[c, SHEAR]
-                if rt != 0.0 or status[c] != OPEN:
-                    friction_work += 0.5 * rt * rt / law[c, L_KS]
-                    history[c, SHEAR] = 0.0
-                    reaction[c, 0] = 0.0
-                    reaction[c, 1] = 0.0
-                    status[c] = OPEN
-                continue
+        rn = law[c, KN] * (history[c, DILATION] - gap)
+        held = holds_in_cycle(law, history, c, bonds_hold)
+        if opens_in_cycle(law, history, c, rn, gap, held):
+            rt = history[c, SHEAR]
+            if rt != 0.0 or status[c] != OPEN:
+                friction_work += 0.5 * rt * rt / law[c, KS]
+                history[c, SHEAR] = 0.0
+                reaction[c, 0] = 0.0
+                reaction[c, 1] = 0.0
+                status[c] = OPEN
+            continue
         # Moments per unit of normal and of tangential reaction.
         me_n = nx * ey - ny * ex
         mo_n = ny * ox - nx * oy
@@ -187,27 +163,10 @@ def act_in_plane(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_w
         mo_t = roll_o - q * (ny * oy + nx * ox)
         slip = q * (ny * (velocity[o, 0] - velocity[e, 0]) - nx * (velocity[o, 1] - velocity[e, 1]))
         slip += me_t * velocity[e, 2] + mo_t * velocity[o, 2]
-        ks = law[c, L_KS]
-        trial = history[c, SHEAR] - ks * dt * slip
-        rt, now = trial, STICKING
-        if yields:
-            rn, taken = normal_in_cycle(law, history, c, gap)
-            rt, now, work = shear_in_cycle(law, history, c, rn, abs(trial))
-            friction_work += taken + work
-            rt = rt if trial > 0.0 else -rt
-        elif not held:
-            tan_psi = law[c, L_TAN_PSI] if history[c, SLID] < law[c, L_END] else 0.0
-            bond = law[c, L_BOND] if bonded else 0.0
-            rn, rt, now, gamma = drag(rn, trial, bond, law[c, L_KN], ks, law[c, L_MU], tan_psi)
-            if now != STICKING:
-                history[c, BROKEN] = 1.0
-            if now == OPEN:
-                friction_work += 0.5 * trial * trial / ks
-            elif now == SLIDING:
-                history[c, DILATION] += tan_psi * gamma
-                history[c, SLID] += gamma
-                # What sliding takes, less what it gives back by lifting the joint.
-                friction_work += (abs(rt) - rn * tan_psi) * gamma
+        trial = history[c, SHEAR] - law[c, KS] * dt * slip
+        rn, rt, now, work = react_in_cycle(law, history, c, rn, gap, abs(trial), held)
+        friction_work += work
+        rt = rt if trial >= 0.0 else -rt
         history[c, SHEAR] = rt
         reaction[c, 0] = rn
         reaction[c, 1] = rt

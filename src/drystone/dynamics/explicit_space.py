@@ -51,26 +51,8 @@ from drystone.contact.contacts import (
     B,
 )
 from drystone.geometry.rotation import fill_turn, spin, turned
-from drystone.law.cycles import normal_in_cycle, shear_in_cycle
-from drystone.law.law import (  # fmt: skip
-    BROKEN,
-    DILATION,
-    L_BOND,
-    L_END,
-    L_KN,
-    L_KS,
-    L_MU,
-    L_TAN_PSI,
-    L_TENSION,
-    L_YIELDS,
-    OPEN,
-    SHEAR,
-    SLID,
-    SLIDING,
-    STICKING,
-    drag_along,
-    opens,
-)
+from drystone.law.cycles import holds_in_cycle, opens_in_cycle, react_in_cycle
+from drystone.law.law import DILATION, KN, KS, OPEN, SHEAR, STICKING
 
 Array = NDArray[np.float64]
 
@@ -218,22 +200,16 @@ def act_in_space(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_w
         gap = nx * (shape[c, DESIGNED] + dx) + ny * (shape[c, DESIGNED + 1] + dy)
         gap += nz * (shape[c, DESIGNED + 2] + dz)
         gap = shape[c, REST] + (gap + (hx * dx + hy * dy + hz * dz))
-        rn = law[c, L_KN] * (history[c, DILATION] - gap)
-        bonded = history[c, BROKEN] == 0.0
-        held = bonded and bonds_hold and law[c, L_BOND] + law[c, L_TENSION] > 0.0
-        yields = law[c, L_YIELDS] != 0.0
+        rn = law[c, KN] * (history[c, DILATION] - gap)
+        held = holds_in_cycle(law, history, c, bonds_hold)
         r1, r2 = history[c, SHEAR], history[c, SHEAR + 1]
-        if not held and not yields:
-            is_open, whole = opens(rn, gap, law[c, L_TENSION], bonded)
-            if bonded and not whole:
-                history[c, BROKEN] = 1.0
-            if is_open:
-                if r1 != 0.0 or r2 != 0.0 or status[c] != OPEN:
-                    friction_work += 0.5 * (r1 * r1 + r2 * r2) / law[c, L_KS]
-                    history[c, SHEAR], history[c, SHEAR + 1] = 0.0, 0.0
-                    reaction[c, 0], reaction[c, 1], reaction[c, 2] = 0.0, 0.0, 0.0
-                    status[c] = OPEN
-                continue
+        if opens_in_cycle(law, history, c, rn, gap, held):
+            if r1 != 0.0 or r2 != 0.0 or status[c] != OPEN:
+                friction_work += 0.5 * (r1 * r1 + r2 * r2) / law[c, KS]
+                history[c, SHEAR], history[c, SHEAR + 1] = 0.0, 0.0
+                reaction[c, 0], reaction[c, 1], reaction[c, 2] = 0.0, 0.0, 0.0
+                status[c] = OPEN
+            continue
         nx, ny, nz = hx + nx, hy + ny, hz + nz
         ox, oy, oz = ox + px - ball * nx, oy + py - ball * ny, oz + pz - ball * nz
         ex = (centroid[o, 0] - centroid[e, 0]) + ux + ox
@@ -253,32 +229,14 @@ def act_in_space(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_w
         vx -= wy * ez - wz * ey
         vy -= wz * ex - wx * ez
         vz -= wx * ey - wy * ex
-        ks = law[c, L_KS]
+        ks = law[c, KS]
         trial_1 = r1 - ks * dt * (vx * tx + vy * ty + vz * tz)
         trial_2 = r2 - ks * dt * (vx * sx + vy * sy + vz * sz)
-        r1, r2, now = trial_1, trial_2, STICKING
-        if yields:
-            rn, taken = normal_in_cycle(law, history, c, gap)
-            size = np.sqrt(trial_1 * trial_1 + trial_2 * trial_2)
-            most, now, work = shear_in_cycle(law, history, c, rn, size)
-            friction_work += taken + work
-            share = most / size if most < size else 1.0
-            r1, r2 = share * trial_1, share * trial_2
-        elif not held:
-            tan_psi = law[c, L_TAN_PSI] if history[c, SLID] < law[c, L_END] else 0.0
-            bond = law[c, L_BOND] if bonded else 0.0
-            rn, r1, r2, now, gamma = drag_along(
-                rn, trial_1, trial_2, bond, law[c, L_KN], ks, law[c, L_MU], tan_psi
-            )
-            if now != STICKING:
-                history[c, BROKEN] = 1.0
-            if now == OPEN:
-                friction_work += 0.5 * (trial_1 * trial_1 + trial_2 * trial_2) / ks
-            elif now == SLIDING:
-                history[c, DILATION] += tan_psi * gamma
-                history[c, SLID] += gamma
-                # What sliding takes, less what it gives back by lifting the joint.
-                friction_work += (np.sqrt(r1 * r1 + r2 * r2) - rn * tan_psi) * gamma
+        size = np.sqrt(trial_1 * trial_1 + trial_2 * trial_2)
+        rn, rt, now, work = react_in_cycle(law, history, c, rn, gap, size, held)
+        friction_work += work
+        share = rt / size if now != STICKING and size > 0.0 else 1.0
+        r1, r2 = share * trial_1, share * trial_2
         history[c, SHEAR], history[c, SHEAR + 1] = r1, r2
         reaction[c, 0], reaction[c, 1], reaction[c, 2] = rn, r1, r2
         status[c] = now

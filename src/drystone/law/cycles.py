@@ -1,7 +1,8 @@
-"""Joints that soften or are crushed, as cycles follow them: their strengths fall on the way.
+"""The joint law in explicit cycles: what a contact carries, and what becomes of its joint.
 
-See `law.strengths` for how.  In a cycle strengths are those that the last one has left, and
-what opens, slips or is crushed in it is small.
+Bonds that are brittle break at once.  Strengths of joints that soften or are crushed fall from
+cycle to cycle, see `law.strengths`: they are those that the last cycle has left, and what opens,
+slips or is crushed in one is small.  Shear is taken by its size, so that plane and space are one.
 """
 
 from __future__ import annotations
@@ -10,51 +11,158 @@ import numpy as np
 
 from drystone.common.compiled import njit
 from drystone.law.law import (
+    AT_CONE,
     BROKEN,
+    BY_CRUSHING,
+    BY_OPENING,
+    BY_SLIP,
+    COHESION,
+    COHESIVE,
+    CRUSHES,
+    DILATANCY_END,
     DILATION,
-    L_BY_CRUSHING,
-    L_BY_OPENING,
-    L_BY_SLIP,
-    L_COHESIVE,
-    L_CRUSH,
-    L_KN,
-    L_KS,
-    L_MU,
-    L_PER_SLIP,
-    L_PULL,
-    L_RESIDUAL,
+    KN,
+    KS,
+    LEAST_MU,
+    MU,
     OPEN,
     OPENED,
+    PER_SLIP,
+    PULLS,
     SLID,
     SLIDING,
     SOFTENED,
     STICKING,
+    TAN_PSI,
+    TENSION,
+    YIELDS,
+    slide,
 )
 from drystone.law.softening import LOST
+
+#: Faces that are drawn apart by less are as they were laid but for rounding [m].
+GRAZE = 1e-9
+
+
+@njit(cache=True)
+def _opens(rn, gap, tension, whole):
+    """Whether a contact is open in a cycle, and whether its bond is ``whole`` still.
+
+    ``rn`` is the trial reaction, ``tension`` the bond's strength [N].
+    """
+    if rn >= 0.0:
+        return False, whole
+    whole = whole and not (gap > GRAZE and rn < -tension)
+    return not whole or tension == 0.0, whole
+
+
+@njit(cache=True)
+def _drag(rn, rt, bond, kn, ks, mu, tan_psi):
+    """Reactions [N] of trial ones in a cycle, the contact's status then, and how far it slid [m].
+
+    A bond that breaks under tension leaves the contact open.  ``bond`` is zero where it is broken.
+    """
+    limit = mu * rn + bond
+    if not (abs(rt) > limit * (1.0 - AT_CONE) and rt != 0.0):
+        return rn, rt, STICKING, 0.0
+    if rn <= 0.0:
+        return 0.0, 0.0, OPEN, 0.0
+    gamma = slide(rn, abs(rt), ks, mu, kn * tan_psi)
+    rn += kn * tan_psi * gamma
+    return rn, mu * rn if rt > 0.0 else -mu * rn, SLIDING, gamma
+
+
+@njit(cache=True)
+def opens_in_cycle(law, history, c, rn, gap, held):
+    """Whether a contact carries nothing in this cycle, for its trial reaction ``rn`` [N].
+
+    A brittle bond that the gap has torn is marked as broken.  Bonds that are ``held`` hold whatever
+    they carry, and what yields is for `react_in_cycle`.
+    """
+    if held or law[c, YIELDS] != 0.0:
+        return False
+    bonded = history[c, BROKEN] == 0.0
+    is_open, whole = _opens(rn, gap, law[c, TENSION], bonded)
+    if bonded and not whole:
+        history[c, BROKEN] = 1.0
+    return is_open
+
+
+@njit(cache=True)
+def holds_in_cycle(law, history, c, bonds_hold):
+    """Whether a contact has a brittle bond that holds whatever it carries."""
+    whole = history[c, BROKEN] == 0.0
+    return whole and bonds_hold and law[c, COHESION] + law[c, TENSION] > 0.0
+
+
+@njit(cache=True)
+def react_in_cycle(law, history, c, rn, gap, size, held):
+    """What a contact that is not open carries in a cycle; its joint's history goes on with it.
+
+    Parameters
+    ----------
+    law, history
+        Of all contacts, (n, N_LAW), see `law.law.PER_AREA`, and (n, N_HISTORY or more).
+    rn, size
+        Trial reaction and size of the trial shear [N].
+    gap
+        In the present poses [m].
+    held
+        See `holds_in_cycle`.
+
+    Returns
+    -------
+    rn, rt
+        Normal reaction and size of the shear [N].
+    now
+        Status of the contact.
+    work
+        Dissipated [J].
+    """
+    if law[c, YIELDS] != 0.0:
+        rn, taken = normal_in_cycle(law, history, c, gap)
+        rt, now, work = shear_in_cycle(law, history, c, rn, size)
+        return rn, rt, now, taken + work
+    if held:
+        return rn, size, STICKING, 0.0
+    tan_psi = law[c, TAN_PSI] if history[c, SLID] < law[c, DILATANCY_END] else 0.0
+    bond = law[c, COHESION] if history[c, BROKEN] == 0.0 else 0.0
+    ks, work = law[c, KS], 0.0
+    rn, rt, now, gamma = _drag(rn, size, bond, law[c, KN], ks, law[c, MU], tan_psi)
+    if now != STICKING:
+        history[c, BROKEN] = 1.0
+    if now == OPEN:
+        work = 0.5 * size * size / ks
+    elif now == SLIDING:
+        history[c, DILATION] += tan_psi * gamma
+        history[c, SLID] += gamma
+        # What sliding takes, less what it gives back by lifting the joint.
+        work = (rt - rn * tan_psi) * gamma
+    return rn, rt, now, work
 
 
 @njit(cache=True)
 def normal_in_cycle(law, history, c, gap):
     """Normal reaction [N] at a gap, and the work [J] of opening or crushing in it."""
-    kn, work = law[c, L_KN], 0.0
+    kn, work = law[c, KN], 0.0
     away = gap - history[c, DILATION]
     if away <= 0.0:
         rn = -kn * away
-        softened = law[c, L_BY_CRUSHING] * max(-history[c, DILATION], 0.0)
-        most = law[c, L_CRUSH] * np.exp(-min(softened, LOST))
+        softened = law[c, BY_CRUSHING] * max(-history[c, DILATION], 0.0)
+        most = law[c, CRUSHES] * np.exp(-min(softened, LOST))
         if rn > most:
             crushed = (rn - most) / kn
             history[c, DILATION] -= crushed
             return most, most * crushed
         return rn, work
-    pull = law[c, L_PULL]
+    pull = law[c, PULLS]
     if history[c, BROKEN] != 0.0 or pull == 0.0 or away <= history[c, OPENED]:
         return 0.0, work
     rn, most = -kn * (away - history[c, OPENED]), pull * np.exp(-history[c, SOFTENED])
     if -rn > most:
         torn = (-rn - most) / kn
         history[c, OPENED] += torn
-        history[c, SOFTENED] += law[c, L_BY_OPENING] * torn
+        history[c, SOFTENED] += law[c, BY_OPENING] * torn
         rn = -pull * np.exp(-history[c, SOFTENED])
         work = most * torn
     return rn, work
@@ -63,20 +171,20 @@ def normal_in_cycle(law, history, c, gap):
 @njit(cache=True)
 def shear_in_cycle(law, history, c, rn, size):
     """Size of the tangential reaction [N] of a trial one, the contact's status, and work [J]."""
-    bonded = law[c, L_COHESIVE] + law[c, L_PULL] > 0.0
+    bonded = law[c, COHESIVE] + law[c, PULLS] > 0.0
     whole = bonded and history[c, BROKEN] == 0.0
     left = np.exp(-history[c, SOFTENED]) if whole else 0.0
     if rn <= 0.0 and not whole:
-        return 0.0, OPEN, 0.5 * size * size / law[c, L_KS]
-    share = left if bonded else np.exp(-law[c, L_PER_SLIP] * history[c, SLID])
-    mu = law[c, L_RESIDUAL] + (law[c, L_MU] - law[c, L_RESIDUAL]) * share
-    most = max(mu * rn + law[c, L_COHESIVE] * left, 0.0)
+        return 0.0, OPEN, 0.5 * size * size / law[c, KS]
+    share = left if bonded else np.exp(-law[c, PER_SLIP] * history[c, SLID])
+    mu = law[c, LEAST_MU] + (law[c, MU] - law[c, LEAST_MU]) * share
+    most = max(mu * rn + law[c, COHESIVE] * left, 0.0)
     now, work = STICKING, 0.0
     if size > most:
-        slid = (size - most) / law[c, L_KS]
+        slid = (size - most) / law[c, KS]
         history[c, SLID] += slid
         if whole:
-            history[c, SOFTENED] += law[c, L_BY_SLIP] * slid
+            history[c, SOFTENED] += law[c, BY_SLIP] * slid
         now, work, size = SLIDING, most * slid, most
     if whole and history[c, SOFTENED] > LOST:
         history[c, BROKEN] = 1.0

@@ -74,9 +74,6 @@ SLIDING = 2
 #: A contact this near to its cone slides, where it is asked anew in every sweep or cycle.
 AT_CONE = 1e-9
 
-#: Faces that are drawn apart by less are as they were laid but for rounding [m].
-GRAZE = 1e-9
-
 #: Angles of friction in space are found to this [rad], from at least so many.
 ANGLE, N_ANGLES = 1e-9, 32
 
@@ -89,16 +86,6 @@ BOND_TIE = 1e-6
 DILATION, SLID, BROKEN, SOFTENED, OPENED, SHEAR = 0, 1, 2, 3, 4, 5
 N_HISTORY = 6  # in the plane
 
-#: Columns of a contact's law in cycles: stiffnesses [N/m], friction, dilatancy, bond and tensile
-#: force [N], slide at which dilatancy ends [m].
-L_KN, L_KS, L_MU, L_TAN_PSI, L_BOND, L_TENSION, L_END = 0, 1, 2, 3, 4, 5, 6
-#: Of those that yield, see `law.cycles`: whether they do, cohesion and tensile force
-#: [N], how their bond softens by opening and by slip [1/m], friction in the end and how it falls by
-#: slip [1/m], crushing force [N] and how that falls by crushing [1/m].
-L_YIELDS, L_COHESIVE, L_PULL, L_BY_OPENING, L_BY_SLIP, L_RESIDUAL, L_PER_SLIP = range(7, 14)
-L_CRUSH, L_BY_CRUSHING = 14, 15
-N_CONTACT_LAW = 16
-
 #: Columns of the table of joint laws: mu, k_n, k_s [Pa/m], tan psi, c, f_t [Pa] of brittle bonds,
 #: slide at which dilatancy ends [m].
 MU, KN, KS, TAN_PSI, COHESION, TENSION, DILATANCY_END = 0, 1, 2, 3, 4, 5, 6
@@ -108,6 +95,8 @@ YIELDS, COHESIVE, PULLS, BY_OPENING, BY_SLIP, LEAST_MU, PER_SLIP, CRUSHES, BY_CR
     7, 16
 )
 N_LAW = 16
+#: Those that contacts have times their area, in newtons.
+PER_AREA = (KN, KS, COHESION, TENSION, COHESIVE, PULLS, CRUSHES)
 
 #: Columns of what a contact that is not dry has in a step: k_n [Pa/m], what is added to its trial
 #: reaction, the tension that counts it from, room for shear without pressure [Pa], mu, and where it
@@ -735,42 +724,3 @@ def status_of(pairs, laws, reaction, status):
             status[k] = OPEN
         else:
             status[k] = SLIDING if np.sqrt(square) >= limit else STICKING
-
-
-@njit(cache=True, error_model="numpy")
-def opens(rn, gap, tension, whole):
-    """Whether a contact is open in a cycle, and whether its bond is ``whole`` still.
-
-    ``rn`` is the trial reaction, ``tension`` the bond's strength [N].
-    """
-    if rn >= 0.0:
-        return False, whole
-    whole = whole and not (gap > GRAZE and rn < -tension)
-    return not whole or tension == 0.0, whole
-
-
-@njit(cache=True, error_model="numpy")
-def drag(rn, rt, bond, kn, ks, mu, tan_psi):
-    """Reactions [N] of trial ones in a cycle, the contact's status then, and how far it slid [m].
-
-    A bond that breaks under tension leaves the contact open.  ``bond`` is zero where it is broken.
-    """
-    limit = mu * rn + bond
-    if not (abs(rt) > limit * (1.0 - AT_CONE) and rt != 0.0):
-        return rn, rt, STICKING, 0.0
-    if rn <= 0.0:
-        return 0.0, 0.0, OPEN, 0.0
-    gamma = slide(rn, abs(rt), ks, mu, kn * tan_psi)
-    rn += kn * tan_psi * gamma
-    return rn, mu * rn if rt > 0.0 else -mu * rn, SLIDING, gamma
-
-
-@njit(cache=True, error_model="numpy")
-def drag_along(rn, r1, r2, bond, kn, ks, mu, tan_psi):
-    """As `drag`, for two tangential components: the joint slides against the trial shear."""
-    trial = np.sqrt(r1 * r1 + r2 * r2)
-    rn, rt, now, gamma = drag(rn, trial, bond, kn, ks, mu, tan_psi)
-    if now == STICKING:
-        return rn, r1, r2, now, gamma
-    share = rt / trial
-    return rn, share * r1, share * r2, now, gamma
