@@ -19,7 +19,7 @@ from drystone.contact.contacts import (
     STIFF_T,
 )
 from drystone.law.law import BONDED, DILATION, FORWARD, N_HISTORY, OPEN, SHEAR, SLID, STICKING
-from drystone.law.yielding import CRUSHED, TORN
+from drystone.law.return_map import CRUSHED, TORN
 from drystone.statics.space import spatial_step
 from drystone.statics.space.spatial_step import (
     ARM_V,

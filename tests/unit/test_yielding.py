@@ -21,7 +21,7 @@ from drystone.contact.contacts import (
 from drystone.contact.rows import MEASURED, OF_GAP, OF_SLIP
 from drystone.law import law as joint_law
 from drystone.law import yielding
-from drystone.law.yielding import CRUSHED, TORN
+from drystone.law.return_map import CRUSHED, TORN
 from drystone.statics.plane import interior_kernels as interior
 
 pytestmark = pytest.mark.kernels

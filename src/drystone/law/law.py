@@ -15,11 +15,11 @@ non-associative unless tan psi = mu).  A bond holds whatever it carries: when it
 between steps (see `law.bonds`).  In each of these branches the reactions are linear in the
 trial reactions, and they are continuous.
 
-Below it stands again in the forms of other solvers: as a residual; from its interior, as products
-that vanish (`statics.plane.interior_kernels`); as impulses, without shear stiffness
-(`dynamics.sweeps`); and for cycles, where bonds may break at once (`dynamics.explicit`).  What
-joints do that soften or are crushed stands in `law.yielding`.  Another law is this file, its
-tests, and the columns of its table in `law.table`.
+`law.return_map` is this law, of numbers alone.  Below are its forms for contacts in tables, and
+what solvers need beside it: how far a contact is from the next branch, a residual, impulses
+without shear stiffness, and products that vanish, for the interior point method.  The form for
+explicit cycles, in which bonds break at once, is `law.cycles`; of joints that soften or are
+crushed, see `law.yielding` and `law.softening`.
 """
 
 from __future__ import annotations
@@ -47,26 +47,29 @@ from drystone.contact.contacts import (  # fmt: skip
     TRIAL_T,
 )
 from drystone.contact.rows import MEASURED, OF_GAP, OF_SLIP
-from drystone.law.yielding import (
+from drystone.law.return_map import (
     BACKWARD,
     BONDED,
     CRUSHED,
     FORWARD,
     OPEN,
     STICKING,
-    TIE,
     TORN,
-    branch_beyond,
+    along_joint,
+    branch_for,
+    derivatives_in,
+    reactions_in,
+    sense,
+)  # fmt: skip
+from drystone.law.yielding import (
     central_normal,
     change_beyond,
     crushing,
     distance_beyond,
     held_normal,
     landing_beyond,
-    reactions_beyond,
-    sense,
     yields,
-)
+)  # fmt: skip
 
 #: What contacts are called in results; the sense of sliding is that of the reaction.
 SLIDING = 2
@@ -124,44 +127,25 @@ def slide(rn, rt, stiffness, friction, lift):
 
 @njit(cache=True, error_model="numpy")
 def branch_of(table, c, hint):
-    """Branch of the law for the trial reactions of a row of the table."""
-    rn = table[c, TRIAL_N]
-    rt = table[c, TRIAL_T]
-    mu = table[c, FRICTION]
+    """Branch of the law for the trial reactions of a row of the table; see `branch_for`."""
     if hint == BONDED:
         return BONDED
-    if yields(table, c):
-        return branch_beyond(table, c, hint)
-    over = abs(rt) - mu * rn
-    near = TIE * (abs(rt) + mu * abs(rn))
-    # A joint that dilates is held closed by what it slides.
-    held = table[c, STIFF_T] * rn + table[c, LIFT] * abs(rt)
-    if held < 0.0 or (held == 0.0 and hint != STICKING):
-        return OPEN
-    sliding = FORWARD if rt > 0.0 else BACKWARD
-    if abs(over) <= near and (hint == STICKING or hint == sliding):
-        return hint
-    return STICKING if over <= 0.0 else sliding
+    rt = table[c, TRIAL_T]
+    return branch_for(
+        table[c, TRIAL_N], abs(rt), table[c, STIFF_T], table[c, FRICTION], table[c, LIFT],
+        table[c, ROOM], crushing(table, c), hint, FORWARD if rt > 0.0 else BACKWARD,
+    )  # fmt: skip
 
 
 @njit(cache=True, error_model="numpy")
 def reactions(table, c, branch):
     """Normal and tangential reaction [N] in a branch of the law, and the sliding in it [m]."""
-    rn = table[c, TRIAL_N]
-    rt = table[c, TRIAL_T]
-    pull, room = table[c, PULL], table[c, ROOM]
-    if branch == OPEN:
-        return 0.0 - pull, 0.0, 0.0
-    if branch == STICKING or branch == BONDED:
-        return rn - pull, rt, 0.0
-    if branch > BONDED:
-        rn, rt, gamma = reactions_beyond(table, c, branch)
-        return rn - pull, rt, gamma
-    sign = 1.0 if branch == FORWARD else -1.0
-    mu, lift = table[c, FRICTION], table[c, LIFT]
-    gamma = slide(rn, sign * rt - room, table[c, STIFF_T], mu, lift)
-    rn += lift * gamma
-    return rn - pull, sign * mu * rn + sign * room, gamma
+    sign = -1.0 if along_joint(branch) == BACKWARD else 1.0
+    rn, rt, gamma = reactions_in(
+        branch, table[c, TRIAL_N], sign * table[c, TRIAL_T], table[c, STIFF_T], table[c, FRICTION],
+        table[c, LIFT], table[c, ROOM], crushing(table, c),
+    )  # fmt: skip
+    return rn - table[c, PULL], sign * rt, gamma
 
 
 @njit(cache=True, error_model="numpy")
@@ -169,20 +153,11 @@ def respond(which, table, count, branch, response):
     """Fill reactions and their derivatives by the trial reactions, (n_slots, N_RESPONSE)."""
     for c in range(count):
         now = branch[which[c, SLOT]]
+        sign = -1.0 if along_joint(now) == BACKWARD else 1.0
         response[c, RN], response[c, RT], _ = reactions(table, c, now)
-        nn, nt, tn, tt = 0.0, 0.0, 0.0, 0.0
-        if now == STICKING or now == BONDED:
-            nn, tt = 1.0, 1.0
-        elif now > BONDED:
-            tt = 1.0 if sense(now) == 0.0 else 0.0
-        elif now != OPEN:
-            sign = 1.0 if now == FORWARD else -1.0
-            mu, lift = table[c, FRICTION], table[c, LIFT]
-            raised = lift / (table[c, STIFF_T] + mu * lift)
-            nn, nt = 1.0 - raised * mu, raised * sign
-            tn, tt = sign * mu * nn, sign * mu * nt
-        response[c, NN], response[c, NT] = nn, nt
-        response[c, TN], response[c, TT] = tn, tt
+        nn, nt, tn, tt = derivatives_in(now, table[c, STIFF_T], table[c, FRICTION], table[c, LIFT])
+        response[c, NN], response[c, NT] = nn, sign * nt
+        response[c, TN], response[c, TT] = sign * tn, tt
 
 
 @njit(cache=True, error_model="numpy")

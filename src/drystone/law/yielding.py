@@ -21,38 +21,25 @@ import numpy as np
 from drystone.common.compiled import njit
 from drystone.contact.contacts import CRUSH, FRICTION, ROOM, STIFF_N, STIFF_T, TRIAL_N, TRIAL_T
 from drystone.contact.rows import MEASURED, OF_GAP, OF_SLIP
-
-#: Branches: open, sticking, sliding under positive and under negative shear, held by a bond.
-OPEN, STICKING, FORWARD, BACKWARD, BONDED = 0, 1, 2, 3, 4
-
-#: What makes of the branches STICKING, FORWARD and BACKWARD those of torn and of crushed contacts.
-TORN, CRUSHED = 4, 7
-N_BRANCHES = CRUSHED + BACKWARD + 1
-
-#: A contact stays in the branch it came from when another is nearer by this share of its reactions
-#: only: one that slides starts the next step on its cone to rounding.
-TIE = 1e-8
+from drystone.law.return_map import (
+    BACKWARD,
+    BONDED,
+    CRUSHED,
+    FORWARD,
+    OPEN,
+    STICKING,
+    TIE,
+    TORN,
+    along_joint,
+    branch_for,
+    sense,
+)
 
 
 @njit(cache=True, error_model="numpy")
 def crushing(table, c):
     """The normal reaction, from the tension on, at which a contact is crushed; or infinity."""
     return table[c, CRUSH] if table[c, CRUSH] > 0.0 else np.inf
-
-
-@njit(cache=True, error_model="numpy")
-def along_joint(branch):
-    """The branch as far as it is about shear: that of a joint that is neither torn nor crushed."""
-    if branch > CRUSHED:
-        return branch - CRUSHED
-    return branch - TORN if branch > BONDED else branch
-
-
-@njit(cache=True, error_model="numpy")
-def sense(branch):
-    """1 and -1 where a contact slides under positive and under negative shear, else 0."""
-    now = along_joint(branch)
-    return 1.0 if now == FORWARD else (-1.0 if now == BACKWARD else 0.0)
 
 
 @njit(cache=True, error_model="numpy")
@@ -71,36 +58,8 @@ def friction_in(table, c, branch):
 
 @njit(cache=True, error_model="numpy")
 def yields(table, c):
-    """Whether the trial reactions of a contact are for `branch_beyond`."""
+    """Whether a contact pulls, or its trial reaction is for crushing it."""
     return table[c, ROOM] > 0.0 or table[c, TRIAL_N] > crushing(table, c) * (1.0 - TIE)
-
-
-@njit(cache=True, error_model="numpy")
-def branch_beyond(table, c, hint):
-    """Branch for trial reactions of a contact that `yields`; ``hint`` is the one it came from."""
-    rn, rt, crush = table[c, TRIAL_N], table[c, TRIAL_T], crushing(table, c)
-    room, mu, was = table[c, ROOM], table[c, FRICTION], along_joint(hint)
-    state, normal = 0, rn
-    if rn <= 0.0 or (rn <= TIE * room and BONDED < hint <= CRUSHED):
-        state, normal = TORN, 0.0
-    elif rn > crush * (1.0 + TIE) or (rn >= crush * (1.0 - TIE) and hint > CRUSHED):
-        state, normal = CRUSHED, crush
-    most = mu * normal + room
-    over, near = abs(rt) - most, TIE * (abs(rt) + most)
-    sliding = FORWARD if rt > 0.0 else BACKWARD
-    if abs(over) <= near and (was == STICKING or was == sliding):
-        return state + was
-    return state + (STICKING if over <= 0.0 else sliding)
-
-
-@njit(cache=True, error_model="numpy")
-def reactions_beyond(table, c, branch):
-    """Reactions, the normal one from the tension on, and the sliding of torn and crushed ones."""
-    normal, rt, sign = held_normal(table, c, branch), table[c, TRIAL_T], sense(branch)
-    if sign == 0.0:
-        return normal, rt, 0.0
-    most = table[c, FRICTION] * normal + table[c, ROOM]
-    return normal, sign * most, (sign * rt - most) / table[c, STIFF_T]
 
 
 @njit(cache=True, error_model="numpy")
@@ -144,7 +103,14 @@ def distance_beyond(table, c, now, rate_n, rate_t, whole):
 @njit(cache=True, error_model="numpy")
 def landing_beyond(table, c, now):
     """`law.landing` of a contact that `yields`."""
-    there, was = branch_beyond(table, c, OPEN), along_joint(now)
+    rt = table[c, TRIAL_T]
+    there, was = (
+        branch_for(
+            table[c, TRIAL_N], abs(rt), table[c, STIFF_T], table[c, FRICTION], 0.0, table[c, ROOM],
+            crushing(table, c), OPEN, FORWARD if rt > 0.0 else BACKWARD,
+        ),
+        along_joint(now),
+    )  # fmt: skip
     t = along_joint(there)
     if was + t == FORWARD + BACKWARD and was != t and was != OPEN and t != STICKING:
         return there - t + STICKING

@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 from drystone.contact.contacts import Pairs
 from drystone.law import softening
 from drystone.law.law import H_PULL, H_ROOM
+from drystone.law.return_map import BONDED, CRUSHED, OPEN, STICKING, TORN
 from drystone.law.strengths import Reached, Strengths, difference
-from drystone.law.yielding import BONDED, CRUSHED, OPEN, STICKING, TORN
 from drystone.statics.plane.piecewise import StepSolution
 from drystone.statics.plane.static_step import Ended
 

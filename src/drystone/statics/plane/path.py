@@ -43,7 +43,8 @@ from drystone.law.law import (  # fmt: skip
     distance_of_dry,
     landing,
 )
-from drystone.law.yielding import BACKWARD, FORWARD, along_joint, held_normal, sense
+from drystone.law.return_map import BACKWARD, FORWARD, along_joint, sense
+from drystone.law.yielding import held_normal
 from drystone.statics.linear.numeric import solve
 
 #: How a path ends: where it should; before it, as it turns back; at a change after which the

@@ -21,8 +21,8 @@ from drystone.law import law as joint_law
 from drystone.law import softening
 from drystone.law.certificate import JudgedContacts
 from drystone.law.law import N_HELD, N_HISTORY
+from drystone.law.return_map import CRUSHED, N_BRANCHES
 from drystone.law.strengths import Strengths
-from drystone.law.yielding import CRUSHED, N_BRANCHES
 from drystone.statics.linear_step import BENDS, LinearStep, Loads
 from drystone.statics.plane import forces, path
 from drystone.statics.plane.forces import Start

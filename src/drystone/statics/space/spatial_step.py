@@ -58,24 +58,28 @@ from drystone.contact.contacts import (
 )
 from drystone.geometry.rotation import place_axes, spin
 from drystone.law.law import (
-    BONDED,
     BROKEN,
     COHESION,
     DILATANCY_END,
     DILATION,
-    FORWARD,
     KN,
     KS,
     MU,
-    OPEN,
     SHEAR,
     SLID,
-    STICKING,
     TAN_PSI,
     TENSION,
-    TIE,
 )
-from drystone.law.yielding import CRUSHED, TORN, along_joint, crushing
+from drystone.law.return_map import (
+    BONDED,
+    CRUSHED,
+    FORWARD,
+    along_joint,
+    branch_for,
+    derivatives_in,
+    reactions_in,
+)
+from drystone.law.yielding import crushing
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -322,125 +326,65 @@ def sum_wrenches(begin, of_body, wrench, axes, force):
             force[i, 3 + d] = axes[i, 0, d] * m0 + axes[i, 1, d] * m1 + axes[i, 2, d] * m2
 
 
-@njit(cache=True)
-def _beyond_dry(table, c):
-    """Whether a joint pulls, or may be torn or crushed."""
-    return table[c, PULL] > 0.0 or table[c, ROOM] > 0.0 or table[c, CRUSH] > 0.0
-
-
-@njit(cache=True)
-def _state_beyond(table, c, tn, size, hint):
-    """Branch of a contact of a joint that yields, and its normal reaction, from the tension on; it
-    stays in the branch ``hint`` where another is no nearer but by rounding."""
-    room, crush, was = table[c, ROOM], crushing(table, c), along_joint(hint)
-    state, normal = 0, tn
-    if tn <= 0.0 or (tn <= TIE * room and BONDED < hint <= CRUSHED):
-        if room == 0.0:
-            return OPEN, 0.0
-        state, normal = TORN, 0.0
-    elif tn > crush * (1.0 + TIE) or (tn >= crush * (1.0 - TIE) and hint > CRUSHED):
-        state, normal = CRUSHED, crush
-    most = table[c, FRICTION] * normal + room
-    over, near = size - most, TIE * (size + most)
-    if over <= 0.0:
-        return state + (FORWARD if was == FORWARD and over >= -near else STICKING), normal
-    return state + (STICKING if was == STICKING and over <= near else FORWARD), normal
-
-
-@njit(cache=True)
-def _respond_beyond(table, trial, c, hint, reaction, response):
-    """`respond` of a contact of a joint that yields; its branch."""
-    t1, t2, mu = trial[c, 1], trial[c, 2], table[c, FRICTION]
-    size = np.sqrt(t1 * t1 + t2 * t2)
-    branch, normal = _state_beyond(table, c, trial[c, 0], size, hint)
-    reaction[c, 0], reaction[c, 1], reaction[c, 2] = normal - table[c, PULL], 0.0, 0.0
-    if branch == OPEN:
-        return branch
-    nn = 0.0 if branch > BONDED else 1.0
-    response[c, 0, 0] = nn
-    if along_joint(branch) == STICKING:
-        reaction[c, 1], reaction[c, 2] = t1, t2
-        response[c, 1, 1], response[c, 2, 2] = 1.0, 1.0
-        return branch
-    most = mu * normal + table[c, ROOM]
-    e1, e2, share = 0.0, 0.0, 0.0
-    if size > 0.0:
-        e1, e2, share = t1 / size, t2 / size, most / size
-    reaction[c, 1], reaction[c, 2] = most * e1, most * e2
-    response[c, 1, 0], response[c, 2, 0] = mu * e1 * nn, mu * e2 * nn
-    response[c, 1, 1], response[c, 2, 2] = share * (1.0 - e1 * e1), share * (1.0 - e2 * e2)
-    response[c, 1, 2] = response[c, 2, 1] = -share * e1 * e2
-    return branch
-
-
 @njit(cache=True, nogil=True)
 def respond(table, trial, low, high, branch, reaction, response):
     """The joint law: reactions (n, 3) and their derivatives (n, 3, 3) by the trial reactions.
 
-    ``branch`` (n,) is filled; a contact at its cone to rounding keeps the one it has.
+    ``branch`` (n,) is filled; a contact at its cone to rounding keeps the one it has.  Shear acts
+    along the trial shear: what the law says of its size (`law.return_map`) turns with that.
     """
     for c in range(low, high):
-        tn, t1, t2 = trial[c, 0], trial[c, 1], trial[c, 2]
-        for i in range(3):
-            for j in range(3):
-                response[c, i, j] = 0.0
-        if table[c, HELD] != 0.0:
-            branch[c] = BONDED
-            reaction[c, 0], reaction[c, 1], reaction[c, 2] = tn, t1, t2
-            response[c, 0, 0], response[c, 1, 1], response[c, 2, 2] = 1.0, 1.0, 1.0
+        tn, t1, t2, ks, mu = (
+            trial[c, 0],
+            trial[c, 1],
+            trial[c, 2],
+            table[c, STIFF_T],
+            table[c, FRICTION],
+        )
+        lift, room, crush = table[c, LIFT], table[c, ROOM], crushing(table, c)
+        size, now = np.sqrt(t1 * t1 + t2 * t2), BONDED
+        if table[c, HELD] == 0.0:
+            now = branch_for(tn, size, ks, mu, lift, room, crush, branch[c], FORWARD)
+        branch[c] = now
+        rn, rt, _ = reactions_in(now, tn, size, ks, mu, lift, room, crush)
+        nn, nt, dn, dt = derivatives_in(now, ks, mu, lift)
+        response[c, 0, 0] = nn
+        reaction[c, 0] = rn - table[c, PULL]
+        if along_joint(now) != FORWARD:
+            stays = 1.0 if dt != 0.0 else 0.0
+            reaction[c, 1], reaction[c, 2] = stays * t1, stays * t2
+            response[c, 0, 1:], response[c, 1:, 0] = 0.0, 0.0
+            response[c, 1, 1], response[c, 2, 2] = stays, stays
+            response[c, 1, 2], response[c, 2, 1] = 0.0, 0.0
             continue
-        if _beyond_dry(table, c):
-            branch[c] = _respond_beyond(table, trial, c, branch[c], reaction, response)
-            continue
-        ks, mu, lift = table[c, STIFF_T], table[c, FRICTION], table[c, LIFT]
-        size = np.sqrt(t1 * t1 + t2 * t2)
-        if ks * tn + lift * size <= 0.0:
-            branch[c] = OPEN
-            reaction[c, 0], reaction[c, 1], reaction[c, 2] = 0.0, 0.0, 0.0
-            continue
-        over, near = size - mu * tn, TIE * (size + mu * abs(tn))
-        if (over <= 0.0 and not (branch[c] == FORWARD and over >= -near)) or (
-            branch[c] == STICKING and over <= near
-        ):
-            branch[c] = STICKING
-            reaction[c, 0], reaction[c, 1], reaction[c, 2] = tn, t1, t2
-            response[c, 0, 0], response[c, 1, 1], response[c, 2, 2] = 1.0, 1.0, 1.0
-            continue
-        branch[c] = FORWARD
-        raised = lift / (ks + mu * lift)
-        rn = tn + raised * (size - mu * tn)
-        e1, e2 = (t1 / size, t2 / size) if size > 0.0 else (0.0, 0.0)
-        share = mu * rn / size if size > 0.0 else 0.0
-        reaction[c, 0], reaction[c, 1], reaction[c, 2] = rn, mu * rn * e1, mu * rn * e2
-        nn, n1, n2 = 1.0 - raised * mu, raised * e1, raised * e2
-        response[c, 0, 0], response[c, 0, 1], response[c, 0, 2] = nn, n1, n2
-        response[c, 1, 0], response[c, 2, 0] = mu * e1 * nn, mu * e2 * nn
-        response[c, 1, 1] = mu * e1 * n1 + share * (1.0 - e1 * e1)
-        response[c, 1, 2] = mu * e1 * n2 - share * e1 * e2
-        response[c, 2, 1] = mu * e2 * n1 - share * e1 * e2
-        response[c, 2, 2] = mu * e2 * n2 + share * (1.0 - e2 * e2)
+        e1, e2, share = 0.0, 0.0, 0.0
+        if size > 0.0:
+            e1, e2, share = t1 / size, t2 / size, rt / size
+        reaction[c, 1], reaction[c, 2] = rt * e1, rt * e2
+        response[c, 0, 1], response[c, 0, 2] = nt * e1, nt * e2
+        response[c, 1, 0], response[c, 2, 0] = dn * e1, dn * e2
+        # Along the shear it goes with the law, across with the direction.
+        response[c, 1, 1] = dt * e1 * e1 + share * (1.0 - e1 * e1)
+        response[c, 2, 2] = dt * e2 * e2 + share * (1.0 - e2 * e2)
+        response[c, 1, 2] = response[c, 2, 1] = dt * e1 * e2 - share * e1 * e2
 
 
 @njit(cache=True)
 def age(which, table, trial, reaction, branch, count, history):
     """What contacts have at the end of a step, into ``history`` (n_slots, N_HISTORY) so far."""
     for c in range(count):
-        k = which[c, SLOT]
+        k, now = which[c, SLOT], branch[c]
         history[k, SHEAR], history[k, SHEAR + 1] = reaction[c, 1], reaction[c, 2]
-        if _beyond_dry(table, c):
-            normal = reaction[c, 0] + table[c, PULL]
-            if branch[c] > CRUSHED:
-                history[k, DILATION] -= (trial[c, 0] - normal) / table[c, STIFF_N]
-            if along_joint(branch[c]) == FORWARD:
-                most = table[c, FRICTION] * normal + table[c, ROOM]
-                slid = (np.hypot(trial[c, 1], trial[c, 2]) - most) / table[c, STIFF_T]
-                history[k, SLID] += slid
-        elif branch[c] == FORWARD:
-            size = np.hypot(trial[c, 1], trial[c, 2])
-            mu, lift = table[c, FRICTION], table[c, LIFT]
-            slid = (size - mu * trial[c, 0]) / (table[c, STIFF_T] + mu * lift)
+        kn, lift, size = table[c, STIFF_N], table[c, LIFT], np.hypot(trial[c, 1], trial[c, 2])
+        rn, _, slid = reactions_in(
+            now, trial[c, 0], size, table[c, STIFF_T], table[c, FRICTION], lift, table[c, ROOM],
+            crushing(table, c),
+        )  # fmt: skip
+        if now > CRUSHED:
+            history[k, DILATION] -= (trial[c, 0] - rn) / kn
+        if along_joint(now) == FORWARD:
             if lift > 0.0:
-                history[k, DILATION] += lift / table[c, STIFF_N] * slid
+                history[k, DILATION] += lift / kn * slid
             history[k, SLID] += slid
 
 

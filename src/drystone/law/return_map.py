@@ -1,0 +1,126 @@
+"""The joint law as one map: from trial reactions to reactions, their derivatives, branch and slip.
+
+It takes numbers, not tables: the normal trial reaction r_n counted from the tension on (see
+`law.yielding`) and the size of the trial shear T, so that one tangential component and two are the
+same.  With shear stiffness k_s, friction mu, lift L = k_n tan psi, room k for shear without
+pressure and the crushing reaction C:
+
+| branch | r_n' | shear |
+|---|---|---|
+| open | 0 | 0 |
+| sticking, or held by a bond | r_n | T |
+| sliding by gamma = (T - k - mu r_n) / (k_s + mu L) | r_n + L gamma | mu r_n' + k |
+| torn, sticking or sliding | 0 | T, or k |
+| crushed, sticking or sliding | C | T, or mu C + k |
+
+Sliding is non-associative unless tan psi = mu.  Joints that dilate are neither torn nor crushed.
+"""
+
+from __future__ import annotations
+
+from drystone.common.compiled import njit
+
+#: Branches: open, sticking, sliding under positive and under negative shear, held by a bond.  With
+#: two tangential components what slides does so under positive shear: that is its size.
+OPEN, STICKING, FORWARD, BACKWARD, BONDED = 0, 1, 2, 3, 4
+
+#: What makes of the branches STICKING, FORWARD and BACKWARD those of torn and of crushed contacts.
+TORN, CRUSHED = 4, 7
+N_BRANCHES = CRUSHED + BACKWARD + 1
+
+#: A contact stays in the branch it came from when another is nearer by this share of its reactions
+#: only: one that slides starts the next step on its cone to rounding.
+TIE = 1e-8
+
+
+@njit(cache=True, error_model="numpy")
+def along_joint(branch):
+    """The branch as far as it is about shear: that of a joint that is neither torn nor crushed."""
+    if branch > CRUSHED:
+        return branch - CRUSHED
+    return branch - TORN if branch > BONDED else branch
+
+
+@njit(cache=True, error_model="numpy")
+def sense(branch):
+    """1 and -1 where a contact slides under positive and under negative shear, else 0."""
+    now = along_joint(branch)
+    return 1.0 if now == FORWARD else (-1.0 if now == BACKWARD else 0.0)
+
+
+@njit(cache=True, error_model="numpy")
+def branch_for(rn, shear, ks, mu, lift, room, crush, hint, sliding):
+    """Branch for trial reactions.
+
+    Parameters
+    ----------
+    rn, shear
+        Normal trial reaction from the tension on, and size of the trial shear [N].
+    ks, mu, lift, room, crush
+        Shear stiffness [N/m], friction, lift [N/m], room and crushing reaction [N]; infinite where
+        joints are not crushed.
+    hint
+        The branch that the contact comes from, in which it stays where another is no nearer but by
+        rounding; any but BONDED.
+    sliding
+        FORWARD or BACKWARD, as it would slide.
+    """
+    was = along_joint(hint)
+    if not (room > 0.0 or rn > crush * (1.0 - TIE)):
+        # A joint that dilates is held closed by what it slides.
+        closed = ks * rn + lift * shear
+        if closed < 0.0 or (closed == 0.0 and hint != STICKING):
+            return OPEN
+        over, near = shear - mu * rn, TIE * (shear + mu * abs(rn))
+        if abs(over) <= near and (hint == STICKING or hint == sliding):
+            return hint
+        return STICKING if over <= 0.0 else sliding
+    state, normal = 0, rn
+    if rn <= 0.0 or (rn <= TIE * room and BONDED < hint <= CRUSHED):
+        if room == 0.0:
+            return OPEN
+        state, normal = TORN, 0.0
+    elif rn > crush * (1.0 + TIE) or (rn >= crush * (1.0 - TIE) and hint > CRUSHED):
+        state, normal = CRUSHED, crush
+    most = mu * normal + room
+    over, near = shear - most, TIE * (shear + most)
+    if abs(over) <= near and (was == STICKING or was == sliding):
+        return state + was
+    return state + (STICKING if over <= 0.0 else sliding)
+
+
+@njit(cache=True, error_model="numpy")
+def reactions_in(branch, rn, shear, ks, mu, lift, room, crush):
+    """Normal reaction from the tension on, and shear [N], in a branch; with the sliding in it [m].
+
+    ``shear`` is counted as positive in the sense in which the branch slides; the trial reactions
+    may lie elsewhere.
+    """
+    if branch == OPEN:
+        return 0.0, 0.0, 0.0
+    if branch == STICKING or branch == BONDED:
+        return rn, shear, 0.0
+    if branch > BONDED:
+        normal = crush if branch > CRUSHED else 0.0
+        if along_joint(branch) == STICKING:
+            return normal, shear, 0.0
+        most = mu * normal + room
+        return normal, most, (shear - most) / ks
+    gamma = (shear - room - mu * rn) / (ks + mu * lift)
+    rn += lift * gamma
+    return rn, mu * rn + room, gamma
+
+
+@njit(cache=True, error_model="numpy")
+def derivatives_in(branch, ks, mu, lift):
+    """Derivatives of the reactions of `reactions_in` by the trial reactions: of the normal one by
+    both, and of the shear by both."""
+    if branch == OPEN:
+        return 0.0, 0.0, 0.0, 0.0
+    if branch == STICKING or branch == BONDED:
+        return 1.0, 0.0, 0.0, 1.0
+    if branch > BONDED:
+        return 0.0, 0.0, 0.0, 1.0 if along_joint(branch) == STICKING else 0.0
+    raised = lift / (ks + mu * lift)
+    nn = 1.0 - raised * mu
+    return nn, raised, mu * nn, mu * raised

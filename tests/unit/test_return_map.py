@@ -1,0 +1,182 @@
+"""The map of the joint law, and the forms that solvers have of it, on random trial reactions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drystone.contact.contacts import (
+    CRUSH,
+    FRICTION,
+    HELD,
+    LIFT,
+    N_TABLE,
+    ROOM,
+    SLOT,
+    STIFF_N,
+    STIFF_T,
+    TRIAL_N,
+    TRIAL_T,
+)
+from drystone.law import cycles, law
+from drystone.law.return_map import (
+    BACKWARD,
+    BONDED,
+    CRUSHED,
+    FORWARD,
+    OPEN,
+    STICKING,
+    TORN,
+    along_joint,
+    branch_for,
+    derivatives_in,
+    reactions_in,
+)
+from drystone.statics.space import spatial_step
+
+pytestmark = pytest.mark.kernels
+
+#: Kinds of joints: lift over k_s, room, crushing reaction.
+KINDS = {
+    "dry": (0.0, 0.0, np.inf),
+    "dilating": (0.3, 0.0, np.inf),
+    "bonded": (0.0, 0.4, np.inf),
+    "crushed": (0.0, 0.0, 1.0),
+    "both": (0.0, 0.4, 1.0),
+}
+
+
+def draws(kind, n=400, seed=1):
+    """Rows of r_n, T, k_s, mu, lift, room, C."""
+    rng = np.random.default_rng(seed)
+    lift, room, crush = KINDS[kind]
+    for _ in range(n):
+        ks = rng.uniform(0.5, 2.0)
+        rn, shear = rng.normal(0.3, 1.0), abs(rng.normal(0.0, 1.0))
+        yield rn, shear, ks, rng.uniform(0.2, 0.9), lift * ks, room, crush
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_reactions_are_admissible_and_slip_opposes_shear(kind):
+    seen = set()
+    for rn, shear, *joint in draws(kind):
+        ks, mu, lift, room, crush = joint
+        now = branch_for(rn, shear, *joint, OPEN, FORWARD)
+        seen.add(now)
+        normal, tangential, slid = reactions_in(now, rn, shear, *joint)
+        assert -1e-12 <= normal <= crush * (1.0 + 1e-12)
+        assert 0.0 <= tangential <= mu * normal + room + 1e-12
+        assert slid >= 0.0
+        # What the joint slid and lifted by makes up for what the trial reactions had too much.
+        if now not in (OPEN, BONDED):
+            assert tangential == pytest.approx(shear - ks * slid, abs=1e-12)
+        if now == FORWARD:
+            assert normal == pytest.approx(rn + lift * slid, abs=1e-12)
+    shear_branches = {STICKING, FORWARD}
+    expected = {
+        "dry": {OPEN} | shear_branches,
+        "dilating": {OPEN} | shear_branches,
+        "bonded": shear_branches | {TORN + b for b in shear_branches},
+        "crushed": {OPEN} | shear_branches | {CRUSHED + b for b in shear_branches},
+        "both": {s + b for s in (0, TORN, CRUSHED) for b in shear_branches},
+    }
+    assert seen == expected[kind]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_derivatives(kind):
+    """In its branch the map is linear: differences are exact but for rounding."""
+    h = 1e-3
+    for rn, shear, *joint in draws(kind):
+        now = branch_for(rn, shear, *joint, OPEN, FORWARD)
+        nn, nt, tn, tt = derivatives_in(now, *joint[:3])
+        by_n = np.subtract(
+            reactions_in(now, rn + h, shear, *joint), reactions_in(now, rn - h, shear, *joint)
+        )
+        by_t = np.subtract(
+            reactions_in(now, rn, shear + h, *joint), reactions_in(now, rn, shear - h, *joint)
+        )
+        assert by_n[:2] / (2.0 * h) == pytest.approx([nn, tn], abs=1e-11)
+        assert by_t[:2] / (2.0 * h) == pytest.approx([nt, tt], abs=1e-11)
+
+
+def packed(rn, rt, ks, mu, lift, room, crush):
+    """A row of the table of contacts; k_n is one."""
+    table = np.zeros((1, N_TABLE))
+    table[0, [TRIAL_N, TRIAL_T, STIFF_N, STIFF_T, FRICTION, LIFT, ROOM]] = (
+        rn, rt, 1.0, ks, mu, lift, room,
+    )  # fmt: skip
+    table[0, CRUSH] = crush if np.isfinite(crush) else 0.0
+    return table
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_form_of_the_plane_is_the_map_with_a_sign(kind):
+    for sign, (rn, shear, *joint) in zip(np.resize([1.0, -1.0], 400), draws(kind), strict=True):
+        table = packed(rn, sign * shear, *joint)
+        now = branch_for(rn, shear, *joint, OPEN, FORWARD if sign > 0.0 else BACKWARD)
+        assert law.branch_of(table, 0, OPEN) == now
+        normal, tangential, slid = reactions_in(now, rn, shear, *joint)
+        assert law.reactions(table, 0, now) == pytest.approx((normal, sign * tangential, slid))
+        which, response = np.zeros((1, 4), np.int64), np.zeros((1, law.N_RESPONSE))
+        assert which[0, SLOT] == 0
+        law.respond(which, table, 1, np.array([now]), response)
+        nn, nt, tn, tt = derivatives_in(now, *joint[:3])
+        assert response[0, 2:] == pytest.approx([nn, sign * nt, sign * tn, tt])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_form_of_space_is_the_map_along_the_shear(kind):
+    rng = np.random.default_rng(2)
+    for rn, shear, *joint in draws(kind):
+        table, angle = packed(rn, 0.0, *joint), rng.uniform(0.0, 2.0 * np.pi)
+        along = np.array([np.cos(angle), np.sin(angle)])
+        trial = np.array([[rn, *(shear * along)]])
+        branch, reaction, response = np.zeros(1, np.int64), np.zeros((1, 3)), np.zeros((1, 3, 3))
+        spatial_step.respond(table, trial, 0, 1, branch, reaction, response)
+        normal, tangential, _ = reactions_in(branch[0], rn, shear, *joint)
+        assert branch[0] == branch_for(rn, shear, *joint, OPEN, FORWARD)
+        assert reaction[0] == pytest.approx([normal, *(tangential * along)], abs=1e-12)
+        nn, nt, tn, tt = derivatives_in(branch[0], *joint[:3])
+        inward = np.array([along @ response[0, 1:, 0], along @ response[0, 1:, 1:] @ along])
+        assert inward == pytest.approx([tn, tt], abs=1e-12)
+        assert response[0, 0] == pytest.approx([nn, *(nt * along)], abs=1e-12)
+
+
+def test_a_bond_that_holds_answers_with_its_trial_reactions():
+    table = packed(-0.4, 0.0, 1.0, 0.5, 0.0, 0.0, np.inf)
+    table[0, HELD] = 1.0
+    trial, reaction = np.array([[-0.4, 2.0, -1.0]]), np.zeros((1, 3))
+    branch = np.zeros(1, np.int64)
+    spatial_step.respond(table, trial, 0, 1, branch, reaction, np.zeros((1, 3, 3)))
+    assert branch[0] == BONDED and np.array_equal(reaction, trial)
+
+
+@pytest.mark.parametrize("kind", ["dry", "dilating"])
+def test_the_form_of_cycles_is_the_map(kind):
+    """Of contacts that press: those that do not are open in a cycle whatever they slide."""
+    for rn, shear, *joint in draws(kind):
+        if rn <= 0.0:
+            continue
+        ks, mu, lift = joint[:3]
+        laws, history = np.zeros((1, law.N_LAW)), np.zeros((1, law.N_HISTORY))
+        laws[0, [law.KN, law.KS, law.MU, law.TAN_PSI]] = 1.0, ks, mu, lift
+        laws[0, law.DILATANCY_END], history[0, law.BROKEN] = np.inf, 1.0
+        normal, tangential, now, _ = cycles.react_in_cycle(laws, history, 0, rn, -rn, shear, False)
+        branch = branch_for(rn, shear, *joint, OPEN, FORWARD)
+        expected = reactions_in(branch, rn, shear, *joint)
+        assert (normal, tangential) == pytest.approx(expected[:2], rel=2e-9)
+        slides = now == law.SLIDING
+        assert slides == (along_joint(branch) == FORWARD)
+        assert history[0, law.SLID] == pytest.approx(expected[2], abs=1e-9)
+
+
+def test_the_form_of_impulses_is_the_map():
+    """Sticking as a stiff hold of one kilogram, without dilation."""
+    for rn, shear, _, mu, *_ in draws("dry"):
+        joint = 1.0, mu, 0.0, 0.0, np.inf
+        pn, pt, _ = law.held_impulse(rn, shear, mu, False)
+        branch = branch_for(rn, shear, *joint, OPEN, FORWARD)
+        assert (pn, pt) == pytest.approx(reactions_in(branch, rn, shear, *joint)[:2], rel=2e-9)
+        p = law.held_impulse_in_space(rn, 0.6 * shear, -0.8 * shear, mu, False)
+        assert p[:3] == pytest.approx((pn, 0.6 * pt, -0.8 * pt), rel=1e-9, abs=1e-12)
