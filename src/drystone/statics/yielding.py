@@ -38,7 +38,7 @@ LEAST_SHARE, MOST_SHARE = 0.3, 10.0
 #: Solutions of a step before it counts as failed: where joints may let go in it, and where a
 #: shorter one would rather be tried.  With 15 to 60 of the former twenty random walls end alike,
 #: with 3 to 12 of the latter seven peaks are the same to the last bit, and steps 2 to 6 % fewer.
-MOST_SOLUTIONS, FEW_SOLUTIONS = 30, 6
+MOST_SOLUTIONS, FEW_SOLUTIONS = 30, 3
 
 #: Iterations of Newton's method, halvings of one, and force that it may leave, over the one by
 #: which what contacts hold may still change.  With 4 to 8 halvings seven peaks are the same to the
