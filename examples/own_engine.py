@@ -5,7 +5,7 @@ from collections import namedtuple
 import numpy as np
 
 from drystone.contact.forces import STICKING, ContactForces
-from drystone.engines.base import Demand, StepReport
+from drystone.engines.base import Demand, Engine, StepReport
 
 State = namedtuple("State", "pose turn carried")
 
@@ -23,8 +23,8 @@ class Program:  # the other program: a block that turns clockwise about its toe
         return turn, x, y
 
 
-class RockingEngine:
-    name, prescribes_displacement = "rocking", False  # it steps under a given multiplier
+class RockingEngine(Engine):
+    name = "rocking"  # it steps under a given multiplier, as an engine does if it says no more
     notes = ("the toe is a hinge",)  # what it leaves out, told with the reason of a curve's end
 
     def start(self, problem):
@@ -55,5 +55,3 @@ class RockingEngine:
         force = {"normal_reaction": w * one, "tangential_reaction": -w * state.carried * one[None]}
         rest = {"normal": np.array([[0.0, 1.0]]), "gap": 0.0 * one, "area": 0.0 * one}
         return ContactForces(**where, **force, **rest, status=STICKING * one)
-
-    def close(self): ...  # a process or file would be let go of here

@@ -375,10 +375,10 @@ class TestOneResidual:
     @staticmethod
     def keeps(solver, curve):
         """What the engine promises, of every point, by figures that it did not choose itself."""
-        assert curve.residual.max() <= solver.residual_limit
+        assert curve.residual.max() <= solver.capabilities.residual_limit
         violation = curve.column("friction_violation")
         assert np.all(violation >= 0.0)
-        assert violation.max() <= solver.residual_limit
+        assert violation.max() <= solver.capabilities.residual_limit
 
     @pytest.mark.parametrize("name", EVERY_ENGINE)
     def test_every_point_keeps_what_the_engine_promises(self, name):

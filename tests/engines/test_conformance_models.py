@@ -214,11 +214,11 @@ def traced(model: Model, name: str | Engine) -> tuple[Engine, CapacityCurve]:
 
 def check_residual(solver: Engine, curve: CapacityCurve) -> None:
     """Every point, in motion too, against the limit that the engine states."""
-    assert solver.residual_limit is not None
+    assert solver.capabilities.residual_limit is not None
     for column in ("residual", "friction_violation"):
         found = curve.column(column)
         assert np.all(found >= 0.0)  # so that what is not a number fails
-        assert found.max() <= solver.residual_limit
+        assert found.max() <= solver.capabilities.residual_limit
 
 
 def came(point: Point) -> tuple[float, float]:
@@ -246,7 +246,7 @@ def check_balance(solver: Engine, point: Point) -> None:
     a share of closing over the diameter of the shear is the difference.
     """
     a, c, dim = point.model.assembly, point.contacts, point.dim
-    limit = solver.residual_limit * a.heaviest_weight + point.held
+    limit = solver.capabilities.residual_limit * a.heaviest_weight + point.held
     way = turn = 0.0
     if solver.name in STEPS_IN_TIME:
         way, turn = came(point)
@@ -278,7 +278,7 @@ def check_law(solver: Engine, point: Point) -> None:
     Areas, of which strength and stiffness follow, are those of the beginning of the step.
     """
     a, c = point.model.assembly, point.contacts
-    law, tolerance = a.joint, solver.residual_limit * a.heaviest_weight
+    law, tolerance = a.joint, solver.capabilities.residual_limit * a.heaviest_weight
     way, turn = came(point)
     normal, shear = c.normal_reaction, np.linalg.norm(c.tangential_reaction, axis=1)
     assert normal.min() >= -tolerance  # none of these joints has tensile strength
@@ -487,7 +487,7 @@ def test_a_residual_that_is_not_kept_is_found():
     """Of a point that the loop let pass, and of one that is no number."""
     solver, curve = traced(stack((0.4, 0.3), (0.3, 0.6)), "equilibrium")
     check_residual(solver, curve)
-    for residual in (2.0 * solver.residual_limit, np.nan):
+    for residual in (2.0 * solver.capabilities.residual_limit, np.nan):
         last = replace(curve.points[-1], residual=residual)
         with pytest.raises(AssertionError):
             check_residual(solver, replace(curve, points=(*curve.points[:-1], last)))
@@ -509,7 +509,7 @@ class TestAnEngineOfOthers:
     def whole(rocking, model):
         """Largest force that is left of the static points' balance, over the weight."""
         _, curve = traced(model, rocking)
-        assert getattr(rocking, "residual_limit", None) is None and np.isnan(curve.residual).all()
+        assert rocking.capabilities.residual_limit is None and np.isnan(curve.residual).all()
         assert "the toe is a hinge" in curve.reason  # what it leaves out is told
         weight = model.assembly.weight[~model.assembly.fixed].sum()
         # Its inertia does not reach the support: what it carries is less than what is applied.

@@ -336,7 +336,7 @@ def test_an_end_in_a_jump_is_that_of_the_static_path():
     before, after = curve.points[-2:]
     assert after.jumped and before.load_multiplier > 10.0 * curve.stop_multiplier
     assert after.control_displacement < before.control_displacement
-    step = DistinctEngine().preferences(model.assembly)["displacement_step"]
+    step = DistinctEngine().pacing(model.assembly).displacement_step
     assert curve.ultimate_displacement == pytest.approx(static.ultimate_displacement, abs=step)
 
 

@@ -27,7 +27,7 @@ def step_without_warm_start(seed, multiplier, time_step):
     )
     _, report = engine.step(state, Demand(multiplier=multiplier, time_step=time_step))
     assert report.converged, report.reason
-    assert report.residual <= engine.residual_limit
+    assert report.residual <= engine.capabilities.residual_limit
     return report
 
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
-from builders import stack
+from builders import small_wall, stack
+from drystone.analysis.driver import pushover
 from drystone.cli import app
 from drystone.engines import GROUP, engine_names, make_engine
 from drystone.engines.base import EngineError
@@ -17,6 +19,25 @@ from drystone.io.modelfile import write_model
 from drystone.model.model import Analysis
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "own_engine.py"
+TOY = Path(__file__).with_name("toy_engine.py")
+
+#: Classes that are no engines, by what is said of them.
+WRONG = """
+from drystone.engines.base import Capabilities, Engine
+
+class Unrelated:
+    name, prescribes_displacement = "unrelated", False
+
+class Half(Engine):
+    name = "half"
+    def start(self, problem): ...
+    def contacts(self, state): ...
+
+class Nameless(Engine):
+    def start(self, problem): ...
+    def step(self, state, demand): ...
+    def contacts(self, state): ...
+"""
 
 
 @pytest.fixture
@@ -31,13 +52,22 @@ def installed(tmp_path, monkeypatch):
     (info / "entry_points.txt").write_text(
         f"[{GROUP}]\nrocking = rocking_program:RockingEngine\n"
         "torn = rocking_program:NoSuchEngine\nnscd = rocking_program:RockingEngine\n"
+        "monolith = toy_engine:MonolithEngine\n"
+        "unrelated = wrong_engines:Unrelated\nhalf = wrong_engines:Half\n"
+        "nameless = wrong_engines:Nameless\nold = old_engine:Old\n"
+    )
+    shutil.copy(TOY, site / "toy_engine.py")
+    (site / "wrong_engines.py").write_text(WRONG)
+    (site / "old_engine.py").write_text(
+        "from drystone.engines.base import Engine\n"
+        "class Old(Engine):\n    prescribes_displacement = True\n"
     )
     monkeypatch.syspath_prepend(str(site))
     return site
 
 
 def test_an_engine_is_found_by_its_entry_point(installed):
-    assert engine_names()[-2:] == ("rocking", "torn")
+    assert {"rocking", "torn", "monolith"} <= set(engine_names())
     assert make_engine("rocking").name == "rocking"
 
 
@@ -48,6 +78,43 @@ def test_a_name_of_ours_stays_ours(installed):
 def test_an_engine_that_cannot_be_loaded_is_told(installed):
     with pytest.raises(EngineError, match=r'"torn".*NoSuchEngine'):
         make_engine("torn")
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("unrelated", r"wrong_engines\.Unrelated is no engine: .*derive.*base\.Engine"),
+        ("half", r'"half" \(wrong_engines:Half\) cannot be made: .*abstract.*step'),
+        ("nameless", r"wrong_engines\.Nameless: the engine has no name"),
+        ("old", r'"old".*Old\.prescribes_displacement: say it in .*capabilities'),
+    ],
+)
+def test_what_an_engine_misses_is_told(installed, name, told):
+    with pytest.raises(EngineError, match=told):
+        make_engine(name)
+
+
+def test_what_is_no_engine_is_told_before_it_runs():
+    with pytest.raises(EngineError, match=r"object is no engine"):
+        pushover(stack((0.4, 1.2)), engine=object())
+
+
+def test_a_toy_engine_in_a_file_of_its_own_runs_a_wall(installed, tmp_path):
+    """A wall that turns as one piece carries its half width over the height of its centroid."""
+    wall = small_wall()
+    model = replace(wall, analysis=replace(wall.analysis, engine="monolith"))
+    write_model(model, tmp_path / "wall.toml")
+    run = CliRunner().invoke(
+        app, ["run", str(tmp_path / "wall.toml"), "--out", str(tmp_path / "out"), "--json"]
+    )
+    assert run.exit_code == 0, run.output
+    summary = json.loads(run.stdout)
+    assert summary["engine"] == "monolith"
+    assert summary["reason"].endswith("its joints do not open")
+    a = model.assembly
+    free = ~a.fixed
+    x, y = a.weight[free] @ a.centroid[free] / a.weight[free].sum()
+    assert summary["peak_multiplier"] == pytest.approx((1.0 - x) / y, rel=0.01)
 
 
 def test_an_unknown_name_lists_the_known_ones(installed):

@@ -11,7 +11,7 @@ from builders import PUBLISHED_JOINT, stack
 from drystone.analysis.driver import obeyed, pushover
 from drystone.cli.outcome import UNFINISHED, exit_code
 from drystone.contact.forces import ContactForces
-from drystone.engines.base import EngineError, StepReport
+from drystone.engines.base import Capabilities, Engine, EngineError, StepReport
 from drystone.model.builders import make_model
 
 
@@ -21,12 +21,11 @@ class State:
     reached: float = 0.0
 
 
-class Engine:
+class Stub(Engine):
     """Reports a branch of multipliers that rises by its increments, with a residual per step."""
 
     name = "stub"
-    prescribes_displacement = True
-    residual_limit = 1e-6
+    capabilities = Capabilities(prescribes_displacement=True, residual_limit=1e-6)
 
     def __init__(self, residuals, dynamic=False):
         self.residuals, self.dynamic = iter(residuals), dynamic
@@ -62,12 +61,9 @@ class Engine:
         reached = state.reached + demand.increment
         return State(state.pose, reached), self._report(reached)
 
-    def close(self):
-        pass
-
 
 def trace(residuals, **options):
-    return pushover(stack((0.4, 0.9)), engine=Engine(residuals, **options), max_steps=200)
+    return pushover(stack((0.4, 0.9)), engine=Stub(residuals, **options), max_steps=200)
 
 
 def good_then(value, n=4):
@@ -84,7 +80,7 @@ def test_a_residual_above_the_limit_ends_the_run_unfinished(residual, dynamic):
     assert exit_code(curve.status) == UNFINISHED
     assert "residual" in curve.reason and f"{residual:.1e}" in curve.reason
     assert len(curve.points) == 4  # those before, and none of the others
-    assert curve.residual.max() <= Engine.residual_limit
+    assert curve.residual.max() <= Stub.capabilities.residual_limit
     assert curve.peak.step == (0 if dynamic else 3)
 
 
@@ -96,7 +92,7 @@ def test_a_single_bad_step_is_tried_again():
 
     curve = trace(once())
     assert curve.n_steps == 200
-    assert curve.residual.max() <= Engine.residual_limit
+    assert curve.residual.max() <= Stub.capabilities.residual_limit
 
 
 def test_rest_that_is_none_is_refused():

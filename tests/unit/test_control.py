@@ -36,7 +36,14 @@ from drystone.control import (
 )
 from drystone.control.displacement import ALL_BUT
 from drystone.control.ends import COLLAPSED, Progress, end_of_curve
-from drystone.engines.base import Demand, EngineError, StepReport, UnstableError
+from drystone.engines.base import (
+    Capabilities,
+    Demand,
+    Engine,
+    EngineError,
+    StepReport,
+    UnstableError,
+)
 from drystone.io.modelfile import read_model
 from drystone.model.builders import ModelError, model_to_dict, published_wall
 from drystone.results.curve import DYNAMIC, STATIC
@@ -60,7 +67,7 @@ class SlidingState:
     pose: np.ndarray = field(default_factory=lambda: np.zeros((2, 3)))
 
 
-class SlidingStructure:
+class SlidingStructure(Engine):
     """See the module's text; an engine as the loop and the controls see it."""
 
     name = "sliding structure"
@@ -68,7 +75,7 @@ class SlidingStructure:
     def __init__(self, *, c=0.5, static=falling, mobility=9.81, fails=None, prescribes=False):
         self.c, self.static, self.mobility = c, static, mobility
         self.fails = fails or (lambda delta, motion: False)
-        self.prescribes_displacement = prescribes
+        self.capabilities = Capabilities(prescribes_displacement=prescribes)
         self.demands = []
         self.closed = False
 

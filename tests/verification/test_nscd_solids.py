@@ -33,7 +33,7 @@ def test_a_block_overturns_whichever_way_it_is_pushed(angle, peak):
     curve = curve_of(one_block(angle=angle), max_displacement=0.01)
     # Joints of 1e11 Pa/m press in by 0.2 um; 1e-3 with the steps in which the peak is looked for.
     assert curve.peak.load_multiplier == pytest.approx(peak, rel=1e-3)
-    assert max(point.residual for point in curve.points) <= NscdEngine.residual_limit
+    assert max(point.residual for point in curve.points) <= NscdEngine.capabilities.residual_limit
 
 
 def test_a_rocking_block_follows_its_closed_form():
@@ -103,7 +103,7 @@ def test_a_box_dropped_on_an_edge_or_a_corner_comes_to_rest(turn):
     for _ in range(300):
         state, report = engine.step(state, Demand(multiplier=0.0, time_step=h, stop_blocks=False))
         assert report.converged, report.reason
-        assert report.residual <= engine.residual_limit
+        assert report.residual <= engine.capabilities.residual_limit
         energy = 0.5 * np.sum(mass * state.velocity[1] ** 2) + 9.81 * mass[0] * state.pose[1, 2]
         # What joints store is left out: (m v)^2 / k of an impact at 2 m/s, of 100 J.
         assert energy <= last + 1.0

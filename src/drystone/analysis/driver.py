@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing, nullcontext
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from functools import partial
 from typing import Any, Protocol
 
@@ -22,6 +22,7 @@ from drystone.common.records import changed
 from drystone.common.threads import limited
 from drystone.contact.forces import ContactForces
 from drystone.control import (
+    SMOOTH,
     Control,
     ControlError,
     Decision,
@@ -34,10 +35,10 @@ from drystone.control import (
     SettlingControl,
     SettlingSettings,
 )
-from drystone.engines import make_engine
-from drystone.engines.base import Demand, Engine, EngineError, Problem, StepReport
+from drystone.engines import checked, make_engine
+from drystone.engines.base import Demand, Engine, EngineError, Pacing, Problem, StepReport
 from drystone.engines.frame import Frame
-from drystone.engines.framed import FramedEngine, framed
+from drystone.engines.framed import framed
 from drystone.model.model import REMOVE, STOP, Analysis, Model
 from drystone.model.ties import TieState, names_of
 from drystone.results.curve import (
@@ -94,7 +95,7 @@ class Recorder(Protocol):
 def pushover(
     model: Model,
     *,
-    engine: str | Engine | None = None,
+    engine: str | Engine[Any] | None = None,
     strategy: str | None = None,
     recorder: Recorder | None = None,
     progress: Callable[[CurvePoint], None] | bool | None = None,
@@ -143,13 +144,14 @@ def pushover(
     model = _with_options(model, options)
 
     def traced(model: Model) -> CapacityCurve:
-        solver: Any = make_engine(asked) if named else framed(engine)
+        own = engine is not None and not isinstance(engine, str)
+        solver = framed(checked(engine)) if own else make_engine(asked)
         small = recorder is None and model.assembly.n_bodies <= MOST_KEPT
         run = _Run(
             model=model,
             solver=solver,
             strategy=SETTLEMENT if model.settlement else strategy or model.analysis.strategy,
-            later=named and isinstance(solver, FramedEngine),
+            later=named and solver.capabilities.keeps_states,
             stops=(model.analysis.falling or default_falling) == STOP,
             recorder=recorder,
             progress=None,
@@ -212,7 +214,7 @@ class _Run:
     """An analysis under way: what is told and kept of every point."""
 
     model: Model
-    solver: Any
+    solver: Engine[Any]
     strategy: str
     later: bool  # contacts follow from the state alone: states are kept in their place
     stops: bool  # where a part that may not fall collapses
@@ -247,7 +249,7 @@ class _Run:
     def _trace(self, control: Control) -> tuple[str, str]:
         model, solver = self.model, self.solver
         plausibility = Plausibility(model)
-        limit = getattr(solver, "residual_limit", None)
+        limit = solver.capabilities.residual_limit
         state, report = solver.start(
             Problem(
                 assembly=model.assembly,
@@ -315,11 +317,18 @@ class _Run:
         self, before: Any, state: Any, demand: Demand, report: StepReport, decision: Decision
     ) -> Decision:
         """Add a point; what is decided after what has been lost since the state ``before``."""
-        fallen = _fallen(before, state)
+        fallen = self._fallen(before, state)
         collapsed = self._add(report, state, demand.time_step, decision, fallen)
         ids = self.model.assembly.ids
         self.left += [BlockLeft.at(self.points[-1], ids[i]) for i in fallen]
         return self._after_loss(fallen, collapsed, decision)
+
+    def _fallen(self, before: Any, after: Any) -> list[int]:
+        """Rows of the blocks that have left in between, where the engine tells."""
+        gone, then = self.solver.gone_of(after), self.solver.gone_of(before)
+        if gone is None or then is None or gone is then:
+            return []
+        return [int(i) for i in np.flatnonzero(gone & ~then)]
 
     def _add(
         self,
@@ -366,10 +375,9 @@ class _Run:
         return decision
 
     def _add_ties(self, state: Any) -> TieState | None:
-        ask = getattr(self.solver, "ties_of", None) if self.model.ties else None
-        if ask is None:
+        now = self.solver.ties_of(state) if self.model.ties else None
+        if now is None:
             return None
-        now: TieState = ask(state)
         self.ties.append(now)
         tell = getattr(self.recorder, "ties", None)
         if tell is not None:
@@ -378,14 +386,13 @@ class _Run:
 
     def finished(self, status: str, reason: str, seconds: float, compiling: float) -> CapacityCurve:
         """What was traced, told to the recorder; its seconds include those of compiling."""
-        notes = getattr(self.solver, "notes", ())
         curve = CapacityCurve(
             engine=self.solver.name,
             strategy=self.strategy,
             points=tuple(self.points),
             status=status,
             # What was left out of the model belongs to how far the curve can be trusted.
-            reason="; ".join(filter(None, (reason, *map(str, self.left), *notes))),
+            reason="; ".join(filter(None, (reason, *map(str, self.left), *self.solver.notes))),
             stop_multiplier=self.model.analysis.stop_multiplier,
             settlement=self.settlement,
             motion_unit=self.model.settlement.unit if self.model.settlement else "m",
@@ -420,14 +427,6 @@ def _with_options(model: Model, options: Mapping[str, Any]) -> Model:
     if wrong:
         raise EngineError(f"[analysis] {wrong[0]}")
     return model.with_analysis(**options) if options else model
-
-
-def _fallen(before: Any, after: Any) -> list[int]:
-    """Rows of the blocks that have left in between, where the engine tells."""
-    gone = getattr(after, "gone", None)
-    if gone is None or gone is before.gone:
-        return []
-    return [int(i) for i in np.flatnonzero(gone & ~before.gone)]
 
 
 def obeyed(report: StepReport, limit: float | None) -> StepReport:
@@ -465,7 +464,7 @@ def _options_of(strategy: str, analysis: Analysis) -> dict[str, float]:
     return options
 
 
-def make_control(strategy: str, engine: Engine, model: Model) -> Control:
+def make_control(strategy: str, engine: Engine[Any], model: Model) -> Control:
     """The control of a strategy for an engine; raises `EngineError` for settings that fail."""
     options = _options_of(strategy, model.analysis)
     frame = Frame.of(model.assembly)
@@ -477,8 +476,7 @@ def make_control(strategy: str, engine: Engine, model: Model) -> Control:
             f"most {coarsest:.3g} m, a fifth of the smallest block"
         )
     step = {"displacement_step": STEP_SHARE * frame.size}
-    ask = getattr(engine, "preferences", None)
-    preferred: Mapping[str, float] = ask(model.assembly) if ask else {}
+    preferred = _suited(engine.pacing(model.assembly))
     if model.settlement is not None:
         return _settling({**step, **preferred, **options}, engine, model, frame)
     try:
@@ -487,7 +485,7 @@ def make_control(strategy: str, engine: Engine, model: Model) -> Control:
                 _settings(PublishedSettings, frame.time, {**preferred, **step, **options})
             )
         chosen = {**step, **preferred, **options}
-        if engine.prescribes_displacement:
+        if engine.capabilities.prescribes_displacement:
             return DisplacementControl(_settings(DisplacementSettings, frame.time, chosen))
         return ExcessControl(_settings(ExcessSettings, frame.time, chosen))
     except ControlError as error:
@@ -495,10 +493,10 @@ def make_control(strategy: str, engine: Engine, model: Model) -> Control:
 
 
 def _settling(
-    options: Mapping[str, float], engine: Engine, model: Model, frame: Frame
+    options: Mapping[str, float], engine: Engine[Any], model: Model, frame: Frame
 ) -> SettlingControl:
     """The control of supports that move; raises `EngineError` for engines that cannot move them."""
-    if not getattr(engine, "moves_supports", False):
+    if not engine.capabilities.moves_supports:
         raise EngineError(
             f"the {engine.name} engine cannot move supports: take the equilibrium, the nscd or the "
             "distinct engine"
@@ -518,11 +516,19 @@ def _settling(
             step=min(step, settlement.largest * lever) / lever,
             unit=weight * (lever if settlement.rotates else 1.0),
             scale=lever,
-            time_step=0.0 if engine.prescribes_displacement else STILL * frame.time,
+            time_step=0.0 if engine.capabilities.prescribes_displacement else STILL * frame.time,
             easy_iterations=int(options.get("easy_iterations", SettlingSettings.easy_iterations)),
             max_steps=int(options.get("max_steps", SettlingSettings.max_steps)),
         )
     )
+
+
+def _suited(pacing: Pacing) -> dict[str, float]:
+    """Settings of the strategies that go with what an engine says of its steps."""
+    said = asdict(pacing)
+    smooth = said.pop("smooth")
+    known = {key: value for key, value in said.items() if value is not None}
+    return {**known, **SMOOTH} if smooth else known
 
 
 def _settings(cls: type, second: float, options: Mapping[str, float]) -> Any:

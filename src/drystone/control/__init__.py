@@ -4,12 +4,13 @@ They know nothing of blocks or contacts and hold no state of their own.
 """
 
 from drystone.control.base import Control, ControlError, Decision
-from drystone.control.displacement import DisplacementControl, DisplacementSettings
+from drystone.control.displacement import SMOOTH, DisplacementControl, DisplacementSettings
 from drystone.control.excess import ExcessControl, ExcessSettings
 from drystone.control.published import PublishedControl, PublishedSettings
 from drystone.control.settling import SettlingControl, SettlingSettings
 
 __all__ = [
+    "SMOOTH",
     "Control",
     "ControlError",
     "Decision",

@@ -51,6 +51,10 @@ PARTS = 10
 ALL_BUT = 0.98
 
 
+#: Settings where curves bend all along: steps grow by how much they do, and a step may bend by
+#: twice as much as where bends are corners.
+SMOOTH: dict[str, float] = {"smooth": True, "bend_share": 4e-3}
+
 #: Times that the stop value is looked for where the chord meets it, and where steps are dear.
 CHORDS, FEW_CHORDS = 4, 2
 

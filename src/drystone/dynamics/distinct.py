@@ -37,8 +37,11 @@ from drystone.contact.rows import OF_GAP, dof_of
 from drystone.dynamics import explicit
 from drystone.dynamics.explicit import Drive, FrozenContacts, Loads, Motion
 from drystone.engines.base import (
+    Capabilities,
     Demand,
+    Engine,
     EngineError,
+    Pacing,
     Problem,
     StepReport,
     UnstableError,
@@ -516,26 +519,29 @@ class Workspace:
         )
 
 
-class DistinctEngine:
+class DistinctEngine(Engine[DistinctState]):
     """See the module's text."""
 
     name = "distinct"
-    in_own_frame = True
-    moves_supports = True
-    prescribes_displacement = True
-    #: Rest is looked for with the forces of a cycle, its poses are those at the end of it.
-    residual_limit = 1e-4
+    capabilities = Capabilities(
+        prescribes_displacement=True,
+        moves_supports=True,
+        in_own_frame=True,
+        keeps_states=True,
+        # Rest is looked for with the forces of a cycle, its poses are those at the end of it.
+        residual_limit=1e-4,
+    )
 
     def __init__(self, settings: DistinctSettings | None = None) -> None:
         self.settings = settings or DistinctSettings()
 
-    def preferences(self, assembly: Assembly) -> dict[str, float]:
-        """See `Engine`; a step is easy or hard by its cycles."""
-        return {
-            "displacement_step": 0.01 * assembly.smallest_extent,
-            "easy_iterations": 20_000,
-            "hard_iterations": 100_000,
-        }
+    def pacing(self, assembly: Assembly) -> Pacing:
+        """A step is easy or hard by its cycles."""
+        return Pacing(
+            displacement_step=0.01 * assembly.smallest_extent,
+            easy_iterations=20_000,
+            hard_iterations=100_000,
+        )
 
     def start(self, problem: Problem) -> tuple[DistinctState, StepReport]:
         """Settle under the dead load; raises `UnstableError`."""
@@ -1047,6 +1053,10 @@ class DistinctEngine:
         figures = report(self.problem, acting, outcome)
         return new, replace(figures, lost_shear=work.lost_shear / self.scale)
 
+    def gone_of(self, state: DistinctState) -> BoolArray:
+        """Blocks (n,) that have left."""
+        return state.gone
+
     def ties_of(self, state: DistinctState) -> TieState:
         """What the ties of a state carry."""
         return state.ties
@@ -1056,9 +1066,6 @@ class DistinctEngine:
         return self.detector.forces(
             state.pairs, state.pose, state.slots, state.reaction, state.status
         )
-
-    def close(self) -> None:
-        """Nothing is held."""
 
 
 def _gone_on_with(array: NDArray[Any], source: IntArray) -> NDArray[Any]:

@@ -25,7 +25,9 @@ from drystone.dynamics import nlgs
 from drystone.dynamics.nlgs import NlgsResult, NlgsSettings
 from drystone.dynamics.sweeps import ContactProblem
 from drystone.engines.base import (
+    Capabilities,
     Demand,
+    Engine,
     EngineError,
     Problem,
     StepReport,
@@ -75,14 +77,16 @@ class NscdState:
     acted: ActedContacts | None = None  # along the normals and tangents of the step's beginning
 
 
-class NscdEngine:
+class NscdEngine(Engine[NscdState]):
     """See the module's text."""
 
     name = "nscd"
-    in_own_frame = True
-    moves_supports = True
-    prescribes_displacement = False
-    residual_limit = 1e-6  # what a step is solved to, and the rounding of its poses
+    capabilities = Capabilities(
+        moves_supports=True,
+        in_own_frame=True,
+        keeps_states=True,
+        residual_limit=1e-6,  # what a step is solved to, and the rounding of its poses
+    )
 
     def __init__(self, settings: NscdSettings | None = None) -> None:
         self.settings = settings or NscdSettings()
@@ -359,6 +363,10 @@ class NscdEngine:
         status_of(pairs, self.laws, reaction, status)
         return status
 
+    def gone_of(self, state: NscdState) -> BoolArray:
+        """Blocks (n,) that have left."""
+        return state.gone
+
     def ties_of(self, state: NscdState) -> TieState:
         """What the ties of a state carry."""
         return state.ties
@@ -369,6 +377,3 @@ class NscdEngine:
         return self.detector.forces(
             these.pairs, state.pose, these.slots, these.reaction, these.status
         )
-
-    def close(self) -> None:
-        """Nothing is held."""

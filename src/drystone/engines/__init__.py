@@ -31,7 +31,7 @@ def engine_names() -> tuple[str, ...]:
     return (*_ENGINES, *(name for name in _outside() if name not in _ENGINES))
 
 
-def make_engine(name: str) -> Engine:
+def make_engine(name: str) -> Engine[Any]:
     """A new engine with its default settings.
 
     Raises
@@ -43,6 +43,7 @@ def make_engine(name: str) -> Engine:
     from drystone.engines.framed import framed
 
     make: Any
+    entry = None
     if name in _ENGINES:
         module, attribute = _ENGINES[name]
         make = getattr(import_module(module), attribute)
@@ -53,11 +54,32 @@ def make_engine(name: str) -> Engine:
             raise EngineError(f'there is no engine "{name}": take one of {known}')
         try:
             make = entry.load()
-        except (ImportError, AttributeError) as error:
+        except (ImportError, AttributeError, TypeError) as error:
             raise EngineError(
                 f'the engine "{name}" ({entry.value}) cannot be loaded: {error}'
             ) from error
-    engine: Engine = framed(make())
+    if entry is None:
+        return framed(make())
+    try:
+        engine = make()
+    except TypeError as error:  # such as methods that are missing
+        raise EngineError(f'the engine "{name}" ({entry.value}) cannot be made: {error}') from error
+    return framed(checked(engine))
+
+
+def checked(engine: object) -> Engine[Any]:
+    """An engine of somebody else's; raises `EngineError` for what is none."""
+    from drystone.engines.base import Engine, EngineError
+
+    kind = type(engine)
+    if not isinstance(engine, Engine):
+        raise EngineError(
+            f"{kind.__module__}.{kind.__qualname__} is no engine: derive the class from "
+            "drystone.engines.base.Engine, and say what it can do in its capabilities "
+            "(docs/own-engine.md)"
+        )
+    if not engine.name:
+        raise EngineError(f"{kind.__module__}.{kind.__qualname__}: the engine has no name")
     return engine
 
 

@@ -7,9 +7,10 @@ the step and says what to demand next.  Neither knows which of the others it wor
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Any, Protocol
+from dataclasses import dataclass, field, fields
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +20,10 @@ from drystone.model.assembly import Assembly, JointLaw
 from drystone.model.loading import DeadLoad, LoadPattern
 from drystone.model.monitor import ControlPoint
 from drystone.model.settlement import Settlement
-from drystone.model.ties import Tie
+from drystone.model.ties import Tie, TieState
 
 Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 
 class EngineError(Exception):
@@ -145,11 +147,7 @@ class StepReport:
 
 
 class State(Protocol):
-    """Everything that evolves.  Never changed in place by a step: a saved state stays good.
-
-    Of engines that take blocks out which have left the structure (`engines.departure`), a state
-    has an array ``gone``, (n,) of bool, that tells them.
-    """
+    """Everything that evolves.  Never changed in place by a step: a saved state stays good."""
 
     @property
     def pose(self) -> Array:
@@ -160,32 +158,86 @@ class State(Protocol):
         ...
 
 
-class Engine(Protocol):
-    """A formulation of rigid blocks in contact.
+#: The states of one engine, which only it looks into.
+OwnState = TypeVar("OwnState", bound=State)
 
-    An engine may have a method ``preferences(assembly)``: settings of the strategies, by name, that
-    suit it better than the common ones.  And it may say which ``residual_limit``, over the heaviest
-    weight, its steps keep: what exceeds it is no point of the curve.  One that says
-    ``in_own_frame = True`` is given problems in the structure's own coordinates and units (see
-    `drystone.engines.frame`), so that its tolerances may be numbers.
+
+@dataclass(frozen=True, kw_only=True)
+class Capabilities:
+    """What an engine can do, and what it keeps; as a rule one record of a whole class."""
+
+    #: Whether it can solve for the multiplier of a given increment.
+    prescribes_displacement: bool = False
+    #: Whether it can move supports, see `Problem.settlement`.
+    moves_supports: bool = False
+    #: Whether it is given problems in the structure's own coordinates and units (see
+    #: `drystone.engines.frame`), so that its tolerances may be numbers.
+    in_own_frame: bool = False
+    #: Whether contacts can be asked for of every state at any time, also once it is closed.
+    keeps_states: bool = False
+    #: Residual, over the heaviest weight, that its steps keep: what exceeds it is no point of the
+    #: curve.  None: it is not judged.
+    residual_limit: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pacing:
+    """Steps that suit an engine; None where those common to all do.  Strategies make of it what
+    they need."""
+
+    displacement_step: float | None = None  # m, longest
+    time_step: float | None = None  # s
+    easy_iterations: int | None = None  # of a step, up to which it was easy
+    hard_iterations: int | None = None  # from which on it was hard
+    smooth: bool = False  # whether its curves bend all along, not from point to point
+
+
+class Engine(ABC, Generic[OwnState]):
+    """A formulation of rigid blocks in contact: `start`, `step` and `contacts`, and a name.
+
+    What it can do beside stepping under a given multiplier its `capabilities` say.  All other
+    methods have defaults, which suit an engine that knows nothing of their subject.
     """
 
-    name: str
-    prescribes_displacement: bool  # can solve for the multiplier of an increment
+    name: str = ""  # in results
+    capabilities: Capabilities = Capabilities()
+    notes: tuple[str, ...] = ()  # sentences on what of the model it leaves out
 
-    def start(self, problem: Problem) -> tuple[Any, StepReport]:
+    def __init_subclass__(cls, **kwargs: object) -> None:
+        super().__init_subclass__(**kwargs)
+        for key in fields(Capabilities):
+            if key.name in vars(cls):
+                raise TypeError(
+                    f"{cls.__name__}.{key.name}: say it in the class's capabilities, "
+                    f"capabilities = Capabilities({key.name}=...)"
+                )
+
+    @abstractmethod
+    def start(self, problem: Problem) -> tuple[OwnState, StepReport]:
         """Bring the assembly to rest under its own weight, then stage after stage of its other dead
         loads; raises `UnstableError`."""
-        ...
 
-    def step(self, state: Any, demand: Demand) -> tuple[Any, StepReport]:
+    @abstractmethod
+    def step(self, state: OwnState, demand: Demand) -> tuple[OwnState, StepReport]:
         """One step from `state`; returns a new state, or `state` itself when not converged."""
-        ...
 
-    def contacts(self, state: Any) -> ContactForces:
+    @abstractmethod
+    def contacts(self, state: OwnState) -> ContactForces:
         """Contact points and reactions of a state."""
-        ...
 
+    def pacing(self, assembly: Assembly) -> Pacing:
+        """Steps that suit this engine."""
+        return Pacing()
+
+    def gone_of(self, state: OwnState) -> BoolArray | None:
+        """Blocks (n,) that have left the structure, see `engines.departure`; None where the engine
+        takes none out."""
+        return None
+
+    def ties_of(self, state: OwnState) -> TieState | None:
+        """What the ties of a state carry; None of engines that have none."""
+        return None
+
+    # Most engines hold nothing, and need not say so.
     def close(self) -> None:
         """Let go of whatever the engine holds (processes, files)."""
-        ...

@@ -5,7 +5,6 @@ Problems are taken to the frame, results back to the coordinates, units and orde
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,21 +13,19 @@ from numpy.typing import NDArray
 
 from drystone.common.records import changed
 from drystone.contact.forces import ContactForces
-from drystone.engines.base import Demand, Problem, StepReport
+from drystone.engines.base import Demand, Engine, Pacing, Problem, StepReport
 from drystone.engines.frame import Frame, plain
 from drystone.model.assembly import Assembly
 from drystone.model.ties import TieState
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-#: Settings that engines may prefer and that are lengths.
-LENGTHS = frozenset(("displacement_step",))
+BoolArray = NDArray[np.bool_]
 
 
-def framed(engine: Any) -> Any:
+def framed(engine: Engine[Any]) -> Engine[Any]:
     """The engine within the structure's own frame, where it asks for that."""
-    return FramedEngine(engine) if getattr(engine, "in_own_frame", False) else engine
+    return FramedEngine(engine) if engine.capabilities.in_own_frame else engine
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,39 +34,28 @@ class FramedState:
 
     own: Any
     pose: Array  # (n, n_dof) m, rad
-    gone: Any = None  # (n,) blocks that have left, of engines that tell
+    gone: BoolArray | None = None  # (n,) blocks that have left, of engines that tell
 
 
-class FramedEngine:
+class FramedEngine(Engine[FramedState]):
     """See the module's text; the contract is that of `engines.base.Engine`."""
 
-    def __init__(self, engine: Any) -> None:
+    def __init__(self, engine: Engine[Any]) -> None:
         self.engine = engine
-        self.name: str = engine.name
-        self.prescribes_displacement: bool = engine.prescribes_displacement
-        self.moves_supports: bool = getattr(engine, "moves_supports", False)
-        self.residual_limit: float | None = getattr(engine, "residual_limit", None)
-
+        self.name = engine.name
+        self.capabilities = replace(engine.capabilities, in_own_frame=False)
         self.seen: tuple[Assembly, Frame, Assembly] | None = None
         #: Rows outside of the rows within, and the other way round; None where they are the same.
         self.order: IntArray | None = None
         self.rank: IntArray | None = None
 
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What the engine left out of the model."""
-        return tuple(getattr(self.engine, "notes", ()))
-
-    def preferences(self, assembly: Assembly) -> Mapping[str, float]:
-        """See `Engine`; the assembly is the one outside."""
-        ask = getattr(self.engine, "preferences", None)
-        if ask is None:
-            return {}
+    def pacing(self, assembly: Assembly) -> Pacing:
+        """See `Engine.pacing`; the assembly is the one outside."""
         frame, own = self._own(assembly)
-        preferred = dict(ask(own))
-        for name in LENGTHS & preferred.keys():
-            preferred[name] = plain(frame.length * preferred[name])
-        return preferred
+        suits = self.engine.pacing(own)
+        if suits.displacement_step is None:
+            return suits
+        return replace(suits, displacement_step=plain(frame.length * suits.displacement_step))
 
     def start(self, problem: Problem) -> tuple[FramedState, StepReport]:
         """See `Engine.start`."""
@@ -98,6 +84,7 @@ class FramedEngine:
                 ground=None if ground is None else frame.height(ground),
             )
         )
+        self.notes = self.engine.notes  # which it may have found only now
         return self._state(own), self._report(report)
 
     def step(self, state: FramedState, demand: Demand) -> tuple[FramedState, StepReport]:
@@ -122,9 +109,13 @@ class FramedEngine:
         return changed(found, block_a=self.order[found.block_a], block_b=self.order[found.block_b])
 
     def ties_of(self, state: FramedState) -> TieState | None:
-        """What ties carry, of engines that have them."""
-        ask = getattr(self.engine, "ties_of", None)
-        return None if ask is None else self.frame.ties_of(ask(state.own))
+        """See `Engine.ties_of`."""
+        own = self.engine.ties_of(state.own)
+        return None if own is None else self.frame.ties_of(own)
+
+    def gone_of(self, state: FramedState) -> BoolArray | None:
+        """See `Engine.gone_of`."""
+        return state.gone
 
     def close(self) -> None:
         """See `Engine.close`."""
@@ -139,7 +130,7 @@ class FramedEngine:
         return self.seen[1:]
 
     def _state(self, own: Any) -> FramedState:
-        pose, gone = self.frame.pose_of(own.pose), getattr(own, "gone", None)
+        pose, gone = self.frame.pose_of(own.pose), self.engine.gone_of(own)
         if self.rank is not None:
             pose, gone = pose[self.rank], None if gone is None else gone[self.rank]
         return FramedState(own=own, pose=pose, gone=gone)

@@ -22,7 +22,16 @@ from drystone.common.records import changed
 from drystone.contact.contacts import Pairs, Slots
 from drystone.contact.detection import Detector, predecessor_pairs, predecessor_slots
 from drystone.contact.forces import ActedContacts, ContactForces
-from drystone.engines.base import Demand, EngineError, Problem, StepReport, UnstableError
+from drystone.engines.base import (
+    Capabilities,
+    Demand,
+    Engine,
+    EngineError,
+    Pacing,
+    Problem,
+    StepReport,
+    UnstableError,
+)
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
 from drystone.engines.measures import (
@@ -61,6 +70,11 @@ BoolArray = NDArray[np.bool_]
 #: Margin of a bond at which a step ends for it.
 AT_STRENGTH = 1e-5
 
+
+#: Residual, over the heaviest weight, that steps keep.  A thousand times what they are solved to:
+#: steps that stiff joints do not let be solved as well are told from those that only seem to be
+#: solved.
+COARSEST = 1e-6
 
 #: What joints hold may still change by this force, over the heaviest weight, where a step ends.
 SETTLED = 1e-6
@@ -132,28 +146,31 @@ class _Step:
     accuracy: Accuracy
 
 
-class EquilibriumEngine:
+class EquilibriumEngine(Engine[EquilibriumState]):
     """See the module's text."""
 
     name = "equilibrium"
-    in_own_frame = True
-    moves_supports = True
-    prescribes_displacement = True
-    #: A thousand times what its steps are solved to: steps that stiff joints do not let be solved
-    #: as well are told from those that only seem to be solved.
-    residual_limit = 1e-6
+    capabilities = Capabilities(
+        prescribes_displacement=True,
+        moves_supports=True,
+        in_own_frame=True,
+        keeps_states=True,
+        residual_limit=COARSEST,
+    )
 
     def __init__(self, settings: EquilibriumSettings | None = None) -> None:
         self.settings = settings or EquilibriumSettings()
 
-    def preferences(self, assembly: Assembly) -> dict[str, float]:
-        """See `Engine`: a step is to turn a mechanism by about 1 in 500, whatever its height."""
+    def pacing(self, assembly: Assembly) -> Pacing:
+        """A step is to turn a mechanism by about 1 in 500, whatever its height."""
         size = assembly.smallest_extent
         height = float(np.ptp(assembly.centroid[~assembly.fixed] @ assembly.up)) + size
-        step = {"displacement_step": min(max(height / 500.0, 0.02 * size), 0.1 * size)}
+        step = min(max(height / 500.0, 0.02 * size), 0.1 * size)
         if assembly.dimension == 3:
-            step.update(easy_iterations=60, hard_iterations=400, bend_share=4e-3, smooth=True)
-        return step
+            return Pacing(
+                displacement_step=step, easy_iterations=60, hard_iterations=400, smooth=True
+            )
+        return Pacing(displacement_step=step)
 
     def start(self, problem: Problem) -> tuple[EquilibriumState, StepReport]:
         """Settle under the dead load, stage by stage; raises `UnstableError`."""
@@ -252,6 +269,10 @@ class EquilibriumEngine:
             these.pairs, state.pose, these.slots, these.reaction, these.status
         )
 
+    def gone_of(self, state: EquilibriumState) -> BoolArray:
+        """Blocks (n,) that have left."""
+        return state.gone
+
     def ties_of(self, state: EquilibriumState) -> TieState:
         """What the ties of a state carry."""
         return state.ties
@@ -264,9 +285,6 @@ class EquilibriumEngine:
             reaction=state.reaction,
             status=STATUS_OF[state.branch],
         )
-
-    def close(self) -> None:
-        """Nothing is held."""
 
     def step(self, state: EquilibriumState, demand: Demand) -> tuple[EquilibriumState, StepReport]:
         """One implicit step from rest; see `Engine.step`."""
@@ -509,7 +527,7 @@ class EquilibriumEngine:
             tolerance=tolerance,
             rounding=rounding * stiffest,
             sliding_rounding=rounding * self._stiffest(joint_law.KS),
-            coarsest=self.residual_limit * scale,
+            coarsest=COARSEST * scale,
             depth=max(1e-3 * tolerance / stiffest, self.rounding),
             slight=1e-6 * self.problem.assembly.smallest_extent,
             farthest=np.inf,

@@ -29,8 +29,11 @@ from drystone.dynamics.lmgc90.process import Process
 from drystone.dynamics.nlgs import natural_map
 from drystone.dynamics.sweeps import ContactProblem
 from drystone.engines.base import (
+    Capabilities,
     Demand,
+    Engine,
     EngineError,
+    Pacing,
     Problem,
     StepReport,
     UnstableError,
@@ -88,7 +91,7 @@ class Lmgc90State:
     outcome: Outcome | None
 
 
-class Lmgc90Engine:
+class Lmgc90Engine(Engine[Lmgc90State]):
     """See the module's text.
 
     Parameters
@@ -100,10 +103,8 @@ class Lmgc90Engine:
     """
 
     name = "lmgc90"
-    prescribes_displacement = False
-    #: LMGC90 stops by the change between its iterations, and has been seen to leave a thirtieth.
-    residual_limit = 0.1
-    notes: tuple[str, ...] = ()  # what of the model LMGC90 does not represent
+    # LMGC90 stops by the change between its iterations, and has been seen to leave a thirtieth.
+    capabilities = Capabilities(residual_limit=0.1)
 
     def __init__(self, settings: Lmgc90Settings | None = None, driver: str | None = None) -> None:
         self.settings = settings or Lmgc90Settings()
@@ -111,9 +112,9 @@ class Lmgc90Engine:
         self.program = "LMGC90"
         self._process: Process | None = None
 
-    def preferences(self, assembly: Assembly) -> dict[str, float]:
-        """See `Engine`."""
-        return {"time_step": self._longest(assembly)}
+    def pacing(self, assembly: Assembly) -> Pacing:
+        """See `Engine.pacing`."""
+        return Pacing(time_step=self._longest(assembly))
 
     def _longest(self, assembly: Assembly) -> float:
         """Longest time step [s]."""
