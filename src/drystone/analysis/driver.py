@@ -39,6 +39,7 @@ from drystone.engines import checked, make_engine
 from drystone.engines.base import Demand, Engine, EngineError, Pacing, Problem, StepReport
 from drystone.engines.frame import Frame
 from drystone.engines.framed import framed
+from drystone.engines.refusal import others
 from drystone.model.model import REMOVE, STOP, Analysis, Model
 from drystone.model.ties import TieState, names_of
 from drystone.results.curve import (
@@ -498,8 +499,7 @@ def _settling(
     """The control of supports that move; raises `EngineError` for engines that cannot move them."""
     if not engine.capabilities.moves_supports:
         raise EngineError(
-            f"the {engine.name} engine cannot move supports: take the equilibrium, the nscd or the "
-            "distinct engine"
+            f"the {engine.name} engine cannot move supports: {others(lambda c: c.moves_supports)}"
         )
     settlement, assembly = model.settlement, model.assembly
     assert settlement is not None

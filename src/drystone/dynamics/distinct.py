@@ -45,7 +45,7 @@ from drystone.engines.base import (
     Problem,
     StepReport,
     UnstableError,
-    refuse_yielding,
+    Yielding,
 )
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
@@ -56,6 +56,7 @@ from drystone.engines.measures import (
     report,
     unstable_sentence,
 )
+from drystone.engines.refusal import refuse
 from drystone.law import law as joint_law
 from drystone.law.bonds import apart, brittle, margins, weakest
 from drystone.law.certificate import Forces, JudgedContacts, certify
@@ -524,6 +525,9 @@ class DistinctEngine(Engine[DistinctState]):
 
     name = "distinct"
     capabilities = Capabilities(
+        ties=True,
+        bonds=True,
+        yielding=frozenset(Yielding) - {Yielding.CLOSE},
         prescribes_displacement=True,
         moves_supports=True,
         in_own_frame=True,
@@ -578,15 +582,11 @@ class DistinctEngine(Engine[DistinctState]):
     ) -> DistinctState:
         """A state in given poses (n, n_pose) and velocities (n, n_dof), as they are."""
         assembly = problem.assembly
-        if assembly.on_rollers:
-            raise EngineError(
-                "the distinct engine has no rollers: take the equilibrium or the nscd engine"
-            )
+        refuse(problem, self)
         self.problem, self.stage = problem, problem.stages[-1]
         self.detector = Detector(assembly)
         self.dof = dof_of(assembly.mass)
         self.strengths = Strengths(assembly)
-        refuse_yielding(assembly, self.name)
         try:
             self.laws = law_table(assembly)
         except ValueError as error:

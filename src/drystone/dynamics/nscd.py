@@ -32,10 +32,10 @@ from drystone.engines.base import (
     Problem,
     StepReport,
     UnstableError,
-    refuse_yielding,
 )
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
+from drystone.engines.refusal import refuse
 from drystone.geometry.motion import places, spun_by_impulses, spun_on
 from drystone.law.certificate import Forces, JudgedContacts, certify
 from drystone.law.law import status_of
@@ -82,6 +82,8 @@ class NscdEngine(Engine[NscdState]):
 
     name = "nscd"
     capabilities = Capabilities(
+        rollers=True,
+        ties=True,
         moves_supports=True,
         in_own_frame=True,
         keeps_states=True,
@@ -95,14 +97,7 @@ class NscdEngine(Engine[NscdState]):
         """Settle under the dead load; raises `UnstableError`, or `EngineError` for a joint law
         that this formulation does not have."""
         assembly = problem.assembly
-        refuse_yielding(assembly, self.name)
-        if any(
-            law.dilatancy_angle or law.cohesion or law.tensile_strength for law in assembly.laws
-        ):
-            raise EngineError(
-                "the nscd engine has no dilatancy, cohesion or tensile strength: set them to "
-                "zero, or take the equilibrium or the distinct engine"
-            )
+        refuse(problem, self)
         try:
             self.laws = law_table(assembly, shear=False)
         except ValueError as error:

@@ -7,13 +7,14 @@ arguments: its class, as a rule.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-    from drystone.engines.base import Engine
+    from drystone.engines.base import Capabilities, Engine
 
 #: Group of entry points of other packages' engines.
 GROUP = "drystone.engines"
@@ -24,6 +25,22 @@ _ENGINES = {
     "distinct": ("drystone.dynamics.distinct", "DistinctEngine"),
     "lmgc90": ("drystone.dynamics.lmgc90", "Lmgc90Engine"),
 }
+
+
+#: Names of our own engines.
+BUILT_IN = tuple(_ENGINES)
+
+
+def able(can: Callable[[Capabilities], bool]) -> tuple[str, ...]:
+    """Names of our own engines with capabilities of some kind."""
+    return tuple(name for name in BUILT_IN if can(_class(name).capabilities))
+
+
+def _class(name: str) -> type[Engine[Any]]:
+    """The class of one of our own engines."""
+    module, attribute = _ENGINES[name]
+    made: type[Engine[Any]] = getattr(import_module(module), attribute)
+    return made
 
 
 def engine_names() -> tuple[str, ...]:
@@ -42,28 +59,17 @@ def make_engine(name: str) -> Engine[Any]:
     from drystone.engines.base import EngineError
     from drystone.engines.framed import framed
 
-    make: Any
-    entry = None
     if name in _ENGINES:
-        module, attribute = _ENGINES[name]
-        make = getattr(import_module(module), attribute)
-    else:
-        entry = _outside().get(name)
-        if entry is None:
-            known = ", ".join(engine_names())
-            raise EngineError(f'there is no engine "{name}": take one of {known}')
-        try:
-            make = entry.load()
-        except (ImportError, AttributeError, TypeError) as error:
-            raise EngineError(
-                f'the engine "{name}" ({entry.value}) cannot be loaded: {error}'
-            ) from error
+        return framed(_class(name)())
+    entry = _outside().get(name)
     if entry is None:
-        return framed(make())
+        known = ", ".join(engine_names())
+        raise EngineError(f'there is no engine "{name}": take one of {known}')
     try:
-        engine = make()
-    except TypeError as error:  # such as methods that are missing
-        raise EngineError(f'the engine "{name}" ({entry.value}) cannot be made: {error}') from error
+        engine = entry.load()()
+    except (ImportError, AttributeError, TypeError) as error:  # also of methods that are missing
+        told = f'the engine "{name}" ({entry.value}) cannot be made: {error}'
+        raise EngineError(told) from error
     return framed(checked(engine))
 
 

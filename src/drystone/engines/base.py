@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass, field, fields
+from enum import Enum
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
@@ -28,24 +28,6 @@ BoolArray = NDArray[np.bool_]
 
 class EngineError(Exception):
     """The engine cannot do what the model or the control asks; the message is for the user."""
-
-
-def refuse_yielding(assembly: Assembly, engine: str) -> None:
-    """Raise `EngineError` for joints that an engine has not, and name those that have them."""
-    both, alone = ("equilibrium", "distinct"), ("equilibrium",)
-    joints: list[tuple[str, tuple[str, ...], Callable[[JointLaw], bool]]] = [
-        ("lose their bond over fracture energies", both, lambda law: law.softens),
-        ("lose friction", both, lambda law: law.residual_friction_coefficient is not None),
-        ("are crushed", both, lambda law: law.compressive_strength < math.inf),
-        ("close hyperbolically", alone, lambda law: law.greatest_closure < math.inf),
-    ]
-    for what, engines, has in joints:
-        if engine not in engines and any(map(has, assembly.laws)):
-            where = " in space" if assembly.dimension == 3 else ""
-            raise EngineError(
-                f"the {engine} engine has no joints that {what}{where}: take the "
-                f"{' or the '.join(engines)} engine"
-            )
 
 
 class UnstableError(EngineError):
@@ -162,6 +144,25 @@ class State(Protocol):
 OwnState = TypeVar("OwnState", bound=State)
 
 
+class Yielding(Enum):
+    """What joints may do beside sliding, opening and breaking: they ..."""
+
+    SOFTEN = "lose their bond over fracture energies"
+    LOSE_FRICTION = "lose friction"
+    CRUSH = "are crushed"
+    CLOSE = "close hyperbolically"
+
+    def of(self, law: JointLaw) -> bool:
+        """Whether the joints of a law do so."""
+        if self is Yielding.SOFTEN:
+            return law.softens
+        if self is Yielding.LOSE_FRICTION:
+            return law.residual_friction_coefficient is not None
+        if self is Yielding.CRUSH:
+            return law.compressive_strength < math.inf
+        return law.greatest_closure < math.inf
+
+
 @dataclass(frozen=True, kw_only=True)
 class Capabilities:
     """What an engine can do, and what it keeps; as a rule one record of a whole class."""
@@ -170,6 +171,12 @@ class Capabilities:
     prescribes_displacement: bool = False
     #: Whether it can move supports, see `Problem.settlement`.
     moves_supports: bool = False
+    #: Whether it has supports that are held in some directions only, and ties.
+    rollers: bool = False
+    ties: bool = False
+    #: Whether joints have dilatancy, cohesion and tensile strength, and which yield in what way.
+    bonds: bool = False
+    yielding: frozenset[Yielding] = frozenset()
     #: Whether it is given problems in the structure's own coordinates and units (see
     #: `drystone.engines.frame`), so that its tolerances may be numbers.
     in_own_frame: bool = False

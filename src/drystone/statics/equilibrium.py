@@ -31,6 +31,7 @@ from drystone.engines.base import (
     Problem,
     StepReport,
     UnstableError,
+    Yielding,
 )
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
@@ -151,6 +152,10 @@ class EquilibriumEngine(Engine[EquilibriumState]):
 
     name = "equilibrium"
     capabilities = Capabilities(
+        rollers=True,
+        ties=True,
+        bonds=True,
+        yielding=frozenset(Yielding),
         prescribes_displacement=True,
         moves_supports=True,
         in_own_frame=True,

@@ -37,9 +37,9 @@ from drystone.engines.base import (
     Problem,
     StepReport,
     UnstableError,
-    refuse_yielding,
 )
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
+from drystone.engines.refusal import refuse
 from drystone.geometry import motion
 from drystone.geometry.cores import SolidCore
 from drystone.geometry.figure import Figure
@@ -138,15 +138,7 @@ class Lmgc90Engine(Engine[Lmgc90State]):
             The structure does not stand.
         """
         assembly = problem.assembly
-        if assembly.on_rollers:
-            raise EngineError(
-                "the lmgc90 engine has no rollers: take the equilibrium or the nscd engine"
-            )
-        if problem.ties:
-            raise EngineError(
-                "the lmgc90 engine has no ties and springs: take the equilibrium, the nscd or the "
-                "distinct engine"
-            )
+        refuse(problem, self)
         self.notes = check(assembly)
         self.problem = problem
         self.sharp = without_radius(assembly)
@@ -507,15 +499,9 @@ def module_of(driver: str, dimension: int) -> str:
 
 def check(assembly: Assembly) -> tuple[str, ...]:
     """What LMGC90 leaves out of an assembly; raises `EngineError` for what it cannot do."""
-    refuse_yielding(assembly, "lmgc90")
     for law in assembly.laws:
         if law.normal_stiffness is None:
             raise EngineError("[joint] normal_stiffness is missing: the lmgc90 engine needs it")
-        if law.dilatancy_angle or law.cohesion or law.tensile_strength:
-            raise EngineError(
-                "the lmgc90 engine has no dilatancy, cohesion or tensile strength: set them to "
-                "zero, or take the equilibrium or the distinct engine"
-            )
     if len({law.friction_coefficient for law in assembly.laws}) > 1:
         raise EngineError(
             "the lmgc90 engine has one friction coefficient for all joints: give the joints the "

@@ -12,6 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from drystone.common.ranges import too_many
+from drystone.engines import BUILT_IN
 from drystone.geometry import GeometryError
 from drystone.io.modelfile.assessing import assessment_of, site_of
 from drystone.io.modelfile.builds import BuildSection
@@ -34,9 +35,6 @@ from drystone.model.construction.model import make_model
 from drystone.model.construction.words import quoted, suggestion
 from drystone.model.model import Analysis, Model
 
-#: Engines that a model file may name.
-ENGINES = ("equilibrium", "nscd", "distinct", "lmgc90")
-
 _LAW_KEYS = tuple(JointLaw.__dataclass_fields__)
 
 
@@ -44,7 +42,7 @@ def read_model(
     path: str | PathLike[str],
     *,
     need_stiffness: bool = True,
-    engines: Sequence[str] | None = ENGINES,
+    engines: Sequence[str] | None = BUILT_IN,
 ) -> Model:
     """Read a model file, TOML or JSON.
 
@@ -83,7 +81,7 @@ def model_from_text(
     *,
     source: str | None,
     sha256: str,
-    engines: Sequence[str] = ENGINES,
+    engines: Sequence[str] = BUILT_IN,
     folder: str | None = None,
 ) -> Model:
     """A model from the text of a file that was read before, such as results hold.
