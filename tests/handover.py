@@ -30,7 +30,8 @@ class KeptStates:
 
     def displacement(self, state) -> float:
         """Control displacement since the load began [of the own frame's unit]."""
-        control, assembly = self.problem.control_point, self.problem.assembly
+        prepared = self.kept[0].prepared
+        control, assembly = prepared.problem.control_point, prepared.assembly
         begin = control.displacement(assembly, self.kept[0].pose)
         return control.displacement(assembly, state.pose) - begin
 
@@ -47,15 +48,17 @@ class KeptNscd(KeptStates, NscdEngine):
     """See `KeptStates`."""
 
 
-def to_equilibrium(engine: EquilibriumEngine, state: DistinctState) -> EquilibriumState:
-    """For an engine that was started on the same problem."""
+def to_equilibrium(begun: EquilibriumState, state: DistinctState) -> EquilibriumState:
+    """On from another state, of the same problem."""
     normal, tangential = state.reaction.T
-    friction = engine.laws[state.pairs.law_of_slot, joint_law.MU]
+    friction = begun.prepared.laws[state.pairs.law_of_slot, joint_law.MU]
     sliding = np.where(tangential > 0.0, joint_law.FORWARD, joint_law.BACKWARD)
     # On the cone to the millionth that the other engine's rest is known to.
     sticks = np.abs(tangential) < friction * normal * (1.0 - 1e-6)
     branch = np.where(sticks, joint_law.STICKING, sliding)
     return EquilibriumState(
+        prepared=begun.prepared,
+        stage=begun.stage,
         pose=state.pose,
         multiplier=state.multiplier,
         pairs=state.pairs,

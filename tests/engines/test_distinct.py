@@ -86,11 +86,13 @@ class TestTimeStep:
     def test_mass_scaling_lengthens_it(self):
         engine = DistinctEngine()
         state = engine.release(problem_of(small_wall()))
-        real, dt = engine.masses(state.slots, state.pairs, state.pose, state.history, real=True)
-        np.testing.assert_array_equal(real, engine.problem.assembly.mass)
+        real, dt = engine.masses(
+            state.prepared, state.slots, state.pairs, state.pose, state.history, real=True
+        )
+        np.testing.assert_array_equal(real, state.prepared.assembly.mass)
         engine.settings = replace(engine.settings, mass_scaling=100.0)
         scaled, longer = engine.masses(
-            state.slots, state.pairs, state.pose, state.history, real=True
+            state.prepared, state.slots, state.pairs, state.pose, state.history, real=True
         )
         assert longer == pytest.approx(10.0 * dt)
         assert (scaled >= real).all()
@@ -113,7 +115,9 @@ class TestMasses:
         lifted = model.assembly.rest_pose()
         lifted[2, 1] = 0.05  # out of the reach within which contacts count
         state = engine.release(problem_of(model), lifted)
-        mass, _ = engine.masses(state.slots, state.pairs, state.pose, state.history, real=False)
+        mass, _ = engine.masses(
+            state.prepared, state.slots, state.pairs, state.pose, state.history, real=False
+        )
         assert (mass[1:] > 0.0).all()
         work = Workspace(engine, state, real_masses=False)
         assert work.relax(guided=False)
@@ -143,7 +147,9 @@ class TestMasses:
             pose[-1, 1] = lift
             state = engine.release(problem, pose)
             state.history[:, BROKEN] = np.where(state.slots.gap > 0.0, broken, 0.0)
-            mass, _ = engine.masses(state.slots, state.pairs, pose, state.history, real=False)
+            mass, _ = engine.masses(
+                state.prepared, state.slots, state.pairs, pose, state.history, real=False
+            )
             return mass[1]
 
         # Far beyond what may close before the next search; arms are longer by a fiftieth, too.
@@ -156,10 +162,12 @@ class TestMasses:
         pose = problem.assembly.rest_pose()
         pose[1, 1] = 0.3
         state = engine.release(problem, pose)
-        mass, dt = engine.masses(state.slots, state.pairs, state.pose, state.history, real=False)
+        mass, dt = engine.masses(
+            state.prepared, state.slots, state.pairs, state.pose, state.history, real=False
+        )
         work = Workspace(engine, state, real_masses=False)
         work.run(50)
-        np.testing.assert_array_equal(mass, engine.problem.assembly.mass)
+        np.testing.assert_array_equal(mass, state.prepared.assembly.mass)
         # Local damping takes half of the weight off a block that moves: from the second cycle on.
         fallen = 9.81 * dt**2 * (50 + 50 * 49 / 4)
         assert pose[1, 1] - work.motion.pose[1, 1] == pytest.approx(fallen, rel=1e-9)

@@ -40,7 +40,7 @@ def on_top(step):
 
 @pytest.mark.parametrize("rings", [0, 1, 2])
 def test_a_part_has_the_forces_and_tangents_of_the_whole(engine, rings):
-    step = engine.equations
+    step = engine.last.step
     part = step.part(chosen(step, 20), rings)
     free = ~part.loads.fixed
     assert free[20] and np.count_nonzero(free) == 1 if rings == 0 else np.count_nonzero(free) > 1
@@ -66,7 +66,7 @@ def test_a_part_has_the_forces_and_tangents_of_the_whole(engine, rings):
 
 
 def test_no_part_of_what_is_held(engine):
-    step = engine.equations
+    step = engine.last.step
     fixed = int(np.flatnonzero(step.loads.fixed)[0])
     assert step.part(chosen(step, fixed), 0) is None
     assert step.part(chosen(step, step.pace.body), 0) is None
@@ -74,7 +74,7 @@ def test_no_part_of_what_is_held(engine):
 
 def test_a_stone_that_was_lifted_falls_back(engine):
     """By a tenth of a millimetre, a hundred times what its weight closes its bed by."""
-    step, accuracy = engine.equations, engine.accuracy
+    step, accuracy = engine.last.step, engine.last.accuracy
     top = on_top(step)
     part = step.part(chosen(step, top), 0)
     rest = translations(part.x)[top].copy()
@@ -93,7 +93,7 @@ def test_a_stone_that_was_lifted_falls_back(engine):
 
 def test_what_falls_too_far_does_not_rest(engine):
     """By 50 mm onto its bed: that is a motion to be followed in time."""
-    step, accuracy = engine.equations, engine.accuracy
+    step, accuracy = engine.last.step, engine.last.accuracy
     top = on_top(step)
     part = step.part(chosen(step, top), 0)
     thrown = np.zeros_like(part.x)

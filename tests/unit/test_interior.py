@@ -165,19 +165,19 @@ def test_a_step_from_the_interior_ends_where_the_path_leads(number, monkeypatch)
     """Increments on the rising branch, each solved both ways from the state that is followed."""
     problem = problem_of(published_wall(number))
     engine = EquilibriumEngine()
-    monkeypatch.setattr("drystone.statics.equilibrium.InteriorPoint", Recorded)
+    monkeypatch.setattr("drystone.statics.equations.InteriorPoint", Recorded)
     state, _ = engine.start(problem)
     compared = 0
     for _ in range(12):
         demand = Demand(increment=2e-4, over_fold=True)  # by the implicit law
         followed, by_path = engine.step(state, demand)
-        engine.interior.told.clear()
+        engine.last.interior.told.clear()
         with monkeypatch.context() as patch:
             within = replace(engine.settings.path, worth=0, many_blocks=0)
             patch.setattr(engine, "settings", replace(engine.settings, path=within))
             leapt, from_within = engine.step(state, demand)
         assert by_path.converged and from_within.converged
-        assert engine.interior.told and engine.interior.told[0]
+        assert engine.last.interior.told and engine.last.interior.told[0]
         if by_path.turn is None:
             compared += 1
             assert from_within.static_multiplier == pytest.approx(
@@ -239,7 +239,7 @@ def test_a_good_direction_lets_go_of_what_a_pivot_holds_by_far_too_much():
     problem = problem_of(stack(*3 * [(1.0, 0.5)]))
     engine = EquilibriumEngine()
     engine.start(problem)
-    interior, settings = engine.interior, engine.settings.interior
+    interior, settings = engine.last.interior, engine.settings.interior
     held = interior.step.damping
     held[1:4] = 1e8, 1e4, settings.least_damping
     interior.step.frame.columns[0] = 0.0
@@ -257,7 +257,8 @@ class Linear:
         engine = EquilibriumEngine()
         engine._settle = lambda state: (state, None)
         state, _ = engine.start(problem)
-        self.interior, self.step = engine.interior, engine.interior.step
+        self.interior = engine.equations_of(state).interior
+        self.step = self.interior.step
         self.step.count, self.x = 0, np.zeros_like(state.pose)
         self.step.inertia_factor = 0.0
         free = np.flatnonzero(~problem.assembly.fixed)

@@ -67,7 +67,7 @@ def settled(model):
 
 def take(engine, state, increment, *, guess=None, whole=True, **options):
     """One step by a displacement increment [m]; without a guess with the gradients at its start."""
-    model, assembly = engine.problem, engine.problem.assembly
+    model, assembly = state.prepared.problem, state.prepared.assembly
     state = engine._refresh(state)
     guess = np.zeros_like(state.pose) if guess is None else guess
     tolerance = 1e-9 * assembly.heaviest_weight
@@ -81,7 +81,7 @@ def take(engine, state, increment, *, guess=None, whole=True, **options):
         axes=assembly.axes[control.block],
         increment=increment,
     )
-    step = Recorded(engine.constants, state.pairs)
+    step = Recorded(engine.equations_of(state).constants, state.pairs)
     step.begin(state.pose, state.slots, state.history, state.branch, TIME_STEP, guess)
     accuracy = Accuracy(
         tolerance=tolerance,
@@ -90,7 +90,7 @@ def take(engine, state, increment, *, guess=None, whole=True, **options):
         coarsest=tolerance,
         depth=1e-12,
         slight=0.0,
-        farthest=0.3 * engine.detector.reach,
+        farthest=0.3 * state.prepared.detector.reach,
     )
     solved = piecewise.solve(
         step,

@@ -22,7 +22,7 @@ def step():
     for _ in range(fewer(8, 2)):
         state, report = engine.step(state, Demand(increment=2e-4))
         assert report.converged
-    step = engine.equations
+    step = engine.last.step
     nothing = np.zeros_like(state.pose)
     assert step.linearise(nothing, state.multiplier, nothing, None, nothing)
     return step

@@ -83,9 +83,9 @@ def test_what_distinct_rests_on_is_equilibrium(name, place):
     length = Frame.of(case(name).assembly).length
     state = next(s for s in distinct.kept if length * distinct.displacement(s) >= place)
     engine = EquilibriumEngine()
-    engine.start(distinct.problem)
+    begun, _ = engine.start(distinct.kept[0].prepared.problem)
     begin = length * distinct.displacement(state)
-    state = to_equilibrium(engine, state)
+    state = to_equilibrium(begun, state)
     step = INCREMENT.get(name, 5e-4)
     for i in range(1, 6):
         state, report = engine.step(state, Demand(increment=step / length))
@@ -125,9 +125,9 @@ def test_distinct_too_finds_no_rest_beyond_the_end_of_wall106():
     end = static(curve)[0][-1]
     last = next(s for s in path.kept if length * path.displacement(s) >= end - 1e-9)
     engine = DistinctEngine()
-    state = to_distinct(engine, path.problem, last)
+    state = to_distinct(engine, path.kept[0].prepared.problem, last)
     _, report = engine.step(state, Demand(increment=1e-5 / length))
-    fallen = report.motion > path.problem.assembly.smallest_extent
+    fallen = report.motion > path.kept[0].prepared.problem.assembly.smallest_extent
     assert not report.converged or fallen or report.applied_multiplier < curve.stop_multiplier
 
 
@@ -147,7 +147,7 @@ def test_what_nscd_rests_on_before_its_fall_on_wall106_is_equilibrium():
         at = int(np.argmax(places >= place))
         multiplier = curve.points[curve.nearest(places[at])].load_multiplier
         engine = DistinctEngine()
-        state = from_nscd(engine, path.problem, path.kept[at], multiplier)
+        state = from_nscd(engine, path.kept[0].prepared.problem, path.kept[at], multiplier)
         return multiplier, *engine.step(state, Demand(increment=1e-5 / length))
 
     for place in (0.2, 0.36, 0.45, 0.5, 0.52):
@@ -155,8 +155,8 @@ def test_what_nscd_rests_on_before_its_fall_on_wall106_is_equilibrium():
         assert report.converged and not report.way
         assert report.static_multiplier == pytest.approx(multiplier, abs=0.01)
         engine = EquilibriumEngine()
-        engine.start(path.problem)
-        state, found = engine.step(to_equilibrium(engine, state), Demand(increment=2e-4 / length))
+        begun, _ = engine.start(path.kept[0].prepared.problem)
+        state, found = engine.step(to_equilibrium(begun, state), Demand(increment=2e-4 / length))
         assert found.converged and not found.dynamic
         assert found.applied_multiplier == pytest.approx(multiplier, abs=0.01)
         assert length * found.motion <= 2.0 * 2e-4  # as far as the control point, or twice that

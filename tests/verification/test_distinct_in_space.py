@@ -131,7 +131,7 @@ class TestDrop:
     def test_lands_when_it_should_and_keeps_the_books(self, vector, corner):
         engine, state = self.start(Rotation.from_rotvec(vector), corner)
         fall = np.sqrt(2.0 * self.height / GRAVITY)
-        weight = engine.problem.assembly.weight[1]
+        weight = state.prepared.assembly.weight[1]
         work = Workspace(engine, state, real_masses=True)
         dt = work.dt
         while not (work.reaction[:, 0] > 0.0).any():

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -31,7 +32,7 @@ from drystone.contact.contacts import (
     Pairs,
     Slots,
 )
-from drystone.contact.detection import Detector, predecessor_slots
+from drystone.contact.detection import predecessor_slots
 from drystone.contact.forces import ContactForces
 from drystone.contact.rows import OF_GAP, dof_of
 from drystone.dynamics import explicit
@@ -56,17 +57,15 @@ from drystone.engines.measures import (
     report,
     unstable_sentence,
 )
-from drystone.engines.refusal import refuse
+from drystone.engines.prepared import Prepared
 from drystone.law import law as joint_law
-from drystone.law.bonds import apart, brittle, margins, weakest
+from drystone.law.bonds import apart, margins, weakest
 from drystone.law.certificate import Forces, JudgedContacts, certify
 from drystone.law.law import N_HISTORY
 from drystone.law.residual import add_contact_forces
-from drystone.law.strengths import Strengths
-from drystone.law.table import law_table
 from drystone.model.assembly import Assembly
 from drystone.model.tie_kernels import PRETENSION
-from drystone.model.ties import Bars, TieState
+from drystone.model.ties import TieState
 from drystone.statics.tie_forces import TieForces
 
 Array = NDArray[np.float64]
@@ -135,10 +134,29 @@ class DistinctSettings:
     max_motion: float = 2.0  # motion in a step over the size of the whole structure, -
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DistinctPrepared(Prepared):
+    """A problem with what cycles need of it."""
+
+    @cached_property
+    def dof(self) -> tuple[int, ...]:
+        """See `contact.rows`."""
+        return dof_of(self.assembly.mass)
+
+    @cached_property
+    def span(self) -> float:
+        """Size of what may move [m]."""
+        moving = ~self.assembly.fixed
+        centroid = self.assembly.centroid[moving]
+        return float(np.ptp(centroid, axis=0).max() + self.extent[moving].max())
+
+
 @dataclass(frozen=True, kw_only=True)
 class DistinctState:
     """Poses, velocities, what the contacts remember, and the books of energy."""
 
+    prepared: DistinctPrepared
+    stage: int  # of the dead loads, see `Problem.stages`
     pose: Array  # (n, n_pose) m, rad
     velocity: Array  # (n, n_dof) m/s, rad/s, half a time step before the pose
     multiplier: float
@@ -207,13 +225,15 @@ class Workspace:
     ) -> None:
         self.engine = engine
         self.real_masses = real_masses
+        self.prepared = state.prepared
         self.state, self.begin = state, state.pose
         self.farthest, self.may_lose = farthest, may_lose
+        self.search_reach = engine.search_reach(self.prepared)
         #: States in motion where blocks have gone far by themselves, and their reports.
         self.way: list[tuple[DistinctState, StepReport]] = []
         self.noted = state.pose  # of the last of them
         self.on_the_way: list[float] = []  # multipliers at the searches since
-        self.between = BETWEEN_POINTS * engine.problem.assembly.extents
+        self.between = BETWEEN_POINTS * self.prepared.assembly.extents
         self.beyond = np.inf if asked is None else BY_ITSELF * asked  # m, where the first may be
         self.pairs = state.pairs
         self.slots = state.slots.copied()
@@ -221,12 +241,12 @@ class Workspace:
         self.reaction = state.reaction.copy()
         self.status = state.status.copy()
         self.searched = state.searched.copy()
-        self.motion = Motion.of(state.pose, state.velocity, engine.problem.assembly.axes)
+        self.motion = Motion.of(state.pose, state.velocity, self.prepared.assembly.axes)
         self.meter = np.zeros(explicit.N_METER)
         self.meter[explicit.MULTIPLIER] = state.multiplier
-        self.acting = LoadArrays.of(engine.problem, state.gone, engine.stage)
+        self.acting = LoadArrays.of(self.prepared.problem, state.gone, self.state.stage)
         self.lost = state.gone
-        self.ties = TieForces(engine.bars, engine.problem.assembly, state.gone)
+        self.ties = TieForces(self.prepared.bars, self.prepared.assembly, state.gone)
         self.ties.begin(state.ties)
         self.search_work = 0.0
         self.lost_shear = 0.0
@@ -270,7 +290,7 @@ class Workspace:
                 rate=rate,
                 combined=combined,
                 tolerance=tolerance,
-                reach=self.engine.search_reach,
+                reach=self.search_reach,
             )
             self.n_cycles += used
             if why == explicit.MOVED:
@@ -301,7 +321,7 @@ class Workspace:
         """Guided cycles; the mean multiplier over them, from the work that it did."""
         pose, done = self.motion.pose.copy(), float(self.meter[explicit.LOAD_WORK])
         self.run(n_cycles, guided=True, rate=rate, combined=True)
-        moved = self.engine.problem.assembly.difference(self.motion.pose, pose)
+        moved = self.prepared.assembly.difference(self.motion.pose, pose)
         done = float(self.meter[explicit.LOAD_WORK]) - done
         now = self.now
         pushed = float(np.sum(now.pattern * moved))
@@ -323,7 +343,7 @@ class Workspace:
 
     def _relaxed(self, *, guided: bool) -> bool:
         s = self.engine.settings
-        tolerance = s.tolerance * self.engine.scale
+        tolerance = s.tolerance * self.prepared.assembly.heaviest_weight
         if self.run(s.hold_cycles, guided=guided, tolerance=tolerance):
             return True
         return self.run(s.jump_cycles, guided=guided, combined=True, tolerance=tolerance)
@@ -335,7 +355,7 @@ class Workspace:
         and after a motion far below that between two searches by another one.
         """
         self.unpack()
-        now = self.engine.detector.find(self.pairs, self.motion.pose, self.slots)
+        now = self.prepared.detector.find(self.pairs, self.motion.pose, self.slots)
         pair, n_pairs = self.pairs.of_slot, len(self.pairs.which)
         faces = [EDGE_A, EDGE_B]
         presses = np.flatnonzero((self.slots.kind != NONE) & (self.reaction[:, 0] > 0.0))
@@ -348,11 +368,11 @@ class Workspace:
 
     def gone(self, since: Array | None = None) -> Array:
         """How far each block has moved since the step began, or since a pose [m], (n,)."""
-        pose, engine = self.motion.pose, self.engine
+        pose = self.motion.pose
         begin = self.begin if since is None else since
         finite = np.asarray(np.isfinite(pose).all(axis=1))
         known = np.where(finite[:, None], pose, begin)
-        moved = engine.detector.motion(engine.problem.assembly.difference(known, begin))
+        moved = self.prepared.detector.motion(self.prepared.assembly.difference(known, begin))
         return np.where(self.lost, 0.0, np.where(finite, moved, np.inf))
 
     def _note(self) -> None:
@@ -361,7 +381,7 @@ class Workspace:
             return
         self.on_the_way.append(self.multiplier)
         far = np.maximum(self.between, 0.0 if self.way else self.beyond)
-        gone = np.where(self.engine.problem.assembly.fixed, 0.0, self.gone(self.noted))
+        gone = np.where(self.prepared.assembly.fixed, 0.0, self.gone(self.noted))
         if (gone > far).any() and not np.isinf(gone).any():
             self.way.append(self.engine.in_motion(self))
             self.noted = self.motion.pose.copy()
@@ -369,11 +389,11 @@ class Workspace:
 
     def _stop_runaways(self) -> None:
         gone = self.gone()
-        if self.may_lose and 0.5 * self.engine.size < gone.max() < np.inf:
+        if self.may_lose and 0.5 * self.prepared.assembly.smallest_extent < gone.max() < np.inf:
             self.let_go()
             gone = self.gone()
         if not gone.max() <= self.farthest or np.isinf(gone).any():
-            name = self.engine.problem.assembly.ids[int(gone.argmax())]
+            name = self.prepared.assembly.ids[int(gone.argmax())]
             raise RunAwayError(name, gone)
 
     def cycle_once(self) -> None:
@@ -393,7 +413,7 @@ class Workspace:
         reach: float = np.inf,
     ) -> tuple[int, int]:
         """Why the cycles ended, and how many there were; see `dynamics.explicit`."""
-        engine, settings = self.engine, self.engine.settings
+        settings = self.engine.settings
         drive = Drive(
             dt=self.dt,
             multiplier=self.multiplier,
@@ -408,37 +428,39 @@ class Workspace:
             gyroscopic=self.real_masses and (settings.mass_scaling or 1.0) == 1.0,
         )
         why, used = explicit.cycle(
-            engine.dof, self.contacts, self.n_contacts, self.motion, self.loads, self.searched,
-            drive, n_cycles, self.meter, self.ties.arrays,
+            self.prepared.dof, self.contacts, self.n_contacts, self.motion, self.loads,
+            self.searched, drive, n_cycles, self.meter, self.ties.arrays,
         )  # fmt: skip
         return why, used
 
     def let_go(self) -> None:
         """Take out blocks that have left; the rest does not feel it."""
-        engine, pose = self.engine, self.motion.pose
+        pose = self.motion.pose
         self.unpack()
         left = departing(
-            engine.problem, engine.detector, self.acting, pose, self.multiplier,
-            self.pairs, self.slots, self.reaction, engine.bars.whole(self.ties.ended()),
+            self.prepared.problem, self.prepared.detector, self.acting, pose, self.multiplier,
+            self.pairs, self.slots, self.reaction, self.prepared.bars.whole(self.ties.ended()),
         )  # fmt: skip
         lost = self.lost | left
-        if not left.any() or (lost | engine.problem.assembly.fixed).all():
+        if not left.any() or (lost | self.prepared.assembly.fixed).all():
             return  # where nothing would stay there is no rest to go on with
         self.lost = lost
         self.ties.lose(lost)
-        self.acting = LoadArrays.of(engine.problem, self.lost, engine.stage)
+        self.acting = LoadArrays.of(self.prepared.problem, self.lost, self.state.stage)
         motion = self.motion
         for array in (motion.velocity, motion.force, motion.mean, motion.opposed):
             array[left] = 0.0
-        self._new_pairs(engine.detector.pairs(pose, self.lost))
+        self._new_pairs(self.prepared.detector.pairs(pose, self.lost))
         self._pack(weigh=True)
 
     def search(self) -> None:
         """Find all contacts anew; those that persist keep their history."""
-        detector, pose = self.engine.detector, self.motion.pose
+        detector, pose = self.prepared.detector, self.motion.pose
         self.unpack()
         if self.real_masses:
-            self.search_work += self.engine.elastic_energy(self.pairs, self.slots, self.history)
+            self.search_work += self.engine.elastic_energy(
+                self.prepared, self.pairs, self.slots, self.history
+            )
         if detector.outdated(self.pairs, pose):
             self._new_pairs(detector.pairs(pose, self.lost))
         slots = detector.find(self.pairs, pose, self.slots)
@@ -451,11 +473,13 @@ class Workspace:
         history[source < 0, joint_law.BROKEN] = 1.0  # what comes to touch later is not bonded
         self.slots, self.history, self.searched = slots, history, pose.copy()
         if self.real_masses:
-            self.search_work -= self.engine.elastic_energy(self.pairs, slots, history)
+            self.search_work -= self.engine.elastic_energy(
+                self.prepared, self.pairs, slots, history
+            )
         self.n_searches += 1
         same = np.array_equal(old.feature, slots.feature) and np.array_equal(old.kind, slots.kind)
-        since = self.engine.problem.assembly.difference(pose, self.weighed)
-        moved = detector.farthest(since) > WATCHED * self.engine.size
+        since = self.prepared.assembly.difference(pose, self.weighed)
+        moved = detector.farthest(since) > WATCHED * self.prepared.assembly.smallest_extent
         self._pack(weigh=moved or not same)
 
     def _new_pairs(self, pairs: Pairs) -> None:
@@ -479,7 +503,7 @@ class Workspace:
 
     def gaps_before(self) -> Array:
         """Gaps of all slots where the last cycle began [m], (n_slots,)."""
-        motion, assembly = self.motion, self.engine.problem.assembly
+        motion, assembly = self.motion, self.prepared.assembly
         pose = assembly.moved(motion.pose, -self.dt * motion.velocity)
         before, slots = Motion.of(pose, motion.velocity, assembly.axes), self.slots.copied()
         explicit.place(before)
@@ -491,10 +515,10 @@ class Workspace:
 
     def _pack(self, *, weigh: bool) -> None:
         """Contacts of the slots as the cycles take them, and masses where they may have changed."""
-        engine, assembly, acting = self.engine, self.engine.problem.assembly, self.acting
+        engine, assembly, acting = self.engine, self.prepared.assembly, self.acting
         self.contacts = FrozenContacts.empty(len(self.slots.kind), assembly.dimension)
         self.n_contacts = explicit.pack(
-            self.slots, engine.detector.narrow.bodies, self.pairs, engine.laws,
+            self.slots, self.prepared.detector.narrow.bodies, self.pairs, self.prepared.laws,
             assembly.thickness, self.history, self.contacts,
         )  # fmt: skip
         explicit.place(self.motion)
@@ -502,6 +526,7 @@ class Workspace:
             return
         self.weighed = self.motion.pose.copy()
         self.mass, self.dt = engine.masses(
+            self.prepared,
             self.slots,
             self.pairs,
             self.motion.pose,
@@ -516,7 +541,7 @@ class Workspace:
             dead=acting.dead,
             pattern=acting.pattern,
             inverse_mass=inverse,
-            extent=engine.extent,
+            extent=self.prepared.extent,
         )
 
 
@@ -550,9 +575,10 @@ class DistinctEngine(Engine[DistinctState]):
     def start(self, problem: Problem) -> tuple[DistinctState, StepReport]:
         """Settle under the dead load; raises `UnstableError`."""
         state, before = self.release(problem), None
-        for self.stage in problem.stages:
+        for stage in problem.stages:
+            state = replace(state, stage=stage)
             state, report = self._settle(state, gradually=True, before=before)
-            before = LoadArrays.of(problem, state.gone, self.stage)
+            before = LoadArrays.of(problem, state.gone, stage)
             while len(due := weakest(state.margin)):
                 state, report = self._settle(self._broken(state, due))
         return state, report
@@ -565,7 +591,9 @@ class DistinctEngine(Engine[DistinctState]):
         Where nothing rests yet the load comes gradually: put on at once, it would be overshot, and
         joints that slip in the overshoot would keep their friction.
         """
-        work = Workspace(self, state, real_masses=False, farthest=self.size)
+        work = Workspace(
+            self, state, real_masses=False, farthest=state.prepared.assembly.smallest_extent
+        )
         try:
             if gradually:
                 work.load_gradually(before)
@@ -574,41 +602,25 @@ class DistinctEngine(Engine[DistinctState]):
             motion = work.gone()
         except RunAwayError as error:
             motion = error.motion
-        motion = self.problem.length * motion
-        raise UnstableError(unstable_sentence(self.problem, motion))
+        motion = state.prepared.problem.length * motion
+        raise UnstableError(unstable_sentence(state.prepared.problem, motion))
 
     def release(
         self, problem: Problem, pose: Array | None = None, velocity: Array | None = None
     ) -> DistinctState:
         """A state in given poses (n, n_pose) and velocities (n, n_dof), as they are."""
-        assembly = problem.assembly
-        refuse(problem, self)
-        self.problem, self.stage = problem, problem.stages[-1]
-        self.detector = Detector(assembly)
-        self.dof = dof_of(assembly.mass)
-        self.strengths = Strengths(assembly)
-        try:
-            self.laws = law_table(assembly)
-        except ValueError as error:
-            raise EngineError(str(error)) from None
-        self.extent = np.maximum(self.detector.extent, 1e-12)
-        self.scale = assembly.heaviest_weight
-        self.size = assembly.smallest_extent
-        moving = ~assembly.fixed
-        self.span = float(
-            np.ptp(assembly.centroid[moving], axis=0).max() + self.extent[moving].max()
-        )
-        self.search_reach = self.settings.search_tolerance * self.size
+        prepared = DistinctPrepared.of(problem, self)
+        assembly = prepared.assembly
         pose = assembly.rest_pose() if pose is None else np.array(pose, float)
-        pairs = self.detector.pairs(pose)
-        slots = self.detector.find(pairs, pose)
+        pairs = prepared.detector.pairs(pose)
+        slots = prepared.detector.find(pairs, pose)
         n_slots = len(slots.kind)
         history = np.zeros((n_slots, N_HISTORY + assembly.dimension - 2))
-        history[apart(slots, 1e-9 * self.size), joint_law.BROKEN] = 1.0  # open when built
-        self.bars = Bars.of(assembly, problem.ties)
-        self.brittle = brittle(self.laws)
-        self.gives_way = self.brittle or self.bars.give_way
+        built_open = apart(slots, 1e-9 * assembly.smallest_extent)
+        history[built_open, joint_law.BROKEN] = 1.0
         return DistinctState(
+            prepared=prepared,
+            stage=problem.stages[-1],
             pose=pose,
             velocity=assembly.no_motion() if velocity is None else np.array(velocity, float),
             multiplier=0.0,
@@ -619,14 +631,19 @@ class DistinctEngine(Engine[DistinctState]):
             reaction=np.zeros((n_slots, assembly.dimension)),
             status=np.zeros(n_slots, np.int64),
             increment=assembly.no_motion(),
-            margin=np.full(n_slots + self.bars.n_ties, np.inf),
+            margin=np.full(n_slots + prepared.bars.n_ties, np.inf),
             due=np.zeros(0, np.int64),
             gone=np.zeros(assembly.n_bodies, np.bool_),
-            ties=self.bars.first(),
+            ties=prepared.bars.first(),
         )
+
+    def search_reach(self, prepared: Prepared) -> float:
+        """Motion of a block between two searches [m]."""
+        return self.settings.search_tolerance * prepared.assembly.smallest_extent
 
     def masses(
         self,
+        prepared: Prepared,
         slots: Slots,
         pairs: Pairs,
         pose: Array,
@@ -651,15 +668,16 @@ class DistinctEngine(Engine[DistinctState]):
         bond is not lost wherever they are: what was torn pulls along its elastic line, k_n, and
         sticks with k_s, however far it has opened.
         """
-        assembly, s = self.problem.assembly, self.settings
+        assembly, s = prepared.assembly, self.settings
         blocks = np.zeros((assembly.n_bodies, assembly.n_dof, assembly.n_dof))
-        contacts = self.detector.pack(pairs, pose, slots, self.laws)
-        watched = np.inf if real else 3.0 * max(self.search_reach, WATCHED * self.size)
+        contacts = prepared.detector.pack(pairs, pose, slots, prepared.laws)
+        between = max(self.search_reach(prepared), WATCHED * assembly.smallest_extent)
+        watched = np.inf if real else 3.0 * between
         known = history[contacts.slot]
         away = slots.gap[contacts.slot] - known[:, joint_law.DILATION]
-        acts = (away <= watched) | self._bonded(pairs.law_of_slot[contacts.slot], known)
-        explicit.stiffness_blocks(self.dof, contacts, acts, blocks)
-        if ties is not None and self.bars.n_ties:
+        acts = (away <= watched) | self._bonded(prepared, pairs.law_of_slot[contacts.slot], known)
+        explicit.stiffness_blocks(dof_of(assembly.mass), contacts, acts, blocks)
+        if ties is not None and prepared.bars.n_ties:
             ties.act(pose)
             ties.add_twice(blocks)
         blocks *= 0.25 * (1.0 + s.local_damping) / s.safety**2
@@ -675,16 +693,18 @@ class DistinctEngine(Engine[DistinctState]):
             return assembly.mass, dt
         return np.maximum(assembly.mass, needed * dt**2), dt
 
-    def _bonded(self, law: IntArray, history: Array) -> BoolArray:
+    def _bonded(self, prepared: Prepared, law: IntArray, history: Array) -> BoolArray:
         """Contacts (n,) whose bond is not lost, by the rows of their laws and their histories."""
         strengths = [joint_law.COHESION, joint_law.TENSION, joint_law.COHESIVE, joint_law.PULLS]
-        has_bond = np.asarray((self.laws[:, strengths] > 0.0).any(axis=1))
+        has_bond = np.asarray((prepared.laws[:, strengths] > 0.0).any(axis=1))
         return np.asarray(has_bond[law] & (history[:, joint_law.BROKEN] == 0.0))
 
-    def elastic_energy(self, pairs: Pairs, slots: Slots, history: Array) -> float:
+    def elastic_energy(
+        self, prepared: Prepared, pairs: Pairs, slots: Slots, history: Array
+    ) -> float:
         """Energy that the joints store [J]."""
-        law = self.laws[pairs.law_of_slot]
-        area = slots.size * self.problem.assembly.thickness
+        law = prepared.laws[pairs.law_of_slot]
+        area = slots.size * prepared.assembly.thickness
         overlap = history[:, joint_law.DILATION] - slots.gap
         bonded = (history[:, joint_law.BROKEN] == 0.0) & (law[:, joint_law.TENSION] > 0.0)
         used = (slots.kind != NONE) & ((overlap > 0.0) | bonded)
@@ -719,8 +739,8 @@ class DistinctEngine(Engine[DistinctState]):
         """Cycles from `state`; see `Engine.step`."""
         if demand.settlement is not None:
             return self._follow_supports(state, demand.settlement)
-        if demand.increment is not None and self.gives_way:
-            return self._bond_steps(demand.increment).advance(state)
+        if demand.increment is not None and state.prepared.gives_way:
+            return self._bond_steps(state.prepared, demand.increment).advance(state)
         if demand.increment is not None:
             return self._advance(state, demand.increment)
         if demand.multiplier is None:
@@ -735,17 +755,17 @@ class DistinctEngine(Engine[DistinctState]):
         self, state: DistinctState, amount: float
     ) -> tuple[DistinctState, StepReport]:
         """Move supports on by an amount, as far as bonds and ties allow."""
-        if self.gives_way:
-            return self._bond_steps(amount, self._settle_on).advance(state)
+        if state.prepared.gives_way:
+            return self._bond_steps(state.prepared, amount, self._settle_on).advance(state)
         return self._settle_on(state, amount)
 
     def _settle_on(self, state: DistinctState, amount: float) -> tuple[DistinctState, StepReport]:
         """Move supports on at a constant rate, then balance."""
-        settlement = self.problem.settlement
+        settlement = state.prepared.problem.settlement
         assert settlement is not None
-        assembly, n = self.problem.assembly, self.settings.drive_cycles
+        assembly, n = state.prepared.assembly, self.settings.drive_cycles
         given = settlement.increment(assembly, state.pose, state.settled + amount)
-        work = self._at_rest(state, self.detector.farthest(given))
+        work = self._at_rest(state, state.prepared.detector.farthest(given))
         if amount:
             rows = settlement.rows(assembly)
             work.motion.velocity[rows] = given[rows] / (n * work.dt)
@@ -758,6 +778,7 @@ class DistinctEngine(Engine[DistinctState]):
 
     def _bond_steps(
         self,
+        prepared: Prepared,
         increment: float,
         advance: Callable[[DistinctState, float], tuple[DistinctState, StepReport]] | None = None,
     ) -> BondSteps[DistinctState]:
@@ -772,10 +793,10 @@ class DistinctEngine(Engine[DistinctState]):
         return BondSteps(
             solve=solve,
             broken=self._broken,
-            laws=self.laws,
-            slight=SLIGHT * self.problem.assembly.heaviest_weight,
+            laws=prepared.laws,
+            slight=SLIGHT * prepared.assembly.heaviest_weight,
             near=AT_STRENGTH,
-            bars=self.bars if self.bars.n_ties else None,
+            bars=prepared.bars if prepared.bars.n_ties else None,
         )
 
     def _broken(self, state: DistinctState, due: IntArray) -> DistinctState:
@@ -785,7 +806,7 @@ class DistinctEngine(Engine[DistinctState]):
         n_slots = len(state.reaction)
         slots = due[due < n_slots]
         if len(slots) < len(due):
-            ties = self.bars.past(state.ties, due[due >= n_slots] - n_slots)
+            ties = state.prepared.bars.past(state.ties, due[due >= n_slots] - n_slots)
             margin = np.concatenate((state.margin[:n_slots], TIES_NEARER * ties.margin))
             state = replace(state, ties=ties, margin=margin)
         history, margin = state.history.copy(), state.margin.copy()
@@ -795,7 +816,7 @@ class DistinctEngine(Engine[DistinctState]):
     def _at_rest(self, state: DistinctState, asked: float = 0.0) -> Workspace:
         """A workspace of quasi-static cycles, in which blocks are ``asked`` to move so far [m]."""
         at_rest = replace(state, velocity=np.zeros_like(state.velocity))
-        farthest = self.settings.max_motion * self.span
+        farthest = self.settings.max_motion * state.prepared.span
         return Workspace(
             self, at_rest, real_masses=False, farthest=farthest, may_lose=True, asked=asked
         )
@@ -822,7 +843,7 @@ class DistinctEngine(Engine[DistinctState]):
                 return self._rest(state, work)
         except RunAwayError as error:
             return state, _failed(str(error), work, runs_away=True)
-        left = work.meter[explicit.RESIDUAL] / self.scale
+        left = work.meter[explicit.RESIDUAL] / state.prepared.assembly.heaviest_weight
         return state, _failed(
             f"an unbalanced force of {left:.1e} weights is left after {work.n_cycles} cycles", work
         )
@@ -836,7 +857,8 @@ class DistinctEngine(Engine[DistinctState]):
         ends in stages, each slower than the one before: joints that slide go on sliding while
         vibrations fade, and come to rest with their friction fully used.
         """
-        control, assembly, s = self.problem.control_point, self.problem.assembly, self.settings
+        prepared, s = state.prepared, self.settings
+        control, assembly = prepared.problem.control_point, prepared.assembly
         acting, pose = work.now, work.motion.pose
         pattern = acting.pattern
         duration = s.drive_cycles * work.dt
@@ -845,7 +867,7 @@ class DistinctEngine(Engine[DistinctState]):
         last = state.increment
         came = begin - control.displacement(assembly, assembly.moved(state.pose, -last))
         pushed, rate = float(np.sum(pattern * last)), 0.0
-        farthest = self.detector.farthest(last)
+        farthest = state.prepared.detector.farthest(last)
         onwards = came * increment > 1e-9 * farthest * abs(increment)  # else it is rounding
         if onwards and pushed * increment * sense > 0.0:
             share = min(increment / came, 2.0 * abs(increment) / farthest) / duration
@@ -864,7 +886,7 @@ class DistinctEngine(Engine[DistinctState]):
             gone = control.displacement(assembly, pose) - begin
             if gone / increment > left - 0.5 / CHUNKS:
                 break
-            moved = self.detector.farthest(assembly.difference(pose, state.pose))
+            moved = state.prepared.detector.farthest(assembly.difference(pose, state.pose))
             if moved > BY_ITSELF * abs(increment):
                 break  # something else moves, which the increment does not measure
         for _ in range(STAGES):
@@ -888,7 +910,7 @@ class DistinctEngine(Engine[DistinctState]):
             self,
             begin,
             real_masses=True,
-            farthest=self.settings.max_motion * self.span,
+            farthest=self.settings.max_motion * state.prepared.span,
             may_lose=True,
         )
         cycles, most = demand.time_step / work.dt, self.settings.max_cycles
@@ -952,8 +974,8 @@ class DistinctEngine(Engine[DistinctState]):
         load = loads.dead + work.multiplier * loads.pattern
         forces = Forces(contact=motion.force - load, load=load, inertia=motion.force)
         new, figures = self._arrive(work.state, work, contacts, forces, motion.force, still)
-        since = self.problem.assembly.difference(motion.pose, work.noted)
-        moved = self.detector.farthest(np.where(work.lost[:, None], 0.0, since))
+        since = work.prepared.assembly.difference(motion.pose, work.noted)
+        moved = work.prepared.detector.farthest(np.where(work.lost[:, None], 0.0, since))
         new = replace(
             new,
             pose=new.pose.copy(),
@@ -974,7 +996,7 @@ class DistinctEngine(Engine[DistinctState]):
         shear.
         """
         slots, pairs, velocity = work.slots, work.pairs, work.motion.velocity
-        contacts = self.detector.pack(pairs, work.motion.pose, slots, self.laws)
+        contacts = work.prepared.detector.pack(pairs, work.motion.pose, slots, work.prepared.laws)
         k, a, b = (contacts.which[:, i] for i in (SLOT, BODY_A, BODY_B))
         force = np.zeros_like(velocity)
         history, reaction = work.history[k], work.reaction[k]
@@ -985,17 +1007,19 @@ class DistinctEngine(Engine[DistinctState]):
         gap = slots.gap[k] - np.sum(contacts.rows[:, OF_GAP] * moved, axis=1)
         if gaps is not None:
             gap = gaps[k]
-        if self.strengths.any:
-            self.strengths.fill(pairs.law_of_slot[k], history, gap, slots.size[k], contacts.table)
-            contacts.table[:, SHIFT:] *= self.problem.assembly.thickness
+        if work.prepared.strengths.any:
+            work.prepared.strengths.fill(
+                pairs.law_of_slot[k], history, gap, slots.size[k], contacts.table
+            )
+            contacts.table[:, SHIFT:] *= work.prepared.assembly.thickness
         judged = JudgedContacts.with_history(contacts, gap, history, reaction, reaction[:, 1:])
         return judged, force
 
     def _margin(self, work: Workspace, contacts: JudgedContacts) -> Array:
         """Of the bonds, by slots, and of the ties."""
         margin = np.full(len(work.slots.kind), np.inf)
-        if self.brittle:
-            slack = NOISE * self.settings.tolerance * self.scale
+        if work.prepared.brittle:
+            slack = NOISE * self.settings.tolerance * work.prepared.assembly.heaviest_weight
             margin[contacts.contacts.slot] = margins(contacts, slack)
         ties = work.ties.ended(yields=not work.real_masses)
         return np.concatenate((margin, TIES_NEARER * ties.margin))
@@ -1010,12 +1034,14 @@ class DistinctEngine(Engine[DistinctState]):
         velocity: Array,
     ) -> tuple[DistinctState, StepReport]:
         """The state at the end of the cycles, and its figures."""
-        assembly, meter, pose = self.problem.assembly, work.meter, work.motion.pose
+        assembly, meter, pose = state.prepared.assembly, work.meter, work.motion.pose
         acting = work.now
         ties = work.ties.ended(yields=not work.real_masses, aged=work.real_masses)
         acceleration = np.where(acting.fixed[:, None], 0.0, unbalanced / assembly.mass)
         increment = assembly.difference(pose, state.pose)
         new = DistinctState(
+            prepared=state.prepared,
+            stage=state.stage,
             pose=pose,
             velocity=velocity,
             multiplier=work.multiplier,
@@ -1043,15 +1069,21 @@ class DistinctEngine(Engine[DistinctState]):
             acceleration=acceleration,
             velocity=velocity,
             contact_force=forces.contact,
-            slots=not_crushed(work.slots, work.history) if self.strengths.any else work.slots,
+            slots=not_crushed(work.slots, work.history)
+            if state.prepared.strengths.any
+            else work.slots,
             status=work.status,
-            certificate=work.ties.marked(certify(contacts, forces, self.extent, acting.fixed)),
-            motion=self.detector.farthest(increment),
+            certificate=work.ties.marked(
+                certify(contacts, forces, state.prepared.extent, acting.fixed)
+            ),
+            motion=state.prepared.detector.farthest(increment),
             n_iterations=work.n_cycles,
             settled=state.settled,
         )
-        figures = report(self.problem, acting, outcome)
-        return new, replace(figures, lost_shear=work.lost_shear / self.scale)
+        figures = report(state.prepared.problem, acting, outcome)
+        return new, replace(
+            figures, lost_shear=work.lost_shear / state.prepared.assembly.heaviest_weight
+        )
 
     def gone_of(self, state: DistinctState) -> BoolArray:
         """Blocks (n,) that have left."""
@@ -1063,7 +1095,7 @@ class DistinctEngine(Engine[DistinctState]):
 
     def contacts(self, state: DistinctState) -> ContactForces:
         """Contact points and reactions of a state."""
-        return self.detector.forces(
+        return state.prepared.detector.forces(
             state.pairs, state.pose, state.slots, state.reaction, state.status
         )
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.contacts import Pairs, Slots
-from drystone.contact.detection import Detector, predecessor_slots
+from drystone.contact.detection import predecessor_slots
 from drystone.contact.forces import ActedContacts, ContactForces
 from drystone.dynamics import nlgs
 from drystone.dynamics.nlgs import NlgsResult, NlgsSettings
@@ -28,20 +28,18 @@ from drystone.engines.base import (
     Capabilities,
     Demand,
     Engine,
-    EngineError,
     Problem,
     StepReport,
     UnstableError,
 )
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
-from drystone.engines.refusal import refuse
+from drystone.engines.prepared import Prepared
 from drystone.geometry.motion import places, spun_by_impulses, spun_on
 from drystone.law.certificate import Forces, JudgedContacts, certify
 from drystone.law.law import status_of
 from drystone.law.residual import add_contact_forces
-from drystone.law.table import law_table
-from drystone.model.ties import Bars, TieState
+from drystone.model.ties import TieState
 from drystone.statics.linear.block_system import BlockSystem
 from drystone.statics.tie_forces import TieForces, TieImpulses
 
@@ -64,6 +62,8 @@ class NscdSettings:
 class NscdState:
     """Poses, velocities and the reactions that the next step starts from."""
 
+    prepared: Prepared
+    stage: int  # of the dead loads, see `Problem.stages`
     pose: Array  # (n, n_pose) m, rad
     velocity: Array  # (n, n_dof) m/s, rad/s
     increment: Array  # (n, n_dof) m, rad, of the last step
@@ -75,6 +75,43 @@ class NscdState:
     ties: TieState
     settled: float = 0.0  # m or rad, by which supports have moved
     acted: ActedContacts | None = None  # along the normals and tangents of the step's beginning
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class System:
+    """Loads, masses and the linear system of the blocks that are there, in one stage."""
+
+    prepared: Prepared
+    stage: int
+    pairs: Pairs
+    loads: LoadArrays
+    inverse_mass: Array  # (n, n_dof) 1/kg, 1/(kg m2)
+    ties: TieForces | None
+    matrix: BlockSystem
+
+    @classmethod
+    def of(cls, state: NscdState) -> System:
+        """That which fits a state."""
+        prepared, pairs = state.prepared, state.pairs
+        assembly, bars = prepared.assembly, prepared.bars
+        loads = LoadArrays.of(prepared.problem, state.gone, state.stage)
+        ties = TieForces(bars, assembly, state.gone) if bars.n_ties else None
+        joined = ties.joined(pairs.a, pairs.b) if ties else pairs
+        place = places(assembly.centroid, pairs.pose)
+        return cls(
+            prepared=prepared,
+            stage=state.stage,
+            pairs=pairs,
+            loads=loads,
+            inverse_mass=np.where(loads.fixed[:, None], 0.0, 1.0 / assembly.inertia),
+            ties=ties,
+            matrix=BlockSystem(joined.a, joined.b, loads.mass, loads.fixed, place),
+        )
+
+    def fits(self, state: NscdState) -> bool:
+        """Whether it is that of a state."""
+        same = self.prepared is state.prepared and self.stage == state.stage
+        return same and self.pairs is state.pairs
 
 
 class NscdEngine(Engine[NscdState]):
@@ -92,25 +129,20 @@ class NscdEngine(Engine[NscdState]):
 
     def __init__(self, settings: NscdSettings | None = None) -> None:
         self.settings = settings or NscdSettings()
+        #: That of the last step, which the next one takes where it fits its state.
+        self.last: System | None = None
 
     def start(self, problem: Problem) -> tuple[NscdState, StepReport]:
         """Settle under the dead load; raises `UnstableError`, or `EngineError` for a joint law
         that this formulation does not have."""
-        assembly = problem.assembly
-        refuse(problem, self)
-        try:
-            self.laws = law_table(assembly, shear=False)
-        except ValueError as error:
-            raise EngineError(f"{error}: the nscd engine cannot do without") from None
-        self.problem, self.stage = problem, problem.stages[0]
-        self.detector, self.bars = Detector(assembly), Bars.of(assembly, problem.ties)
-        self.extent = np.maximum(self.detector.extent, 1e-12)
+        prepared = Prepared.of(problem, self, shear=False)
+        assembly, detector = prepared.assembly, prepared.detector
         pose = assembly.rest_pose()
-        pairs = self.detector.pairs(pose)
-        slots = self.detector.find(pairs, pose)
-        gone = np.zeros(assembly.n_bodies, np.bool_)
-        self._write_system(pairs, gone)
+        pairs = detector.pairs(pose)
+        slots = detector.find(pairs, pose)
         state = NscdState(
+            prepared=prepared,
+            stage=problem.stages[0],
             pose=pose,
             velocity=assembly.no_motion(),
             increment=assembly.no_motion(),
@@ -118,17 +150,16 @@ class NscdEngine(Engine[NscdState]):
             slots=slots,
             reaction=np.zeros_like(slots.normal),
             status=np.zeros(len(slots.kind), np.int64),
-            gone=gone,
-            ties=self.bars.first(),
+            gone=np.zeros(assembly.n_bodies, np.bool_),
+            ties=prepared.bars.first(),
         )
         state, outcome = self._settle(state)
-        for self.stage in problem.stages[1:]:
-            self._write_system(state.pairs, state.gone)
-            state, outcome = self._settle(state)
+        for stage in problem.stages[1:]:
+            state, outcome = self._settle(replace(state, stage=stage))
         return state, outcome
 
     def _settle(self, state: NscdState) -> tuple[NscdState, StepReport]:
-        h, limit = self.settings.settling_time_step, self.problem.assembly.smallest_extent
+        h, limit = self.settings.settling_time_step, state.prepared.assembly.smallest_extent
         outcome = StepReport(converged=False)
         for _ in range(500):
             new, outcome = self.step(state, Demand(multiplier=0.0, time_step=h))
@@ -141,18 +172,22 @@ class NscdEngine(Engine[NscdState]):
             # At rest: what a step from rest would move by is far below the joints' own closing.
             if outcome.motion < 1e-3 * max(outcome.penetration, 1e-9):
                 return state, outcome
-            if state.gone.any() or self.detector.travelled(state.pose).max() > limit:
+            if state.gone.any() or state.prepared.detector.travelled(state.pose).max() > limit:
                 break
-        motion = self.detector.travelled(state.pose)
-        raise UnstableError(unstable_sentence(self.problem, self.problem.length * motion))
+        motion = state.prepared.detector.travelled(state.pose)
+        raise UnstableError(
+            unstable_sentence(state.prepared.problem, state.prepared.problem.length * motion)
+        )
 
     def step(self, state: NscdState, demand: Demand) -> tuple[NscdState, StepReport]:
         """One implicit step; see `Engine.step`."""
         new, outcome = self._step(state, demand)
         if outcome.converged and outcome.dynamic and demand.multiplier is not None:
+            prepared = new.prepared
             left = departing(
-                self.problem, self.detector, self.loads, new.pose, demand.multiplier,
-                new.pairs, new.slots, new.reaction, self.bars.whole(new.ties),
+                prepared.problem, prepared.detector, self._system_of(new).loads, new.pose,
+                demand.multiplier, new.pairs, new.slots, new.reaction,
+                prepared.bars.whole(new.ties),
             )  # fmt: skip
             new = self._paired(new, new.gone | left) if left.any() else new
         return new, outcome
@@ -163,28 +198,29 @@ class NscdEngine(Engine[NscdState]):
         if demand.multiplier is None or not demand.time_step > 0.0:
             raise ValueError("the nscd engine steps under a multiplier, with a time step")
         state = self._refresh(state)
-        h, problem = demand.time_step, self._contact_problem(state)
+        own = self._system_of(state)
+        h, problem = demand.time_step, self._contact_problem(own, state)
         before = np.zeros_like(state.velocity) if demand.stop_blocks else state.velocity
-        before = spun_on(before, state.increment, self.problem.assembly.mass, h)
+        before = spun_on(before, state.increment, state.prepared.assembly.mass, h)
         given, guess = self._given(state, demand.settlement or 0.0) / h, state.increment / h
         before = np.where(np.any(given, axis=1, keepdims=True), given, before)
-        guess[self.loads.fixed] = given[self.loads.fixed]
-        loads = self.loads.near(state.pose, demand.multiplier)
+        guess[own.loads.fixed] = given[own.loads.fixed]
+        loads = own.loads.near(state.pose, demand.multiplier)
         load = loads.dead + demand.multiplier * loads.pattern
-        scale = self.problem.assembly.heaviest_weight
+        scale = state.prepared.assembly.heaviest_weight
         tolerance = self.settings.tolerance * scale
-        ties = self._ties(state, h)
+        ties = self._ties(own, state, h)
         solved = nlgs.solve(
-            problem, self.system[1], self.extent,
-            before + h * self.inverse_mass * load,
+            problem, own.matrix, state.prepared.extent,
+            before + h * own.inverse_mass * load,
             state.reaction[problem.contacts.slot] * h, guess, h,
             NlgsSettings(tolerance=tolerance, max_sweeps=self.settings.max_sweeps), ties,
         )  # fmt: skip
-        motion, reason = self.detector.farthest(h * solved.velocity), ""
+        motion, reason = state.prepared.detector.farthest(h * solved.velocity), ""
         if solved.residual > tolerance:
             share = solved.residual / scale
             reason = f"Gauss-Seidel left a residual of {share:.1e} after {solved.n_sweeps} sweeps"
-        elif motion > self.settings.max_motion * self.detector.reach:
+        elif motion > self.settings.max_motion * state.prepared.detector.reach:
             reason = "a block moves too far in one step"
         if reason:
             return state, StepReport(
@@ -193,30 +229,33 @@ class NscdEngine(Engine[NscdState]):
                 motion=motion,
                 n_iterations=solved.n_sweeps + solved.n_corrections,
             )
-        return self._accept(state, problem, solved, before, load, motion, demand, ties)
+        return self._accept(own, state, problem, solved, before, load, motion, demand, ties)
 
     def _given(self, state: NscdState, amount: float) -> Array:
         """Increments (n, n_dof) of supports that move on by an amount."""
-        assembly, settlement = self.problem.assembly, self.problem.settlement
+        assembly, settlement = state.prepared.assembly, state.prepared.problem.settlement
         if settlement is None or not amount:
             return assembly.no_motion()
         return settlement.increment(assembly, state.pose, state.settled + amount)
 
-    def _ties(self, state: NscdState, h: float) -> TieImpulses | None:
+    def _ties(self, own: System, state: NscdState, h: float) -> TieImpulses | None:
         """Ties where the step starts."""
-        if self.ties is None:
+        if own.ties is None:
             return None
-        self.ties.begin(self.bars.torn(state.ties))
-        self.ties.act(state.pose)
-        return TieImpulses(self.ties, state.pairs.a, state.pairs.b, h)
+        own.ties.begin(state.prepared.bars.torn(state.ties))
+        own.ties.act(state.pose)
+        return TieImpulses(own.ties, state.pairs.a, state.pairs.b, h)
 
-    def _contact_problem(self, state: NscdState) -> ContactProblem:
+    def _contact_problem(self, own: System, state: NscdState) -> ContactProblem:
         """Contacts where the step starts."""
-        contacts = self.detector.pack(state.pairs, state.pose, state.slots, self.laws)
-        return ContactProblem(contacts, state.slots.gap[contacts.slot], self.inverse_mass)
+        contacts = state.prepared.detector.pack(
+            state.pairs, state.pose, state.slots, state.prepared.laws
+        )
+        return ContactProblem(contacts, state.slots.gap[contacts.slot], own.inverse_mass)
 
     def _accept(
         self,
+        own: System,
         state: NscdState,
         problem: ContactProblem,
         solved: NlgsResult,
@@ -228,28 +267,28 @@ class NscdEngine(Engine[NscdState]):
     ) -> tuple[NscdState, StepReport]:
         """The state that a step has led to, from the velocities ``before``, and its figures."""
         assert demand.multiplier is not None
-        loads = self.loads.near(state.pose, demand.multiplier)
+        loads = own.loads.near(state.pose, demand.multiplier)
         h, chosen = demand.time_step, problem.contacts.slot
         increment = h * solved.velocity
-        pose = self.problem.assembly.moved(state.pose, increment)
-        velocity = spun_by_impulses(solved.velocity, before, self.problem.assembly.mass, h)
+        pose = state.prepared.assembly.moved(state.pose, increment)
+        velocity = spun_by_impulses(solved.velocity, before, state.prepared.assembly.mass, h)
         new, reaction = self._arrive(state, pose, velocity, chosen, solved.impulse / h)
         force = np.zeros_like(increment)
         add_contact_forces(problem.contacts, reaction[chosen], force)
-        if ties and self.ties:
+        if ties and own.ties:
             ties.act(solved.velocity)
             pulled = np.zeros_like(force)
             ties.add_to(pulled)
             force += pulled / h
-            self.ties.act(pose)
-            new = replace(new, ties=self.ties.ended())
+            own.ties.act(pose)
+            new = replace(new, ties=own.ties.ended())
         acceleration = (solved.velocity - before) / h
         certificate = certify(
             JudgedContacts.of_impulses(
                 problem.contacts, problem.gap, solved.velocity, reaction[chosen], h
             ),
             Forces(contact=force, load=load, inertia=loads.mass * acceleration),
-            self.extent,
+            state.prepared.extent,
             loads.fixed,
         )
         outcome = StepOutcome(
@@ -261,31 +300,35 @@ class NscdEngine(Engine[NscdState]):
             contact_force=force,
             slots=new.slots,
             status=new.status,
-            certificate=self.ties.marked(certificate) if self.ties else certificate,
+            certificate=own.ties.marked(certificate) if own.ties else certificate,
             motion=motion,
             n_iterations=solved.n_sweeps + solved.n_corrections,
             settled=state.settled + (demand.settlement or 0.0),
         )
         new = replace(new, settled=outcome.settled)
-        return new, report(self.problem, loads, outcome)
+        return new, report(state.prepared.problem, loads, outcome)
 
     def _refresh(self, state: NscdState) -> NscdState:
-        """New pairs where the blocks have moved far, and the linear system that fits them."""
-        if self.detector.outdated(state.pairs, state.pose):
+        """New pairs where the blocks have moved far."""
+        if state.prepared.detector.outdated(state.pairs, state.pose):
             state = self._paired(state, state.gone)
-        if self.system[0] is not state.pairs:
-            self._write_system(state.pairs, state.gone)
         return state
+
+    def _system_of(self, state: NscdState) -> System:
+        """The linear system that fits a state: that of the last step, or a new one."""
+        if self.last is None or not self.last.fits(state):
+            self.last = System.of(state)
+        return self.last
 
     def _paired(self, state: NscdState, gone: BoolArray) -> NscdState:
         """The state with new pairs, without the blocks that are ``gone``."""
-        pairs = self.detector.pairs(state.pose, gone)
+        pairs = state.prepared.detector.pairs(state.pose, gone)
         source = predecessor_slots(state.pairs, pairs)
         before, reaction = state.slots.at(source), np.zeros((len(source), state.slots.dim))
         known = source >= 0
         reaction[known] = state.reaction[source[known]]
-        slots = self.detector.find(pairs, state.pose, before)
-        reaction, status = self._carried(pairs, before, slots, reaction)
+        slots = state.prepared.detector.find(pairs, state.pose, before)
+        reaction, status = self._carried(state.prepared, pairs, before, slots, reaction)
         return replace(
             state,
             velocity=np.where(gone[:, None], 0.0, state.velocity),
@@ -297,16 +340,6 @@ class NscdEngine(Engine[NscdState]):
             gone=gone,
         )
 
-    def _write_system(self, pairs: Pairs, gone: BoolArray) -> None:
-        """Loads, masses and the linear system of the blocks that are there."""
-        assembly = self.problem.assembly
-        loads = self.loads = LoadArrays.of(self.problem, gone, self.stage)
-        self.inverse_mass = np.where(loads.fixed[:, None], 0.0, 1.0 / assembly.inertia)
-        place = places(assembly.centroid, pairs.pose)
-        self.ties = TieForces(self.bars, assembly, gone) if self.bars.n_ties else None
-        joined = self.ties.joined(pairs.a, pairs.b) if self.ties else pairs
-        self.system = (pairs, BlockSystem(joined.a, joined.b, loads.mass, loads.fixed, place))
-
     def _arrive(
         self, state: NscdState, pose: Array, velocity: Array, chosen: IntArray, found: Array
     ) -> tuple[NscdState, Array]:
@@ -317,15 +350,17 @@ class NscdEngine(Engine[NscdState]):
         reaction = np.zeros_like(state.reaction)
         reaction[chosen] = found
         followed = Slots.empty(len(reaction), state.slots.dim)
-        self.detector.follow(state.pairs, pose, state.slots, followed)
+        state.prepared.detector.follow(state.pairs, pose, state.slots, followed)
         followed.frame[:] = state.slots.frame
-        slots = self.detector.find(state.pairs, pose, state.slots)
+        slots = state.prepared.detector.find(state.pairs, pose, state.slots)
         # Tangents where the step starts are near enough: the next one only begins with these.
-        carried, status = self._carried(state.pairs, state.slots, slots, reaction)
+        carried, status = self._carried(state.prepared, state.pairs, state.slots, slots, reaction)
         new = NscdState(
+            prepared=state.prepared,
+            stage=state.stage,
             pose=pose,
             velocity=velocity,
-            increment=self.problem.assembly.difference(pose, state.pose),
+            increment=state.prepared.assembly.difference(pose, state.pose),
             pairs=state.pairs,
             slots=slots,
             reaction=carried,
@@ -336,26 +371,26 @@ class NscdEngine(Engine[NscdState]):
                 pairs=state.pairs,
                 slots=followed,
                 reaction=reaction,
-                status=self._status(state.pairs, reaction),
+                status=self._status(state.prepared, state.pairs, reaction),
             ),
         )
         return new, reaction
 
     def _carried(
-        self, pairs: Pairs, before: Slots, now: Slots, reaction: Array
+        self, prepared: Prepared, pairs: Pairs, before: Slots, now: Slots, reaction: Array
     ) -> tuple[Array, IntArray]:
         """Reactions (n_slots, dim) [N] of slots ``before``, by those that go on with them, and
         what these do."""
-        source = self.detector.predecessors(pairs, before, now)
+        source = prepared.detector.predecessors(pairs, before, now)
         carried = np.empty_like(reaction)
         carried[:, 0] = np.where(source >= 0, reaction[source, 0], 0.0)
-        carried[:, 1:] = self.detector.carried(before, now, source, reaction[:, 1:])
-        return carried, self._status(pairs, carried)
+        carried[:, 1:] = prepared.detector.carried(before, now, source, reaction[:, 1:])
+        return carried, self._status(prepared, pairs, carried)
 
-    def _status(self, pairs: Pairs, reaction: Array) -> IntArray:
+    def _status(self, prepared: Prepared, pairs: Pairs, reaction: Array) -> IntArray:
         """What contacts with these reactions do, (n_slots,)."""
         status = np.empty(len(reaction), np.int64)
-        status_of(pairs, self.laws, reaction, status)
+        status_of(pairs, prepared.laws, reaction, status)
         return status
 
     def gone_of(self, state: NscdState) -> BoolArray:
@@ -369,6 +404,6 @@ class NscdEngine(Engine[NscdState]):
     def contacts(self, state: NscdState) -> ContactForces:
         """Contact points and reactions of a state: those that are in balance."""
         these = state.acted or state
-        return self.detector.forces(
+        return state.prepared.detector.forces(
             these.pairs, state.pose, these.slots, these.reaction, these.status
         )

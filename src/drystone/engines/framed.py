@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from drystone.common.records import changed
 from drystone.contact.forces import ContactForces
-from drystone.engines.base import Demand, Engine, Pacing, Problem, StepReport
+from drystone.engines.base import Demand, Engine, Pacing, Problem, State, StepReport
 from drystone.engines.frame import Frame, plain
 from drystone.model.assembly import Assembly
 from drystone.model.ties import TieState
@@ -28,11 +28,28 @@ def framed(engine: Engine[Any]) -> Engine[Any]:
     return FramedEngine(engine) if engine.capabilities.in_own_frame else engine
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Placed:
+    """Where a problem is taken to, made once from it."""
+
+    frame: Frame
+    #: Rows outside of the rows within, and the other way round; None where they are the same.
+    order: IntArray | None
+    rank: IntArray | None
+    turns: bool  # whether a rotation of supports paces the analysis, not a length
+
+    @property
+    def pace(self) -> float:
+        """Unit of what paces the analysis."""
+        return 1.0 if self.turns else self.frame.length
+
+
 @dataclass(frozen=True, kw_only=True)
 class FramedState:
     """A state of the engine within, and its poses as they are outside."""
 
-    own: Any
+    placed: Placed
+    own: Any  # state of the engine within
     pose: Array  # (n, n_dof) m, rad
     gone: BoolArray | None = None  # (n,) blocks that have left, of engines that tell
 
@@ -44,10 +61,8 @@ class FramedEngine(Engine[FramedState]):
         self.engine = engine
         self.name = engine.name
         self.capabilities = replace(engine.capabilities, in_own_frame=False)
+        #: An assembly, its frame and the assembly within, last asked for.
         self.seen: tuple[Assembly, Frame, Assembly] | None = None
-        #: Rows outside of the rows within, and the other way round; None where they are the same.
-        self.order: IntArray | None = None
-        self.rank: IntArray | None = None
 
     def pacing(self, assembly: Assembly) -> Pacing:
         """See `Engine.pacing`; the assembly is the one outside."""
@@ -59,18 +74,20 @@ class FramedEngine(Engine[FramedState]):
 
     def start(self, problem: Problem) -> tuple[FramedState, StepReport]:
         """See `Engine.start`."""
-        self.frame, assembly = self._own(problem.assembly)
-        control = self.frame.control_point(problem.control_point)
-        order, self.order, self.rank = self.frame.order(assembly, control), None, None
+        frame, assembly = self._own(problem.assembly)
+        control = frame.control_point(problem.control_point)
+        order, rank = frame.order(assembly, control), None
         if (np.diff(order) != 1).any():
-            self.order, self.rank = order, np.argsort(order)
+            rank = np.argsort(order)
             assembly = replace(assembly, blocks=tuple(assembly.blocks[i] for i in order))
-            control = replace(control, block=int(self.rank[control.block]))
-        settlement = problem.settlement
-        self.turns = settlement is not None and settlement.rotates
-        #: Unit of what paces the analysis.
-        self.pace = 1.0 if self.turns else self.frame.length
-        frame, ground = self.frame, problem.ground
+            control = replace(control, block=int(rank[control.block]))
+        settlement, ground = problem.settlement, problem.ground
+        placed = Placed(
+            frame=frame,
+            order=None if rank is None else order,
+            rank=rank,
+            turns=settlement is not None and settlement.rotates,
+        )
         own, report = self.engine.start(
             replace(
                 problem,
@@ -85,33 +102,36 @@ class FramedEngine(Engine[FramedState]):
             )
         )
         self.notes = self.engine.notes  # which it may have found only now
-        return self._state(own), self._report(report)
+        return self._state(placed, own), self._report(placed, report)
 
     def step(self, state: FramedState, demand: Demand) -> tuple[FramedState, StepReport]:
         """See `Engine.step`."""
-        frame, increment = self.frame, demand.increment
+        placed, increment = state.placed, demand.increment
+        frame = placed.frame
         own, report = self.engine.step(
             state.own,
             changed(
                 demand,
                 increment=None if increment is None else plain(increment / frame.length),
-                settlement=demand.settlement and plain(demand.settlement / self.pace),
+                settlement=demand.settlement and plain(demand.settlement / placed.pace),
                 time_step=plain(demand.time_step / frame.time) if demand.time_step else 0.0,
             ),
         )
-        return (state if own is state.own else self._state(own)), self._report(report)
+        new = state if own is state.own else self._state(placed, own)
+        return new, self._report(placed, report)
 
     def contacts(self, state: FramedState) -> ContactForces:
         """See `Engine.contacts`."""
-        found = self.frame.contacts_of(self.engine.contacts(state.own))
-        if self.order is None:
+        placed = state.placed
+        found = placed.frame.contacts_of(self.engine.contacts(state.own))
+        if (order := placed.order) is None:
             return found
-        return changed(found, block_a=self.order[found.block_a], block_b=self.order[found.block_b])
+        return changed(found, block_a=order[found.block_a], block_b=order[found.block_b])
 
     def ties_of(self, state: FramedState) -> TieState | None:
         """See `Engine.ties_of`."""
         own = self.engine.ties_of(state.own)
-        return None if own is None else self.frame.ties_of(own)
+        return None if own is None else state.placed.frame.ties_of(own)
 
     def gone_of(self, state: FramedState) -> BoolArray | None:
         """See `Engine.gone_of`."""
@@ -129,20 +149,23 @@ class FramedEngine(Engine[FramedState]):
             self.seen = assembly, frame, own
         return self.seen[1:]
 
-    def _state(self, own: Any) -> FramedState:
-        pose, gone = self.frame.pose_of(own.pose), self.engine.gone_of(own)
-        if self.rank is not None:
-            pose, gone = pose[self.rank], None if gone is None else gone[self.rank]
-        return FramedState(own=own, pose=pose, gone=gone)
+    def _state(self, placed: Placed, own: State) -> FramedState:
+        pose, gone = placed.frame.pose_of(own.pose), self.engine.gone_of(own)
+        if (rank := placed.rank) is not None:
+            pose, gone = pose[rank], None if gone is None else gone[rank]
+        return FramedState(placed=placed, own=own, pose=pose, gone=gone)
 
-    def _report(self, own: StepReport) -> StepReport:
-        length = self.frame.length
-        lever = length if self.turns else 1.0  # of a rotation the reaction is a moment
+    def _report(self, placed: Placed, own: StepReport) -> StepReport:
+        length = placed.frame.length
+        lever = length if placed.turns else 1.0  # of a rotation the reaction is a moment
         return changed(
             own,
-            control_displacement=self.pace * own.control_displacement,
-            reaction=self.frame.force * lever * own.reaction,
+            control_displacement=placed.pace * own.control_displacement,
+            reaction=placed.frame.force * lever * own.reaction,
             penetration=length * own.penetration,
             motion=length * own.motion,
-            way=tuple((self._state(state), self._report(report)) for state, report in own.way),
+            way=tuple(
+                (self._state(placed, state), self._report(placed, report))
+                for state, report in own.way
+            ),
         )

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from drystone.common.records import changed
 from drystone.contact.contacts import Pairs, Slots
-from drystone.contact.detection import Detector, predecessor_pairs, predecessor_slots
+from drystone.contact.detection import predecessor_pairs, predecessor_slots
 from drystone.contact.forces import ActedContacts, ContactForces
 from drystone.engines.base import (
     Capabilities,
@@ -36,31 +36,35 @@ from drystone.engines.base import (
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
 from drystone.engines.measures import (
-    LoadArrays,
     StepOutcome,
     not_crushed,
     report,
     unstable_sentence,
 )
+from drystone.engines.prepared import Prepared
 from drystone.geometry import motion
 from drystone.law import law as joint_law
-from drystone.law.bonds import apart, brittle, margins, yielded
+from drystone.law.bonds import margins, yielded
 from drystone.law.certificate import Forces, JudgedContacts, certify
-from drystone.law.law import N_HISTORY
-from drystone.law.strengths import Strengths
-from drystone.law.table import law_table
 from drystone.model.assembly import Assembly
-from drystone.model.ties import Bars, TieState
+from drystone.model.ties import TieState
 from drystone.statics import yielding
-from drystone.statics.linear_step import Loads, PointPace
+from drystone.statics.equations import (
+    Equations,
+    Loaded,
+    accuracy_of,
+    first_branches,
+    first_history,
+    sinking,
+)
+from drystone.statics.linear_step import PointPace
 from drystone.statics.plane import piecewise
-from drystone.statics.plane.interior import InteriorPoint, InteriorSettings
+from drystone.statics.plane.interior import InteriorSettings
 from drystone.statics.plane.piecewise import Accuracy, PathSettings, StepSolution
-from drystone.statics.plane.static_step import STATUS_OF, Constants, StaticStep
+from drystone.statics.plane.static_step import STATUS_OF, StaticStep
 from drystone.statics.space import cone_solution
 from drystone.statics.space.cone_solution import Before, SpaceSettings
 from drystone.statics.space.cone_step import ConeStep
-from drystone.statics.tie_forces import TieForces
 from drystone.statics.ways import WayInPlane, WayInSpace
 from drystone.statics.yielding import Way
 
@@ -109,6 +113,8 @@ class EquilibriumSettings:
 class EquilibriumState:
     """Poses, joint history and what the next step is predicted from."""
 
+    prepared: Prepared
+    stage: int  # of the dead loads, see `Problem.stages`
     pose: Array  # (n, n_dof) m, rad
     multiplier: float
     pairs: Pairs
@@ -139,6 +145,7 @@ class _Step:
     """What a step begins with and is to reach, whatever its joints hold."""
 
     state: EquilibriumState
+    equations: Equations
     demand: Demand
     pace: PointPace | None
     guess: Array  # (n, n_dof) m, rad
@@ -165,6 +172,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
 
     def __init__(self, settings: EquilibriumSettings | None = None) -> None:
         self.settings = settings or EquilibriumSettings()
+        #: Equations of the last step, which the next one is written in where they fit its state.
+        self.last: Equations | None = None
 
     def pacing(self, assembly: Assembly) -> Pacing:
         """A step is to turn a mechanism by about 1 in 500, whatever its height."""
@@ -179,56 +188,43 @@ class EquilibriumEngine(Engine[EquilibriumState]):
 
     def start(self, problem: Problem) -> tuple[EquilibriumState, StepReport]:
         """Settle under the dead load, stage by stage; raises `UnstableError`."""
-        self.problem, self.stage = problem, problem.stages[0]
-        assembly = problem.assembly
-        self.detector = Detector(assembly)
-        try:
-            laws = law_table(assembly)
-        except ValueError as error:
-            raise EngineError(f"{error}: the equilibrium engine cannot do without") from None
-        self.laws = laws
-        #: Of designed gaps [m], which are differences of coordinates.
-        self.rounding = 8.0 * np.finfo(float).eps * float(np.ptp(assembly.centroid, axis=0).max())
-        self.bars = Bars.of(assembly, problem.ties)
-        #: Whether steps end where a bond or a tie gives way.
-        self.brittle = brittle(laws) or self.bars.give_way
-        self.strengths = Strengths(assembly)
+        prepared = Prepared.of(problem, self)
+        assembly, detector, bars = prepared.assembly, prepared.detector, prepared.bars
         pose = assembly.rest_pose()
-        pairs, gone = self.detector.pairs(pose), np.zeros(assembly.n_bodies, np.bool_)
-        self._take_loads(gone)
-        self._write_equations(pairs)
-        self.accuracy = self._accuracy()
-        slots = self.detector.find(pairs, pose)
+        pairs = detector.pairs(pose)
+        slots = detector.find(pairs, pose)
         state = EquilibriumState(
+            prepared=prepared,
+            stage=problem.stages[0],
             pose=pose,
             multiplier=0.0,
             pairs=pairs,
             slots=slots,
-            history=self._first_history(slots),
+            history=first_history(prepared, slots),
             reaction=np.zeros_like(slots.normal),
-            branch=self._first_branches(pairs, slots),
+            branch=first_branches(prepared, pairs, slots),
             last_increment=assembly.no_motion(),
-            margin=np.full(len(slots.kind) + self.bars.n_ties, np.inf),
+            margin=np.full(len(slots.kind) + bars.n_ties, np.inf),
             due=np.zeros(0, np.int64),
-            gone=gone,
-            ties=self.bars.first(),
+            gone=np.zeros(assembly.n_bodies, np.bool_),
+            ties=bars.first(),
         )
         state, outcome = self._settle(state)
-        for self.stage in problem.stages[1:]:
-            self._take_loads(state.gone)
-            self._write_equations(state.pairs)
-            state, outcome = self._settle(state)
+        for stage in problem.stages[1:]:
+            state, outcome = self._settle(replace(state, stage=stage))
         return state, outcome
 
     def _settle(self, state: EquilibriumState) -> tuple[EquilibriumState, StepReport]:
         """A short step under the dead load and long ones, or shorter where they fail, to rest."""
         h, limit = 0.1, self.settings.static_time_step
-        farthest = self.problem.assembly.smallest_extent + 4.0 * self._settlement()
+        farthest = state.prepared.assembly.smallest_extent + 4.0 * sinking(
+            state.prepared, self.equations_of(state).loads
+        )
         outcome = StepReport(converged=False)
         travelled = 0.0
         for _ in range(100):
             demand = Demand(multiplier=0.0, time_step=h)
-            new, outcome = self._bond_steps(demand, farthest).rest(state, 1.0)
+            new, outcome = self._bond_steps(state.prepared, demand, farthest).rest(state, 1.0)
             if not outcome.converged:
                 h *= 0.25
                 if h < 1e-5:
@@ -237,12 +233,12 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             state = new
             travelled += outcome.motion
             if h >= limit and self._at_rest(outcome):
-                return replace(new, last_increment=self.problem.assembly.no_motion()), outcome
+                return replace(new, last_increment=state.prepared.assembly.no_motion()), outcome
             if travelled > farthest:
                 break
             h = min(100.0 * h, limit)
-        gone = self.problem.length * self.detector.travelled(state.pose)
-        raise UnstableError(unstable_sentence(self.problem, gone))
+        gone = state.prepared.problem.length * state.prepared.detector.travelled(state.pose)
+        raise UnstableError(unstable_sentence(state.prepared.problem, gone))
 
     def _at_rest(self, outcome: StepReport) -> bool:
         """Whether a step ended at rest: the structure, and each block, which may be a small part of
@@ -251,26 +247,17 @@ class EquilibriumEngine(Engine[EquilibriumState]):
 
     def _missed(self, state: EquilibriumState) -> bool:
         """Whether blocks overlap that were no pair."""
-        if not self.detector.outdated(state.pairs, state.pose):
+        if not state.prepared.detector.outdated(state.pairs, state.pose):
             return False
-        pairs = self.detector.pairs(state.pose, state.gone)
+        pairs = state.prepared.detector.pairs(state.pose, state.gone)
         new = predecessor_pairs(state.pairs, pairs) < 0
-        slots = self.detector.find(pairs, state.pose)
+        slots = state.prepared.detector.find(pairs, state.pose)
         return bool((slots.gap[new[pairs.of_slot]] < 0.0).any())
-
-    def _settlement(self) -> float:
-        """By how much the top of a column as high as the structure sinks in its soft joints [m]."""
-        assembly = self.problem.assembly
-        free = ~assembly.fixed
-        area = assembly.smallest_extent * assembly.thickness
-        heaviest = float(np.abs(motion.translations(self.loads.dead)[free]).max())
-        n = 1.0 + float(np.ptp(assembly.centroid[free] @ assembly.up)) / assembly.smallest_extent
-        return 0.5 * n**2 * heaviest / (float(self.constants.laws[:, joint_law.KN].min()) * area)
 
     def contacts(self, state: EquilibriumState) -> ContactForces:
         """Contact points and reactions of a state: those that are in balance."""
         these = state.acted or self._acted(state)
-        return self.detector.forces(
+        return state.prepared.detector.forces(
             these.pairs, state.pose, these.slots, these.reaction, these.status
         )
 
@@ -293,9 +280,9 @@ class EquilibriumEngine(Engine[EquilibriumState]):
 
     def step(self, state: EquilibriumState, demand: Demand) -> tuple[EquilibriumState, StepReport]:
         """One implicit step from rest; see `Engine.step`."""
-        farthest = self.settings.max_motion * self.problem.assembly.smallest_extent
-        if self.brittle:
-            steps, state = self._bond_steps(demand, farthest), self._refresh(state)
+        farthest = self.settings.max_motion * state.prepared.assembly.smallest_extent
+        if state.prepared.gives_way:
+            steps, state = self._bond_steps(state.prepared, demand, farthest), self._refresh(state)
             paced = demand.increment is not None or demand.settlement is not None
             free = not paced or demand.time_step > 0.0
             new, outcome = steps.again(state) if free else steps.advance(state)
@@ -305,7 +292,9 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             new = self._let_go(new)
         return new, outcome
 
-    def _bond_steps(self, demand: Demand, farthest: float) -> BondSteps[EquilibriumState]:
+    def _bond_steps(
+        self, prepared: Prepared, demand: Demand, farthest: float
+    ) -> BondSteps[EquilibriumState]:
         def solve(state: EquilibriumState, share: float) -> tuple[EquilibriumState, StepReport]:
             if demand.settlement is not None:
                 part = replace(demand, settlement=share * demand.settlement)
@@ -321,10 +310,10 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         return BondSteps(
             solve=solve,
             broken=self._broken,
-            laws=self.constants.laws,
-            slight=SLIGHT * self.problem.assembly.heaviest_weight,
+            laws=prepared.laws,
+            slight=SLIGHT * prepared.assembly.heaviest_weight,
             near=AT_STRENGTH,
-            bars=self.bars if self.bars.n_ties else None,
+            bars=prepared.bars if prepared.bars.n_ties else None,
         )
 
     def _broken(self, state: EquilibriumState, due: IntArray) -> EquilibriumState:
@@ -332,21 +321,22 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         n_slots = len(state.reaction)
         slots = due[due < n_slots]
         if len(slots) < len(due):
-            ties = self.bars.past(state.ties, due[due >= n_slots] - n_slots)
+            ties = state.prepared.bars.past(state.ties, due[due >= n_slots] - n_slots)
             margin = np.concatenate((state.margin[:n_slots], ties.margin))
             state = replace(state, ties=ties, margin=margin)
         history, branch, margin = state.history.copy(), state.branch.copy(), state.margin.copy()
         law = state.pairs.law_of_slot[slots]
         history[slots, joint_law.BROKEN], margin[slots] = 1.0, np.inf
-        branch[slots] = yielded(self.constants.laws, law, state.reaction[slots])
+        branch[slots] = yielded(state.prepared.laws, law, state.reaction[slots])
         nothing = np.zeros(0, np.int64)
         return replace(state, history=history, branch=branch, margin=margin, due=nothing)
 
     def _let_go(self, state: EquilibriumState) -> EquilibriumState:
         """Take out blocks that have left; the rest does not feel it."""
+        prepared, loads = state.prepared, self.equations_of(state).loads
         left = departing(
-            self.problem, self.detector, self.loads, state.pose, state.multiplier,
-            state.pairs, state.slots, state.reaction, self.bars.whole(state.ties),
+            prepared.problem, prepared.detector, loads, state.pose, state.multiplier,
+            state.pairs, state.slots, state.reaction, prepared.bars.whole(state.ties),
         )  # fmt: skip
         return self._paired(state, state.gone | left) if left.any() else state
 
@@ -355,6 +345,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     ) -> tuple[EquilibriumState, StepReport]:
         """A step that fails where a block moves by more than ``farthest`` [m]."""
         state = self._refresh(state)
+        own = self.equations_of(state)
         pace = self._pace(state, demand)
         h = demand.time_step or self.settings.static_time_step
         guess, multiplier = self._predict(state, demand, pace)
@@ -362,10 +353,11 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             state=state,
             demand=demand,
             pace=pace,
-            guess=self._move_supports(state, demand, guess),
+            equations=own,
+            guess=self._move_supports(own, state, demand, guess),
             multiplier=multiplier,
             h=h,
-            accuracy=changed(self.accuracy, farthest=farthest),
+            accuracy=changed(own.accuracy, farthest=farthest),
         )
         solved = self._solve(step)
         if solved.reason == piecewise.TOO_STIFF:
@@ -379,7 +371,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             )
         if solved.held:
             h = 1.0 / np.sqrt(1.0 / h**2 + solved.held)
-        new, outcome = self._accept(state, solved, h, demand)
+        new, outcome = self._accept(own, state, solved, h, demand)
         if self._missed(new):
             return state, StepReport(
                 converged=False,
@@ -390,7 +382,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         return new, outcome
 
     def _solve(self, step: _Step) -> StepSolution:
-        equations, state = self.equations, step.state
+        equations, state = step.equations.step, step.state
         solve = self._once_in_space if isinstance(equations, ConeStep) else self._once_in_plane
         last: StepSolution | None = None
 
@@ -398,12 +390,12 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             held: Array | None, fresh: Array | None, branch: IntArray, near: Array | None
         ) -> StepSolution:
             nonlocal last
-            if self.ties:
-                self.ties.begin(state.ties)
+            if step.equations.ties:
+                step.equations.ties.begin(state.ties)
             last = solve(step, held, fresh, branch, near, last)
             return last
 
-        if not self.strengths.any:
+        if not step.state.prepared.strengths.any:
             return once(None, None, state.branch, None)
         increment = step.demand.increment
         start = yielding.Beginning(
@@ -413,11 +405,11 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             state.multiplier,
             state.slope * increment if increment and state.softened else np.nan,
         )
-        heaviest = self.problem.assembly.heaviest_weight
+        heaviest = step.state.prepared.assembly.heaviest_weight
         demand = step.demand
         return yielding.solve(
             equations,
-            self.strengths,
+            step.state.prepared.strengths,
             start,
             once,
             partial(self._way, step),
@@ -431,16 +423,12 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     ) -> Way | None:
         """Newton's method from a solution, or from where the step is expected to end; see
         `yielding.solve`."""
-        if not self.strengths.smooth:
+        equations, state, accuracy = step.equations.step, step.state, step.accuracy
+        strengths = state.prepared.strengths
+        if not strengths.smooth:
             return None
-        equations, state, strengths, accuracy = (
-            self.equations,
-            step.state,
-            self.strengths,
-            step.accuracy,
-        )
-        if solved is None and self.ties:
-            self.ties.begin(state.ties)
+        if solved is None and step.equations.ties:
+            step.equations.ties.begin(state.ties)
         at = state.pose, state.slots, state.history, state.branch, step.h
         if isinstance(equations, ConeStep):
             if solved is None:
@@ -450,7 +438,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
                 equations.begin(*at, step.pace, held, fresh)
                 equations.set_out(x, step.multiplier)
             space = self.settings.space
-            slight = space.slight * self.problem.assembly.heaviest_weight
+            slight = space.slight * state.prepared.assembly.heaviest_weight
             return WayInSpace(equations, strengths, accuracy, space, slight)
         x, multiplier = step.guess, step.multiplier
         if solved:
@@ -470,7 +458,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         last: StepSolution | None,
     ) -> StepSolution:
         """Solve a step with what joints hold, from the ``last`` solution of it, if any."""
-        equations, state, demand, pace = self.equations, step.state, step.demand, step.pace
+        equations, state, demand, pace = step.equations.step, step.state, step.demand, step.pace
         assert isinstance(equations, ConeStep)
         equations.begin(state.pose, state.slots, state.history, branch, step.h, pace, held, fresh)
         guesses, multiplier = [step.guess], step.multiplier
@@ -505,14 +493,15 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         last: StepSolution | None,
     ) -> StepSolution:
         """The same, always from where the step starts."""
-        equations, state, demand, pace = self.equations, step.state, step.demand, step.pace
-        assert isinstance(equations, StaticStep)
+        equations, state, demand, pace = step.equations.step, step.state, step.demand, step.pace
+        interior = step.equations.interior
+        assert isinstance(equations, StaticStep) and interior is not None
         x = step.guess
         equations.begin(state.pose, state.slots, state.history, branch, step.h, x, held, fresh)
         equations.kept[:] = 0 if state.kept is None else state.kept
         return piecewise.solve(
             equations,
-            self.interior,
+            interior,
             pace,
             x if near is None or pace is None else near,
             step.multiplier,
@@ -523,64 +512,33 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             whole=pace is None or demand.time_step > 0.0 or demand.over_fold,
         )
 
-    def _accuracy(self) -> Accuracy:
-        """What steps are solved to; how far a block may move is for each to say."""
-        scale = self.problem.assembly.heaviest_weight
-        tolerance, stiffest = self.settings.tolerance * scale, self._stiffest(joint_law.KN)
-        rounding = 4.0 * np.finfo(float).eps  # of a gap, over the motions that it is a sum of
-        return Accuracy(
-            tolerance=tolerance,
-            rounding=rounding * stiffest,
-            sliding_rounding=rounding * self._stiffest(joint_law.KS),
-            coarsest=COARSEST * scale,
-            depth=max(1e-3 * tolerance / stiffest, self.rounding),
-            slight=1e-6 * self.problem.assembly.smallest_extent,
-            farthest=np.inf,
-        )
-
-    def _first_branches(self, pairs: Pairs, slots: Slots) -> IntArray:
-        """Contacts that touch stick, by a bond where there is one."""
-        laws = self.constants.laws[pairs.law_of_slot]
-        bonded = (laws[:, joint_law.COHESION] > 0.0) | (laws[:, joint_law.TENSION] > 0.0)
-        touching = np.where(bonded, joint_law.BONDED, joint_law.STICKING)
-        bonded = bonded | self.strengths.bonded[pairs.law_of_slot]
-        # Weight presses on joints that lie; those that stand are shut, but hold by a bond only.
-        held = (np.abs(slots.normal @ self.problem.assembly.up) > 0.7) | bonded
-        return np.where(held & ~self._apart(slots), touching, joint_law.OPEN)
-
-    def _first_history(self, slots: Slots) -> Array:
-        """Nothing but that joints which are open when built have no bond."""
-        history = np.zeros((len(slots.kind), N_HISTORY + slots.dim - 2))
-        history[self._apart(slots), joint_law.BROKEN] = 1.0
-        return history
-
-    def _apart(self, slots: Slots) -> NDArray[np.bool_]:
-        return apart(slots, 1e-9 * self.problem.assembly.smallest_extent)
-
-    def _stiffest(self, column: int) -> float:
-        """Stiffness [N/m] of a joint as long as the smallest block, of the stiffest law."""
-        assembly = self.problem.assembly
-        stiffness = float(self.constants.laws[:, column].max())
-        return stiffness * assembly.smallest_extent * assembly.thickness
-
     def _refresh(self, state: EquilibriumState) -> EquilibriumState:
-        """New pairs where the blocks have moved far, and the equations that fit the state."""
-        if self.detector.outdated(state.pairs, state.pose):
+        """New pairs where the blocks have moved far."""
+        if state.prepared.detector.outdated(state.pairs, state.pose):
             state = self._paired(state, state.gone)
-        if self.equations.pairs is not state.pairs:
-            if state.gone is not self.gone:
-                self._take_loads(state.gone)
-            self._write_equations(state.pairs)
         return state
+
+    def equations_of(self, state: EquilibriumState) -> Equations:
+        """The equations that fit a state: those of the last step, or new ones."""
+        last, prepared = self.last, state.prepared
+        old = last.loaded if last is not None and last.loaded.prepared is prepared else None
+        same = old is not None and old.stage == state.stage
+        if last is not None and same and last.pairs is state.pairs:
+            return last
+        if old is None or not same or old.gone is not state.gone:
+            old = Loaded.of(prepared, state.stage, state.gone)
+        accuracy = accuracy_of(prepared, self.settings.tolerance, COARSEST)
+        self.last = Equations.of(old, state.pairs, accuracy, self.settings.interior)
+        return self.last
 
     def _paired(self, state: EquilibriumState, gone: BoolArray) -> EquilibriumState:
         """The state with new pairs, without the blocks that are ``gone``."""
-        pairs = self.detector.pairs(state.pose, gone)
+        pairs = state.prepared.detector.pairs(state.pose, gone)
         source = predecessor_slots(state.pairs, pairs)
         before = state.slots.at(source)
-        slots = self.detector.find(pairs, state.pose, before if before.dim == 3 else None)
+        slots = state.prepared.detector.find(pairs, state.pose, before if before.dim == 3 else None)
         if before.dim == 3:
-            same = self.detector.predecessors(pairs, before, slots)
+            same = state.prepared.detector.predecessors(pairs, before, slots)
             source = np.where(same >= 0, source[same], -1)
         history, reaction, branch = self._inherited(source, state, slots)
         margin, known = np.full(len(source), np.inf), source >= 0
@@ -603,56 +561,29 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             kept=None,
         )
 
-    def _take_loads(self, gone: BoolArray) -> None:
-        """What the equations are written with, up to the stage, but for blocks that are gone."""
-        self.gone = gone
-        loads = self.loads = LoadArrays.of(self.problem, gone, self.stage)
-        ties = TieForces(self.bars, self.problem.assembly, gone) if self.bars.n_ties else None
-        self.ties = ties
-        self.constants = Constants(
-            detector=self.detector,
-            laws=self.laws,
-            thickness=self.problem.assembly.thickness,
-            loads=Loads(
-                dead=loads.dead,
-                pattern=loads.pattern,
-                mass=loads.mass,
-                extent=np.maximum(self.detector.extent, 1e-12),
-                fixed=loads.fixed,
-                acting=None if loads.acting.steady else loads.acting,
-                ties=ties,
-            ),
-        )
-
-    def _write_equations(self, pairs: Pairs) -> None:
-        self.equations: ConeStep | StaticStep
-        if self.problem.assembly.dimension == 3:
-            self.equations = ConeStep(self.constants, pairs)
-            return
-        flat = self.equations = StaticStep(self.constants, pairs)
-        self.interior = InteriorPoint(flat, self.settings.interior)
-
     def _pace(self, state: EquilibriumState, demand: Demand) -> PointPace | None:
         if demand.increment is None:
             return None
-        control = self.problem.control_point
-        designed = control.point - self.problem.assembly.centroid[control.block]
+        control = state.prepared.problem.control_point
+        designed = control.point - state.prepared.assembly.centroid[control.block]
         (arm,) = motion.turned(designed[None], state.pose[control.block, None])
         return PointPace(
             body=control.block,
             arm=arm,
             axis=control.direction,
-            axes=self._axes_of(control.block, state.pose),
+            axes=self._axes_of(state, control.block),
             increment=demand.increment,
         )
 
-    def _axes_of(self, block: int, pose: Array) -> Array:
+    def _axes_of(self, state: EquilibriumState, block: int) -> Array:
         """Principal axes of a block in a pose, (dim, dim) in columns; in the plane as designed,
         as no one asks for them."""
-        designed = self.problem.assembly.axes[block]
+        designed = state.prepared.assembly.axes[block]
         if len(designed) == 2:
             return designed
-        turned = motion.turned(designed.T, np.repeat(pose[block, None], len(designed), axis=0))
+        turned = motion.turned(
+            designed.T, np.repeat(state.pose[block, None], len(designed), axis=0)
+        )
         return np.ascontiguousarray(turned.T)
 
     def _predict(
@@ -666,10 +597,10 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             return self._follow_supports(state, demand.settlement), 0.0
         if pace is None:
             assert demand.multiplier is not None
-            return self.problem.assembly.no_motion(), demand.multiplier
+            return state.prepared.assembly.no_motion(), demand.multiplier
         moved = pace.increment - pace.missing(state.last_increment)
         if moved * pace.increment <= 0.0:
-            return self.problem.assembly.no_motion(), state.multiplier
+            return state.prepared.assembly.no_motion(), state.multiplier
         share = pace.increment / moved
         guess = share * state.last_increment
         if guess.shape[1] == 6:
@@ -678,10 +609,12 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         way[:] = motion.turned(way, 0.5 * (1.0 + share) * state.last_increment)
         return guess, state.multiplier
 
-    def _move_supports(self, state: EquilibriumState, demand: Demand, guess: Array) -> Array:
+    def _move_supports(
+        self, own: Equations, state: EquilibriumState, demand: Demand, guess: Array
+    ) -> Array:
         """Give the equations the increments (n, n_dof) of supports that move; the guess with
         them."""
-        problem, given = self.problem, self.equations.given
+        problem, given = state.prepared.problem, own.step.given
         if problem.settlement is None:
             return guess  # and given is nothing, from the start
         given[:] = 0.0
@@ -694,29 +627,36 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     def _follow_supports(self, state: EquilibriumState, amount: float) -> Array:
         """The last increments go on as the supports do."""
         if not state.last_settled:
-            return self.problem.assembly.no_motion()
+            return state.prepared.assembly.no_motion()
         return amount / state.last_settled * state.last_increment
 
     def _accept(
-        self, state: EquilibriumState, solved: StepSolution, h: float, demand: Demand
+        self,
+        own: Equations,
+        state: EquilibriumState,
+        solved: StepSolution,
+        h: float,
+        demand: Demand,
     ) -> tuple[EquilibriumState, StepReport]:
         """The state that a step has led to, and its figures."""
-        judged, then = self._ended(state)
-        flat = self.equations if isinstance(self.equations, StaticStep) else None
+        judged, then = self._ended(own, state)
+        flat = own.step if isinstance(own.step, StaticStep) else None
         increment = demand.settlement if demand.increment is None else demand.increment
-        slots = self.equations.found.copied()
-        source = self.detector.predecessors(state.pairs, self.equations.known, slots)
+        slots = own.step.found.copied()
+        source = state.prepared.detector.predecessors(state.pairs, own.step.known, slots)
         history, reaction, branch = self._inherited(source, then, slots)
         margin = np.full(len(source), np.inf)
-        if self.brittle:
+        if state.prepared.gives_way:
             margin[judged.contacts.slot] = margins(judged, 0.0)
             margin = np.where(source >= 0, margin[source], np.inf)
-        pose, ties = self.problem.assembly.moved(state.pose, solved.increment), state.ties
-        if self.ties:
-            self.ties.act(pose)
-            ties = self.ties.ended()
+        pose, ties = state.prepared.assembly.moved(state.pose, solved.increment), state.ties
+        if own.ties:
+            own.ties.act(pose)
+            ties = own.ties.ended()
             margin = np.concatenate((margin, ties.margin))
         new = EquilibriumState(
+            prepared=state.prepared,
+            stage=state.stage,
             pose=pose,
             multiplier=solved.multiplier,
             pairs=state.pairs,
@@ -740,7 +680,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             calm=flat is None and bool(np.array_equal(then.branch, state.branch)),
             acted=then.acted,
         )
-        outcome = self._report(new, judged, solved.n_iterations, h)
+        outcome = self._report(own, new, judged, solved.n_iterations, h)
         if solved.held and outcome.motion < 2.0 * abs(increment or 0.0):
             new = replace(new, held=False)
         return new, changed(
@@ -757,10 +697,12 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             lost_shear=self._lost(source, then),
         )
 
-    def _ended(self, state: EquilibriumState) -> tuple[JudgedContacts, EquilibriumState]:
+    def _ended(
+        self, own: Equations, state: EquilibriumState
+    ) -> tuple[JudgedContacts, EquilibriumState]:
         """The contacts that a step was solved with, where it has ended: as they are judged, and in
         the state that it started from."""
-        equations = self.equations
+        equations = own.step
         if not isinstance(equations, ConeStep):
             return equations.judged(), changed(
                 state,
@@ -784,21 +726,26 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         if then.slots.dim == 2:
             return 0.0
         shear = then.history[:, joint_law.SHEAR :]
-        return self.detector.lost(source, shear) / self.problem.assembly.heaviest_weight
+        return then.prepared.detector.lost(source, shear) / then.prepared.assembly.heaviest_weight
 
     def _report(
-        self, new: EquilibriumState, judged: JudgedContacts, n_iterations: int, h: float
+        self,
+        own: Equations,
+        new: EquilibriumState,
+        judged: JudgedContacts,
+        n_iterations: int,
+        h: float,
     ) -> StepReport:
         """Figures and certificate of the step that has led to a state from rest, in time h [s]."""
-        x, contact_force = new.last_increment, self.equations.contact_force
-        loads = self.loads.near(new.pose, new.multiplier)
+        x, contact_force = new.last_increment, own.step.contact_force
+        loads = own.loads.near(new.pose, new.multiplier)
         acceleration = x / h**2
         forces = Forces(
             contact=contact_force,
             load=loads.dead + new.multiplier * loads.pattern,
             inertia=loads.mass * acceleration,
         )
-        certificate = certify(judged, forces, self.constants.loads.extent, loads.fixed)
+        certificate = certify(judged, forces, own.loaded.prepared.extent, loads.fixed)
         outcome = StepOutcome(
             multiplier=new.multiplier,
             pose=new.pose,
@@ -806,14 +753,14 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             acceleration=acceleration,
             velocity=x / h,
             contact_force=contact_force,
-            slots=not_crushed(new.slots, new.history) if self.strengths.any else new.slots,
+            slots=not_crushed(new.slots, new.history) if new.prepared.strengths.any else new.slots,
             status=STATUS_OF[new.branch],
-            certificate=self.ties.marked(certificate) if self.ties else certificate,
+            certificate=own.ties.marked(certificate) if own.ties else certificate,
             settled=new.settled,
-            motion=self.detector.farthest(x),
+            motion=new.prepared.detector.farthest(x),
             n_iterations=n_iterations,
         )
-        return report(self.problem, loads, outcome)
+        return report(new.prepared.problem, loads, outcome)
 
     def _inherited(
         self, source: IntArray, then: EquilibriumState, now: Slots
@@ -829,5 +776,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         if now.dim == 3:
             for values, first in ((history, joint_law.SHEAR), (reaction, 1)):
                 was = then.history if values is history else then.reaction
-                values[:, first:] = self.detector.carried(then.slots, now, source, was[:, first:])
+                values[:, first:] = then.prepared.detector.carried(
+                    then.slots, now, source, was[:, first:]
+                )
         return history, reaction, branch

@@ -17,11 +17,12 @@ from __future__ import annotations
 import importlib.util
 import itertools
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.contact.contacts import BODY_A, BODY_B, FRICTION, STIFF_N, Contacts, Slots
+from drystone.contact.contacts import BODY_A, BODY_B, FRICTION, STIFF_N, Contacts, Pairs, Slots
 from drystone.contact.detection import Detector
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.dynamics.lmgc90.messages import Outcome, Ready, Setup, Step
@@ -81,10 +82,57 @@ class Lmgc90Settings:
     max_penetration: float = 0.05  # share of the smallest block's extent
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Lmgc90Prepared:
+    """A problem with the blocks as LMGC90 has them: forces and motions are about their centroids
+    and axes."""
+
+    problem: Problem
+    detector: Detector  # of blocks with chamfers in place of rounded corners
+    theirs: Assembly
+    offset: Array  # (n, dim) m, from our centroids to theirs
+    loads: tuple[LoadArrays, ...]  # up to each stage
+    longest_time_step: float  # s
+
+    @classmethod
+    def of(cls, problem: Problem, longest_time_step: float) -> Lmgc90Prepared:
+        """That of a problem which LMGC90 can solve."""
+        assembly = problem.assembly
+        sharp = without_radius(assembly)
+        theirs = without_corners(sharp)
+        mass = np.where(assembly.fixed[:, None], 0.0, theirs.mass)
+        stages = [LoadArrays.of(problem, stage=stage) for stage in problem.stages]
+        return cls(
+            problem=problem,
+            detector=Detector(sharp),
+            theirs=theirs,
+            offset=theirs.centroid - assembly.centroid,
+            loads=tuple(replace(loads, mass=mass) for loads in stages),
+            longest_time_step=longest_time_step,
+        )
+
+    @property
+    def same(self) -> bool:
+        """Whether their blocks are ours."""
+        return self.theirs is self.problem.assembly
+
+    @property
+    def friction(self) -> float:
+        """Of all joints."""
+        return self.problem.assembly.joint.friction_coefficient
+
+    @cached_property
+    def extent(self) -> Array:
+        """Of each block about its centroid [m], (n,), and never zero."""
+        return np.maximum(self.detector.extent, 1e-12)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Lmgc90State:
     """What came of the step that LMGC90 made last, or of the one before that."""
 
+    prepared: Lmgc90Prepared
+    stage: int  # of the dead loads: row of `Lmgc90Prepared.loads`
     number: int  # which of its steps
     pose: Array  # (n, n_pose) m, rad
     velocity: Array  # (n, n_dof) m/s, rad/s, of the blocks as LMGC90 has them
@@ -110,7 +158,11 @@ class Lmgc90Engine(Engine[Lmgc90State]):
         self.settings = settings or Lmgc90Settings()
         self.driver = driver or installed_driver()
         self.program = "LMGC90"
+        #: LMGC90's process, and which of its steps it has made last and was told to keep.
         self._process: Process | None = None
+        self._numbers = itertools.count(1)
+        self._latest = self._accepted = 0
+        self._pairs: Pairs | None = None  # of the last detection
 
     def pacing(self, assembly: Assembly) -> Pacing:
         """See `Engine.pacing`."""
@@ -140,41 +192,37 @@ class Lmgc90Engine(Engine[Lmgc90State]):
         assembly = problem.assembly
         refuse(problem, self)
         self.notes = check(assembly)
-        self.problem = problem
-        self.sharp = without_radius(assembly)
-        self.detector = Detector(self.sharp)
-        #: The blocks as LMGC90 has them: forces and motions are about their centroids and axes.
-        self.theirs = without_corners(self.sharp)
-        self.offset = self.theirs.centroid - assembly.centroid
-        self.same = self.theirs is assembly
-        mass = np.where(assembly.fixed[:, None], 0.0, self.theirs.mass)
-        stages = [LoadArrays.of(problem, stage=stage) for stage in problem.stages]
-        self.loads, *later = [replace(loads, mass=mass) for loads in stages]
-        self.extent = np.maximum(self.detector.extent, 1e-12)
-        self.friction = assembly.joint.friction_coefficient
-        self._longest_time_step = self._longest(assembly)
+        prepared = Lmgc90Prepared.of(problem, self._longest(assembly))
+        rest = assembly.rest_pose()
         self._numbers = itertools.count(1)
         self._latest = self._accepted = 0
-        rest = assembly.rest_pose()
-        self._pairs = self.detector.pairs(rest)
+        self._pairs = prepared.detector.pairs(rest)
         self.close()
         self._process = Process(module_of(self.driver, assembly.dimension))
-        ready = self._process.ask(self._setup(rest))
+        ready = self._process.ask(self._setup(prepared))
         assert isinstance(ready, Ready)
         self.program = ready.program
-        state = Lmgc90State(number=0, pose=rest, velocity=assembly.no_motion(), outcome=None)
+        state = Lmgc90State(
+            prepared=prepared,
+            stage=0,
+            number=0,
+            pose=rest,
+            velocity=assembly.no_motion(),
+            outcome=None,
+        )
         try:
             state, report = self._settle(state)
-            for self.loads in later:
-                state, report = self._settle(state)
+            for stage in range(1, len(prepared.loads)):
+                state, report = self._settle(replace(state, stage=stage))
             return state, report
         except BaseException:
             self.close()
             raise
 
-    def _setup(self, rest: Array) -> Setup:
-        assembly, theirs, s = self.problem.assembly, self.theirs, self.settings
-        slots = self.detector.find(self._pairs, rest)
+    def _setup(self, prepared: Lmgc90Prepared) -> Setup:
+        assembly, theirs, s = prepared.problem.assembly, prepared.theirs, self.settings
+        assert self._pairs is not None
+        slots = prepared.detector.find(self._pairs, assembly.rest_pose())
         stiffness = np.array([law.normal_stiffness for law in assembly.laws], dtype=float)
         joints: dict[tuple[int, int], float] = {}
         for k in np.flatnonzero(slots.kind).tolist():
@@ -188,10 +236,10 @@ class Lmgc90Engine(Engine[Lmgc90State]):
             density=theirs.weight / (GRAVITY * theirs.volume),
             fixed=assembly.fixed,
             thickness=assembly.thickness,
-            friction=self.friction,
+            friction=prepared.friction,
             joints=joints,
-            spare_stiffness=float(stiffness[0]) * self._small_area,
-            reach=self.detector.reach,
+            spare_stiffness=float(stiffness[0]) * self._small_area(prepared),
+            reach=prepared.detector.reach,
             theta=s.theta,
             tolerance=s.tolerance,
             sweeps_per_check=s.sweeps_per_check,
@@ -202,10 +250,12 @@ class Lmgc90Engine(Engine[Lmgc90State]):
 
     def _settle(self, state: Lmgc90State) -> tuple[Lmgc90State, StepReport]:
         """Steps from rest until nothing moves and the supports carry the weight."""
-        assembly = self.problem.assembly
-        longest = h = min(self.settings.settling_time_step, self._longest_time_step)
+        assembly = state.prepared.problem.assembly
+        longest = h = min(self.settings.settling_time_step, state.prepared.longest_time_step)
         limit = assembly.smallest_extent
-        weight = -float((motion.translations(self.loads.dead) @ assembly.up).sum())
+        weight = -float(
+            (motion.translations(state.prepared.loads[state.stage].dead) @ assembly.up).sum()
+        )
         outcome = StepReport(converged=False)
         carried = 0.0
         for k in range(300):
@@ -224,13 +274,13 @@ class Lmgc90Engine(Engine[Lmgc90State]):
             at_rest = outcome.motion < still * max(outcome.penetration, 1e-9)
             if at_rest and abs(carried - 1.0) <= BALANCE:
                 break
-            if self.detector.travelled(state.pose).max() > limit:
+            if state.prepared.detector.travelled(state.pose).max() > limit:
                 break
         if abs(carried - 1.0) > BALANCE:
-            moved = self.detector.travelled(state.pose)
+            moved = state.prepared.detector.travelled(state.pose)
             raise UnstableError(
                 f"LMGC90's supports carry {carried:.4f} of the weight, so that it has lost "
-                f"contacts, or {unstable_sentence(self.problem, moved)}"
+                f"contacts, or {unstable_sentence(state.prepared.problem, moved)}"
             )
         return state, outcome
 
@@ -242,7 +292,7 @@ class Lmgc90Engine(Engine[Lmgc90State]):
             raise EngineError("the lmgc90 engine has been closed: start it again")
         if state.number not in (self._latest, self._accepted):
             raise EngineError("LMGC90 holds its last state only: it cannot go back further")
-        h = min(demand.time_step, self._longest_time_step)
+        h = min(demand.time_step, state.prepared.longest_time_step)
         accept = state.number != self._accepted
         loads = self._loads(state, demand.multiplier)
         outcome = self._process.ask(
@@ -265,8 +315,10 @@ class Lmgc90Engine(Engine[Lmgc90State]):
             )
         before = np.zeros_like(state.velocity) if demand.stop_blocks else state.velocity
         new = Lmgc90State(
+            prepared=state.prepared,
+            stage=state.stage,
             number=self._latest,
-            pose=self._our_pose(outcome.pose),
+            pose=self._our_pose(state.prepared, outcome.pose),
             velocity=outcome.velocity,
             outcome=outcome,
         )
@@ -284,15 +336,15 @@ class Lmgc90Engine(Engine[Lmgc90State]):
         """Everything that is reported of a step, and whether it can stand."""
         outcome = new.outcome
         assert outcome is not None
-        assembly = self.problem.assembly
-        increment = self.theirs.difference(outcome.pose, self._their_pose(state))
-        farthest = self.detector.farthest(increment)
-        if farthest > self.settings.max_motion * self.detector.reach:
+        assembly = state.prepared.problem.assembly
+        increment = state.prepared.theirs.difference(outcome.pose, self._their_pose(state))
+        farthest = state.prepared.detector.farthest(increment)
+        if farthest > self.settings.max_motion * state.prepared.detector.reach:
             reason = "a block moves too far in one step"
             return state, StepReport(
                 converged=False, reason=reason, motion=farthest, n_iterations=outcome.n_sweeps
             )
-        slots = self._slots(new.pose)
+        slots = self._slots(state.prepared, new.pose)
         acceleration = (outcome.velocity - before) / h
         certificate = certify(
             self._judged(state, outcome, h),
@@ -301,11 +353,11 @@ class Lmgc90Engine(Engine[Lmgc90State]):
                 load=loads.dead + multiplier * loads.pattern,
                 inertia=loads.mass * acceleration,
             ),
-            self.extent,
+            state.prepared.extent,
             assembly.fixed,
         )
         found = report(
-            self.problem,
+            state.prepared.problem,
             loads,
             StepOutcome(
                 multiplier=multiplier,
@@ -325,7 +377,7 @@ class Lmgc90Engine(Engine[Lmgc90State]):
             overlap = f"{1e3 * found.penetration:.1f} mm"
             reason = f"blocks overlap by {overlap}: LMGC90 has lost a contact"
             return state, replace(found, converged=False, reason=reason)
-        status = self._status(outcome)
+        status = self._status(state.prepared, outcome)
         return new, replace(
             found,
             n_open=int(np.count_nonzero(status == OPEN)),
@@ -333,54 +385,56 @@ class Lmgc90Engine(Engine[Lmgc90State]):
             n_sliding=int(np.count_nonzero(status == SLIDING)),
         )
 
-    def _slots(self, pose: Array) -> Slots:
+    def _slots(self, prepared: Lmgc90Prepared, pose: Array) -> Slots:
         """All contacts in the given poses, those that LMGC90 has missed included."""
-        if self.detector.outdated(self._pairs, pose):
-            self._pairs = self.detector.pairs(pose)
-        return self.detector.find(self._pairs, pose)
+        if self._pairs is None or prepared.detector.outdated(self._pairs, pose):
+            self._pairs = prepared.detector.pairs(pose)
+        return prepared.detector.find(self._pairs, pose)
 
     def _judged(self, state: Lmgc90State, outcome: Outcome, h: float) -> JudgedContacts:
         """LMGC90's own contacts, with its gaps: those that it has missed cannot be judged here."""
-        theirs = self.theirs
+        theirs, mass = state.prepared.theirs, state.prepared.loads[state.stage].mass
         contacts = Contacts.empty(len(outcome.body_a), theirs.dimension, theirs.n_dof)
         contacts.which[:, BODY_A], contacts.which[:, BODY_B] = outcome.body_a, outcome.body_b
-        contacts.rows[:] = self._rows(outcome, self._their_pose(state))
+        contacts.rows[:] = self._rows(state.prepared, outcome, self._their_pose(state))
         contacts.table[:, STIFF_N] = outcome.stiffness
-        contacts.table[:, FRICTION] = self.friction
+        contacts.table[:, FRICTION] = state.prepared.friction
         with np.errstate(divide="ignore"):
-            inverse = np.where(self.loads.mass > 0.0, 1.0 / self.loads.mass, 0.0)
+            inverse = np.where(mass > 0.0, 1.0 / mass, 0.0)
         natural_map(ContactProblem(contacts, outcome.gap, inverse), theirs.dimension, h)
         return JudgedContacts.of_impulses(
             contacts, outcome.gap, outcome.velocity, outcome.reaction, h
         )
 
-    def _rows(self, outcome: Outcome, pose: Array) -> Array:
+    def _rows(self, prepared: Lmgc90Prepared, outcome: Outcome, pose: Array) -> Array:
         """Gradients of gaps and slips by the motions of both bodies; see `contact.plane.rows`."""
-        dim, n_dof = self.theirs.dimension, self.theirs.n_dof
+        dim, n_dof = prepared.theirs.dimension, prepared.theirs.n_dof
         along = np.concatenate((outcome.normal[:, None], tangents_of(outcome)), axis=1)
-        centre = motion.places(self.theirs.centroid, pose)
+        centre = motion.places(prepared.theirs.centroid, pose)
         of_both = np.empty((len(along), dim, 2, n_dof))
         for side, (body, sign) in enumerate(((outcome.body_a, -1.0), (outcome.body_b, 1.0))):
             arm = outcome.position - centre[body]
             for k in range(dim):
                 gradient = of_both[:, k, side]
                 motion.translations(gradient)[:] = sign * along[:, k]
-                moment = self._about_axes(motion.moments(arm, along[:, k]), pose, body)
+                moment = self._about_axes(prepared, motion.moments(arm, along[:, k]), pose, body)
                 motion.rotations(gradient)[:] = sign * moment
         rows = of_both.reshape(len(along), dim, 2 * n_dof)
         return np.concatenate((rows, rows[:, 1:]), axis=1)  # slip is measured by its own gradient
 
-    def _about_axes(self, moment: Array, pose: Array, body: NDArray[np.int64]) -> Array:
+    def _about_axes(
+        self, prepared: Lmgc90Prepared, moment: Array, pose: Array, body: NDArray[np.int64]
+    ) -> Array:
         """Moments (k, 1 or 3) in the world about the axes of bodies (k,) in the poses."""
         if moment.shape[1] == 1:
             return moment
-        axes = [motion.turned(self.theirs.axes[body, :, i], pose[body]) for i in range(3)]
+        axes = [motion.turned(prepared.theirs.axes[body, :, i], pose[body]) for i in range(3)]
         return np.stack([np.sum(axis * moment, axis=1) for axis in axes], axis=1)
 
-    def _status(self, outcome: Outcome) -> NDArray[np.int64]:
+    def _status(self, prepared: Lmgc90Prepared, outcome: Outcome) -> NDArray[np.int64]:
         """Open, sticking or sliding, as far as the solver's tolerance tells them apart."""
         normal, shear = outcome.reaction[:, 0], np.linalg.norm(outcome.reaction[:, 1:], axis=1)
-        status = np.where(shear >= (1.0 - 1e-3) * self.friction * normal, SLIDING, STICKING)
+        status = np.where(shear >= (1.0 - 1e-3) * prepared.friction * normal, SLIDING, STICKING)
         status[normal <= 0.0] = OPEN
         return status.astype(np.int64)
 
@@ -389,8 +443,8 @@ class Lmgc90Engine(Engine[Lmgc90State]):
         outcome = state.outcome
         if outcome is None:
             raise EngineError("LMGC90 has made no step yet")
-        laws = self.problem.assembly.laws
-        index = self.problem.assembly.law_index(outcome.body_a, outcome.body_b)
+        laws = state.prepared.problem.assembly.laws
+        index = state.prepared.problem.assembly.law_index(outcome.body_a, outcome.body_b)
         per_area = np.array([law.normal_stiffness for law in laws], dtype=float)[index]
         return ContactForces(
             block_a=outcome.body_a,
@@ -402,7 +456,7 @@ class Lmgc90Engine(Engine[Lmgc90State]):
             normal_reaction=outcome.reaction[:, 0],
             tangential_reaction=outcome.reaction[:, 1:],
             tangent=outcome.tangent,
-            status=self._status(outcome),
+            status=self._status(state.prepared, outcome),
         )
 
     def close(self) -> None:
@@ -411,42 +465,43 @@ class Lmgc90Engine(Engine[Lmgc90State]):
             self._process.close()
             self._process = None
 
-    @property
-    def _small_area(self) -> float:
+    @staticmethod
+    def _small_area(prepared: Lmgc90Prepared) -> float:
         """Area [m2] that joints are taken to have where none is designed."""
-        assembly = self.problem.assembly
+        assembly = prepared.problem.assembly
         across = assembly.thickness if assembly.dimension == 2 else assembly.smallest_extent
         return assembly.smallest_extent * across
 
     def _their_pose(self, state: Lmgc90State) -> Array:
         """Poses of the blocks as LMGC90 has them."""
-        return self.theirs.rest_pose() if state.outcome is None else state.outcome.pose
+        return state.prepared.theirs.rest_pose() if state.outcome is None else state.outcome.pose
 
-    def _our_pose(self, theirs: Array) -> Array:
+    def _our_pose(self, prepared: Lmgc90Prepared, theirs: Array) -> Array:
         """Poses of our centroids, which the corners may have moved, from those of LMGC90's."""
         pose = theirs.copy()
-        motion.translations(pose)[:] -= motion.turned(self.offset, theirs) - self.offset
+        motion.translations(pose)[:] -= motion.turned(prepared.offset, theirs) - prepared.offset
         return pose
 
     def _loads(self, state: Lmgc90State, multiplier: float) -> LoadArrays:
         """Loads about the centroids and axes of the blocks as LMGC90 has them."""
-        loads = self.loads.near(state.pose, multiplier)
-        if self.same:
+        loads = state.prepared.loads[state.stage].near(state.pose, multiplier)
+        if state.prepared.same:
             return loads
         dead, pattern = (
-            self._about_theirs(force, state.pose) for force in (loads.dead, loads.pattern)
+            self._about_theirs(state.prepared, force, state.pose)
+            for force in (loads.dead, loads.pattern)
         )
         return replace(loads, dead=dead, pattern=pattern)
 
-    def _about_theirs(self, force: Array, pose: Array) -> Array:
+    def _about_theirs(self, prepared: Lmgc90Prepared, force: Array, pose: Array) -> Array:
         shifted = force.copy()
-        arm, every = motion.turned(self.offset, pose), np.arange(len(force))
+        arm, every = motion.turned(prepared.offset, pose), np.arange(len(force))
         moment = motion.moments(arm, motion.translations(force))
         own = motion.rotations(force)
         if force.shape[1] == 6:
-            change = np.einsum("nki,nkj->nij", self.theirs.axes, self.problem.assembly.axes)
+            change = np.einsum("nki,nkj->nij", prepared.theirs.axes, prepared.problem.assembly.axes)
             own = np.einsum("nij,nj->ni", change, own)
-        motion.rotations(shifted)[:] = own - self._about_axes(moment, pose, every)
+        motion.rotations(shifted)[:] = own - self._about_axes(prepared, moment, pose, every)
         return shifted
 
 

@@ -1,0 +1,75 @@
+"""What an engine of ours makes of a problem once, when it starts, and passes with its states."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.detection import Detector
+from drystone.engines.base import Engine, EngineError, Problem
+from drystone.engines.refusal import refuse
+from drystone.law.bonds import brittle
+from drystone.law.strengths import Strengths
+from drystone.law.table import law_table
+from drystone.model.assembly import Assembly
+from drystone.model.ties import Bars
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prepared:
+    """A problem with what is derived from it."""
+
+    problem: Problem
+    detector: Detector
+    laws: Array  # table of `law.table`
+    bars: Bars
+
+    @classmethod
+    def of(cls, problem: Problem, engine: Engine[Any], *, shear: bool = True) -> Self:
+        """That of a problem; raises `EngineError` for what the engine has not.
+
+        Without ``shear``, joints need no stiffness in shear.
+        """
+        refuse(problem, engine)
+        assembly = problem.assembly
+        try:
+            laws = law_table(assembly, shear=shear)
+        except ValueError as error:
+            raise EngineError(f"{error}: the {engine.name} engine cannot do without") from None
+        return cls(
+            problem=problem,
+            detector=Detector(assembly),
+            laws=laws,
+            bars=Bars.of(assembly, problem.ties),
+        )
+
+    @property
+    def assembly(self) -> Assembly:
+        """Of the problem."""
+        return self.problem.assembly
+
+    @cached_property
+    def extent(self) -> Array:
+        """Of each block about its centroid [m], (n,), and never zero."""
+        return np.maximum(self.detector.extent, 1e-12)
+
+    @cached_property
+    def strengths(self) -> Strengths:
+        """Of joints that soften or crush."""
+        return Strengths(self.assembly)
+
+    @cached_property
+    def brittle(self) -> bool:
+        """Whether bonds break."""
+        return brittle(self.laws)
+
+    @cached_property
+    def gives_way(self) -> bool:
+        """Whether steps end where a bond or a tie gives way."""
+        return self.brittle or self.bars.give_way

@@ -1,0 +1,162 @@
+"""The equations of a static step: of the blocks that are there, and the pairs that may meet.
+
+They are made where blocks have left, a stage of the dead loads begins or other pairs are near, and
+hold what one step after the other is solved with.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.contacts import Pairs, Slots
+from drystone.engines.measures import LoadArrays
+from drystone.engines.prepared import Prepared
+from drystone.geometry import motion
+from drystone.law import law as joint_law
+from drystone.law.bonds import apart
+from drystone.law.law import N_HISTORY
+from drystone.statics.linear_step import Loads
+from drystone.statics.plane.interior import InteriorPoint, InteriorSettings
+from drystone.statics.plane.piecewise import Accuracy
+from drystone.statics.plane.static_step import Constants, StaticStep
+from drystone.statics.space.cone_step import ConeStep
+from drystone.statics.tie_forces import TieForces
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Loaded:
+    """What equations are written with: loads up to a stage, but of blocks that are gone."""
+
+    prepared: Prepared
+    stage: int
+    gone: BoolArray  # (n,)
+    loads: LoadArrays
+    ties: TieForces | None
+    constants: Constants
+
+    @classmethod
+    def of(cls, prepared: Prepared, stage: int, gone: BoolArray) -> Loaded:
+        """Those of a stage, without the blocks that are ``gone`` (n,)."""
+        assembly, bars = prepared.assembly, prepared.bars
+        loads = LoadArrays.of(prepared.problem, gone, stage)
+        ties = TieForces(bars, assembly, gone) if bars.n_ties else None
+        constants = Constants(
+            detector=prepared.detector,
+            laws=prepared.laws,
+            thickness=assembly.thickness,
+            loads=Loads(
+                dead=loads.dead,
+                pattern=loads.pattern,
+                mass=loads.mass,
+                extent=prepared.extent,
+                fixed=loads.fixed,
+                acting=None if loads.acting.steady else loads.acting,
+                ties=ties,
+            ),
+        )
+        return cls(
+            prepared=prepared, stage=stage, gone=gone, loads=loads, ties=ties, constants=constants
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Equations:
+    """The equations of some pairs; `step` and `interior` are worked in."""
+
+    loaded: Loaded
+    pairs: Pairs
+    accuracy: Accuracy
+    step: ConeStep | StaticStep
+    interior: InteriorPoint | None  # of the plane
+
+    @classmethod
+    def of(
+        cls, loaded: Loaded, pairs: Pairs, accuracy: Accuracy, settings: InteriorSettings
+    ) -> Equations:
+        """Those of some pairs, to be solved as accurately as said."""
+        step: ConeStep | StaticStep
+        interior = None
+        if loaded.prepared.assembly.dimension == 3:
+            step = ConeStep(loaded.constants, pairs)
+        else:
+            step = StaticStep(loaded.constants, pairs)
+            interior = InteriorPoint(step, settings)
+        return cls(loaded=loaded, pairs=pairs, accuracy=accuracy, step=step, interior=interior)
+
+    @property
+    def loads(self) -> LoadArrays:
+        """Loads and masses, as designed."""
+        return self.loaded.loads
+
+    @property
+    def ties(self) -> TieForces | None:
+        """Ties, if there are any."""
+        return self.loaded.ties
+
+    @property
+    def constants(self) -> Constants:
+        """What the step was made of."""
+        return self.loaded.constants
+
+
+def accuracy_of(prepared: Prepared, tolerance: float, coarsest: float) -> Accuracy:
+    """What steps are solved to, from shares of the heaviest weight; how far a block may move is
+    for each to say."""
+    assembly, laws = prepared.assembly, prepared.laws
+    scale = assembly.heaviest_weight
+    # Stiffness [N/m] of a joint as long as the smallest block, of the stiffest law.
+    stiffest, stiffest_in_shear = (
+        float(laws[:, column].max()) * assembly.smallest_extent * assembly.thickness
+        for column in (joint_law.KN, joint_law.KS)
+    )
+    #: Of designed gaps [m], which are differences of coordinates.
+    of_gaps = 8.0 * np.finfo(float).eps * float(np.ptp(assembly.centroid, axis=0).max())
+    rounding = 4.0 * np.finfo(float).eps  # of a gap, over the motions that it is a sum of
+    return Accuracy(
+        tolerance=tolerance * scale,
+        rounding=rounding * stiffest,
+        sliding_rounding=rounding * stiffest_in_shear,
+        coarsest=coarsest * scale,
+        depth=max(1e-3 * (tolerance * scale) / stiffest, of_gaps),
+        slight=1e-6 * assembly.smallest_extent,
+        farthest=np.inf,
+    )
+
+
+def sinking(prepared: Prepared, loads: LoadArrays) -> float:
+    """By how much the top of a column as high as the structure sinks in its soft joints [m]."""
+    assembly = prepared.assembly
+    free = ~assembly.fixed
+    area = assembly.smallest_extent * assembly.thickness
+    heaviest = float(np.abs(motion.translations(loads.dead)[free]).max())
+    n = 1.0 + float(np.ptp(assembly.centroid[free] @ assembly.up)) / assembly.smallest_extent
+    return 0.5 * n**2 * heaviest / (float(prepared.laws[:, joint_law.KN].min()) * area)
+
+
+def first_branches(prepared: Prepared, pairs: Pairs, slots: Slots) -> IntArray:
+    """Contacts that touch stick, by a bond where there is one; (n_slots,)."""
+    laws = prepared.laws[pairs.law_of_slot]
+    bonded = (laws[:, joint_law.COHESION] > 0.0) | (laws[:, joint_law.TENSION] > 0.0)
+    touching = np.where(bonded, joint_law.BONDED, joint_law.STICKING)
+    bonded = bonded | prepared.strengths.bonded[pairs.law_of_slot]
+    # Weight presses on joints that lie; those that stand are shut, but hold by a bond only.
+    held = (np.abs(slots.normal @ prepared.assembly.up) > 0.7) | bonded
+    return np.where(held & ~_apart(prepared, slots), touching, joint_law.OPEN)
+
+
+def first_history(prepared: Prepared, slots: Slots) -> Array:
+    """Nothing but that joints which are open when built have no bond; (n_slots, n_history)."""
+    history = np.zeros((len(slots.kind), N_HISTORY + slots.dim - 2))
+    history[_apart(prepared, slots), joint_law.BROKEN] = 1.0
+    return history
+
+
+def _apart(prepared: Prepared, slots: Slots) -> BoolArray:
+    return apart(slots, 1e-9 * prepared.assembly.smallest_extent)
