@@ -11,7 +11,7 @@ from builders import PUBLISHED_JOINT, stack
 from drystone.analysis.driver import obeyed, pushover
 from drystone.cli.outcome import UNFINISHED, exit_code
 from drystone.contact.forces import ContactForces
-from drystone.engines.base import Capabilities, Engine, EngineError, StepReport
+from drystone.engines.base import Capabilities, Engine, EngineError, StepPath, StepReport
 from drystone.model.builders import make_model
 
 
@@ -40,8 +40,7 @@ class Stub(Engine):
             penetration=0.0,
             inertia_ratio=1.0 if self.dynamic else 0.0,
             motion=0.0,
-            excess=(0.0, 0.0),
-            bend=(0.0, 0.0),
+            path=StepPath(excess=(0.0, 0.0), bend=(0.0, 0.0)),
             dynamic=self.dynamic,
         )
 

@@ -41,6 +41,7 @@ from drystone.engines.base import (
     Demand,
     Engine,
     EngineError,
+    StepPath,
     StepReport,
     UnstableError,
 )
@@ -363,7 +364,9 @@ class RunningAway(SlidingStructure):
         self.n_lost += 1
         reason = "blocks run away"
         way = ((new, replace(report, dynamic=True)),)
-        return state, StepReport(converged=False, reason=reason, way=way, dynamic=True)
+        return state, StepReport(
+            converged=False, reason=reason, path=StepPath(way=way), dynamic=True
+        )
 
 
 def test_what_a_step_has_followed_to_where_blocks_run_away_is_not_crept_through():
@@ -677,8 +680,7 @@ class TestJumps:
                     control_displacement=landed.delta,
                     static_multiplier=0.2,
                     motion=2.0 * gone * STEP,
-                    crest=0.0,
-                    way=way,
+                    path=StepPath(crest=0.0, way=way),
                 )
                 return landed, rest
 
@@ -707,7 +709,7 @@ class TestJumps:
                     return new, report
                 moved = [replace(report, control_displacement=0.1 + x) for x in (0.1, 0.2)]
                 way = tuple((SlidingState(found.control_displacement), found) for found in moved)
-                failed = StepReport(converged=False, reason="it moves on", way=way)
+                failed = StepReport(converged=False, reason="it moves on", path=StepPath(way=way))
                 return state, replace(failed, dynamic=runs_away)
 
         curve = trace(Lost(prescribes=True), "displacement")
@@ -734,7 +736,9 @@ class TestJumps:
                 if new.delta < 0.1:
                     return new, report
                 self.jumps += 1  # which its engine has followed in motion
-                return new, replace(report, static_multiplier=-0.05, motion=30.0 * STEP, crest=0.0)
+                return new, replace(
+                    report, static_multiplier=-0.05, motion=30.0 * STEP, path=StepPath(crest=0.0)
+                )
 
         structure = Falling(prescribes=True)
         curve = trace(structure, "displacement")
@@ -753,9 +757,13 @@ class TestJumps:
                 new, report = super().step(state, demand)
                 if new.delta < 0.1:
                     return new, report
-                fallen = {"static_multiplier": -0.05, "motion": 30.0 * STEP, "crest": 0.0}
-                back = report.control_displacement - 20.0 * STEP
-                return new, replace(report, control_displacement=back, **fallen)
+                return new, replace(
+                    report,
+                    static_multiplier=-0.05,
+                    motion=30.0 * STEP,
+                    control_displacement=report.control_displacement - 20.0 * STEP,
+                    path=StepPath(crest=0.0),
+                )
 
         curve = trace(Falling(prescribes=True), "displacement")
         assert [p.jumped for p in curve.points[-2:]] == [False, True]
@@ -804,13 +812,15 @@ class FollowingStructure(SlidingStructure):
         share = (self.at - state.delta) / demand.increment
         inside = (share > 0.0) & (share < 1.0)
         if not inside.any():
-            return new, replace(report, excess=(0.0, 0.0), bend=(0.0, 0.0))
+            return new, replace(report, path=StepPath(excess=(0.0, 0.0), bend=(0.0, 0.0)))
         share, corners = share[inside], self.multiplier[inside]
         off = np.abs(corners - start - share * (end - start))
         return new, replace(
             report,
-            excess=(corners.max() - max(start, end), share[corners.argmax()]),
-            bend=(off.max(), share[off.argmax()]),
+            path=StepPath(
+                excess=(corners.max() - max(start, end), share[corners.argmax()]),
+                bend=(off.max(), share[off.argmax()]),
+            ),
         )
 
 
@@ -842,7 +852,7 @@ class TestWhatAStepHides:
             def step(self, state, demand):
                 new, report = super().step(state, demand)
                 way = self.static(np.linspace(state.delta, new.delta, 101))
-                return new, replace(report, crest=way.max() - max(way[0], way[-1]))
+                return new, replace(report, path=StepPath(crest=way.max() - max(way[0], way[-1])))
 
         structure = Driven(prescribes=True, static=lambda d: PEAK * np.interp(d, at, multiplier))
         curve = trace(structure, "displacement")
@@ -858,7 +868,7 @@ class TestWhatAStepHides:
             def step(self, state, demand):
                 new, report = super().step(state, demand)
                 rough = 0.1 * PEAK * demand.increment / STEP if state.delta > 0.1 else 0.0
-                return new, replace(report, crest=rough)
+                return new, replace(report, path=StepPath(crest=rough))
 
         curve = trace(Rough(prescribes=True), "displacement")
         assert curve.status == "finished"
@@ -878,7 +888,7 @@ class TestWhatAStepHides:
                 there = state.delta < place <= new.delta
                 off = (bend * PEAK, 0.5) if there else (0.0, 0.0)
                 way = swerve if there else 0.0
-                return new, replace(report, excess=(0.0, 0.0), bend=off, swerve=way)
+                return new, replace(report, path=StepPath(excess=(0.0, 0.0), bend=off, swerve=way))
 
         structure = Swerving(prescribes=True)
         curve = trace(structure, "displacement")
@@ -896,7 +906,9 @@ class TestWhatAStepHides:
             def step(self, state, demand):
                 new, report = super().step(state, demand)
                 hidden = 0.1 * PEAK * (demand.increment > 0.9 * STEP)
-                return new, replace(report, excess=(0.0, 0.0), bend=(hidden, 0.99999))
+                return new, replace(
+                    report, path=StepPath(excess=(0.0, 0.0), bend=(hidden, 0.99999))
+                )
 
         structure = Bending(prescribes=True)
         trace(structure, "displacement", max_steps=12)

@@ -291,15 +291,15 @@ class _Run:
     def _since_rest(self, report: StepReport) -> StepReport:
         """The report, with control displacements since the rest under the dead load."""
         moved = report.control_displacement - self.settlement
-        way = tuple((state, self._since_rest(told)) for state, told in report.way)
-        return changed(report, control_displacement=moved, way=way)
+        way = tuple((state, self._since_rest(told)) for state, told in report.path.way)
+        return changed(report, control_displacement=moved, path=changed(report.path, way=way))
 
     def _pass(
         self, state: Any, demand: Demand, report: StepReport, decision: Decision
     ) -> tuple[Any, Decision | None]:
         """Add the points in motion on the way of a step; the state of the last of them, and what
         ends the analysis there, if anything does."""
-        for (passed, told), multiplier in zip(report.way, decision.way, strict=False):
+        for (passed, told), multiplier in zip(report.path.way, decision.way, strict=False):
             point = Decision(
                 accept=True,
                 demand=demand,

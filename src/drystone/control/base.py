@@ -40,7 +40,7 @@ class Decision:
     jumped: bool = False  # see `CurvePoint`
     finished: bool = False  # over because the curve is complete, not because it cannot go on
     #: Load multipliers that the curve shows at the points in motion on the way of the step, see
-    #: `StepReport.way`: of all, or of none where the step is tried again.
+    #: `StepPath.way`: of all, or of none where the step is tried again.
     way: tuple[float, ...] = ()
 
 

@@ -184,7 +184,7 @@ class DisplacementControl:
             report = changed(report, dynamic=True)  # whatever it is that it came to rest as
         multiplier = report.static_multiplier
         gone = report.reached * state.increment
-        jumped = bool(state.time_step or report.way) or self._leaps(state, report)
+        jumped = bool(state.time_step or report.path.way) or self._leaps(state, report)
         finer = None
         if not state.time_step and gone:
             finer = self._finer(changed(state, increment=gone), report)
@@ -250,15 +250,15 @@ class DisplacementControl:
             finer = share * state.increment
             return finer if finer > 1e-3 * least else None
         scale = max(state.highest, multiplier, 10.0 * s.stop_multiplier)
-        if report.excess is None or report.bend is None:  # the engine does not tell
+        if report.path.excess is None or report.path.bend is None:  # the engine does not tell
             return self._nearer(state, report, scale, least)
-        excess, share = report.excess
+        excess, share = report.path.excess
         highest = max(state.last, multiplier) + excess > state.highest
         hidden = excess > s.peak_share * scale and highest
         finest = min(least, s.refined_share * state.closing)  # stiff joints carry a peak early
         if hidden and finest < share * state.increment < ALL_BUT * state.increment:
             return share * state.increment
-        bend, share = report.bend
+        bend, share = report.path.bend
         hidden = bend > s.bend_share * scale
         if hidden and least < share * state.increment < ALL_BUT * state.increment:
             return share * state.increment
@@ -271,10 +271,10 @@ class DisplacementControl:
         gone all of it the way in which they end.  What they are off by they remain.
         """
         s = self.settings
-        if report.swerve is None or report.bend is None:
+        if report.path.swerve is None or report.path.bend is None:
             return None
         least = s.swerve_step * s.displacement_step
-        if report.swerve <= s.swerve_share or report.bend[0] <= s.swerve_bend * scale:
+        if report.path.swerve <= s.swerve_share or report.path.bend[0] <= s.swerve_bend * scale:
             return None
         return max(0.25 * state.increment, least) if state.increment > 1.01 * least else None
 
@@ -286,14 +286,18 @@ class DisplacementControl:
         multiplier = report.static_multiplier
         finest = min(least, s.refined_share * state.closing)
         ahead = state.slope * state.increment
-        if report.crest is not None:
+        if report.path.crest is not None:
             calmer = self._calmer(state, report, scale, finest)
             if calmer is not None:
                 return calmer
             # A mean over a part of the way shows no peak that is sharper than the part is long.
             unseen = ahead / PARTS if state.last == state.highest else 0.0
             seen = unseen <= s.crest_share * scale
-            if multiplier < state.last and seen and report.crest <= 0.2 * s.crest_share * scale:
+            if (
+                multiplier < state.last
+                and seen
+                and report.path.crest <= 0.2 * s.crest_share * scale
+            ):
                 return None  # nor was there a peak on the way
         if state.last != state.highest or ahead <= 0.0:
             return None
@@ -316,7 +320,7 @@ class DisplacementControl:
         that would have come to rest, or the other way round, and remember it.
         """
         s = self.settings
-        crest, multiplier = report.crest or 0.0, report.static_multiplier
+        crest, multiplier = report.path.crest or 0.0, report.static_multiplier
         above = max(state.last, multiplier) + crest - max(state.highest, multiplier)
         if above > s.crest_share * scale:
             most, least = s.crest_share * scale, finest
@@ -346,13 +350,13 @@ class DisplacementControl:
             return False
         if self._leaps(state, report) and self._would_end(state, report):
             return True
-        if report.turn is None and state.stage != CROSSING:
+        if report.path.turn is None and state.stage != CROSSING:
             return False
         if self._leaps(state, report):
             return True
-        if report.turn is None or state.stage == CROSSING:
+        if report.path.turn is None or state.stage == CROSSING:
             return False
-        share, multiplier = report.turn
+        share, multiplier = report.path.turn
         expected = state.last + state.slope * state.increment
         if share > 0.05:
             expected = state.last + (multiplier - state.last) / share
@@ -369,7 +373,7 @@ class DisplacementControl:
         s, since = self.settings, math.inf
         if report.static_multiplier < s.stop_multiplier:
             return False
-        for _, passed in report.way:
+        for _, passed in report.path.way:
             if passed.static_multiplier >= s.stop_multiplier:
                 since = math.inf
                 continue
@@ -385,7 +389,7 @@ class DisplacementControl:
         engine that tells of the way through its steps has followed them in motion.
         """
         below = report.static_multiplier < self.settings.stop_multiplier < state.last
-        return below and report.crest is None
+        return below and report.path.crest is None
 
     def _retry(self, state: _State, report: StepReport) -> Decision:
         s = self.settings
@@ -406,7 +410,7 @@ class DisplacementControl:
                         f"friction, or no first step was found: {report.reason}"
                     )
                 return self._lost(state, report, reason)
-        elif state.stage == CROSSING and report.way and report.dynamic:
+        elif state.stage == CROSSING and report.path.way and report.dynamic:
             # The step has followed the collapse itself: there is nothing to creep through.
             return self._lost(state, report, report.reason)
         elif state.stage == CROSSING:
@@ -415,7 +419,7 @@ class DisplacementControl:
             state = changed(state, stage=FOLLOWING, time_step=time_step, n_since=LONG_AGO)
         else:
             state = changed(state, n_since=0)
-            share = report.turn[0] if report.turn else 0.5
+            share = report.path.turn[0] if report.path.turn else 0.5
             nearer = (0.98 * share if share < 0.9 else 0.6) * state.increment
             if nearer >= floor:
                 state = changed(state, stage=NEARING, increment=nearer)
@@ -429,7 +433,7 @@ class DisplacementControl:
         What has only not come to rest yet may do so.
         """
         end = End(reason=reason)
-        if report.way and report.dynamic:
+        if report.path.way and report.dynamic:
             how = f"no rest was found for what moves: {report.reason}"
             end = collapsed(how, state.highest, self.settings.stop_multiplier)
         return Decision(
@@ -461,14 +465,14 @@ class DisplacementControl:
     def _growth(self, state: _State, report: StepReport) -> float:
         """Of increments where steps are easy: the less, the rougher the way through them was."""
         s = self.settings
-        if s.smooth and report.bend is not None:
+        if s.smooth and report.path.bend is not None:
             # A bend goes with the square of the step.
             most = s.bend_share * max(state.highest, 10.0 * s.stop_multiplier)
-            bend = max(report.bend[0], 1e-9)
+            bend = max(report.path.bend[0], 1e-9)
             return min(max(math.sqrt(0.6 * most / bend), 0.5), 2.0)
-        if report.crest is None:
+        if report.path.crest is None:
             return 2.0
-        crest = report.crest / max(state.highest, 10.0 * s.stop_multiplier)
+        crest = report.path.crest / max(state.highest, 10.0 * s.stop_multiplier)
         if crest <= 0.05 * s.crest_share:
             return 3.0
         return 2.0 if crest <= 0.5 * s.crest_share else 1.0
@@ -534,4 +538,4 @@ class DisplacementControl:
 
 def _way(report: StepReport) -> tuple[float, ...]:
     """What the curve shows of the points in motion on the way of a step."""
-    return tuple(passed.static_multiplier for _, passed in report.way)
+    return tuple(passed.static_multiplier for _, passed in report.path.way)

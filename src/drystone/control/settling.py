@@ -117,7 +117,7 @@ class SettlingControl:
 
     def _way(self, report: StepReport) -> tuple[float, ...]:
         """What the curve shows of the points in motion on the way of a step."""
-        return tuple(passed.reaction / self.settings.unit for _, passed in report.way)
+        return tuple(passed.reaction / self.settings.unit for _, passed in report.path.way)
 
     def _next(self, step: float, report: StepReport) -> float:
         s = self.settings

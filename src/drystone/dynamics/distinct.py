@@ -44,6 +44,7 @@ from drystone.engines.base import (
     EngineError,
     Pacing,
     Problem,
+    StepPath,
     StepReport,
     UnstableError,
     Yielding,
@@ -832,7 +833,8 @@ class DistinctEngine(Engine[DistinctState]):
             return state, _failed(str(error), work, runs_away=True)
         new, figures = self._balance(state, work, guided=True)
         excess = crest - max(state.multiplier, new.multiplier)
-        return new, replace(figures, crest=max(excess, 0.0) if increment else None)
+        crest_of_step = max(excess, 0.0) if increment else None
+        return new, replace(figures, path=replace(figures.path, crest=crest_of_step))
 
     def _balance(
         self, state: DistinctState, work: Workspace, *, guided: bool
@@ -957,7 +959,7 @@ class DistinctEngine(Engine[DistinctState]):
             figures,
             static_multiplier=work.multiplier,
             inertia_ratio=0.0,
-            way=tuple(work.way),
+            path=StepPath(way=tuple(work.way)),
             dynamic=False,
         )
 
@@ -1112,7 +1114,7 @@ def _failed(reason: str, work: Workspace, *, runs_away: bool = False) -> StepRep
         converged=False,
         reason=reason,
         n_iterations=work.n_cycles,
-        way=tuple(work.way),
+        path=StepPath(way=tuple(work.way)),
         dynamic=runs_away,
     )
 

@@ -80,9 +80,38 @@ class Demand:
 
 
 @dataclass(frozen=True, kw_only=True)
+class StepPath:
+    """What some engines know of the way through a step; None, or nothing, where one does not."""
+
+    #: Of engines that follow the equilibria within a step: where their path first turned back, if
+    #: it did, whether or not the step then converged, as a share of the step and a multiplier; by
+    #: how much the multiplier exceeds both its ends within the step, and how far it bends from its
+    #: chord, each with the share of the step where it does so most.
+    turn: tuple[float, float] | None = None
+    excess: tuple[float, float] | None = None
+    bend: tuple[float, float] | None = None
+    #: Of engines that know which way the blocks set out: how far from there the step has taken the
+    #: one that it took farthest from it, over the farthest motion of all.
+    swerve: float | None = None
+    #: Of engines that move through a step: by how much the multiplier on the way, inertia and all,
+    #: exceeded both its ends.  Where the curve has no peak it fades with the step.
+    crest: float | None = None
+    #: Of engines that move through a step: where blocks went far by themselves in it, states in
+    #: motion on the way to its end and their reports, in order.
+    way: tuple[tuple[Any, StepReport], ...] = field(default=(), compare=False, repr=False)
+
+
+#: The path of a step of which nothing is known.
+UNTOLD = StepPath()
+
+
+@dataclass(frozen=True, kw_only=True)
 class StepReport:
-    """What came of one step.  Of one that failed, only `converged`, `reason`, `n_iterations`,
-    `turn` and `way` count, and `dynamic`, which is then whether blocks run away."""
+    """What came of one step: what every engine tells.
+
+    Of one that failed, only `converged`, `reason`, `n_iterations`, and of its `path` `turn` and
+    `way` count, and `dynamic`, which is then whether blocks run away.
+    """
 
     converged: bool
     reason: str = ""
@@ -107,22 +136,7 @@ class StepReport:
     #: at its strength, zero where one breaks.
     reached: float = 1.0
     n_iterations: int = 0
-    #: Of engines that follow the equilibria within a step: where their path first turned back, if
-    #: it did, whether or not the step then converged, as a share of the step and a multiplier; by
-    #: how much the multiplier exceeds both its ends within the step, and how far it bends from its
-    #: chord, each with the share of the step where it does so most.
-    turn: tuple[float, float] | None = None
-    excess: tuple[float, float] | None = None
-    bend: tuple[float, float] | None = None
-    #: Of engines that know which way the blocks set out: how far from there the step has taken the
-    #: one that it took farthest from it, over the farthest motion of all.
-    swerve: float | None = None
-    #: Of engines that move through a step: by how much the multiplier on the way, inertia and all,
-    #: exceeded both its ends.  Where the curve has no peak it fades with the step.
-    crest: float | None = None
-    #: Of engines that move through a step: where blocks went far by themselves in it, states in
-    #: motion on the way to its end and their reports, in order.
-    way: tuple[tuple[Any, StepReport], ...] = field(default=(), compare=False, repr=False)
+    path: StepPath = UNTOLD  # what is known of how it came there
     dynamic: bool = False
     #: An equilibrium that the structure would not keep, beside which no other was found.
     unstable: bool = False

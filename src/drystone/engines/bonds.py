@@ -67,9 +67,9 @@ class BondSteps(Generic[State]):
         report = StepReport(converged=False)
         while True:
             new, found = self._towards(at, 1.0 - gone)
-            way += found.way
+            way += found.path.way
             if not found.converged:
-                return state, replace(found, way=way)
+                return state, replace(found, path=replace(found.path, way=way))
             if found.reached > 0.0:
                 parts, report = parts + 1, found
                 motion, iterations = motion + found.motion, iterations + found.n_iterations
@@ -86,10 +86,10 @@ class BondSteps(Generic[State]):
                     return self._break(new, new.due)
                 break
             at = self.broken(new, new.due)
-        report = replace(report, reached=gone, motion=motion, n_iterations=iterations, way=way)
+        path = replace(report.path, way=way)
         if parts > 1:  # what is known of the path is that of its last part
-            report = replace(report, excess=None, bend=None)
-        return new, report
+            path = replace(path, excess=None, bend=None)
+        return new, replace(report, reached=gone, motion=motion, n_iterations=iterations, path=path)
 
     def _released(self, state: State) -> float:
         due, n_slots = state.due, len(state.reaction)
@@ -178,12 +178,13 @@ class BondSteps(Generic[State]):
         """A step, and further ones from its end while bonds are beyond their strength, the weakest
         of which break."""
         new, report = self.solve(state, share)
-        motion, iterations, way = report.motion, report.n_iterations, report.way
+        motion, iterations, way = report.motion, report.n_iterations, report.path.way
         while report.converged and len(due := weakest(new.margin)):
             new, report = self.solve(self.broken(new, due), share)
             motion, iterations = motion + report.motion, iterations + report.n_iterations
-            way += report.way
-        return new, replace(report, motion=motion, n_iterations=iterations, way=way)
+            way += report.path.way
+        path = replace(report.path, way=way)
+        return new, replace(report, motion=motion, n_iterations=iterations, path=path)
 
     def again(self, state: State) -> Solved[State]:
         """A step in time; taken anew without the bonds that break in it, until none does."""

@@ -158,14 +158,15 @@ class FramedEngine(Engine[FramedState]):
     def _report(self, placed: Placed, own: StepReport) -> StepReport:
         length = placed.frame.length
         lever = length if placed.turns else 1.0  # of a rotation the reaction is a moment
+        way = tuple(
+            (self._state(placed, state), self._report(placed, report))
+            for state, report in own.path.way
+        )
         return changed(
             own,
             control_displacement=placed.pace * own.control_displacement,
             reaction=placed.frame.force * lever * own.reaction,
             penetration=length * own.penetration,
             motion=length * own.motion,
-            way=tuple(
-                (self._state(placed, state), self._report(placed, report))
-                for state, report in own.way
-            ),
+            path=changed(own.path, way=way),
         )

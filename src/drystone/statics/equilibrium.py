@@ -29,6 +29,7 @@ from drystone.engines.base import (
     EngineError,
     Pacing,
     Problem,
+    StepPath,
     StepReport,
     UnstableError,
     Yielding,
@@ -367,7 +368,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
                 converged=False,
                 reason=solved.reason,
                 n_iterations=solved.n_iterations,
-                turn=solved.turn,
+                path=StepPath(turn=solved.turn),
             )
         if solved.held:
             h = 1.0 / np.sqrt(1.0 / h**2 + solved.held)
@@ -377,7 +378,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
                 converged=False,
                 reason="blocks meet that were far apart",
                 n_iterations=solved.n_iterations,
-                turn=solved.turn,
+                path=StepPath(turn=solved.turn),
             )
         return new, outcome
 
@@ -688,10 +689,9 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             static_multiplier=outcome.static_multiplier
             if demand.increment is None
             else solved.multiplier,
-            turn=solved.turn,
-            excess=solved.excess,
-            bend=solved.bend,
-            swerve=solved.swerve,
+            path=StepPath(
+                turn=solved.turn, excess=solved.excess, bend=solved.bend, swerve=solved.swerve
+            ),
             dynamic=not self._at_rest(outcome),
             unstable=solved.unstable,
             lost_shear=self._lost(source, then),
