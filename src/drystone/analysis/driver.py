@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing, nullcontext
+from contextlib import AbstractContextManager, closing, nullcontext
 from dataclasses import asdict, dataclass, field, fields, replace
 from functools import partial
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +36,7 @@ from drystone.control import (
     SettlingSettings,
 )
 from drystone.engines import checked, make_engine
-from drystone.engines.base import Demand, Engine, EngineError, Pacing, Problem, StepReport
+from drystone.engines.base import Demand, Engine, EngineError, Pacing, Problem, State, StepReport
 from drystone.engines.frame import Frame
 from drystone.engines.framed import framed
 from drystone.engines.refusal import others
@@ -58,6 +58,8 @@ from drystone.results.event_log import EventLog
 from drystone.results.events import falls_with, named
 
 Array = NDArray[np.float64]
+#: Settings of some strategy.
+Settings = TypeVar("Settings", PublishedSettings, DisplacementSettings, ExcessSettings)
 
 #: Default displacement per step over the smallest extent of a block.
 STEP_SHARE = 0.005
@@ -199,8 +201,10 @@ def _traced(
     begun = time.perf_counter()
     model = run.model
     control = make_control(run.strategy, run.solver, model)
-    shows: Any = nullcontext(progress)
-    if progress is None or isinstance(progress, bool):
+    shows: AbstractContextManager[Callable[[CurvePoint], None] | None]
+    if progress is not None and not isinstance(progress, bool):
+        shows = nullcontext(progress)
+    else:
         shows = points_shown(model.title or "pushover", model.analysis.stop_multiplier, progress)
     # Threads of LAPACK only get in each other's way on systems of this size.
     lapack = threadpool_limits(limits=1, user_api="blas")
@@ -234,7 +238,7 @@ class _Run:
     def __post_init__(self) -> None:
         self.log = EventLog(self.model)
 
-    def traced(self, control: Control) -> tuple[str, str]:
+    def traced(self, control: Control[Any]) -> tuple[str, str]:
         """Trace the curve; status and reason of its end.  Without a point, errors are raised."""
         try:
             return self._trace(control)
@@ -247,7 +251,7 @@ class _Run:
                 raise
             return "stopped", str(error)
 
-    def _trace(self, control: Control) -> tuple[str, str]:
+    def _trace(self, control: Control[Any]) -> tuple[str, str]:
         model, solver = self.model, self.solver
         plausibility = Plausibility(model)
         limit = solver.capabilities.residual_limit
@@ -295,8 +299,8 @@ class _Run:
         return changed(report, control_displacement=moved, path=changed(report.path, way=way))
 
     def _pass(
-        self, state: Any, demand: Demand, report: StepReport, decision: Decision
-    ) -> tuple[Any, Decision | None]:
+        self, state: State, demand: Demand, report: StepReport, decision: Decision[Any]
+    ) -> tuple[State, Decision[Any] | None]:
         """Add the points in motion on the way of a step; the state of the last of them, and what
         ends the analysis there, if anything does."""
         for (passed, told), multiplier in zip(report.path.way, decision.way, strict=False):
@@ -315,8 +319,13 @@ class _Run:
         return state, None
 
     def _accept(
-        self, before: Any, state: Any, demand: Demand, report: StepReport, decision: Decision
-    ) -> Decision:
+        self,
+        before: State,
+        state: State,
+        demand: Demand,
+        report: StepReport,
+        decision: Decision[Any],
+    ) -> Decision[Any]:
         """Add a point; what is decided after what has been lost since the state ``before``."""
         fallen = self._fallen(before, state)
         collapsed = self._add(report, state, demand.time_step, decision, fallen)
@@ -324,7 +333,7 @@ class _Run:
         self.left += [BlockLeft.at(self.points[-1], ids[i]) for i in fallen]
         return self._after_loss(fallen, collapsed, decision)
 
-    def _fallen(self, before: Any, after: Any) -> list[int]:
+    def _fallen(self, before: State, after: State) -> list[int]:
         """Rows of the blocks that have left in between, where the engine tells."""
         gone, then = self.solver.gone_of(after), self.solver.gone_of(before)
         if gone is None or then is None or gone is then:
@@ -334,9 +343,9 @@ class _Run:
     def _add(
         self,
         report: StepReport,
-        state: Any,
+        state: State,
         time_step: float,
-        decision: Decision,
+        decision: Decision[Any],
         left: Sequence[int] = (),
     ) -> list[int]:
         """Keep a point, and tell it; rows of the blocks that have collapsed since the last one."""
@@ -359,7 +368,9 @@ class _Run:
 
         return self.log.add(point, state.pose, contacts, ties=carried, left=left)
 
-    def _after_loss(self, fallen: list[int], collapsed: list[int], decision: Decision) -> Decision:
+    def _after_loss(
+        self, fallen: list[int], collapsed: list[int], decision: Decision[Any]
+    ) -> Decision[Any]:
         """Whether the analysis goes on after blocks have left, or have collapsed."""
         model = self.model
         ids = model.assembly.ids
@@ -375,7 +386,7 @@ class _Run:
             return decision if decision.finished else replace(decision, demand=None, reason=reason)
         return decision
 
-    def _add_ties(self, state: Any) -> TieState | None:
+    def _add_ties(self, state: State) -> TieState | None:
         now = self.solver.ties_of(state) if self.model.ties else None
         if now is None:
             return None
@@ -465,7 +476,7 @@ def _options_of(strategy: str, analysis: Analysis) -> dict[str, float]:
     return options
 
 
-def make_control(strategy: str, engine: Engine[Any], model: Model) -> Control:
+def make_control(strategy: str, engine: Engine[Any], model: Model) -> Control[Any]:
     """The control of a strategy for an engine; raises `EngineError` for settings that fail."""
     options = _options_of(strategy, model.analysis)
     frame = Frame.of(model.assembly)
@@ -531,13 +542,13 @@ def _suited(pacing: Pacing) -> dict[str, float]:
     return {**known, **SMOOTH} if smooth else known
 
 
-def _settings(cls: type, second: float, options: Mapping[str, float]) -> Any:
+def _settings(cls: type[Settings], second: float, options: Mapping[str, float]) -> Settings:
     """A settings object from those options that it has; whole numbers where it wants them.
 
     Its default times are in the structure's own ``second`` [s]: what falls its own size in one,
     falls it in another, whatever the size.
     """
-    chosen = {}
+    chosen: dict[str, Any] = {}  # of whole numbers, others and switches
     for key in fields(cls):
         if key.name in options:
             value = options[key.name]
@@ -548,7 +559,7 @@ def _settings(cls: type, second: float, options: Mapping[str, float]) -> Any:
     return cls(**chosen)
 
 
-def _point(step: int, report: StepReport, time_step: float, decision: Decision) -> CurvePoint:
+def _point(step: int, report: StepReport, time_step: float, decision: Decision[Any]) -> CurvePoint:
     return CurvePoint(
         step=step,
         control_displacement=report.control_displacement,

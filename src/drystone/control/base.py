@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from drystone.common.ranges import problem
 from drystone.engines.base import Demand, StepReport
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+#: What one control remembers, which only it looks into.
+Memory = TypeVar("Memory")
 
 
 class ControlError(ValueError):
     """Settings that make no sense together; the message is for the user."""
 
 
-def check_settings(settings: Any) -> None:
+def check_settings(settings: DataclassInstance) -> None:
     """Raise `ControlError` for the first of a strategy's settings that is out of its range."""
     for field in fields(settings):
         value = getattr(settings, field.name)
@@ -23,7 +29,7 @@ def check_settings(settings: Any) -> None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Decision:
+class Decision(Generic[Memory]):
     """What a control makes of a step.
 
     `accept` says whether the step becomes a point of the curve; if not, the next step starts from
@@ -33,7 +39,7 @@ class Decision:
 
     accept: bool
     demand: Demand | None
-    state: Any  # the control's own state, passed back to it with the next report
+    state: Memory  # the control's own state, passed back to it with the next report
     reason: str = ""
     load_multiplier: float = 0.0
     dynamic: bool = False
@@ -44,13 +50,13 @@ class Decision:
     way: tuple[float, ...] = ()
 
 
-class Control(Protocol):
+class Control(Protocol[Memory]):
     """A strategy that traces the curve."""
 
-    def first(self, report: StepReport) -> Decision:
+    def first(self, report: StepReport) -> Decision[Memory]:
         """What to demand of the structure at rest under its own weight."""
         ...
 
-    def decide(self, state: Any, demand: Demand, report: StepReport) -> Decision:
+    def decide(self, state: Memory, demand: Demand, report: StepReport) -> Decision[Memory]:
         """What to make of a step, and what to demand next."""
         ...

@@ -139,7 +139,7 @@ class DisplacementControl:
     def __init__(self, settings: DisplacementSettings) -> None:
         self.settings = settings
 
-    def first(self, report: StepReport) -> Decision:
+    def first(self, report: StepReport) -> Decision[_State]:
         """A small first increment, in stiff joints no larger than what they close by."""
         s = self.settings
         closing = report.penetration if report.penetration > 0.0 else math.inf
@@ -174,7 +174,7 @@ class DisplacementControl:
         small = state.increment <= s.thorough_share * s.displacement_step
         return small and state.stage != CROSSING
 
-    def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
+    def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision[_State]:
         """Try again with less where a step fails; else go on."""
         if state.released:
             return self._begin_again(state, report)
@@ -219,7 +219,7 @@ class DisplacementControl:
             way=_way(report),
         )
 
-    def _begin_again(self, state: _State, report: StepReport) -> Decision:
+    def _begin_again(self, state: _State, report: StepReport) -> Decision[_State]:
         """The load begins again where the structure has come to rest without any."""
         if not report.converged:
             return Decision(accept=False, demand=None, state=state, reason=report.reason)
@@ -391,7 +391,7 @@ class DisplacementControl:
         below = report.static_multiplier < self.settings.stop_multiplier < state.last
         return below and report.path.crest is None
 
-    def _retry(self, state: _State, report: StepReport) -> Decision:
+    def _retry(self, state: _State, report: StepReport) -> Decision[_State]:
         s = self.settings
         floor = s.floor_share * s.displacement_step
         if state.last == state.highest:
@@ -427,7 +427,7 @@ class DisplacementControl:
                 state = changed(state, stage=CROSSING, increment=4.0 * floor)
         return Decision(accept=False, demand=self._demand(state), state=state)
 
-    def _lost(self, state: _State, report: StepReport, reason: str) -> Decision:
+    def _lost(self, state: _State, report: StepReport, reason: str) -> Decision[_State]:
         """The end where no step leads on: a collapse where blocks were seen to run away.
 
         What has only not come to rest yet may do so.

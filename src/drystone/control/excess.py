@@ -73,7 +73,7 @@ class ExcessControl:
     def __init__(self, settings: ExcessSettings) -> None:
         self.settings = settings
 
-    def first(self, report: StepReport) -> Decision:
+    def first(self, report: StepReport) -> Decision[_State]:
         """A tenth of the largest excess."""
         s = self.settings
         state = _State(excess=0.1 * s.increment, time_step=s.time_step)
@@ -83,7 +83,7 @@ class ExcessControl:
         # What would have to be held back falls, and the rest is not pulled the other way.
         return Demand(multiplier=max(state.static, 0.0) + state.excess, time_step=state.time_step)
 
-    def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
+    def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision[_State]:
         """Adapt the excess to the motion; a step that fails or goes too far is tried with less."""
         s = self.settings
         if not report.converged or report.motion > 2.0 * s.displacement_step:
@@ -202,7 +202,7 @@ class ExcessControl:
             return collapsed("it rests without any load", state.highest, s.stop_multiplier)
         return None
 
-    def _go_on(self, state: _State, report: StepReport, dynamic: bool) -> Decision:
+    def _go_on(self, state: _State, report: StepReport, dynamic: bool) -> Decision[_State]:
         s = self.settings
         end = self._collapsed(state, report, dynamic) or end_of_curve(
             s,

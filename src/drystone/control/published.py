@@ -80,7 +80,7 @@ class PublishedControl:
     def __init__(self, settings: PublishedSettings) -> None:
         self.settings = settings
 
-    def first(self, report: StepReport) -> Decision:
+    def first(self, report: StepReport) -> Decision[_State]:
         """The first increment."""
         s = self.settings
         state = _State(multiplier=s.increment, time_step=s.time_step)
@@ -89,7 +89,7 @@ class PublishedControl:
     def _demand(self, state: _State) -> Demand:
         return Demand(multiplier=state.multiplier, time_step=state.time_step)
 
-    def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
+    def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision[_State]:
         """Ascend by increments, descend by the recursion on the carried multiplier."""
         decision = self._decide(state, demand, report)
         applied = report.applied_multiplier
@@ -103,7 +103,7 @@ class PublishedControl:
         dynamic = moves or beyond or stands
         return changed(decision, load_multiplier=applied, dynamic=dynamic)
 
-    def _decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
+    def _decide(self, state: _State, demand: Demand, report: StepReport) -> Decision[_State]:
         s = self.settings
         too_far = (
             report.converged and state.descending and report.motion > 2.0 * s.displacement_step

@@ -52,7 +52,7 @@ class SettlingControl:
     def __init__(self, settings: SettlingSettings) -> None:
         self.settings = settings
 
-    def first(self, report: StepReport) -> Decision:
+    def first(self, report: StepReport) -> Decision[_State]:
         """The structure at rest on supports that have not moved."""
         s = self.settings
         state = _State(
@@ -72,7 +72,7 @@ class SettlingControl:
         left = s.largest - state.gone
         return Demand(settlement=min(state.step, left), time_step=s.time_step)
 
-    def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision:
+    def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision[_State]:
         """Try again with less where a step fails or leaps; else go on."""
         s, step = self.settings, demand.settlement or 0.0
         floor = s.floor_share * s.step
@@ -124,11 +124,11 @@ class SettlingControl:
         easy = s.time_step > 0.0 or report.n_iterations <= s.easy_iterations
         return min(2.0 * step if easy else step, s.step)
 
-    def _refined(self, state: _State, step: float) -> Decision:
+    def _refined(self, state: _State, step: float) -> Decision[_State]:
         state = changed(state, step=0.3 * step)
         return Decision(accept=False, demand=self._demand(state), state=state)
 
-    def _again(self, state: _State, report: StepReport, step: float) -> Decision:
+    def _again(self, state: _State, report: StepReport, step: float) -> Decision[_State]:
         s, why = self.settings, report.reason or "blocks move on by themselves"
         if step <= s.floor_share * s.step:
             return Decision(

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,6 +72,7 @@ from drystone.statics.tie_forces import TieForces
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+Number = TypeVar("Number", np.float64, np.int64)
 
 #: Time step [s] of blocks that nothing is near to.
 FREE_TIME_STEP = 1e-3
@@ -142,7 +143,8 @@ class DistinctPrepared(Prepared):
     @cached_property
     def dof(self) -> tuple[int, ...]:
         """See `contact.rows`."""
-        return dof_of(self.assembly.mass)
+        dof: tuple[int, ...] = dof_of(self.assembly.mass)
+        return dof
 
     @cached_property
     def span(self) -> float:
@@ -1102,7 +1104,7 @@ class DistinctEngine(Engine[DistinctState]):
         )
 
 
-def _gone_on_with(array: NDArray[Any], source: IntArray) -> NDArray[Any]:
+def _gone_on_with(array: NDArray[Number], source: IntArray) -> NDArray[Number]:
     """Rows of what slots had, for slots that go on with them; zero where ``source`` is -1."""
     after = np.zeros((len(source), *array.shape[1:]), array.dtype)
     after[source >= 0] = array[source[source >= 0]]

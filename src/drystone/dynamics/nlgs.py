@@ -341,7 +341,7 @@ class _Accelerator:
         return self._defect(velocity, impulse)
 
     def _defect(self, velocity: Array, impulse: Array) -> float:
-        norm = kernels.momentum_defect(
+        norm: float = kernels.momentum_defect(
             self.dof, self.problem, self.mass, self.free_velocity, velocity, impulse, self.defect
         )
         if self.ties is None:
@@ -362,7 +362,7 @@ class _Accelerator:
         )
         if self.ties:
             self.ties.stiffen(tangent)
-        direction = self.system.solve(self.defect)
+        direction: Array = self.system.solve(self.defect)
         self.n_solved += 1
         return direction
 
@@ -409,7 +409,8 @@ class _Accelerator:
                 velocity[:] = base + length * direction
                 trial = self._law(centre, none, velocity, impulse, piece)
             merit = trial
-        return merit <= self.enough
+        good: bool = merit <= self.enough
+        return good
 
     def _sense(self, piece: IntArray, turn: Array) -> Array:
         """Directions in which contacts slide, in the plane +1 and -1; else 0, (n_contacts, k)."""

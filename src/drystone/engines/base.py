@@ -10,7 +10,7 @@ import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, fields
 from enum import Enum
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,7 +98,7 @@ class StepPath:
     crest: float | None = None
     #: Of engines that move through a step: where blocks went far by themselves in it, states in
     #: motion on the way to its end and their reports, in order.
-    way: tuple[tuple[Any, StepReport], ...] = field(default=(), compare=False, repr=False)
+    way: tuple[tuple[State, StepReport], ...] = field(default=(), compare=False, repr=False)
 
 
 #: The path of a step of which nothing is known.

@@ -168,7 +168,8 @@ class Frame:
 
     def forces(self, drawn: Array) -> Array:
         """Forces (..., dim) [N] in own units."""
-        return np.vectorize(plain, otypes=[float])(np.asarray(drawn, float) / self.force)
+        own: Array = np.vectorize(plain, otypes=[float])(np.asarray(drawn, float) / self.force)
+        return own
 
     def extension(self, drawn: float) -> float:
         """A length [m] in own units."""

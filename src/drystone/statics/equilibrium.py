@@ -579,7 +579,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     def _axes_of(self, state: EquilibriumState, block: int) -> Array:
         """Principal axes of a block in a pose, (dim, dim) in columns; in the plane as designed,
         as no one asks for them."""
-        designed = state.prepared.assembly.axes[block]
+        designed: Array = state.prepared.assembly.axes[block]
         if len(designed) == 2:
             return designed
         turned = motion.turned(

@@ -260,10 +260,11 @@ class LinearStep:
 
     def _unbalance(self, x: Array, multiplier: float, dead: Array) -> float:
         c = self.loads
-        return step.unbalance(
+        largest: float = step.unbalance(
             self.contact_force, dead, self.pattern, multiplier, c.mass, x, self.inertia_factor,
             c.extent, c.fixed, self.force,
         )  # fmt: skip
+        return largest
 
     def factorise(self, pace: Pace | None, gradient: Array, least_damping: float) -> bool:
         """Factorise the tangent, with inertia and what paces the step; False if singular.
@@ -282,7 +283,7 @@ class LinearStep:
         self.spring = step.stiffen(
             self.tangent.diagonal, c.mass, self.inertia_factor, self.damping, body, frame.axis
         )
-        pivot = lu_numeric.factorise(
+        pivot: float = lu_numeric.factorise(
             self.structure, *self.tangent, self.factors, c.mass, self.damping, least_damping
         )
         frame.sign[0] = math.copysign(1.0, pivot) if pivot else 0.0

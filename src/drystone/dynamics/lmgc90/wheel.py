@@ -218,7 +218,8 @@ class Simulation:
         along = np.abs(self.frame[:, 2, :])
         if np.any(along.max(axis=1) <= 1.0 - 1e-9):
             raise NoUprightAxisError
-        return np.argmax(along, axis=1)
+        upright: NDArray[np.int64] = np.argmax(along, axis=1)
+        return upright
 
     def _build(self, held: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Put the bodies together, some degrees of freedom (n, 6) held; centres and frames."""

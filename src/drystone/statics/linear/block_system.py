@@ -68,4 +68,5 @@ class BlockSystem:
         lu_numeric.solve(structure, factors, velocity)
         lu_numeric.residual(structure, self.a, self.b, self.fixed, *self.tangent, velocity, left)
         lu_numeric.solve(structure, factors, left)
-        return velocity[0] + left[0]
+        corrected: Array = velocity[0] + left[0]
+        return corrected

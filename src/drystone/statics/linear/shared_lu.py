@@ -58,7 +58,10 @@ class SharedLU:
     def factorise(self, matrix: Tangent, mass: Array, damping: Array, least: float) -> float:
         """See `statics.linear.numeric.factorise`."""
         if not self.parts:
-            return lu_numeric.factorise(self.structure, *matrix, self.factors, mass, damping, least)
+            pivot: float = lu_numeric.factorise(
+                self.structure, *matrix, self.factors, mass, damping, least
+            )
+            return pivot
         work = partial(self._fronts, matrix, mass, damping, least)
         found = self.team.run([partial(work, k, mine) for k, mine in enumerate(self.parts)])
         if 0.0 in found:

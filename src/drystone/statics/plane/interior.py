@@ -144,7 +144,7 @@ class InteriorPoint:
     def _assemble(self, x: Array, multiplier: float, geometry: Array) -> float:
         """Unbalanced forces and tangent at ``x``; returns the mean energy [J]."""
         step = self.step
-        energy = joint_law.respond_within(
+        energy: float = joint_law.respond_within(
             step.contacts, step.count, step.branch, self.inner, step.response
         )
         step.assemble(x, multiplier, x - geometry)
@@ -172,7 +172,7 @@ class InteriorPoint:
     def _faster(self, contact: int) -> int:
         """Of a contact's bodies, the one that moves more along the direction."""
         step = self.step
-        bodies = step.contacts.which[contact, (BODY_A, BODY_B)].tolist()
+        bodies: list[int] = step.contacts.which[contact, (BODY_A, BODY_B)].tolist()
         return max(bodies, key=lambda i: np.abs(translations(step.frame.columns[0, i])).max())
 
     def _restless(self, unrest: float) -> bool:

@@ -171,11 +171,12 @@ class StaticStep(LinearStep):
     ) -> tuple[int, float, float, int]:
         """Follow the path from ``x``, which moves on in place; see
         `statics.plane.path.follow_path`."""
-        return path.follow_path(
+        came: tuple[int, float, float, int] = path.follow_path(
             self.structure, self.factors, self.frame, paced, whole, self.contacts, self.count,
             self.branch, self.force, lag, self.spring, x, multiplier, left, changes, patience,
             worth, leap,
         )  # fmt: skip
+        return came
 
     def bends(self, changes: int) -> Array:
         """Share of the step and multiplier at the changes of the path followed last, (n, 2)."""
