@@ -367,7 +367,7 @@ class TestBrokenKeys:
             ("[load]", "[loads]", 'unknown key "loads": did you mean "load"?'),
             ('pattern = "mass"\n', "", "load: pattern is missing"),
             ('"mass"', '"masses"', 'load.pattern: must not be "masses": did you mean "mass"?'),
-            ('"mass"', '"forces"', 'load: has direction, but pattern = "forces" has its own'),
+            ('"mass"', '"forces"', 'load: has direction, which is not of pattern = "forces"'),
             ("direction = [1.0, 0.0]\n", "", "load: direction is missing"),
             ("[1.0, 0.0]\n\n[control]", "[0.0, 0.0]\n\n[control]", "load.direction: has no length"),
             ("[1.0, 0.0]\n\n[control]", "[0, 0, 1]\n\n[control]", "load.direction: must have 2"),

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
 from drystone.geometry import GeometryError
 from drystone.geometry.figure import Figure
-from drystone.io.modelfile.schema import DeadLoadSection, ForceSection, ModelSection
+from drystone.io.modelfile.schema import ModelSection
 from drystone.io.modelfile.tying import EndSection, SpringSection
 from drystone.model.assembly import Block
 from drystone.model.construction.fit import turned_round
@@ -18,7 +18,6 @@ from drystone.model.construction.words import listed, millimetres, quoted
 from drystone.model.ties import SAME
 
 Bar = TypeVar("Bar", bound=SpringSection)
-Force = TypeVar("Force", ForceSection, DeadLoadSection)
 
 
 def with_holders(
@@ -40,7 +39,7 @@ def with_holders(
         ends = {"from_": end(own.from_, f"{place}.from"), "to": end(own.to, f"{place}.to")}
         return own.model_copy(update=ends)
 
-    def pushed(own: Force, place: str) -> Force:
+    def pushed(own: Any, place: str) -> Any:
         if own.block is not None or own.group is not None or not isinstance(own.point, list):
             return own
         name = holders.named(own.point, place, problems, movable=True)
@@ -48,8 +47,12 @@ def with_holders(
 
     load = section.load
     if load is not None:
-        forces = [pushed(one, f"load.force[{k + 1}]") for k, one in enumerate(load.force)]
-        load = load.model_copy(update={"force": forces})
+        listed_ = {
+            key: [pushed(one, f"load.{key}[{k + 1}]") for k, one in enumerate(getattr(load, key))]
+            for key in load.model_fields_set
+            if (tables := getattr(load, key)) and _are_at_points(tables)
+        }
+        load = load.model_copy(update=listed_)
     dead = [
         pushed(one, f"dead_load[{k + 1}]" + (f' "{one.name}"' if one.name else ""))
         for k, one in enumerate(section.dead_load)
@@ -58,6 +61,14 @@ def with_holders(
     springs = [tied(one, "spring", k) for k, one in enumerate(section.spring)]
     return section.model_copy(
         update={"load": load, "dead_load": dead, "tie": ties, "spring": springs}
+    )
+
+
+def _are_at_points(value: Any) -> bool:
+    """Whether it is a list of tables that name a block or a group, and a point."""
+    return isinstance(value, list) and all(
+        {"block", "group", "point"} <= set(getattr(type(table), "model_fields", ()))
+        for table in value
     )
 
 

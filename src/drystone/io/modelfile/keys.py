@@ -19,7 +19,7 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
-from drystone.common.ranges import LARGEST, RANGES
+from drystone.common.ranges import LARGEST, RANGES, Range
 from drystone.model.builders.wall import course_problem
 from drystone.model.construction.control import NAMED_POINTS
 from drystone.model.construction.words import quoted, suggestion
@@ -107,14 +107,26 @@ def rotation_of(value: Any, info: ValidationInfo) -> tuple[float, ...]:
 
 def ranged(name: str) -> PlainValidator:
     """The check of a number that has its range in `RANGES`."""
+    return in_range(RANGES[name])
+
+
+def in_range(range_: Range) -> PlainValidator:
+    """The check of a number of a range."""
 
     def check(value: Any) -> float:
-        problem = RANGES[name].problem(value)
+        problem = range_.problem(value)
         if problem:
             raise sentence(problem)
         return float(value)
 
     return PlainValidator(check)
+
+
+def point_or_name(value: Any, info: ValidationInfo) -> str | list[float]:
+    """A name of a point, or a place; which names there are is for the load to say."""
+    if isinstance(value, str):
+        return value
+    return [float(x) for x in point_of(value, info)]
 
 
 Coordinate = Annotated[float, ranged("coordinate")]

@@ -7,47 +7,38 @@ from typing import Any
 
 import numpy as np
 
+from drystone.common.keys import Direction
 from drystone.common.vectors import unit_vector
-from drystone.io.modelfile.schema import DeadLoadSection, ForceSection, LoadSection
-from drystone.model.loading import Acceleration, DeadLoad, LoadPattern, PointForce
-from drystone.model.loading.acceleration import AccelerationPattern
+from drystone.io.modelfile.schema import DeadLoadSection, LoadSection
+from drystone.model.loading import DeadLoad, LoadPattern
 from drystone.model.loading.dead import KINDS
-from drystone.model.loading.forces import ForcesPattern
-from drystone.model.loading.patterns import DIRECTED
+from drystone.model.loading.patterns import PATTERNS
 
 
 def pattern_of(section: LoadSection, dimension: int) -> LoadPattern:
     """The load pattern that a file asks for; raises `ModelError`."""
-    if section.pattern == ForcesPattern.name:
-        return ForcesPattern(entries=tuple(map(_force, section.force)))
-    if section.pattern == AccelerationPattern.name:
-        return AccelerationPattern(
-            entries=tuple(
-                Acceleration(
-                    block=entry.block, group=entry.group, acceleration=np.array(entry.acceleration)
-                )
-                for entry in section.acceleration
-            )
-        )
-    kind: Any = DIRECTED[section.pattern]
-    more = {} if section.base is None else {"base": section.base}
-    return kind(  # type: ignore[no-any-return]
-        direction=unit_vector(section.direction or (), "load.direction", dimension), **more
-    )
+    kind = PATTERNS[section.pattern]
+    directions = {key.name for key in kind.file_keys if isinstance(key.type, Direction)}
+    values = {
+        key: unit_vector(value, f"load.{key}", dimension) if key in directions else _arrays(value)
+        for key, value in section.given.items()
+        if value is not None
+    }
+    return kind.from_keys(values)
+
+
+def _arrays(value: Any) -> Any:
+    """Lists of numbers as arrays, also within tables."""
+    if isinstance(value, dict):
+        return {key: _arrays(entry) for key, entry in value.items()}
+    if isinstance(value, list) and all(isinstance(entry, float) for entry in value):
+        return np.array(value)
+    return [_arrays(entry) for entry in value] if isinstance(value, list) else value
 
 
 def dead_loads_of(sections: Sequence[DeadLoadSection], dimension: int) -> tuple[DeadLoad, ...]:
     """The dead loads that a file gives; raises `ModelError`."""
     return tuple(_dead(section, dimension) for section in sections)
-
-
-def _force(section: ForceSection) -> PointForce:
-    return PointForce(
-        block=section.block,
-        group=section.group,
-        point=section.point if isinstance(section.point, str) else np.array(section.point),
-        force=np.array(section.force),
-    )
 
 
 def _dead(section: DeadLoadSection, dimension: int) -> DeadLoad:

@@ -5,7 +5,7 @@ How many coordinates a place or a direction has is the file's `dimension`, which
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
     AfterValidator,
@@ -17,9 +17,11 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from drystone.common.registry import Registry
 from drystone.io.drawings.settings import TOLERANCE
 from drystone.io.modelfile.assessing import AssessmentSection, SiteSection
 from drystone.io.modelfile.builds import BuildTable
+from drystone.io.modelfile.declared import Chosen, named
 from drystone.io.modelfile.keys import (
     Course,
     Direction,
@@ -32,13 +34,14 @@ from drystone.io.modelfile.keys import (
     in_plane_only,
     of_dimension,
     point_of,
+    point_or_name,
     ranged,
     rotation_of,
     sentence,
 )
 from drystone.io.modelfile.tying import SettlementSection, SpringSection, TieSection
 from drystone.model.construction.fit import DRAWING_TOLERANCE
-from drystone.model.loading.patterns import LISTED
+from drystone.model.loading.patterns import PATTERNS
 from drystone.model.model import Analysis
 from drystone.model.mortar import Mortar
 
@@ -225,65 +228,20 @@ class WallSection(Section):
     material: str | None = None
 
 
-def _block_point(value: Any, info: ValidationInfo) -> str | list[float]:
-    """A name of a point, or a place; which names there are is for the load to say."""
-    if isinstance(value, str):
-        return value
-    return [float(x) for x in point_of(value, info)]
-
-
-BlockPoint = Annotated[Any, PlainValidator(_block_point)]
+BlockPoint = Annotated[Any, PlainValidator(point_or_name)]
 Force = Annotated[list[Annotated[float, ranged("force")]], AfterValidator(of_dimension)]
 Pressure = Annotated[list[Annotated[float, ranged("pressure")]], AfterValidator(of_dimension)]
-Acceleration = Annotated[
-    list[Annotated[float, ranged("acceleration")]], AfterValidator(of_dimension)
-]
 
 
-class ForceSection(Section):
-    """[[load.force]]"""
+class LoadSection(Chosen):
+    """[load]: beside its name the keys that the pattern declares."""
 
-    block: str | None = None
-    group: str | None = None
-    point: BlockPoint = "centre"
-    force: Force = Field(description="on each block, in N, as in force = [1000.0, 0.0]")
+    chooser: ClassVar[str] = "pattern"
+    registry: ClassVar[Registry[Any]] = PATTERNS
 
-
-class AccelerationSection(Section):
-    """[[load.acceleration]]"""
-
-    block: str | None = None
-    group: str | None = None
-    acceleration: Acceleration = Field(
-        description="over that of gravity, as in acceleration = [1.0, 0.0]"
+    pattern: Annotated[str, named(PATTERNS)] = Field(
+        description='pattern = "mass" loads each block in proportion to its weight'
     )
-
-
-class LoadSection(Section):
-    """[load]"""
-
-    pattern: Literal["mass", "uniform", "triangular", "modal", "tilt", "forces", "acceleration"] = (
-        Field(description='pattern = "mass" loads each block in proportion to its weight')
-    )
-    direction: Direction | None = None
-    base: Annotated[float, ranged("coordinate")] | None = None  # m
-    force: list[ForceSection] = []
-    acceleration: list[AccelerationSection] = []
-
-    #: Keys that belong to one pattern.
-    @model_validator(mode="after")
-    def _of_its_pattern(self) -> LoadSection:
-        name, listed = self.pattern, self.pattern in LISTED
-        for key, owner in (
-            ("base", "triangular"), ("force", "forces"), ("acceleration", "acceleration"),
-        ):  # fmt: skip
-            if key in self.model_fields_set and name != owner:
-                raise sentence(f'has {key}, which is of pattern = "{owner}": take it out')
-        if listed and self.direction is not None:
-            raise sentence(f'has direction, but pattern = "{name}" has its own: take it out')
-        if not listed and self.direction is None:
-            raise sentence("direction is missing: add it (as in direction = [1.0, 0.0])")
-        return self
 
 
 class DeadLoadSection(Section):

@@ -11,6 +11,7 @@ from pydantic_core import ErrorDetails
 
 from drystone.common.ranges import found
 from drystone.io.modelfile.builds import SECTIONS
+from drystone.io.modelfile.declared import Chosen
 from drystone.io.modelfile.keys import Section
 from drystone.io.modelfile.schema import ModelSection
 from drystone.model.construction.words import quoted, suggestion
@@ -66,7 +67,7 @@ def place_of(keys: Sequence[str | int], data: Any) -> str:
 
 def _sentence(details: ErrorDetails, data: dict[str, Any]) -> str:
     kind, value = details["type"], details["input"]
-    section, keys = _section_at(details["loc"][:-1]), _without_kind(details["loc"])
+    section, keys = _section_at(details["loc"][:-1], data), _without_kind(details["loc"])
     if kind == "union_tag_not_found":
         return f'{place_of(keys, data)}: kind is missing: add it (as in kind = "panel")'
     if kind == "union_tag_invalid":
@@ -145,14 +146,17 @@ def _without_kind(keys: Sequence[str | int]) -> list[str | int]:
     return [*keys[:2], *keys[3:]] if tagged else [*keys]
 
 
-def _section_at(keys: Sequence[str | int]) -> type[Section]:
+def _section_at(keys: Sequence[str | int], data: Any) -> type[Section]:
     """The schema of the table at a path."""
     section: type[Section] = ModelSection
     if len(keys) > 2 and keys[0] == "build" and keys[2] in SECTIONS:
         section, keys = SECTIONS[str(keys[2])], keys[3:]
     for key in keys:
+        data = _at(data, key)
         field = section.keys().get(key) if isinstance(key, str) else None
         section = (_section_in(field.annotation) if field else None) or section
+        if issubclass(section, Chosen):
+            section = section.of(data)
     return section
 
 

@@ -9,12 +9,14 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.keys import Key, Tables, Vector
 from drystone.common.language import say
+from drystone.common.ranges import RANGES
 from drystone.model.assembly import Assembly
 from drystone.model.loading.base import NO_MASSES, Masses, Scale
 from drystone.model.loading.dead_forces import DeadForces
 from drystone.model.loading.forces import leading
-from drystone.model.loading.targets import Target
+from drystone.model.loading.targets import TARGET_KEYS, Target
 
 Array = NDArray[np.float64]
 
@@ -33,6 +35,27 @@ class AccelerationPattern:
     entries: tuple[Acceleration, ...]
     name: ClassVar[str] = "acceleration"
     turns_gravity: ClassVar[bool] = False
+    file_keys: ClassVar[tuple[Key, ...]] = (
+        Key(
+            name="acceleration",
+            type=Tables(
+                (
+                    *TARGET_KEYS,
+                    Key(
+                        name="acceleration",
+                        type=Vector(RANGES["acceleration"]),
+                        says="over that of gravity, as in acceleration = [1.0, 0.0]",
+                    ),
+                )
+            ),
+            default=(),
+        ),
+    )
+
+    @classmethod
+    def from_keys(cls, values: dict[str, Any]) -> Self:
+        """See `LoadPattern`."""
+        return cls(entries=tuple(Acceleration(**t) for t in values.get("acceleration", ())))
 
     def field(self, assembly: Assembly) -> Array:
         """Accelerations of the blocks over that of gravity, (n, dim)."""

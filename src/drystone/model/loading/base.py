@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.keys import Direction, Key
 from drystone.common.language import say
 from drystone.common.vectors import direction_of
 from drystone.model.assembly import Assembly
@@ -78,6 +79,14 @@ class LoadPattern(Protocol):
     name: ClassVar[str]  # as in files: [load] pattern
     #: Whether the dead load shrinks as the pattern grows, see `tilt`.
     turns_gravity: ClassVar[bool]
+    #: Keys that [load] has of it.
+    file_keys: ClassVar[tuple[Key, ...]]
+
+    @classmethod
+    def from_keys(cls, values: dict[str, Any]) -> Self:
+        """The pattern of the keys that a file gives: directions (dim,) as unit vectors, forces and
+        places as arrays (dim,), lists of tables as lists of dicts."""
+        ...
 
     def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
         """Forces at multiplier one; those on supports do not count."""
@@ -125,6 +134,14 @@ class Directed:
     name: ClassVar[str]
     turns_gravity: ClassVar[bool] = False
     horizontal: ClassVar[bool] = False  # whether its direction must be
+    file_keys: ClassVar[tuple[Key, ...]] = (
+        Key(name="direction", type=Direction(), says="as in direction = [1.0, 0.0]"),
+    )
+
+    @classmethod
+    def from_keys(cls, values: dict[str, Any]) -> Self:
+        """See `LoadPattern`."""
+        return cls(**values)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "direction", direction_of(self.direction, "load.direction"))

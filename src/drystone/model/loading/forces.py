@@ -11,11 +11,13 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.keys import BlockPoint, Key, Tables, Vector
 from drystone.common.language import say
+from drystone.common.ranges import RANGES
 from drystone.model.assembly import Assembly
 from drystone.model.loading.base import NO_MASSES, Masses, Scale
 from drystone.model.loading.dead_forces import DeadForces
-from drystone.model.loading.targets import PointForce
+from drystone.model.loading.targets import CENTRE, TARGET_KEYS, PointForce
 
 Array = NDArray[np.float64]
 
@@ -27,6 +29,28 @@ class ForcesPattern:
     entries: tuple[PointForce, ...]
     name: ClassVar[str] = "forces"
     turns_gravity: ClassVar[bool] = False
+    file_keys: ClassVar[tuple[Key, ...]] = (
+        Key(
+            name="force",
+            type=Tables(
+                (
+                    *TARGET_KEYS,
+                    Key(name="point", type=BlockPoint(), default=CENTRE),
+                    Key(
+                        name="force",
+                        type=Vector(RANGES["force"]),
+                        says="on each block, in N, as in force = [1000.0, 0.0]",
+                    ),
+                )
+            ),
+            default=(),
+        ),
+    )
+
+    @classmethod
+    def from_keys(cls, values: dict[str, Any]) -> Self:
+        """See `LoadPattern`."""
+        return cls(entries=tuple(PointForce(**table) for table in values.get("force", ())))
 
     def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
         """See `LoadPattern`."""

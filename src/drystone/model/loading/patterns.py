@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from drystone.model.loading.acceleration import AccelerationPattern
-from drystone.model.loading.base import Directed
-from drystone.model.loading.forces import ForcesPattern
-from drystone.model.loading.mass import MassPattern
-from drystone.model.loading.modal import ModalPattern
-from drystone.model.loading.tilt import TiltPattern
-from drystone.model.loading.triangular import TriangularPattern
-from drystone.model.loading.uniform import UniformPattern
+from drystone.common.registry import Registry
+from drystone.model.loading.base import LoadPattern
 
-#: Patterns along one direction.
-DIRECTED: dict[str, type[Directed]] = {
-    kind.name: kind
-    for kind in (MassPattern, UniformPattern, TriangularPattern, ModalPattern, TiltPattern)
-}
-#: Patterns of entries, each with directions of their own.
-LISTED = {kind.name: kind for kind in (ForcesPattern, AccelerationPattern)}
-
-PATTERNS = (*DIRECTED, *LISTED)
+#: A pattern is a class with the methods of `LoadPattern`, in a file of its own.
+PATTERNS: Registry[type[LoadPattern]] = Registry(
+    what="load pattern",
+    group="drystone.patterns",
+    ours={
+        "mass": "drystone.model.loading.mass:MassPattern",
+        "uniform": "drystone.model.loading.uniform:UniformPattern",
+        "triangular": "drystone.model.loading.triangular:TriangularPattern",
+        "modal": "drystone.model.loading.modal:ModalPattern",
+        "tilt": "drystone.model.loading.tilt:TiltPattern",
+        "forces": "drystone.model.loading.forces:ForcesPattern",
+        "acceleration": "drystone.model.loading.acceleration:AccelerationPattern",
+    },
+)

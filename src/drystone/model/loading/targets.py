@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.keys import Key, Text
 from drystone.common.names import there_is_no
 from drystone.model.assembly import Assembly
 from drystone.model.loading.base import Scale
@@ -23,6 +24,12 @@ POINTS = (CENTRE, TOP)
 
 #: Relative size under which heights are the same, and a point is on a block.
 SAME = 1e-6
+
+#: Keys that name one in a file.
+TARGET_KEYS = (
+    Key(name="block", type=Text(), default=None),
+    Key(name="group", type=Text(), default=None),
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

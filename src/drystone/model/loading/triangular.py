@@ -9,6 +9,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.keys import Key, Number
+from drystone.common.ranges import RANGES
 from drystone.model.assembly import Assembly
 from drystone.model.loading.base import NO_MASSES, Directed, Masses, Scale
 from drystone.model.loading.dead_forces import DeadForces
@@ -26,6 +28,10 @@ class TriangularPattern(Directed):
 
     name: ClassVar[str] = "triangular"
     horizontal: ClassVar[bool] = True
+    file_keys: ClassVar[tuple[Key, ...]] = (
+        *Directed.file_keys,
+        Key(name="base", type=Number(RANGES["coordinate"]), default=None),
+    )
     base: float | None = None  # m, height; None: where the lowest movable block begins
 
     def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
