@@ -6,13 +6,17 @@ a model file that names what was added and uses its keys.
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from textwrap import dedent
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import drystone as ds
+from drystone.assessment.errors import AssessmentError
+from drystone.cli import app
 
 WALL = """
 dimension = 2
@@ -152,3 +156,86 @@ class TestPattern:
         with pytest.raises(ds.ModelError, match=r"load\.pattern: cannot be .*NoSuchPattern"):
             ds.read_model(wall(self.CHANGE))
         ds.read_model(wall())  # and keeps nobody else from reading
+
+
+METHOD = '''
+    """A share of the peak against a ground acceleration."""
+
+    from drystone.assessment.methods.base import Assessment, LimitState, spectra_of
+    from drystone.common.keys import Key, Number
+    from drystone.common.ranges import Range
+
+    NAME, STATES, MORE_STATES, READINGS = "toy", ("SLV",), ("held",), ("base_shear",)
+    KEYS = (Key(name="safe_share", type=Number(Range(least=1.0, most=100.0, unit="percent"))),)
+
+
+    def assess(capacity, spectra, settings):
+        share = settings.need("safe_share", "of the peak that counts")
+        borne = share * float(max(capacity.spectral_acceleration))
+        given, _, _ = spectra_of(spectra, STATES, "SLV", settings)
+        asked = float(given["SLV"].sa(0.0, 0.05))
+        state = LimitState(
+            name="SLV",
+            ground_acceleration_capacity=borne,
+            ground_acceleration_demand=asked,
+            satisfied=borne >= asked,
+        )
+        return Assessment(
+            method=NAME, capacity=capacity, settings=settings, limit_states=(state,),
+            reference_state="SLV", activation_acceleration=borne, confidence_factor=None,
+            quantities={"share": share},
+        )
+'''
+
+SITE = """
+[site]
+code = "ntc2018"
+ag = 0.1
+F0 = 2.5
+TC_star = 0.3
+soil = "A"
+topography = "T1"
+"""
+
+
+class TestMethod:
+    TABLE = '\n[assessment]\nmethod = "toy"\nsafe_share = 50.0\n'
+
+    def test_a_wall_is_assessed_by_it(self, add, wall):
+        add("drystone.methods", "toy", "toy_method", METHOD)
+        model = ds.read_model(wall(more=SITE + self.TABLE))
+        verdict = ds.pushover(model, progress=False).assess(model)
+        (state,) = verdict.limit_states
+        assert verdict.method == "toy" and verdict.as_dict()["share"] == 0.5  # of 50 percent
+        # Both blocks lean together: alpha_0 = 0.3 / 0.8, of which half is borne; 0.1 g is asked.
+        assert state.safety_index == pytest.approx(0.5 * (0.3 / 0.8) / 0.1, rel=0.03)
+
+    def test_the_command_line_takes_it_over_the_method_of_the_file(self, add, wall, tmp_path):
+        add("drystone.methods", "toy", "toy_method", METHOD)
+        path = wall(more=SITE + self.TABLE.replace('"toy"', '"rocking"'))
+        arguments = [str(path), "--method", "toy", "--one-sense", "--out", str(tmp_path / "out")]
+        done = CliRunner().invoke(app, ["assess", *arguments, "--json", "--quiet"])
+        assert done.exit_code == 0, done.output
+        (sense,) = json.loads(done.stdout)["senses"].values()
+        assert (sense["method"], sense["share"]) == ("toy", 0.5)
+
+    @pytest.mark.parametrize(
+        ("new", "said"),
+        [
+            ("safe_share = 500.0", "assessment.safe_share: must be at most 100"),
+            ("safe_shares = 50.0", 'did you mean "safe_share"?'),
+            ('limit_states = ["hold"]', 'did you mean "held"?'),
+        ],
+    )
+    def test_its_keys_and_states_are_checked(self, add, wall, new, said):
+        add("drystone.methods", "toy", "toy_method", METHOD)
+        with pytest.raises(ds.ModelError) as caught:
+            ds.read_model(wall(more=SITE + self.TABLE.replace("safe_share = 50.0", new)))
+        assert any(said in problem for problem in caught.value.problems), caught.value.problems
+
+    def test_what_it_needs_is_asked_for(self, add, wall):
+        add("drystone.methods", "toy", "toy_method", METHOD)
+        text = SITE + self.TABLE.replace("safe_share = 50.0", "")
+        model = ds.read_model(wall(more=text))  # a key is no must where the command line may say it
+        with pytest.raises(AssessmentError, match='method "toy" needs "safe_share"'):
+            ds.pushover(model, progress=False).assess(model)

@@ -248,7 +248,7 @@ def test_record_of_a_file(tmp_path):
 def test_method_under_records_and_pulses():
     records = (shaken(1, 1.5), shaken(2, 1.5))
     pulses = (Pulse(kind="half_sine", amplitude=3.0, duration=0.4),)
-    chosen = Settings(
+    chosen = Settings.of(
         method="rocking", records=records, pulses=pulses, restitution=0.9, sides="two"
     )
     capacity = straight()
@@ -267,13 +267,13 @@ def test_method_under_records_and_pulses():
     assert facts["overturning_amplitude"] == pytest.approx(
         GRAVITY * 0.125 * least_amplitude("half_sine", 0.4, p)
     )
-    alone = assess(capacity, {}, replace(chosen, records=(), restitution=None))
+    alone = assess(capacity, {}, replace(chosen, records=(), own={"sides": "two"}))
     assert alone.satisfied is (facts["overturning_amplitude"] > 3.0)
     assert "overturning governs" in alone.sentence
 
 
 def test_method_counts_a_fall_as_failure():
-    chosen = Settings(method="rocking", records=(shaken(1, 40.0),), restitution=0.9, sides="two")
+    chosen = Settings.of(method="rocking", records=(shaken(1, 40.0),), restitution=0.9, sides="two")
     found = assess(straight(0.1, 0.02), {}, chosen)
     assert found.satisfied is False and found.state("SLV").displacement_demand is None
     assert "beyond the collapse" in found.sentence
@@ -282,10 +282,10 @@ def test_method_counts_a_fall_as_failure():
 
 def test_what_the_method_needs():
     with pytest.raises(AssessmentError, match='needs "records" or "pulses"'):
-        assess(straight(), {}, Settings(method="rocking"))
+        assess(straight(), {}, Settings.of(method="rocking"))
     for key, values in (("restitution", {"sides": "two"}), ("sides", {"restitution": 0.9})):
         with pytest.raises(AssessmentError, match=f'needs "{key}"'):
-            assess(straight(), {}, Settings(method="rocking", records=(STILL,), **values))
+            assess(straight(), {}, Settings.of(method="rocking", records=(STILL,), **values))
     for values, words in (({"restitution": 1.2}, "restitution"), ({"sides": "three"}, "sides")):
         full = {"restitution": 0.9, "sides": "two", **values}
         with pytest.raises(AssessmentError, match=words):

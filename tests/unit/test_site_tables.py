@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import get_args
 
 import numpy as np
 import pytest
 from test_modelfile import GOOD
 
 from drystone.assessment.errors import AssessmentError
-from drystone.assessment.methods import STATES
+from drystone.assessment.methods import METHODS
 from drystone.assessment.methods.base import Settings
 from drystone.assessment.site import spectra_of_site
 from drystone.assessment.spectra.ec8 import Ec8Spectrum, limit_state_spectra
 from drystone.assessment.spectra.floor import FloorSpectrum
 from drystone.assessment.spectra.ntc2018 import NtcSpectrum
 from drystone.io.modelfile import ModelError, read_model, write_model
-from drystone.io.modelfile.assessing import AssessmentSection, State
+from drystone.io.modelfile.assessing import AssessmentSection
 from drystone.model.assembly import GRAVITY
 from drystone.model.site import AssessmentInput, Site
 from sites import SITE
@@ -198,15 +197,18 @@ class TestSpectra:
 
 def test_every_setting_of_methods_is_a_key_of_the_file():
     keys = set(AssessmentSection.model_fields)
-    given = {field.name for field in fields(Settings)} - {"records", "pulses"}
+    given = {field.name for field in fields(Settings)} - {"records", "pulses", "own"}
     assert given <= keys
     own = {"grouping", "language", "opposite", "parts_that_may_fall", "record", "pulse"}
     assert keys - given == own
 
 
-def test_every_limit_state_of_methods_may_be_named_in_files():
-    known = {name for states in STATES.values() for name in states}
-    assert known <= set(get_args(State))
+def test_a_key_of_several_methods_is_the_same_in_all():
+    declared = {}
+    for name, method in METHODS.own():
+        assert name == method.NAME
+        for key in method.KEYS:
+            assert declared.setdefault(key.name, key) == key
 
 
 def test_records_are_equal_by_what_they_say():

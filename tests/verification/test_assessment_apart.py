@@ -125,7 +125,9 @@ def test_ntc2018_local(seed, high):
     apart = Apart(draw)
     capacity, a0, d0, factor = mechanism(draw)
     spectrum = apart.floor() if high else apart.spectrum()
-    found = assess(capacity, spectrum, Settings(method="ntc2018-local", confidence_factor=factor))
+    found = assess(
+        capacity, spectrum, Settings.of(method="ntc2018-local", confidence_factor=factor)
+    )
     demand = apart.dz if high else apart.sd
 
     def floor(ag):
@@ -154,7 +156,9 @@ def test_ntc2009_local(seed, high):
     apart = Apart(draw)
     capacity, a0, d0, factor = mechanism(draw)
     spectrum = apart.floor() if high else apart.spectrum()
-    found = assess(capacity, spectrum, Settings(method="ntc2009-local", confidence_factor=factor))
+    found = assess(
+        capacity, spectrum, Settings.of(method="ntc2009-local", confidence_factor=factor)
+    )
     period = 2 * math.pi * math.sqrt(0.16 * d0 / (0.84 * a0))
 
     def demand(ag):

@@ -48,7 +48,7 @@ def wall(height, thickness):
 
 
 def local_settings(**values):
-    return Settings(**{"method": "ntc2018-local", "confidence_factor": 1.35, **values})
+    return Settings.of(**{"method": "ntc2018-local", "confidence_factor": 1.35, **values})
 
 
 # 3.1 Fajfar 2000 -----------------------------------------------------------------------------
@@ -173,7 +173,7 @@ def test_wall_2009():
 
 
 def test_wall_2025():
-    settings = Settings(
+    settings = Settings.of(
         method="en1998-3-2025-rocking",
         damping={"SD": 0.05, "NC": 0.05},
         demand_factor=1.0,

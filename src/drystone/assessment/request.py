@@ -9,11 +9,13 @@ from typing import Any
 
 from drystone.assessment.capacity import Capacity, participation
 from drystone.assessment.errors import AssessmentError, MissingError
-from drystone.assessment.methods import METHODS, STATES, assess
+from drystone.assessment.methods import METHODS, assess
 from drystone.assessment.methods.base import Settings, Spectra
 from drystone.assessment.rocking.pulse import Pulse
 from drystone.assessment.rocking.record import Record, read_record
 from drystone.assessment.site import MotionAsked, motions_asked, spectra_of_site
+from drystone.common.keys import ByState, Key, Number
+from drystone.common.registry import RegistryError
 from drystone.model.assembly import GRAVITY
 from drystone.model.site import AssessmentInput, Site
 
@@ -51,7 +53,7 @@ def request_of(site: Site | None, assessment: AssessmentInput | None) -> Request
         settings=settings,
         spectra={} if site is None else spectra_of_site(site),
         grouping=values.get("grouping", "macro_blocks"),
-        hazard=() if site is None else motions_asked(site, STATES[settings.method]),
+        hazard=() if site is None else motions_asked(site, METHODS[settings.method].STATES),
     )
 
 
@@ -76,29 +78,40 @@ def check_request(request: Request) -> None:
 
 def settings_of(values: Mapping[str, Any], folder: Path) -> Settings:
     """Settings of the keys of [assessment], in units of files; paths go from ``folder``."""
-    known = {field.name for field in fields(Settings)} - {"records", "pulses"}
-    unknown = [key for key in values if key not in known and key not in OWN]
-    if unknown:
-        raise AssessmentError(f'assessment: there is no key "{unknown[0]}"')
     if "method" not in values:
         raise AssessmentError(
             "assessment.method is missing: choose one of "
-            f"{', '.join(METHODS)}, in [assessment] or by --method"
+            f"{', '.join(METHODS.names())}, in [assessment] or by --method"
         )
-    if values["method"] not in METHODS:
-        raise AssessmentError(
-            f'there is no method "{values["method"]}": choose one of {", ".join(METHODS)}'
-        )
-    given = {key: value for key, value in values.items() if key in known}
+    try:
+        method = METHODS[values["method"]]
+    except RegistryError as error:
+        raise AssessmentError(str(error)) from None
+    own = {key.name: key for key in method.KEYS}
+    general = {field.name for field in fields(Settings)} - {"records", "pulses", "own"}
+    known = {*general, *OWN, *own}
+    for name in [name for name in values if name not in known]:
+        if not any(key.name == name for _, other in METHODS.loaded() for key in other.KEYS):
+            raise AssessmentError(f'assessment: there is no key "{name}"')
+    given = {key: value for key, value in values.items() if key in general}
     if "limit_states" in given:
         given["limit_states"] = tuple(given["limit_states"])
-    if "damping" in given:
-        given["damping"] = {state: xi / 100.0 for state, xi in given["damping"].items()}
     return Settings(
         **given,
+        own={key: _as_ratio(own[key], value) for key, value in values.items() if key in own},
         records=tuple(_record(table, folder) for table in values.get("record", ())),
         pulses=tuple(_pulse(table) for table in values.get("pulse", ())),
     )
+
+
+def _as_ratio(key: Key, value: Any) -> Any:
+    """A value of a file; what is in percent becomes a ratio."""
+    number = key.type.of if isinstance(key.type, ByState) else key.type
+    if not isinstance(number, Number) or number.range.unit != "percent":
+        return value
+    if isinstance(value, Mapping):
+        return {state: x / 100.0 for state, x in value.items()}
+    return value / 100.0
 
 
 def _record(table: Mapping[str, Any], folder: Path) -> Record:

@@ -10,7 +10,7 @@ from typing import Any
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, UnfinishedError
 from drystone.assessment.mechanism import Reduction, reduced
-from drystone.assessment.methods import CODE_READINGS, Assessment, LimitState, assess
+from drystone.assessment.methods import METHODS, Assessment, LimitState, assess
 from drystone.assessment.methods.base import Settings, Spectra
 from drystone.assessment.request import Request, request_of, settings_of
 from drystone.assessment.site import MotionAsked, missing_motions, spectra_of_site
@@ -62,7 +62,7 @@ class Verdict:
 
     def is_of_the_code(self, reading: str) -> bool:
         """Whether a reading is that of the method's own code, or one beside it."""
-        return reading in CODE_READINGS[self.method]
+        return reading in METHODS[self.method].READINGS
 
     def state(self, name: str) -> LimitState:
         """A limit state by its name."""

@@ -49,6 +49,9 @@ class Range:
         return f": give it in {self.unit}" if self.unit and self.least else ""
 
 
+#: Any factor that is one.
+POSITIVE = Range(least=1e-9, most=1e9)
+
 #: By the names that files and functions know them under.
 RANGES = {
     "thickness": Range(least=1e-6, most=1e6, unit="m"),

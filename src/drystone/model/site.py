@@ -9,10 +9,31 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from drystone.common.registry import Registry
+
+if TYPE_CHECKING:
+    from drystone.assessment.methods.base import MethodFile
 
 #: Limit states that may have a ground motion of their own: those of NTC 2018 and of EN 1998-3.
 LIMIT_STATES = ("SLO", "SLD", "SLV", "SLC", "DL", "SD", "NC")
+
+#: Methods of assessment, a file each: a module as `drystone.assessment.methods.base.MethodFile`
+#: says.  They stand above models, which only know their names.
+METHODS: Registry[MethodFile] = Registry(
+    what="method",
+    group="drystone.methods",
+    ours={
+        "ntc2018-local": "drystone.assessment.methods.ntc2018_local",
+        "ntc2009-local": "drystone.assessment.methods.ntc2009_local",
+        "ntc2018-global": "drystone.assessment.methods.ntc2018_global",
+        "ec8-n2": "drystone.assessment.methods.ec8_n2",
+        "en1998-3-2025-rocking": "drystone.assessment.methods.en1998_3_2025_rocking",
+        "asce41": "drystone.assessment.methods.asce41",
+        "rocking": "drystone.assessment.methods.rocking",
+    },
+)
 
 #: Keys that name files, in tables of either record.
 FILE = "file"
@@ -58,3 +79,12 @@ def _whole(data: dict[str, Any], folder: str) -> dict[str, Any]:
         return str((Path(folder) / value).resolve()) if key == FILE else value
 
     return {key: whole(key, value) for key, value in data.items()}
+
+
+def known_states() -> tuple[str, ...]:
+    """Limit states of all methods, those without a ground motion of their own last."""
+    found = dict.fromkeys(LIMIT_STATES)
+    methods = [method for _, method in METHODS.loaded()]
+    found |= dict.fromkeys(name for method in methods for name in method.STATES)
+    found |= dict.fromkeys(name for method in methods for name in method.MORE_STATES)
+    return tuple(found)

@@ -15,12 +15,21 @@ from drystone.assessment.methods.base import Assessment, LimitState, Settings, S
 from drystone.assessment.methods.ground import bearable
 from drystone.assessment.methods.inelastic import check_on_the_ground
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
+from drystone.common.keys import Choice, Flag, Key, Number
 from drystone.common.language import say
+from drystone.common.ranges import POSITIVE
 from drystone.model.assembly import GRAVITY
 
 NAME = "asce41"
 STATES = ("IO", "LS", "CP")
+MORE_STATES: tuple[str, ...] = ()
+READINGS = ("base_shear",)
 REFERENCE = "CP"
+KEYS: tuple[Key, ...] = (
+    Key(name="site_class", type=Choice(("A", "B", "C", "D", "E", "F")), default=None),
+    Key(name="effective_mass_factor", type=Number(POSITIVE), default=None),  # C_m
+    Key(name="near_fault", type=Flag(), default=None),
+)
 
 #: a of C_1 by site class, (7-29).
 SITE_FACTORS = {"A": 130.0, "B": 130.0, "C": 90.0, "D": 60.0, "E": 60.0, "F": 60.0}
@@ -298,7 +307,10 @@ def _answer(
 
 
 __all__ = [
+    "KEYS",
+    "MORE_STATES",
     "NAME",
+    "READINGS",
     "STATES",
     "assess",
     "degradation_coefficient",

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, fields
+from typing import Any, Protocol
 
 from drystone.assessment.bilinear import Bilinear
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, MissingError
 from drystone.assessment.spectra.base import Spectrum
+from drystone.common.keys import Key
 from drystone.common.language import Saying, say
 from drystone.model.assembly import GRAVITY
 
@@ -19,6 +20,7 @@ __all__ = [
     "AssessmentError",
     "LimitState",
     "Method",
+    "MethodFile",
     "Settings",
     "Spectra",
     "spectra_of",
@@ -46,28 +48,26 @@ class Settings:
     displacement_limits: Mapping[str, float] = field(default_factory=dict)
     elastic_period: float | None = None  # s, T_0; 0 where the mechanism is rigid until it rocks
     straight_capacity: bool | None = None  # a0 (1 - d/d0) instead of the curve; None: the code's
-    # ntc2018-global
-    procedure: str | None = None  # "A" or "B"
-    dissipation: str | None = None  # of procedure B: "high", "moderate", "low"
-    secant_share: float | None = None  # of the peak; 0.6 in NTC 2018
-    # en1998-3-2025-rocking
-    damping: Mapping[str, float] = field(default_factory=dict)  # xi by limit state
-    demand_factor: float | None = None  # gamma_Sd
-    knowledge_level: int | None = None  # 1, 2 or 3
-    infinitely_strong_blocks: bool | None = None
-    # asce41
-    site_class: str | None = None  # "A" to "F"
-    effective_mass_factor: float | None = None  # C_m
-    near_fault: bool | None = None
-    # rocking
+    # ground motions, for `rocking`
     records: tuple[Any, ...] = ()  # `drystone.assessment.rocking.record.Record`
     pulses: tuple[Any, ...] = ()  # `drystone.assessment.rocking.pulse.Pulse`
-    restitution: float | None = None  # velocity after an impact over velocity before it
-    sides: str | None = None  # "two" where it rocks both ways alike, "one" against a wall behind it
+    #: Keys that the method declares itself, as far as they are given.
+    own: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, **values: Any) -> Settings:
+        """Settings of keys by their names, those that methods declare among them."""
+        known = {field.name for field in fields(cls)}
+        own = {key: value for key, value in values.items() if key not in known}
+        return cls(**{key: values[key] for key in values if key in known}, own=own)
+
+    def get(self, key: str) -> Any:
+        """The value of a key; None where it was not said."""
+        return self.own[key] if key in self.own else getattr(self, key, None)
 
     def need(self, key: str, why: str) -> Any:
         """The value of a key; `AssessmentError` says why it is needed where there is none."""
-        value = getattr(self, key)
+        value = self.get(key)
         if value is None or (isinstance(value, Mapping | tuple) and not value):
             raise MissingError(f'method "{self.method}" needs "{key}": {why}')
         return value
@@ -242,6 +242,21 @@ class Assessment:
 
 #: A method: capacity, spectra and settings in, the answer out; refuses with `AssessmentError`.
 Method = Callable[[Capacity, Spectra, Settings], Assessment]
+
+
+class MethodFile(Protocol):
+    """What the file of a method has.  Its line stands in `drystone.model.site.METHODS`."""
+
+    NAME: str  # as in [assessment] method
+    STATES: tuple[str, ...]  # limit states that are compared with spectra, the mildest first
+    #: Further ones, which have no ground motion of their own.
+    MORE_STATES: tuple[str, ...]
+    READINGS: tuple[str, ...]  # of `capacity.READINGS`, those of the method's own code
+    KEYS: tuple[Key, ...]  # of [assessment]; numbers in percent become ratios
+
+    def assess(self, capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessment:
+        """See `Method`."""
+        ...
 
 
 def spectra_of(

@@ -9,11 +9,15 @@ from drystone.assessment.methods.base import Assessment, LimitState, Settings, S
 from drystone.assessment.methods.ground import bearable, of_the_ground
 from drystone.assessment.methods.inelastic import EC8_MOST, Target, check_on_the_ground, target
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
+from drystone.common.keys import Key
 from drystone.common.language import say
 
 NAME = "ec8-n2"
 STATES = ("DL", "SD", "NC")
+MORE_STATES: tuple[str, ...] = ()
+READINGS = ("base_shear", "literal_ec8")
 REFERENCE = "SD"
+KEYS: tuple[Key, ...] = ()
 
 #: SD at three quarters of NC, where 80 per cent of the peak is left: EN 1998-3:2004 C.3.3.
 SIGNIFICANT_SHARE = 0.75

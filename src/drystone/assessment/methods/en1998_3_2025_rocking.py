@@ -16,11 +16,26 @@ from drystone.assessment.methods.base import Assessment, LimitState, Settings, S
 from drystone.assessment.methods.ground import bearable, of_the_ground
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum, damping_factor
 from drystone.assessment.spectra.floor import FloorSpectrum
+from drystone.common.keys import ByState, Choice, Flag, Key, Number
 from drystone.common.language import Saying, say
+from drystone.common.ranges import POSITIVE, Range
 
 NAME = "en1998-3-2025-rocking"
 STATES = ("DL", "SD", "NC")
+MORE_STATES: tuple[str, ...] = ()
+READINGS = ("base_shear",)
 REFERENCE = "SD"
+KEYS: tuple[Key, ...] = (
+    # xi by limit state.
+    Key(
+        name="damping",
+        type=ByState(Number(Range(least=0.0, most=99.9, unit="percent"))),
+        default=None,
+    ),
+    Key(name="demand_factor", type=Number(POSITIVE), default=None),  # gamma_Sd
+    Key(name="knowledge_level", type=Choice((1, 2, 3)), default=None),
+    Key(name="infinitely_strong_blocks", type=Flag(), default=None),
+)
 
 #: d_LS over the collapse displacement d0*, 11.5.2.2.
 SHARES = {"SD": 0.4, "NC": 0.6}
@@ -120,7 +135,7 @@ def _ultimate(
     own = SHARES[name] * local.collapse(capacity, settings)
     d, why = common.limit(capacity, settings, name, own)
     a = local.acceleration(capacity, d, bool(settings.straight_capacity))
-    period, damping = limit_period(d, a), settings.damping[name]
+    period, damping = limit_period(d, a), settings.need("damping", "xi of the limit state")[name]
 
     def demand(s: Spectrum) -> float:
         return factors.demand * displacement_demand(s, period, damping)
@@ -168,7 +183,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
                 left_out.append(say("en1998_3_2025.no_period"))
                 continue
             found.append(_activation(c, spectrum, settings, factors, held))
-        elif name in settings.damping:
+        elif name in (settings.get("damping") or {}):
             found.append(_ultimate(name, c, spectrum, settings, factors, held))
         elif name in owed:
             raise AssessmentError(

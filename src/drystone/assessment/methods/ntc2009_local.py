@@ -14,11 +14,15 @@ from drystone.assessment.methods.base import Assessment, LimitState, Settings, S
 from drystone.assessment.methods.ground import bearable, of_the_ground
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
 from drystone.assessment.spectra.floor import FloorSpectrum
+from drystone.common.keys import Key
 from drystone.common.language import say
 
 NAME = "ntc2009-local"
 STATES = ("SLD", "SLV")
+MORE_STATES: tuple[str, ...] = ()
+READINGS = ("base_shear",)
 REFERENCE = "SLV"
+KEYS: tuple[Key, ...] = ()
 
 #: d_u* = 0.4 d0*, d_s* = 0.4 d_u*: C8A.4.2.3.
 ULTIMATE_SHARE, SECANT_SHARE = 0.4, 0.4

@@ -16,11 +16,22 @@ from drystone.assessment.methods.base import Assessment, LimitState, Settings, S
 from drystone.assessment.methods.ground import bearable, of_the_ground, summit
 from drystone.assessment.methods.inelastic import check_on_the_ground, target
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
+from drystone.common.keys import Choice, Key, Number
 from drystone.common.language import say
+from drystone.common.ranges import Range
 
 NAME = "ntc2018-global"
 STATES = ("SLO", "SLD", "SLV", "SLC")
+MORE_STATES: tuple[str, ...] = ()
+READINGS = ("base_shear",)
 REFERENCE = "SLV"
+KEYS: tuple[Key, ...] = (
+    Key(name="procedure", type=Choice(("A", "B")), default=None),
+    # Of procedure B.
+    Key(name="dissipation", type=Choice(("high", "moderate", "low")), default=None),
+    # Of the peak; 0.6 in NTC 2018.
+    Key(name="secant_share", type=Number(Range(least=1e-6, most=0.999)), default=None),
+)
 
 #: SLV at this share of the displacement of the SLC, SLO of that of the SLD: C8.7.1.3.1.
 LIFE_SHARE, OPERATION_SHARE = 0.75, 2.0 / 3.0
@@ -236,7 +247,7 @@ def _procedure(
     capacity: Capacity, curve: Bilinear, share: float, settings: Settings
 ) -> tuple[_Procedure, str]:
     """Procedure A or B of the settings, and what was assumed."""
-    name = settings.procedure or "A"
+    name = settings.get("procedure") or "A"
     if name == "A":
         return _procedure_a(curve), say("ntc2018_global.procedure_a")
     if name != "B":
@@ -269,7 +280,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
     given, verified, notes = spectra_of(spectra, STATES, REFERENCE, settings)
     check_on_the_ground(given.values(), NAME)
     ultimate, why = in_plane.ultimate(c, settings, "SLC", say("in_plane.drift"))
-    share = settings.secant_share or SECANT_SHARE
+    share = settings.get("secant_share") or SECANT_SHARE
     curve = bilinear(
         c.spectral_displacement,
         c.spectral_acceleration,

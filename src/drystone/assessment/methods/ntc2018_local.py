@@ -19,11 +19,15 @@ from drystone.assessment.methods.base import Assessment, LimitState, Settings, S
 from drystone.assessment.methods.ground import bearable, of_the_ground
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum, largest_displacement
 from drystone.assessment.spectra.floor import FloorSpectrum
+from drystone.common.keys import Key
 from drystone.common.language import say
 
 NAME = "ntc2018-local"
 STATES = ("SLD", "SLV", "SLC")
+MORE_STATES: tuple[str, ...] = ()
+READINGS = ("base_shear",)
 REFERENCE = "SLV"
+KEYS: tuple[Key, ...] = ()
 
 
 class Rule(NamedTuple):

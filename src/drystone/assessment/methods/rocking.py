@@ -13,12 +13,22 @@ from drystone.assessment.rocking.block import RockingBlock, equivalent_block
 from drystone.assessment.rocking.motion import MechanismRocker, respond
 from drystone.assessment.rocking.pulse import Pulse, least_amplitude
 from drystone.assessment.rocking.record import Record
+from drystone.common.keys import Choice, Key, Number
 from drystone.common.language import say
+from drystone.common.ranges import Range
 from drystone.model.assembly import GRAVITY
 
 NAME = "rocking"
 STATES = ("SLV", "SLC")
+MORE_STATES: tuple[str, ...] = ("overturning",)
+READINGS = ("energy",)
 REFERENCE = "SLV"
+KEYS: tuple[Key, ...] = (
+    # Velocity after an impact over velocity before it.
+    Key(name="restitution", type=Number(Range(least=0.0, most=1.0)), default=None),
+    # "two" where it rocks both ways alike, "one" against a wall behind it.
+    Key(name="sides", type=Choice(("one", "two")), default=None),
+)
 
 #: Limits of the mean of the largest displacements over d0*, C8.7.1.2.1.8 and C8.7.1.2.1.9.
 SHARES = {"SLV": 0.4, "SLC": 0.6}
@@ -48,7 +58,7 @@ def record_facts(
     record: Record, rocker: MechanismRocker, block: RockingBlock, settings: Settings
 ) -> dict[str, Any]:
     """Largest displacement [m] under a record, in the worse sense where it rocks to one side."""
-    sides, restitution = settings.sides or "", settings.restitution or 0.0
+    sides, restitution = settings.get("sides") or "", settings.get("restitution") or 0.0
     senses = (1.0, -1.0) if sides == "one" else (1.0,)
     found = [
         respond(rocker, record.scaled(s), restitution=restitution, sides=sides) for s in senses
@@ -71,7 +81,7 @@ def _states(
     """Mean of the largest displacements against 0.4 and 0.6 d0*; none of them passes d0*."""
     end = local.collapse(capacity, settings)
     verified = settings.limit_states or (REFERENCE,)
-    unknown = [name for name in verified if name not in (*STATES, "overturning")]
+    unknown = [name for name in verified if name not in (*STATES, *MORE_STATES)]
     if unknown:
         raise AssessmentError(
             f'method "{NAME}" has no limit state "{unknown[0]}": {", ".join(STATES)}'
@@ -166,7 +176,7 @@ def assess(capacity: Capacity, spectra: Spectra | None, settings: Settings) -> A
             "slenderness": block.slenderness,
             "uplift_acceleration": level,
             "free_period_half": block.free_period(0.5),
-            "restitution": settings.restitution,
+            "restitution": settings.get("restitution"),
             "pulses": pulses,
             "records": records,
         },
@@ -183,11 +193,11 @@ def _said(settings: Settings, capacity: Capacity) -> tuple[str, ...]:
     if settings.confidence_factor is None:
         said.append(say("rocking.no_factor"))
     if settings.records:
-        known = {"n": len(settings.records), "restitution": settings.restitution}
+        known = {"n": len(settings.records), "restitution": settings.get("restitution")}
         said.append(say("rocking.records", **known))
         if capacity.load_multiplier[0] < 0.5 * capacity.activation_multiplier:
             said.append(say("rocking.soft"))
-        if settings.sides == "two":
+        if settings.get("sides") == "two":
             said.append(say("rocking.two_sides"))
     if settings.pulses:
         said.append(say("rocking.pulses"))
@@ -196,5 +206,5 @@ def _said(settings: Settings, capacity: Capacity) -> tuple[str, ...]:
 
 def _weight(settings: Settings) -> str:
     if settings.records:
-        return say("rocking.weight_records", restitution=settings.restitution)
+        return say("rocking.weight_records", restitution=settings.get("restitution"))
     return say("rocking.weight_pulses")

@@ -6,21 +6,21 @@ may hold a site without being assessed.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from dataclasses import replace
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, PlainValidator, ValidationError, model_validator
 
+from drystone.common.keys import Key
+from drystone.common.registry import Registry
+from drystone.io.modelfile.declared import Chosen, State, section_of
 from drystone.io.modelfile.keys import Section, sentence
 from drystone.model.construction.errors import ModelError
-from drystone.model.site import LIMIT_STATES, AssessmentInput, Site
+from drystone.model.site import LIMIT_STATES, METHODS, AssessmentInput, Site
 
 Positive = Annotated[float, Field(gt=0.0, le=1e9)]
 Ground = Annotated[float, Field(gt=0.0, le=10.0)]  # g; ten of them are an acceleration in m/s2
 Percent = Annotated[float, Field(ge=0.0, lt=100.0)]
-#: Limit states of all methods; those of ASCE 41 and of pulses have no ground motion of their own.
-State = Literal[
-    "SLO", "SLD", "SLV", "SLC", "DL", "SD", "NC", "IO", "LS", "CP", "overturning"
-]  # fmt: skip
 
 #: Keys of [site] by code; those of a limit state's own table are the same.
 KEYS = {
@@ -151,8 +151,15 @@ class PulseSection(Section):
     duration: Positive = Field(description="in seconds, as in duration = 0.5")
 
 
-class AssessmentSection(Section):
-    """[assessment]"""
+class AssessmentSection(Chosen):
+    """[assessment]: beside these the keys that methods declare.
+
+    The command line may name another method than the file, and say keys that it leaves out: a file
+    may have the keys of all methods, and needs none of them.
+    """
+
+    chooser: ClassVar[str] = "method"
+    registry: ClassVar[Registry[Any]] = METHODS
 
     method: str | None = None
     reading: Literal["base_shear", "energy", "literal_ec8"] | None = None
@@ -164,22 +171,27 @@ class AssessmentSection(Section):
     displacement_limits: dict[State, Positive] | None = None  # m, control displacements
     elastic_period: Annotated[float, Field(ge=0.0, le=100.0)] | None = None  # s
     straight_capacity: bool | None = None
-    procedure: Literal["A", "B"] | None = None
-    dissipation: Literal["high", "moderate", "low"] | None = None
-    secant_share: Annotated[float, Field(gt=0.0, lt=1.0)] | None = None
-    damping: dict[State, Percent] | None = None  # percent
-    demand_factor: Positive | None = None
-    knowledge_level: Literal[1, 2, 3] | None = None
-    infinitely_strong_blocks: bool | None = None
-    site_class: Literal["A", "B", "C", "D", "E", "F"] | None = None
-    effective_mass_factor: Positive | None = None
-    near_fault: bool | None = None
-    restitution: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
-    sides: Literal["one", "two"] | None = None
     language: Literal["en", "it"] | None = None  # of sentences, screens and reports
     parts_that_may_fall: list[str] | None = None  # ids or groups whose fall is no limit
     record: list[RecordSection] = []
     pulse: list[PulseSection] = []
+
+    @staticmethod
+    def declared(thing: Any) -> tuple[Key, ...]:
+        """See `Chosen`."""
+        return tuple(thing.KEYS)
+
+    @classmethod
+    def of(cls, table: Any) -> type[Self]:
+        """See `Chosen`: the keys of all methods, of which two may share one."""
+        if cls.chooser not in cls.__annotations__:
+            return cls
+        found = {
+            key.name: replace(key, default=None)
+            for _, method in METHODS.loaded()
+            for key in method.KEYS
+        }
+        return section_of(cls, tuple(found.values()))
 
 
 def site_of(section: SiteSection | None, folder: str) -> Site | None:

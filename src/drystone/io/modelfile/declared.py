@@ -34,6 +34,18 @@ from drystone.io.modelfile.keys import (
     sentence,
 )
 from drystone.model.construction.words import quoted, suggestion
+from drystone.model.site import known_states
+
+
+def _state(value: str) -> str:
+    known = known_states()
+    if value not in known:
+        raise sentence(f"must not be {quoted(value)}: {suggestion(value, list(known))}")
+    return value
+
+
+#: A limit state of any method.
+State = Annotated[str, AfterValidator(_state)]
 
 
 def _annotation(type_: declared.Type) -> Any:
@@ -58,7 +70,7 @@ def _annotation(type_: declared.Type) -> Any:
         case declared.Several(of, least, most):
             return Annotated[_list(of), Field(min_length=least, max_length=most)]
         case declared.ByState(of):
-            return GenericAlias(dict, (str, _annotation(of)))
+            return GenericAlias(dict, (State, _annotation(of)))
         case declared.Tables(keys):
             return GenericAlias(list, (section_of(Section, keys),))
     raise TypeError(f"no key has the type {type_}")
@@ -148,7 +160,7 @@ class Chosen(Section):
         known = own.keys()
         for key in data:
             if key not in known:
-                cls._of_another(key, data[cls.chooser])
+                cls._of_another(key, str(data.get(cls.chooser)))
         return own.model_validate(data, context=info.context)
 
     @classmethod

@@ -79,8 +79,9 @@ def _sentence(details: ErrorDetails, data: dict[str, Any]) -> str:
         return f"{place_of(keys, data)} kind: there is no kind {quoted(given)}: {mend}"
     if kind == "missing":
         key = str(keys[-1])
-        description = section.keys()[key].description or ""
-        return f"{_within(keys[:-1], data)}{key} is missing: add it ({description})"
+        description = section.keys()[key].description
+        how = f" ({description})" if description else ""
+        return f"{_within(keys[:-1], data)}{key} is missing: add it{how}"
     if kind == "extra_forbidden":
         key = str(keys[-1])
         mend = suggestion(key, list(section.keys()))
