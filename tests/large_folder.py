@@ -16,7 +16,7 @@ import numpy as np
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.geometry.motion import moved_points, turned
 from drystone.io.results.hdf5 import ResultsWriter
-from drystone.io.results.own_files import RESULTS
+from drystone.io.results.names import RESULTS
 from drystone.model.model import Model
 from drystone.results.curve import CapacityCurve, CurvePoint
 from solids import box, joint, model_of

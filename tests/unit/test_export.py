@@ -25,7 +25,8 @@ from drystone.io.results.folder import OutputError
 from drystone.io.results.hdf5 import ResultsReader, ResultsWriter
 from drystone.io.results.paraview import choose_frames
 from drystone.io.results.summary import plain, summarise, to_json
-from drystone.report.folder.directory import ResultsDirectory, mechanism_row
+from drystone.report.folder.directory import ResultsDirectory
+from drystone.report.folder.pictures import mechanism_row
 from drystone.results.curve import COLUMNS, TieRecord
 
 FILES = {"summary.json", "curve.csv", "curve.png", "mechanism.png", "results.h5", "paraview"}
@@ -366,7 +367,7 @@ def test_full_disk_is_a_sentence(tmp_path, model, curve, monkeypatch):
     def refuse(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("drystone.report.folder.directory.write_curve", refuse)
+    monkeypatch.setattr("drystone.io.results.csv.write_curve", refuse)
     with pytest.raises(OutputError, match="No space left"):
         synthetic.record(results, model, curve)
 
@@ -537,7 +538,7 @@ def test_mechanism_is_at_the_displacement_asked_for(tmp_path, model, curve, monk
         titles.append(title)
         path.touch()
 
-    monkeypatch.setattr("drystone.report.folder.directory.draw_mechanism", draw)
+    monkeypatch.setattr("drystone.report.folder.pictures.draw_mechanism", draw)
     synthetic.record(ResultsDirectory(tmp_path), model, curve)
     synthetic.record(ResultsDirectory(tmp_path, mechanism_displacement=0.1), model, curve)
     option = synthetic.wall_model(mechanism_displacement=0.3)

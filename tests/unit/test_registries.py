@@ -239,3 +239,56 @@ class TestMethod:
         model = ds.read_model(wall(more=text))  # a key is no must where the command line may say it
         with pytest.raises(AssessmentError, match='method "toy" needs "safe_share"'):
             ds.pushover(model, progress=False).assess(model)
+
+
+OUTPUT = '''
+    """Every n-th point of the curve, rounded, a line each."""
+
+    from drystone.common.keys import Key, Whole
+    from drystone.io.results.outputs import Output
+
+
+    def write(done, keys):
+        rows = done.curve.points[:: keys.get("every", 1)]
+        lines = [f"{p.control_displacement:.3e} {p.load_multiplier:.3e}" for p in rows]
+        (done.folder / "toy.txt").write_text("\\n".join(lines))
+
+
+    TOY = Output(
+        files=("toy.txt",), write=write, short=True,
+        keys=(Key(name="every", type=Whole(1, 100), default=1),),
+    )
+'''
+
+
+class TestOutput:
+    ASKED = '\n[[output]]\nkind = "toy"\nevery = 3\n'
+
+    def test_a_wall_is_written_by_it(self, add, wall, tmp_path):
+        add("drystone.outputs", "toy", "toy_output:TOY", OUTPUT)
+        out = tmp_path / "out"
+        path = wall(more=self.ASKED)
+        done = CliRunner().invoke(app, ["run", str(path), "--out", str(out), "--json", "--quiet"])
+        assert done.exit_code == 0, done.output
+        n_points = len((out / "curve.csv").read_text().splitlines()) - 1
+        assert len((out / "toy.txt").read_text().splitlines()) == -(-n_points // 3)
+        ds.write_model(ds.read_model(path), tmp_path / "again.toml")
+        again = ds.read_model(tmp_path / "again.toml")
+        assert again.analysis.outputs == (("toy", {"every": 3}),)
+        # A run that does not ask for it removes the old one.
+        done = CliRunner().invoke(app, ["run", str(wall()), "--out", str(out), "--json", "--quiet"])
+        assert done.exit_code == 0, done.output
+        assert (out / "curve.csv").exists() and not (out / "toy.txt").exists()
+
+    @pytest.mark.parametrize(
+        ("new", "said"),
+        [
+            ("every = 0", "output[1].every: must be at least 1"),
+            ("evry = 3", 'did you mean "every"?'),
+        ],
+    )
+    def test_its_keys_are_checked(self, add, wall, new, said):
+        add("drystone.outputs", "toy", "toy_output:TOY", OUTPUT)
+        with pytest.raises(ds.ModelError) as caught:
+            ds.read_model(wall(more=self.ASKED.replace("every = 3", new)))
+        assert any(said in problem for problem in caught.value.problems), caught.value.problems

@@ -35,7 +35,8 @@ def report(
     """
     with outcome(as_json=as_json):
         from drystone.io.results.folder import check_apart, check_place, in_a_sentence
-        from drystone.io.results.own_files import ASSESSMENT, RESULTS
+        from drystone.io.results.names import RESULTS
+        from drystone.io.results.own_files import ASSESSMENT
         from drystone.report.document.report import write_report
         from drystone.report.viewer.folder import Folder
 

@@ -40,7 +40,7 @@ def view(
     """
     with outcome(as_json=as_json):
         from drystone.io.results.folder import OutputError, check_apart, check_place, in_a_sentence
-        from drystone.io.results.own_files import RESULTS
+        from drystone.io.results.names import RESULTS
         from drystone.report.viewer.folder import Folder
 
         path = folder / "view.html" if out is None else out

@@ -44,6 +44,8 @@ class Analysis:
     max_penetration: float = 0.05  # of two blocks, over the smallest block: the published walls'
     # joints close by up to 0.01, and with 0.05 the block has another shape than the drawn one
     options: Mapping[str, float] = field(default_factory=dict)
+    #: Files asked for beside the usual ones: name and keys of each.
+    outputs: tuple[tuple[str, Mapping[str, Any]], ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

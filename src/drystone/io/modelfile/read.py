@@ -21,7 +21,12 @@ from drystone.io.modelfile.holding import with_holders
 from drystone.io.modelfile.imports import Imports, imports_of
 from drystone.io.modelfile.loads import dead_loads_of, pattern_of
 from drystone.io.modelfile.parse import parse
-from drystone.io.modelfile.schema import AnalysisSection, ExceptionSection, ModelSection
+from drystone.io.modelfile.schema import (
+    AnalysisSection,
+    ExceptionSection,
+    ModelSection,
+    OutputSection,
+)
 from drystone.io.modelfile.sentences import place_of, sentences
 from drystone.io.modelfile.shapes import ShapeError, shape_of, shape_problems
 from drystone.io.modelfile.tying import settlement_of, ties_of
@@ -154,7 +159,7 @@ def _model(
         control_block=control_block,
         control_point=control_point,
         control_direction=section.control.direction,
-        analysis=_analysis(section.analysis),
+        analysis=_analysis(section.analysis, section.output),
         title=title if section.title is None else section.title,
         source=source,
         sha256=sha256,
@@ -172,7 +177,7 @@ def corner_of(section: ModelSection) -> Corner:
     return Corner(radius=section.corner.radius or None, chamfer=section.corner.chamfer or None)
 
 
-def _analysis(section: AnalysisSection) -> Analysis:
+def _analysis(section: AnalysisSection, outputs: Sequence[OutputSection]) -> Analysis:
     return Analysis(
         engine=section.engine,
         strategy=section.strategy,
@@ -182,6 +187,7 @@ def _analysis(section: AnalysisSection) -> Analysis:
         event_share=section.event_share,
         max_penetration=section.max_penetration,
         options=section.options,
+        outputs=tuple((output.kind, output.given) for output in outputs),
     )
 
 

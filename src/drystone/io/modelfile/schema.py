@@ -17,6 +17,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from drystone.common.keys import Key
 from drystone.common.registry import Registry
 from drystone.io.drawings.settings import TOLERANCE
 from drystone.io.modelfile.assessing import AssessmentSection, SiteSection
@@ -40,6 +41,7 @@ from drystone.io.modelfile.keys import (
     sentence,
 )
 from drystone.io.modelfile.tying import SettlementSection, SpringSection, TieSection
+from drystone.io.results.outputs import OUTPUTS
 from drystone.model.construction.fit import DRAWING_TOLERANCE
 from drystone.model.loading.patterns import PATTERNS
 from drystone.model.model import Analysis
@@ -303,6 +305,20 @@ class ContactSection(Section):
     points: int | None = None  # the default and what may be are those of the dimension
 
 
+class OutputSection(Chosen):
+    """[[output]]: a file beside the usual ones, and the keys that it declares."""
+
+    chooser: ClassVar[str] = "kind"
+    registry: ClassVar[Registry[Any]] = OUTPUTS
+
+    kind: Annotated[str, named(OUTPUTS)] = Field(description="the name of an output")
+
+    @staticmethod
+    def declared(thing: Any) -> tuple[Key, ...]:
+        """See `Chosen`."""
+        return tuple(thing.keys)
+
+
 class AnalysisSection(Section):
     """[analysis]"""
 
@@ -375,5 +391,6 @@ class ModelSection(Section):
     spring: list[SpringSection] = []
     control: ControlSection = ControlSection()
     analysis: AnalysisSection = AnalysisSection()
+    output: list[OutputSection] = []
     site: SiteSection | None = None
     assessment: AssessmentSection | None = None

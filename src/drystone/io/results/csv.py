@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from drystone.io.results.folder import whole_file
+from drystone.io.results.names import CURVE, TIES
+from drystone.io.results.outputs import Finished, Output
 from drystone.model.construction.words import in_a_cell
 from drystone.results.curve import COLUMNS, CapacityCurve, TieRecord
 
@@ -49,6 +52,19 @@ def write_ties(curve: CapacityCurve, ties: TieRecord, path: Path | str) -> None:
                 about = point.step, point.control_displacement, in_a_cell(name)
                 row = *about, *values, ties.state(k, i)
                 writer.writerow([_plain(value) for value in row])
+
+
+def _write_ties(done: Finished, keys: Mapping[str, Any]) -> None:
+    if done.curve.ties is not None:
+        write_ties(done.curve, done.curve.ties, done.folder / TIES)
+
+
+CURVE_OUTPUT = Output(
+    files=(CURVE,),
+    write=lambda done, keys: write_curve(done.curve, done.folder / CURVE),
+    short=True,
+)
+TIES_OUTPUT = Output(files=(TIES,), write=_write_ties, short=True)
 
 
 def _plain(value: Any) -> Any:

@@ -6,15 +6,11 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
+from drystone.io.results.names import PARAVIEW, RESULTS
+from drystone.io.results.outputs import file_names
 from drystone.io.results.paraview import remove_series
 from drystone.io.results.senses import DIRECTION, OPPOSITE_FOLDER
 
-SUMMARY, CURVE, RESULTS, TIES = "summary.json", "curve.csv", "results.h5", "ties.csv"
-CURVE_FIGURE, MECHANISM_FIGURE, PARAVIEW = "curve.png", "mechanism.png", "paraview"
-#: Of pictures.
-FORMATS = ("png", "svg", "pdf")
-#: What every analysis leaves; ``ties.csv`` stands beside it where there are ties.
-FILES = (SUMMARY, CURVE, CURVE_FIGURE, MECHANISM_FIGURE, RESULTS)
 #: What an assessment writes beside the results, and what says nothing of new ones.
 ASSESSMENT = "assessment.json"
 OF_ASSESSMENT = (ASSESSMENT, "adrs.svg", "adrs.png", "adrs.pdf")
@@ -29,11 +25,8 @@ def clear(folder: Path) -> None:
     """Remove what runs, assessments, reports and viewers have left, folders of other senses and
     directions included.  Files of other names, and pages of someone else, stay.
     """
-    for name in (*FILES, TIES, *OF_ASSESSMENT, *OF_DIRECTIONS):
+    for name in (RESULTS, *file_names(), *OF_ASSESSMENT, *OF_DIRECTIONS):
         (folder / name).unlink(missing_ok=True)
-    for name in (CURVE_FIGURE, MECHANISM_FIGURE):
-        for format in FORMATS:
-            (folder / name).with_suffix(f".{format}").unlink(missing_ok=True)
     for name in PAGES:
         if _is_ours(folder / name):
             (folder / name).unlink()

@@ -5,8 +5,9 @@ Their time is the step: it only grows, where the control displacement may go bac
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,8 @@ from numpy.typing import NDArray
 from drystone.contact.forces import ContactForces
 from drystone.geometry import motion
 from drystone.io.results import vtu
+from drystone.io.results.names import PARAVIEW
+from drystone.io.results.outputs import Finished, Output
 from drystone.model.assembly import Assembly
 from drystone.results.curve import CurvePoint
 from drystone.results.shapes import MovingShapes, compliance, moving_blocks
@@ -164,3 +167,21 @@ def write_contacts(path: Path, contacts: ContactForces, field_data: Iterable[str
         ],
         field_data=field_data,
     )
+
+
+def _write(done: Finished, keys: Mapping[str, Any]) -> None:
+    curve, results = done.curve, done.results
+    assert results is not None
+    frames = choose_frames(curve.control_displacement, keep=[curve.points.index(curve.peak)])
+    write_series(
+        done.folder / PARAVIEW,
+        done.model.assembly,
+        curve.points,
+        frames,
+        results.pose,
+        results.contacts,
+    )
+
+
+#: Its files stand in a folder of their own, see `remove_series`.
+SERIES_OUTPUT = Output(files=(), write=_write)

@@ -8,6 +8,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drystone.io.results.names import SUMMARY
+from drystone.io.results.outputs import Output
+
 if TYPE_CHECKING:
     from drystone.model.model import Model
     from drystone.results.curve import CapacityCurve
@@ -132,3 +135,10 @@ def _largest(curve: CapacityCurve, name: str) -> float:
         v for v in (float(getattr(point, name)) for point in curve.points) if not math.isnan(v)
     ]
     return max(known, default=math.nan)
+
+
+SUMMARY_OUTPUT = Output(
+    files=(SUMMARY,),
+    write=lambda done, keys: write_summary(done.summary, done.folder / SUMMARY),
+    short=True,
+)

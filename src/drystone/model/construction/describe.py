@@ -52,6 +52,8 @@ def model_to_dict(model: Model) -> dict[str, Any]:
         "direction": model.control_point.direction.tolist(),
     }
     data["analysis"] = _asked(model.analysis)
+    if model.analysis.outputs:
+        data["output"] = [{"kind": kind, **keys} for kind, keys in model.analysis.outputs]
     if model.site is not None:
         data["site"] = model.site.as_dict()
     if model.assessment is not None:

@@ -9,7 +9,7 @@ from typing import Any
 from drystone.assessment.spectra.base import Spectrum
 from drystone.assessment.verdict import sense_words
 from drystone.common.language import spoken
-from drystone.io.results.own_files import RESULTS
+from drystone.io.results.names import RESULTS
 from drystone.io.results.senses import FORWARD, OPPOSITE, OPPOSITE_FOLDER
 from drystone.report.document.facts import NOTHING
 from drystone.report.folder.results import check_opposite

@@ -15,7 +15,7 @@ from drystone.assessment.verdict import sense_words
 from drystone.common.language import number, speaking, spoken, words
 from drystone.io.results.folder import whole_file
 from drystone.io.results.hdf5 import ResultsReader
-from drystone.io.results.own_files import RESULTS
+from drystone.io.results.names import RESULTS
 from drystone.io.results.summary import package_version
 from drystone.model.assembly import GRAVITY
 from drystone.report import Mechanism

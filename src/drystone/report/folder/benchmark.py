@@ -14,7 +14,7 @@ from drystone.io.results.folder import locked, whole_file
 from drystone.io.results.summary import package_version, write_summary
 from drystone.report import draw_benchmark_wall
 from drystone.report.curve_figure import Reference
-from drystone.report.folder.directory import MECHANISM_DISPLACEMENT, mechanism_row, mechanism_title
+from drystone.report.folder.pictures import MECHANISM_DISPLACEMENT, mechanism_row, mechanism_title
 from drystone.report.mechanism import Mechanism
 from drystone.results.curve import CapacityCurve
 

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.forces import ContactForces
-from drystone.io.results.csv import write_curve, write_ties
 from drystone.io.results.folder import (
     FolderLock,
     OutputError,
@@ -20,39 +19,21 @@ from drystone.io.results.folder import (
     check_apart,
     check_writable,
     in_a_sentence,
-    whole_file,
 )
 from drystone.io.results.hdf5 import ResultsReader, ResultsWriter
 from drystone.io.results.interrupts import uninterrupted
-from drystone.io.results.own_files import (
-    CURVE,
-    CURVE_FIGURE,
-    FILES,
-    MECHANISM_FIGURE,
-    PARAVIEW,
-    RESULTS,
-    SUMMARY,
-    TIES,
-    clear,
-)
-from drystone.io.results.paraview import choose_frames, write_series
-from drystone.io.results.summary import plain, summarise, write_summary
+from drystone.io.results.names import PARAVIEW, RESULTS
+from drystone.io.results.outputs import Finished, file_names, written_of
+from drystone.io.results.own_files import clear
+from drystone.io.results.summary import plain, summarise
 from drystone.model.model import Model
 from drystone.model.ties import TieState
-from drystone.report import Mechanism, canvas, draw_curve, draw_mechanism
-from drystone.report.mechanism import readable_magnification
-from drystone.report.quantities import state_text
 from drystone.results.curve import CapacityCurve, CurvePoint
 
 if TYPE_CHECKING:
     from drystone.limit.beside import Beside
 
 Array = NDArray[np.float64]
-
-#: Control displacement [m] of the mechanism's picture, the published one.
-MECHANISM_DISPLACEMENT = 0.2
-#: The option of a model's analysis that says otherwise.
-MECHANISM_OPTION = "mechanism_displacement"
 
 
 class ResultsDirectory:
@@ -195,64 +176,33 @@ class ResultsDirectory:
             "collapse_range": plain(self._beside.collapse_range),
             "upper_bound": plain(self._beside.upper_bound),
         }
+        done = Finished(
+            folder=self.path,
+            model=model,
+            curve=curve,
+            summary=self.summary,
+            beside=self._beside,
+            formats=self._formats,
+            mechanism_displacement=self._mechanism_displacement,
+            results=None,
+        )
         with uninterrupted():
-            write_curve(curve, self.path / CURVE)
-            if curve.ties is not None:
-                write_ties(curve, curve.ties, self.path / TIES)
-            write_summary(self.summary, self.path / SUMMARY)
+            for output, keys in written_of(model):
+                if output.short:
+                    output.write(done, keys)
         if failure is not None:
             raise failure
         if writer.whole:
-            self._draw(model, curve)
+            self._write_long(done)
 
-    def _draw(self, model: Model, curve: CapacityCurve) -> None:
+    def _write_long(self, done: Finished) -> None:
         """Pictures and series, of the points that ``results.h5`` has."""
-        for format in self._formats:
-            with whole_file((self.path / CURVE_FIGURE).with_suffix(f".{format}")) as draft:
-                draw_curve(
-                    curve, draft, title=model.title, limits=self._beside.limits, format=format
-                )
         with ResultsReader(self.path / RESULTS) as results:
-            curve = replace(curve, points=curve.points[: results.n_points])
-            self._draw_mechanism(model, curve, results)
-            frames = choose_frames(
-                curve.control_displacement, keep=[curve.points.index(curve.peak)]
-            )
-            write_series(
-                self.path / PARAVIEW,
-                model.assembly,
-                curve.points,
-                frames,
-                results.pose,
-                results.contacts,
-            )
-
-    def _draw_mechanism(self, model: Model, curve: CapacityCurve, results: ResultsReader) -> None:
-        wanted = self._mechanism_displacement
-        if wanted is None:
-            usual = model.settlement.largest if model.settlement else MECHANISM_DISPLACEMENT
-            wanted = float(model.analysis.options.get(MECHANISM_OPTION, usual))
-        row = mechanism_row(curve, wanted)
-        point, pose, settled = curve.points[row], results.pose(row), results.pose(0)
-        gone = curve.gone(model.assembly.ids, point.step)
-        pose = np.where(gone[:, None], settled, pose)  # they are shown as designed
-        mechanism = Mechanism(
-            assembly=model.assembly,
-            pose=pose,
-            settled=settled,
-            gone=gone,
-            contacts=results.contacts(row),
-            load_direction=model.load_shown,
-            control_point=model.control_point,
-            ties=model.ties,
-            dead_loads=model.dead_loads,
-            tie_branch=curve.ties.branch[row] if curve.ties else None,
-            magnification=readable_magnification(model.assembly, pose, settled),
-        )
-        title = mechanism_title(model.title, curve, point)
-        for format in self._formats:
-            with whole_file((self.path / MECHANISM_FIGURE).with_suffix(f".{format}")) as draft:
-                draw_mechanism(mechanism, draft, title=title, format=format)
+            curve = replace(done.curve, points=done.curve.points[: results.n_points])
+            done = replace(done, curve=curve, results=results)
+            for output, keys in written_of(done.model):
+                if not output.short:
+                    output.write(done, keys)
 
 
 def _as_kept(curve: CapacityCurve, n: int) -> CapacityCurve:
@@ -263,17 +213,4 @@ def _as_kept(curve: CapacityCurve, n: int) -> CapacityCurve:
 
 def files_of(folder: Path) -> list[Path]:
     """Files that an analysis writes into its folder, those of ParaView apart."""
-    return [folder / name for name in (*FILES, TIES)]
-
-
-def mechanism_row(curve: CapacityCurve, control_displacement: float) -> int:
-    """Row of the point nearest to a control displacement [m], the last if the curve ends before."""
-    if float(curve.control_displacement.max()) < control_displacement:
-        return len(curve.points) - 1
-    return curve.nearest(control_displacement)
-
-
-def mechanism_title(title: str, curve: CapacityCurve, point: CurvePoint) -> str:
-    """What a picture shows: the point's own displacement, not the one that was asked for."""
-    values = state_text(curve, point)
-    return f"{canvas.literal(title)}: {values}" if title else values
+    return [folder / name for name in (RESULTS, *file_names())]

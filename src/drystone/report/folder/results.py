@@ -18,7 +18,7 @@ from drystone.engines import BUILT_IN
 from drystone.io.modelfile.read import model_from_text
 from drystone.io.results.folder import OutputError
 from drystone.io.results.hdf5 import RUNNING, Array, ResultsReader
-from drystone.io.results.own_files import RESULTS, SUMMARY
+from drystone.io.results.names import RESULTS, SUMMARY
 from drystone.io.results.summary import summarise
 from drystone.model.construction.errors import ModelError
 from drystone.model.model import Model

@@ -32,7 +32,7 @@ from drystone.geometry.motion import turns
 from drystone.geometry.plane.outlines import Outlines
 from drystone.geometry.space.polyhedra import Polyhedra
 from drystone.io.results.hdf5 import ResultsReader
-from drystone.io.results.own_files import RESULTS
+from drystone.io.results.names import RESULTS
 from drystone.io.results.summary import package_version, plain
 from drystone.model.model import Model
 from drystone.report.folder.results import Results
