@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 import fake_pylmgc90
 from builders import PUBLISHED_JOINT, convex_polygons, rectangle, stack, turned
 from drystone.cli import app
-from drystone.io.convert import TARGETS, common, convert, itasca, read, target_of
+from drystone.io.convert import common, convert, itasca, read, target_of
 from drystone.io.modelfile import write_model
 from drystone.model.assembly import Block, Corner, JointLaw
 from drystone.model.builders import ModelError, make_model, published_wall
@@ -26,12 +26,12 @@ CLOSE = 1e-11
 
 
 def written(model: Model, target: str) -> tuple[str, tuple[str, ...]]:
-    found = TARGETS[target].write(model, "file")
+    found = target_of("", target).write(model, "file")
     return found.text, found.notes
 
 
 def again(model: Model, target: str) -> Model:
-    reader = TARGETS[target].read
+    reader = target_of("", target).read
     assert reader is not None
     return reader(written(model, target)[0])
 
@@ -377,7 +377,7 @@ def test_laws_that_lmgc90_has_not_are_refused():
 @pytest.mark.parametrize("target", ["udec", "3dec", "lmgc90"])
 @pytest.mark.parametrize("text", ["", "new\n", "BLOCKS = 1\n", "def (\n"])
 def test_other_files_are_refused(target, text):
-    reader = TARGETS[target].read
+    reader = target_of("", target).read
     assert reader is not None
     with pytest.raises(ModelError, match="of ours"):
         reader(text)

@@ -25,7 +25,7 @@ def convert(
         Path,
         typer.Argument(
             metavar="IN",
-            help="A model file or a drawing: .dxf, .obj, .ply, .stl, .ifc, COMPAS, BODIES.DAT.",
+            help="A model file or a drawing.",
             show_default=False,
         ),
     ],
@@ -37,8 +37,8 @@ def convert(
         str | None,
         typer.Option(
             metavar="NAME",
-            help="model, udec, 3dec, lmgc90, vtk, dxf, obj, compas, ply or stl. [default: by OUT's "
-            "ending: .toml, .dat, .3ddat, .py, .vtk, .dxf, .obj, .json, .ply, .stl]",
+            help="model, a program as udec, or a format of drawings as dxf; ? lists them. "
+            "[default: by OUT's ending]",
             show_default=False,
         ),
     ] = None,
@@ -47,7 +47,7 @@ def convert(
         typer.Option(
             "--from",
             metavar="NAME",
-            help="model, udec, 3dec, lmgc90, or dxf, obj, ply, stl, compas, bodies, ifc. "
+            help="model, a program as udec, or a format of drawings as dxf; ? lists them. "
             "[default: by IN's ending]",
             show_default=False,
         ),
@@ -132,17 +132,17 @@ def convert(
 
 def kind_of(source: Path, name: str | None) -> str:
     """What a file is: "model", another program's name, or "drawing " and its format."""
-    from drystone.io.convert import TARGETS
+    from drystone.io.convert import PROGRAMS
     from drystone.io.drawings import FORMATS
     from drystone.model.construction.errors import ModelError
 
-    readable = [target.name for target in TARGETS.values() if target.read]
+    readable = [target.name for target in PROGRAMS.values() if target.read]
     if name is not None:
         if name in FORMATS:
             return f"drawing {name}"
         if name in (MODEL, *readable):
             return name
-        known = ", ".join((MODEL, *readable, *FORMATS))
+        known = ", ".join((MODEL, *readable, *FORMATS.names()))
         raise ModelError([f'there is nothing to read from "{name}": take one of {known}'])
     ending = source.suffix.lower()
     if ending == ".json":
@@ -151,10 +151,10 @@ def kind_of(source: Path, name: str | None) -> str:
         return (
             "drawing bodies" if _holds(source, b"$bdyty") or _holds(source, b"$bodies") else "udec"
         )
-    for one in FORMATS.values():
+    for _, one in FORMATS.loaded():
         if ending in one.endings:
             return f"drawing {one.name}"
-    for target in TARGETS.values():
+    for target in PROGRAMS.values():
         if target.read and ending in target.endings:
             return target.name
     return MODEL

@@ -15,6 +15,7 @@ from pathlib import Path
 
 from drystone.io.convert import drawings, lmgc90, threedec, udec, vtk
 from drystone.io.convert.common import Written
+from drystone.io.drawings.registry import FORMATS
 from drystone.model.construction.contents import read_bytes
 from drystone.model.construction.errors import ModelError
 from drystone.model.model import Model
@@ -30,20 +31,30 @@ class Target:
     read: Callable[[str], Model] | None  # text -> model
 
 
-TARGETS = {
+#: Programs that take a whole model.
+PROGRAMS = {
     target.name: target
     for target in (
         Target(name="udec", endings=(".dat", ".udat"), write=udec.write, read=udec.read),
         Target(name="3dec", endings=(".3ddat",), write=threedec.write, read=threedec.read),
         Target(name="lmgc90", endings=(".py",), write=lmgc90.write, read=lmgc90.read),
         Target(name="vtk", endings=(".vtk", ".vtu"), write=vtk.write, read=None),
-        Target(name="dxf", endings=(".dxf",), write=drawings.write_dxf, read=None),
-        Target(name="obj", endings=(".obj",), write=drawings.write_obj, read=None),
-        Target(name="compas", endings=(".json",), write=drawings.write_compas, read=None),
-        Target(name="ply", endings=(".ply",), write=drawings.write_ply, read=None),
-        Target(name="stl", endings=(".stl",), write=drawings.write_stl, read=None),
     )
 }
+
+
+def targets() -> dict[str, Target]:
+    """All that we write for: programs, then formats of drawings that are written."""
+    return PROGRAMS | {
+        name: Target(
+            name=name,
+            endings=one.endings,
+            write=lambda model, _, one=one: drawings.write(one, model),  # type: ignore[misc]
+            read=None,
+        )
+        for name, one in FORMATS.loaded()
+        if one.write is not None and name not in PROGRAMS
+    }
 
 
 def target_of(path: str | PathLike[str], name: str | None = None) -> Target:
@@ -54,15 +65,16 @@ def target_of(path: str | PathLike[str], name: str | None = None) -> Target:
     ModelError
         There is none.
     """
+    every = targets()
     if name is not None:
-        if name not in TARGETS:
-            raise ModelError([f'there is no target "{name}": take one of {", ".join(TARGETS)}'])
-        return TARGETS[name]
+        if name not in every:
+            raise ModelError([f'there is no target "{name}": take one of {", ".join(every)}'])
+        return every[name]
     ending = Path(path).suffix.lower()
-    for target in TARGETS.values():
+    for target in every.values():
         if ending in target.endings:
             return target
-    known = ", ".join(f"{t.endings[0]} ({t.name})" for t in TARGETS.values())
+    known = ", ".join(f"{t.endings[0]} ({t.name})" for t in every.values())
     raise ModelError(
         [f'{path}: its ending "{ending}" means no program: end it in {known}, or say --to']
     )
@@ -76,7 +88,7 @@ def convert(model: Model, path: str | PathLike[str], target: str | None = None) 
     path
         Of the file to write.
     target
-        One of `TARGETS`; by default what the file's ending means.
+        One of `targets`; by default what the file's ending means.
 
     Returns
     -------
@@ -111,4 +123,4 @@ def read(path: str | PathLike[str], target: str | None = None) -> Model:
     return found.read(text)
 
 
-__all__ = ["TARGETS", "Target", "convert", "read", "target_of"]
+__all__ = ["PROGRAMS", "Target", "convert", "read", "target_of", "targets"]

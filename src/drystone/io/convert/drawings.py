@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-
 import numpy as np
 
 from drystone.io.convert.common import Written
-from drystone.io.drawings import Shape, compas, dxf, obj, ply, stl
+from drystone.io.drawings import Shape
+from drystone.io.drawings.format import LAYER, LOST, Format
 from drystone.model.construction.extrude import extruded
 from drystone.model.construction.words import listed
 from drystone.model.model import Model
@@ -16,51 +15,19 @@ from drystone.model.model import Model
 GEOMETRY_ONLY = "a drawing holds the blocks alone: joints, load and analysis stay in the model file"
 
 
-def write_obj(model: Model, name: str = "") -> Written:
-    """Wavefront OBJ; supports are of the material "support", as OBJ has no other mark."""
-    return _written(model, obj.write, supports_as_layer=True)
-
-
-def write_ply(model: Model, name: str = "") -> Written:
-    """PLY, in text."""
-    return _written(model, ply.write, note_supports=True)
-
-
-def write_stl(model: Model, name: str = "") -> Written:
-    """STL, in text, a solid for each block."""
-    return _written(model, stl.write, note_supports=True)
-
-
-def write_compas(model: Model, name: str = "") -> Written:
-    """COMPAS JSON as compas_assembly has it."""
-    return _written(model, compas.write)
-
-
-def write_dxf(model: Model, name: str = "") -> Written:
-    """DXF: closed polylines of a plane model, meshes of one in space; with the control point."""
-    point = model.control_point.point
-    shapes, notes = _shapes(model)
-    text = dxf.write(shapes, model.title, point.tolist())
-    return Written(text=text, notes=(GEOMETRY_ONLY, *notes))
-
-
-def _written(
-    model: Model,
-    write: Callable[[Sequence[Shape], str], str],
-    *,
-    supports_as_layer: bool = False,
-    note_supports: bool = False,
-) -> Written:
+def write(kind: Format, model: Model) -> Written:
+    """The text of a model's blocks in a format that is written, and what that loses."""
+    assert kind.write is not None
     notes = [GEOMETRY_ONLY]
-    if model.assembly.dimension == 2:
+    if model.assembly.dimension == 2 and not kind.in_plane:
         model = extruded(model)
         notes.append("the plane model was made one of space, from y = 0 to its thickness")
     shapes, more = _shapes(model)
     notes += more
     supports = [shape.name for shape in shapes if shape.support]
-    if note_supports and supports:
+    if kind.supports == LOST and supports:
         notes.append(f"supports are not marked in this format: {listed(supports)}")
-    if supports_as_layer:
+    if kind.supports == LAYER:
         shapes = [
             Shape(
                 name=shape.name,
@@ -70,7 +37,8 @@ def _written(
             )
             for shape in shapes
         ]
-    return Written(text=write(shapes, model.title), notes=tuple(notes))
+    text = kind.write(shapes, model.title, model.control_point.point.tolist())
+    return Written(text=text, notes=tuple(notes))
 
 
 def _shapes(model: Model) -> tuple[list[Shape], list[str]]:

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from drystone.io.drawings.blocks import Imported, imported
     from drystone.io.drawings.drawing import UNITS, Drawing, Shape
-    from drystone.io.drawings.formats import FORMATS, format_of, read_drawing
+    from drystone.io.drawings.formats import format_of, read_drawing
+    from drystone.io.drawings.registry import FORMATS
     from drystone.io.drawings.settings import TOLERANCE, ImportSettings
 
 #: Where each name is: most models import nothing, and need not wait for it.
 _PLACES = {
-    "FORMATS": "formats",
+    "FORMATS": "registry",
     "TOLERANCE": "settings",
     "UNITS": "drawing",
     "Drawing": "drawing",

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from drystone.io.drawings.drawing import MOST, Drawing, Shape, number, tidy_name, whole
+from drystone.io.drawings.format import Format
 from drystone.model.construction.contents import read_bytes
 from drystone.model.construction.errors import ModelError
 
@@ -229,3 +230,11 @@ def _held(beside: Path | None) -> dict[str, set[int]]:
         elif words[:1] == ["vlocy"] and body:
             held.setdefault(body[0], set()).add(body[1])
     return held
+
+
+FORMAT = Format(
+    name="bodies",
+    endings=(".dat",),
+    read=lambda data, path, _: read(data, path),
+    beside=(DRIVEN, STATE),
+)

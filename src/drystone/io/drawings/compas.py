@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from drystone.io.drawings.drawing import Drawing, Shape, check_faces, tidy_name
+from drystone.io.drawings.format import Format
 from drystone.model.construction.errors import ModelError
 
 #: Keys on the way to a mesh that are no names of blocks.
@@ -256,3 +257,11 @@ def write(shapes: Sequence[Shape], title: str) -> str:
         },
     }
     return json.dumps(data, indent=1, ensure_ascii=False) + "\n"
+
+
+FORMAT = Format(
+    name="compas",
+    endings=(".json",),
+    read=lambda data, *_: read(data),
+    write=lambda shapes, title, _: write(shapes, title),
+)

@@ -27,6 +27,7 @@ from drystone.io.drawings.drawing import (
     shapes_of_mesh,
     tidy_name,
 )
+from drystone.io.drawings.format import Format
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import printable, quoted
 
@@ -367,3 +368,12 @@ def write(shapes: Sequence[Shape], title: str, control: Sequence[float] | None =
 def _layer(name: str) -> str:
     """A layer's name without letters that DXF forbids."""
     return "".join("_" if c in '<>/\\":;?*|=`,' else c for c in name) or "0"
+
+
+FORMAT = Format(
+    name="dxf",
+    endings=(".dxf",),
+    read=lambda data, _, dimension: read(data, dimension),
+    write=write,
+    in_plane=True,
+)

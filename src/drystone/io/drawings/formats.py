@@ -1,64 +1,36 @@
-"""Which formats there are, by name and ending, and how a file of each is read."""
+"""Which format a file has, by name or ending, and how it is read."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from drystone.common.ranges import too_many
-from drystone.io.drawings import bodies, compas, dxf, ifc, obj, ply, stl
+from drystone.common.registry import RegistryError
 from drystone.io.drawings.drawing import Drawing, check_counts, check_places
+from drystone.io.drawings.format import Format
+from drystone.io.drawings.registry import FORMATS
 from drystone.model.construction.contents import read_bytes
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import printable, quoted, suggestion
-
-#: Reads a file: its contents, its path, and the dimension of the model, if it is known.
-Read = Callable[[bytes, Path, int | None], Drawing]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Format:
-    """A kind of file."""
-
-    name: str
-    endings: tuple[str, ...]
-    read: Read
-    beside: tuple[str, ...] = ()  # names of files that are read with it where they are there
-
-
-FORMATS = {
-    one.name: one
-    for one in (
-        Format(name="obj", endings=(".obj",), read=lambda data, *_: obj.read(data)),
-        Format(name="ply", endings=(".ply",), read=lambda data, *_: ply.read(data)),
-        Format(name="stl", endings=(".stl",), read=lambda data, *_: stl.read(data)),
-        Format(name="compas", endings=(".json",), read=lambda data, *_: compas.read(data)),
-        Format(name="dxf", endings=(".dxf",), read=lambda data, _, n: dxf.read(data, n)),
-        Format(
-            name="bodies",
-            endings=(".dat",),
-            read=lambda data, path, _: bodies.read(data, path),
-            beside=(bodies.DRIVEN, bodies.STATE),
-        ),
-        Format(name="ifc", endings=(".ifc",), read=lambda data, *_: ifc.read(data)),
-    )
-}
 
 
 def format_of(path: Path, name: str | None = None) -> Format:
     """The format of that name, or else the one that a file's ending means; raises `ModelError`."""
     if name is not None:
         if name not in FORMATS:
-            raise ModelError(
-                [f"there is no format {quoted(name)}: {suggestion(name, list(FORMATS))}"]
-            )
-        return FORMATS[name]
-    for one in FORMATS.values():
+            mend = suggestion(name, list(FORMATS.names()))
+            raise ModelError([f"there is no format {quoted(name)}: {mend}"])
+        try:
+            return FORMATS[name]
+        except RegistryError as error:
+            raise ModelError([str(error)]) from None
+    formats = [one for _, one in FORMATS.loaded()]
+    for one in formats:
         if path.suffix.lower() in one.endings:
             return one
-    known = ", ".join(f"{one.endings[0]} ({one.name})" for one in FORMATS.values())
+    known = ", ".join(f"{one.endings[0]} ({one.name})" for one in formats)
     raise ModelError(
         [f"the ending {quoted(path.suffix)} means no format: give one, or end it in {known}"]
     )

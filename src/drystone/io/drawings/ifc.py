@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from drystone.io.drawings.drawing import Drawing, Shape, check_faces, tidy_name
+from drystone.io.drawings.format import Format
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import printable
 
@@ -116,3 +117,6 @@ def _material(element: Any) -> str:
 
 def _line(error: Exception) -> str:
     return printable(" ".join(str(error).split())[:200])
+
+
+FORMAT = Format(name="ifc", endings=(".ifc",), read=lambda data, *_: read(data))

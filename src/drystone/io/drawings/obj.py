@@ -16,6 +16,7 @@ from drystone.io.drawings.drawing import (
     tidy_name,
     whole,
 )
+from drystone.io.drawings.format import LAYER, Format
 from drystone.model.construction.errors import ModelError
 
 
@@ -125,3 +126,12 @@ def write(shapes: Sequence[Shape], title: str) -> str:
         lines += ["f " + " ".join(str(first + i) for i in face) for face in shape.faces]
         first += len(shape.vertices)
     return "\n".join(lines) + "\n"
+
+
+FORMAT = Format(
+    name="obj",
+    endings=(".obj",),
+    read=lambda data, *_: read(data),
+    write=lambda shapes, title, _: write(shapes, title),
+    supports=LAYER,  # of the material "support", as OBJ has no other mark
+)

@@ -18,6 +18,7 @@ from drystone.io.drawings.drawing import (
     tidy_name,
     whole,
 )
+from drystone.io.drawings.format import LOST, Format
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import quoted
 
@@ -199,3 +200,12 @@ def write(shapes: Sequence[Shape], title: str) -> str:
             "",
         ]
     )
+
+
+FORMAT = Format(
+    name="ply",
+    endings=(".ply",),
+    read=lambda data, *_: read(data),
+    write=lambda shapes, title, _: write(shapes, title),
+    supports=LOST,
+)

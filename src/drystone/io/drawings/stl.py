@@ -15,6 +15,7 @@ from drystone.io.drawings.drawing import (
     shapes_of_mesh,
     tidy_name,
 )
+from drystone.io.drawings.format import LOST, Format
 from drystone.model.construction.errors import ModelError
 
 
@@ -97,3 +98,12 @@ def write(shapes: Sequence[Shape], title: str) -> str:
 
 def _numbers(row: np.ndarray) -> str:
     return " ".join(map(repr, row.tolist()))
+
+
+FORMAT = Format(
+    name="stl",
+    endings=(".stl",),
+    read=lambda data, *_: read(data),
+    write=lambda shapes, title, _: write(shapes, title),
+    supports=LOST,
+)

@@ -19,6 +19,7 @@ from pydantic_core import PydanticCustomError
 
 from drystone.common.keys import Key
 from drystone.common.registry import Registry
+from drystone.io.drawings.registry import FORMATS
 from drystone.io.drawings.settings import TOLERANCE
 from drystone.io.modelfile.assessing import AssessmentSection, SiteSection
 from drystone.io.modelfile.builds import BuildTable
@@ -200,7 +201,7 @@ class ImportSection(Section):
     """[[import]]"""
 
     file: str = Field(description='its path from the model file, as in file = "arch.dxf"')
-    format: Literal["obj", "ply", "stl", "compas", "dxf", "bodies", "ifc"] | None = None
+    format: Annotated[str, named(FORMATS)] | None = None
     unit: Literal["m", "cm", "mm", "in", "ft"] | None = None
     up: Annotated[Literal["z", "y"] | None, Spatial] = None
     material: str | None = None
