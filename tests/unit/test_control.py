@@ -36,6 +36,7 @@ from drystone.control import (
 )
 from drystone.control.displacement import ALL_BUT
 from drystone.control.ends import COLLAPSED, Progress, end_of_curve
+from drystone.control.stops import stops_of
 from drystone.engines.base import (
     Capabilities,
     Demand,
@@ -1007,7 +1008,9 @@ class TestEveryStrategy:
 class TestEnds:
     """`end_of_curve` itself: what is complete, what stopped, what goes on."""
 
-    SETTINGS = ExcessSettings(displacement_step=STEP, max_displacement=0.1, max_steps=200)
+    SETTINGS = ExcessSettings(
+        displacement_step=STEP, stops=stops_of({"max_displacement": 0.1, "max_steps": 200})
+    )
 
     def end(self, **progress):
         at = {"multiplier": 0.2, "highest": 0.4, "displacement": 0.05, "n_steps": 50}
@@ -1089,7 +1092,7 @@ class TestOneValidation:
     @pytest.mark.parametrize("cls", [PublishedSettings, ExcessSettings, DisplacementSettings])
     def test_settings_made_by_hand(self, cls):
         with pytest.raises(ControlError, match="max_steps: must be at least 1"):
-            cls(displacement_step=STEP, max_steps=0)
+            cls(displacement_step=STEP, stops=stops_of({"max_steps": 0}))
 
     @pytest.mark.parametrize("direction", [(-1.0, 0.0), (0.0, 1.0)])
     def test_control_direction_against_the_load(self, direction):

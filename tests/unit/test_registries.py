@@ -385,3 +385,62 @@ class TestDrawing:
         path.write_text(DRAWN.replace('"boxes"', '"boxs"'))
         with pytest.raises(ds.ModelError, match=r"import\[1\].*format.*did you mean .boxes."):
             ds.read_model(path)
+
+
+STOP = '''
+    """The curve ends where the multiplier has fallen by a share of its highest."""
+
+    from drystone.common.keys import Key, Number
+    from drystone.common.ranges import Range
+    from drystone.control.progress import End
+    from drystone.control.stops import Stop
+
+
+    def end(share, progress):
+        if progress.static and progress.multiplier < (1.0 - share) * progress.highest:
+            return End(reason=f"the multiplier has fallen by {share:g} of its peak", finished=True)
+        return None
+
+
+    FALL = Stop(key=Key(name="most_fall", type=Number(Range(least=0.01, most=1.0))), end=end)
+'''
+
+
+class TestStop:
+    CHANGE = ("max_displacement = 0.02", "most_fall = 0.2")
+
+    @pytest.mark.parametrize(
+        ("engine", "strategy"),
+        [("equilibrium", "displacement"), ("nscd", "displacement"), ("nscd", "published")],
+    )
+    def test_the_curve_of_a_wall_ends_by_it(self, add, wall, tmp_path, engine, strategy):
+        add("drystone.stops", "most_fall", "fall_stop:FALL", STOP)
+        model = ds.read_model(wall(self.CHANGE))
+        curve = ds.pushover(model, engine=engine, strategy=strategy, progress=False)
+        assert curve.reason == "the multiplier has fallen by 0.2 of its peak"
+        assert curve.status == "finished"
+        assert curve.points[-1].load_multiplier < 0.8 * curve.peak.load_multiplier
+        assert curve.points[-2].load_multiplier > 0.7 * curve.peak.load_multiplier
+        ds.write_model(model, tmp_path / "again.toml")
+        assert ds.read_model(tmp_path / "again.toml").analysis.options == {"most_fall": 0.2}
+
+    @pytest.mark.parametrize(
+        ("new", "said"),
+        [
+            ("most_fall = 2.0", "analysis.most_fall: must be at most 1"),
+            ("most_fal = 0.2", 'did you mean "most_fall"?'),
+        ],
+    )
+    def test_its_key_is_checked(self, add, wall, new, said):
+        add("drystone.stops", "most_fall", "fall_stop:FALL", STOP)
+        with pytest.raises(ds.ModelError) as caught:
+            ds.read_model(wall((self.CHANGE[0], new)))
+        assert any(said in problem for problem in caught.value.problems), caught.value.problems
+
+    def test_in_python(self, add, wall):
+        add("drystone.stops", "most_fall", "fall_stop:FALL", STOP)
+        model = ds.read_model(wall())
+        curve = ds.pushover(model, most_fall=0.1, max_displacement=1.0, progress=False)
+        assert curve.reason == "the multiplier has fallen by 0.1 of its peak"
+        with pytest.raises(ds.EngineError, match="most_fall: must be at most 1"):
+            ds.pushover(model, most_fall=2.0, progress=False)

@@ -35,6 +35,7 @@ from drystone.control import (
     SettlingControl,
     SettlingSettings,
 )
+from drystone.control.stops import STOPS, stops_of
 from drystone.engines import checked, make_engine
 from drystone.engines.base import Demand, Engine, EngineError, Pacing, Problem, State, StepReport
 from drystone.engines.frame import Frame
@@ -467,10 +468,12 @@ def _options_of(strategy: str, analysis: Analysis) -> dict[str, float]:
         for cls in (PublishedSettings, ExcessSettings, DisplacementSettings)
         for f in fields(cls)
     }
-    unknown = [key for key in options if key not in known | {"mechanism_displacement"}]
+    known = (known - {"stops"}) | {"mechanism_displacement"}
+    unknown = [key for key in options if key not in known and key not in STOPS]
     if unknown:
         raise EngineError(f'there is no setting "{unknown[0]}" of the analysis')
     wrong = [sentence for key, value in options.items() if (sentence := problem(key, value))]
+    wrong += [sentence for stop, x in stops_of(options) if (sentence := stop.problem(x))]
     if wrong:  # also of settings that this strategy does not use, as in a model file
         raise EngineError(f"[analysis] {wrong[0]}")
     return options
@@ -553,6 +556,8 @@ def _settings(cls: type[Settings], second: float, options: Mapping[str, float]) 
         if key.name in options:
             value = options[key.name]
             chosen[key.name] = int(value) if key.type == "int" else value
+        elif key.name == "stops":
+            chosen[key.name] = stops_of(options)
         elif key.name == "time_step":
             default: Any = key.default
             chosen[key.name] = second * default

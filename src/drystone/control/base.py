@@ -26,6 +26,9 @@ def check_settings(settings: DataclassInstance) -> None:
         wrong = problem(field.name, value) if value != field.default else None
         if wrong:
             raise ControlError(wrong)
+    for stop, value in settings.stops:
+        if wrong := stop.problem(value):
+            raise ControlError(wrong)
 
 
 @dataclass(frozen=True, kw_only=True)

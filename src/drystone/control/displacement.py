@@ -27,6 +27,7 @@ from drystone.common.records import changed
 from drystone.control.base import Decision, check_settings
 from drystone.control.ends import (
     End,
+    EndSettings,
     Progress,
     carries_nothing,
     collapsed,
@@ -64,11 +65,10 @@ LONG_AGO = 1_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
-class DisplacementSettings:
+class DisplacementSettings(EndSettings):
     """Settings of the pacing."""
 
     displacement_step: float  # m, largest increment
-    stop_multiplier: float = 0.01
     first_share: float = 0.02  # first increment over the largest
     floor_share: float = 0.01  # smallest increment over the largest
     creep_share: float = 0.001  # increment of the first step of a jump over the largest
@@ -105,8 +105,6 @@ class DisplacementSettings:
     # which the control point is held back, after which the structure has collapsed
     jump_steps: int = 5000  # without rest after which a jump is not followed further; what falls
     # moves by about the largest increment in each
-    max_steps: int = 100_000
-    max_displacement: float = float("inf")  # m, of the control point
 
     def __post_init__(self) -> None:
         check_settings(self)

@@ -2,10 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, field
 
 from drystone.common.language import say
+from drystone.control.progress import End, Progress
+from drystone.control.stops import Stops, stops_of
+
+__all__ = [
+    "AT_ONCE",
+    "COLLAPSED",
+    "EARLY",
+    "FALLEN",
+    "End",
+    "EndSettings",
+    "Progress",
+    "carries_nothing",
+    "collapsed",
+    "end_of_curve",
+    "fallen_freely",
+    "nothing_carried",
+]
 
 #: Share of a peak below the stop value to which the curve is followed: blocks that come loose let
 #: a multiplier drop and rise again, though not from next to nothing.
@@ -19,43 +35,12 @@ AT_ONCE = 3
 COLLAPSED = say("end.collapsed", how="").removesuffix(": ")
 
 
-class EndSettings(Protocol):
+@dataclass(frozen=True, kw_only=True)
+class EndSettings:
     """What every strategy's settings say about the end."""
 
-    @property
-    def stop_multiplier(self) -> float:
-        """Under which the curve ends, after the peak."""
-        ...
-
-    @property
-    def max_displacement(self) -> float:
-        """Of the control point [m], at which the curve ends."""
-        ...
-
-    @property
-    def max_steps(self) -> int:
-        """After which the analysis stops."""
-        ...
-
-
-@dataclass(frozen=True, kw_only=True)
-class Progress:
-    """How far a curve has come."""
-
-    multiplier: float  # static, of the last point
-    highest: float  # so far, the last point included; 0 at the start
-    displacement: float  # m, of the control point
-    n_steps: int
-    static: bool = True  # whether the last point is at rest
-    highest_at: float = float("-inf")  # m, control displacement of the highest multiplier
-
-
-@dataclass(frozen=True, kw_only=True)
-class End:
-    """Why the analysis is over; `finished` where the curve is complete."""
-
-    reason: str
-    finished: bool = False
+    stop_multiplier: float = 0.01  # under which the curve ends, after the peak
+    stops: Stops = field(default_factory=lambda: stops_of({}))  # see `drystone.control.stops`
 
 
 def fallen_freely(highest: float, stop_multiplier: float) -> End:
@@ -77,9 +62,9 @@ def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
     """
     s, p = settings, progress
     onwards = p.static and p.displacement >= p.highest_at
-    if p.displacement >= s.max_displacement:
-        key = "end.reached" if p.static else "end.reached_moving"
-        return End(reason=say(key, most=s.max_displacement), finished=p.static)
+    for stop, value in s.stops:
+        if stop.first and (end := stop.end(value, p)):
+            return end
     if onwards and p.multiplier < s.stop_multiplier < p.highest:
         return End(reason=say("end.fell_below", stop=s.stop_multiplier), finished=True)
     nothing = carries_nothing(s, p.highest)
@@ -88,8 +73,9 @@ def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
         return End(reason=say("end.low_peak", peak=p.highest, stop=s.stop_multiplier))
     if nothing and p.n_steps >= (AT_ONCE if down else EARLY):
         return nothing_carried(s, p.n_steps)
-    if p.n_steps >= s.max_steps:
-        return End(reason=say("end.steps", n=s.max_steps))
+    for stop, value in s.stops:
+        if not stop.first and (end := stop.end(value, p)):
+            return end
     return None
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from drystone.common.records import changed
 from drystone.control.base import Decision, check_settings
-from drystone.control.ends import End, Progress, collapsed, end_of_curve, fallen_freely
+from drystone.control.ends import End, EndSettings, Progress, collapsed, end_of_curve, fallen_freely
 from drystone.engines.base import Demand, StepReport
 
 #: Difference of applied and static multiplier that needs no explanation by excess and branch.
@@ -31,18 +31,15 @@ LEAST_SHARE = 0.2
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExcessSettings:
+class ExcessSettings(EndSettings):
     """Settings of the pacing."""
 
     displacement_step: float  # m, of the fastest block in a step
     time_step: float = 0.1  # s
     increment: float = 0.01  # largest excess of the multiplier, over it where it is above one
-    stop_multiplier: float = 0.01
     fall: float = 20.0  # displacement steps by which the control point goes on in motion, with less
     # than the stop value carried, when a structure has collapsed
     jump: float = 400.0  # likewise, whatever is carried; by default twice the smallest block
-    max_steps: int = 100_000
-    max_displacement: float = float("inf")  # m, of the control point
 
     def __post_init__(self) -> None:
         check_settings(self)

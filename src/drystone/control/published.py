@@ -28,7 +28,7 @@ from dataclasses import dataclass
 from drystone.common.records import changed
 from drystone.control.base import Decision, check_settings
 from drystone.control.ends import FALLEN as FALLEN_TO
-from drystone.control.ends import End, Progress, end_of_curve, fallen_freely
+from drystone.control.ends import End, EndSettings, Progress, end_of_curve, fallen_freely
 from drystone.engines.base import Demand, StepReport
 
 #: Share by which what is missing must shrink for the carried multiplier to count as rising, and
@@ -41,7 +41,7 @@ LAG = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
-class PublishedSettings:
+class PublishedSettings(EndSettings):
     """Settings of the published strategy."""
 
     displacement_step: float  # m, of the fastest block in a step of the descending branch
@@ -49,12 +49,9 @@ class PublishedSettings:
     overshoot: float = 1.05  # applied over carried multiplier, descending
     balance_tolerance: float = 1e-3  # difference of multipliers that counts as equal
     patience: int = 20  # steps without balance, nor on the way to it, that mean the peak
-    stop_multiplier: float = 0.01  # end of the descending branch
     time_step: float = 0.05  # s, ascending, and at first descending
     fall_motion: float = 25.0  # of a block, over the displacement step, in motion and with
     # next to nothing applied, after which the structure has collapsed
-    max_steps: int = 100_000
-    max_displacement: float = float("inf")  # m, of the control point
 
     def __post_init__(self) -> None:
         check_settings(self)

@@ -184,7 +184,7 @@ class AssessmentSection(Chosen):
     @classmethod
     def of(cls, table: Any) -> type[Self]:
         """See `Chosen`: the keys of all methods, of which two may share one."""
-        if cls.chooser not in cls.__annotations__:
+        if cls.extended:
             return cls
         found = {
             key.name: replace(key, default=None)

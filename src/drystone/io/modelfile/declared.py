@@ -96,7 +96,10 @@ def _field(key: Key) -> tuple[Any, Any]:
 def section_of(base: type[Section], keys: tuple[Key, ...]) -> type[Any]:
     """A section with the keys of ``base`` and those that are declared."""
     fields: dict[str, Any] = {key.name: _field(key) for key in keys}
-    return create_model(base.__name__, __base__=base, __doc__=base.__doc__, **fields)
+    made = create_model(base.__name__, __base__=base, __doc__=base.__doc__, **fields)
+    if issubclass(made, Extended):
+        made.extended = True
+    return made
 
 
 def plain(value: Any) -> Any:
@@ -108,7 +111,43 @@ def plain(value: Any) -> Any:
     return value
 
 
-class Chosen(Section):
+class Extended(Section):
+    """A table with keys beside its own that others declare."""
+
+    extended: ClassVar[bool] = False  # whether they are in it already
+
+    @classmethod
+    def of(cls, table: Any) -> type[Self]:
+        """The section for a table, as far as the table tells."""
+        raise NotImplementedError
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _extend(
+        cls, data: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo
+    ) -> Self:
+        if cls.extended or not isinstance(data, dict):
+            return handler(data)
+        own = cls.of(data)
+        if own is cls:
+            return handler(cls.told_by(data))
+        known = own.keys()
+        for key in data:
+            if key not in known:
+                cls.refuse(key, data)
+        return own.model_validate(data, context=info.context)
+
+    @classmethod
+    def told_by(cls, data: dict[str, Any]) -> dict[str, Any]:
+        """What is checked of a table whose section is not known."""
+        return data
+
+    @classmethod
+    def refuse(cls, key: str, data: dict[str, Any]) -> None:
+        """Say more of a key that is not known than that, by an error."""
+
+
+class Chosen(Extended):
     """A table with the keys of what one of its keys names, beside keys that all have.
 
     A class says by which key a thing of which registry is named, and gives the keys of one.
@@ -147,25 +186,15 @@ class Chosen(Section):
         own = {key.name for key in self.declared(self.registry[getattr(self, self.chooser)])}
         return {name: plain(getattr(self, name)) for name in self.model_fields_set & own}
 
-    @model_validator(mode="wrap")
     @classmethod
-    def _chosen(
-        cls, data: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo
-    ) -> Self:
-        if cls.chooser not in cls.__annotations__ or not isinstance(data, dict):
-            return handler(data)  # what it names is chosen already
-        own = cls.of(data)
-        if own is cls:  # the name is what is wrong, and says nothing of the other keys
-            return handler({key: data[key] for key in (cls.chooser,) if key in data})
-        known = own.keys()
-        for key in data:
-            if key not in known:
-                cls._of_another(key, str(data.get(cls.chooser)))
-        return own.model_validate(data, context=info.context)
+    def told_by(cls, data: dict[str, Any]) -> dict[str, Any]:
+        """The name, which is what is wrong, and says nothing of the other keys."""
+        return {key: data[key] for key in (cls.chooser,) if key in data}
 
     @classmethod
-    def _of_another(cls, key: str, name: str) -> None:
+    def refuse(cls, key: str, data: dict[str, Any]) -> None:
         """Refuse a key that others of this package have."""
+        name = str(data.get(cls.chooser))
         owners = [quoted(other) for other, thing in cls.registry.own()
                   if any(own.name == key for own in cls.declared(thing))]  # fmt: skip
         if len(owners) == 1:
@@ -196,7 +225,9 @@ def named(registry: Registry[Any]) -> AfterValidator:
 
 def sections_in(section: type[Section]) -> Iterator[type[Section]]:
     """The section itself, or of one whose keys depend on what it names all that there are."""
-    if issubclass(section, Chosen) and section.chooser in section.__annotations__:
+    if issubclass(section, Chosen) and not section.extended:
         yield from section.variants().values()
+    elif issubclass(section, Extended) and not section.extended:
+        yield section.of({})
     else:
         yield section

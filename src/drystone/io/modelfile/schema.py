@@ -5,7 +5,8 @@ How many coordinates a place or a direction has is the file's `dimension`, which
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+from dataclasses import replace
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import (
     AfterValidator,
@@ -19,11 +20,12 @@ from pydantic_core import PydanticCustomError
 
 from drystone.common.keys import Key
 from drystone.common.registry import Registry
+from drystone.control.stops import STOPS
 from drystone.io.drawings.registry import FORMATS
 from drystone.io.drawings.settings import TOLERANCE
 from drystone.io.modelfile.assessing import AssessmentSection, SiteSection
 from drystone.io.modelfile.builds import BuildTable
-from drystone.io.modelfile.declared import Chosen, named
+from drystone.io.modelfile.declared import Chosen, Extended, named, section_of
 from drystone.io.modelfile.keys import (
     Course,
     Direction,
@@ -56,8 +58,6 @@ OPTION_NAMES = (
     "patience",
     "displacement_step",
     "time_step",
-    "max_steps",
-    "max_displacement",
     "mechanism_displacement",
 )
 
@@ -320,8 +320,8 @@ class OutputSection(Chosen):
         return tuple(thing.keys)
 
 
-class AnalysisSection(Section):
-    """[analysis]"""
+class AnalysisSection(Extended):
+    """[analysis]: beside these the keys of stop conditions."""
 
     engine: str = Analysis.engine
     strategy: Literal["displacement", "published"] = "displacement"
@@ -336,14 +336,22 @@ class AnalysisSection(Section):
     patience: Annotated[float, ranged("patience")] | None = None
     displacement_step: Annotated[float, ranged("displacement_step")] | None = None  # m
     time_step: Annotated[float, ranged("time_step")] | None = None  # s
-    max_steps: Annotated[float, ranged("max_steps")] | None = None
-    max_displacement: Annotated[float, ranged("max_displacement")] | None = None  # m
     mechanism_displacement: Annotated[float, ranged("mechanism_displacement")] | None = None  # m
+
+    @classmethod
+    def of(cls, table: Any) -> type[Self]:
+        """See `Extended`: conditions of other packages are looked for where a key is not ours."""
+        stops = [stop for _, stop in STOPS.own()]
+        known = {*cls.keys(), *STOPS.ours}
+        if isinstance(table, dict) and not known.issuperset(table):
+            stops = [stop for _, stop in STOPS.loaded()]
+        return section_of(cls, tuple(replace(stop.key, default=None) for stop in stops))
 
     @property
     def options(self) -> dict[str, float]:
         """The numerical settings that the file gives."""
-        given = {name: getattr(self, name) for name in OPTION_NAMES}
+        declared = set(type(self).model_fields) - set(AnalysisSection.model_fields)
+        given = {name: getattr(self, name) for name in (*OPTION_NAMES, *sorted(declared))}
         return {name: float(value) for name, value in given.items() if value is not None}
 
 
@@ -391,7 +399,7 @@ class ModelSection(Section):
     tie: list[TieSection] = []
     spring: list[SpringSection] = []
     control: ControlSection = ControlSection()
-    analysis: AnalysisSection = AnalysisSection()
+    analysis: AnalysisSection = Field(default_factory=lambda: AnalysisSection.model_validate({}))
     output: list[OutputSection] = []
     site: SiteSection | None = None
     assessment: AssessmentSection | None = None

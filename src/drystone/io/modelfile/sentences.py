@@ -11,7 +11,7 @@ from pydantic_core import ErrorDetails
 
 from drystone.common.ranges import found
 from drystone.io.modelfile.builds import SECTIONS
-from drystone.io.modelfile.declared import Chosen
+from drystone.io.modelfile.declared import Extended
 from drystone.io.modelfile.keys import Section
 from drystone.io.modelfile.schema import ModelSection
 from drystone.model.construction.words import quoted, suggestion
@@ -156,7 +156,7 @@ def _section_at(keys: Sequence[str | int], data: Any) -> type[Section]:
         data = _at(data, key)
         field = section.keys().get(key) if isinstance(key, str) else None
         section = (_section_in(field.annotation) if field else None) or section
-        if issubclass(section, Chosen):
+        if issubclass(section, Extended) and not section.extended:
             section = section.of(data)
     return section
 

@@ -1,0 +1,25 @@
+"""How far a curve has come, and that it is over."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Progress:
+    """How far a curve has come."""
+
+    multiplier: float  # static, of the last point
+    highest: float  # so far, the last point included; 0 at the start
+    displacement: float  # m, of the control point
+    n_steps: int
+    static: bool = True  # whether the last point is at rest
+    highest_at: float = float("-inf")  # m, control displacement of the highest multiplier
+
+
+@dataclass(frozen=True, kw_only=True)
+class End:
+    """Why the analysis is over; `finished` where the curve is complete."""
+
+    reason: str
+    finished: bool = False

@@ -1,0 +1,23 @@
+"""``max_displacement``: the curve ends where the control point has gone as far."""
+
+from __future__ import annotations
+
+from drystone.common.keys import Key, Number
+from drystone.common.language import say
+from drystone.common.ranges import RANGES
+from drystone.control.progress import End, Progress
+from drystone.control.stops import Stop
+
+
+def _end(most: float, progress: Progress) -> End | None:
+    if progress.displacement < most:
+        return None
+    key = "end.reached" if progress.static else "end.reached_moving"
+    return End(reason=say(key, most=most), finished=progress.static)
+
+
+STOP = Stop(
+    key=Key(name="max_displacement", type=Number(RANGES["max_displacement"]), default=None),  # m
+    end=_end,
+    first=True,
+)
