@@ -11,6 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from drystone.geometry.motion import moved_points
+from drystone.geometry.plane.parts import convex_outlines
 from drystone.geometry.space import solid
 from drystone.geometry.space.solid import Part
 from drystone.model.assembly import Assembly, Block, Corner, JointLaw
@@ -32,6 +33,11 @@ def box(name: str, low: Sequence[float], high: Sequence[float], *, support: bool
         material="stone",
         support=support,
     )
+
+
+def extruded_parts(outline: np.ndarray, depth: Sequence[float]) -> list[Part]:
+    """Convex parts of `solid.extruded`: those of its outline, extruded."""
+    return [Part(*solid.extruded(part, depth)) for part in convex_outlines(outline)]
 
 
 def model_of(

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from drystone.contact.contacts import NONE, PLANE_NORMAL_3, Pairs, Slots
+from drystone.contact.contacts import KIND, NONE, PLANE_NORMAL_3, Pairs, Slots
 from drystone.contact.space import manifold
-from drystone.contact.space.rows import slot_rows_in_space
+from drystone.contact.space.rows import gradients_in_space
 from drystone.contact.space.solids import pack
 from drystone.geometry.motion import rest
 
@@ -86,9 +86,11 @@ class Scene:
 
     def rows(self, slots):
         """Gradients of the slots found or followed last."""
-        rows = np.zeros((self.pairs.n_slots, 3, 12))
-        pairs = self.pairs
-        slot_rows_in_space(slots, pairs.of_slot, pairs.which, self.world.axes, rows)
+        pairs, (which, value) = self.pairs, slots
+        rows = np.zeros((pairs.n_slots, 3, 12))
+        for k in np.flatnonzero(which[:, KIND] != NONE):
+            a, b = pairs.which[pairs.of_slot[k], :2]
+            gradients_in_space(value, k, self.world.axes, a, b, rows, k)
         return rows
 
     def vertices(self, i, pose):

@@ -100,11 +100,6 @@ def test_reading_off_the_curve():
     assert curve.acceleration_at(at(0.3)) == pytest.approx(0.1 * GRAVITY)  # towards the collapse
     assert curve.acceleration_at(at(0.5)) == 0.0
     assert curve.activation_multiplier == 0.3
-    # half the peak at 0.05 m
-    assert curve.initial_period() == pytest.approx(
-        2 * math.pi * math.sqrt(at(0.05) / (0.15 * GRAVITY))
-    )
-    assert straight().initial_period() == 0.0
     open_end = Capacity.of([0.0, 0.1], [0.0, 0.3], PART, reading="energy")
     assert open_end.collapse_displacement is None
     with pytest.raises(AssessmentError, match="trace it further"):

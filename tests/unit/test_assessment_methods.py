@@ -18,7 +18,6 @@ from drystone.assessment.methods import (
     Settings,
     asce41,
     assess,
-    ec8_n2,
     en1998_3_2025_rocking,
     ntc2009_local,
     ntc2018_global,
@@ -449,13 +448,6 @@ def test_procedure_b_meets_the_reduced_spectrum(acceleration, kind):
         assert asked(there, damage.limit_displacement) == pytest.approx(
             damage.limit_displacement, rel=1e-6
         )
-
-
-def test_iterated_n2():
-    capacity, spectrum = pier(top=0.2), site(0.3)
-    end = capacity.spectral_at(0.048)
-    found, curve = ec8_n2.target_displacement(capacity, spectrum, ultimate=end, iterate=True)
-    assert curve.ultimate_displacement == pytest.approx(min(found.displacement, end), rel=1e-9)
 
 
 def test_what_does_not_apply_to_walls_is_refused():

@@ -11,7 +11,7 @@ from test_solids import DOVETAIL, L_OUTLINE, U_OUTLINE, rotation, seeds
 from drystone.geometry import GeometryError
 from drystone.geometry.plane.parts import convex_outlines, outline_seams, touched_corners
 from drystone.geometry.plane.polygon import check_convex, check_outline, signed_area
-from drystone.geometry.space.parts import convex_parts, extruded_parts, solid_seams, touched_edges
+from drystone.geometry.space.parts import convex_parts, solid_seams, touched_edges
 from drystone.geometry.space.solid import (
     box,
     check,
@@ -21,6 +21,7 @@ from drystone.geometry.space.solid import (
     mass_properties,
     sum_of,
 )
+from solids import extruded_parts
 
 T_OUTLINE = np.array([[1, 0], [2, 0], [2, 1], [3, 1], [3, 2], [0, 2], [0, 1], [1, 1]], float)
 CROSS = np.array(

@@ -19,7 +19,7 @@ from drystone.geometry.cores import (
 )
 from drystone.geometry.plane import polygon
 from drystone.geometry.plane.parts import convex_outlines, outline_seams, touched_corners
-from drystone.geometry.space.parts import extruded_parts, solid_seams, touched_edges
+from drystone.geometry.space.parts import solid_seams, touched_edges
 from drystone.geometry.space.solid import (
     box,
     check,
@@ -29,6 +29,7 @@ from drystone.geometry.space.solid import (
     is_convex,
     mass_properties,
 )
+from solids import extruded_parts
 
 CUBE = box([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
 PYRAMID = hull(np.array([[1, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0], [0, 0, 1]], float))

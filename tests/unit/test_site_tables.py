@@ -13,7 +13,7 @@ from drystone.assessment.errors import AssessmentError
 from drystone.assessment.methods import METHODS
 from drystone.assessment.methods.base import Settings
 from drystone.assessment.site import spectra_of_site
-from drystone.assessment.spectra.ec8 import Ec8Spectrum, limit_state_spectra
+from drystone.assessment.spectra.ec8 import Ec8Spectrum
 from drystone.assessment.spectra.floor import FloorSpectrum
 from drystone.assessment.spectra.ntc2018 import NtcSpectrum
 from drystone.io.modelfile import ModelError, read_model, write_model
@@ -145,10 +145,12 @@ class TestSpectra:
         spectra = spectra_of_site(Site(code="ec8", values=values))
         # EN 1998-3:2004 2.1(3)P, 225, 475 and 2475 years; gamma_I = 1.2 of class III.
         assert sorted(spectra) == ["", "DL", "NC", "SD", "SLV"]
-        library = limit_state_spectra(0.1 * GRAVITY, importance="III", spectrum_type=1, ground="B")
-        assert all(
-            spectra[name].sa(0.7, 0.05) == own.sa(0.7, 0.05) for name, own in library.items()
-        )
+        for name, years in (("DL", 225.0), ("SD", 475.0), ("NC", 2475.0)):
+            own = Ec8Spectrum.of_reference(
+                0.1 * GRAVITY, importance="III", spectrum_type=1, ground="B", return_period=years
+            )
+            assert spectra[name].return_period == years
+            assert spectra[name].sa(0.7, 0.05) == own.sa(0.7, 0.05)
         found = {name: s.ground_acceleration / (0.12 * GRAVITY) for name, s in spectra.items()}
         assert found["DL"] == pytest.approx((225 / 475) ** (1 / 3))
         assert found["SD"] == found["SLV"] == found[""] == pytest.approx(1.0)

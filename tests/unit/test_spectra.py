@@ -20,7 +20,7 @@ from drystone.assessment.spectra import (
     read_spectrum,
 )
 from drystone.assessment.spectra.base import largest_displacement
-from drystone.assessment.spectra.ec8 import acceleration_of_return_period, limit_state_spectra
+from drystone.assessment.spectra.ec8 import acceleration_of_return_period
 from drystone.assessment.spectra.ntc2018 import reference_life, return_period
 from drystone.model.assembly import GRAVITY
 
@@ -161,14 +161,6 @@ def test_return_periods():
     )
     assert important.ground_acceleration == pytest.approx(2.0 * 1.2 * 1.7337, abs=5e-4)
     assert "475" in important.notes[0] and important.return_period == 2475.0
-
-
-def test_limit_states_of_en_1998_3():
-    spectra = limit_state_spectra(2.0, importance=1.0, spectrum_type=1, ground="A")
-    assert [s.return_period for s in spectra.values()] == [225.0, 475.0, 2475.0]
-    assert spectra["SD"].ground_acceleration == 2.0 and not spectra["SD"].notes
-    # (225/475)^(1/3)
-    assert spectra["DL"].ground_acceleration == pytest.approx(2.0 * 0.77950, abs=1e-4)
 
 
 @pytest.mark.parametrize(

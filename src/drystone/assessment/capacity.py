@@ -294,21 +294,6 @@ class Capacity:
             raise AssessmentError(f"nothing is carried at d* = {d:.4g} m: no secant period there")
         return float(2.0 * np.pi * np.sqrt(d / a))
 
-    def initial_period(self) -> float:
-        """2 pi sqrt(d*/a*) [s] where half the peak is reached; 0 where the curve begins above it.
-
-        It is the period on the stiffness of joints, T_0 of Circ. 7/2019 C8.7.1.2.1.6.
-        """
-        top = self.peak_index
-        half = 0.5 * self.load_multiplier[top]
-        if self.load_multiplier[0] >= half:
-            return 0.0
-        i = int(np.argmax(self.load_multiplier >= half))
-        d, x = self.spectral_displacement, self.load_multiplier
-        share = (half - x[i - 1]) / (x[i] - x[i - 1])
-        at = d[i - 1] + share * (d[i] - d[i - 1])
-        return float(2.0 * np.pi * np.sqrt(at / (half * self.acceleration_factor)))
-
     def _branch(self) -> tuple[Array, Array]:
         """d* and a* with the collapse as last point where it lies beyond the last one."""
         d, a = self.spectral_displacement, self.spectral_acceleration

@@ -12,7 +12,6 @@ from drystone.limit.collapse import (
     default_paths,
     is_locked,
     stands,
-    why_it_falls,
 )
 from drystone.limit.non_associative import NonAssociativeSettings
 from drystone.limit.search import least_standing
@@ -36,5 +35,4 @@ __all__ = [
     "range_text",
     "stands",
     "watched",
-    "why_it_falls",
 ]

@@ -284,11 +284,6 @@ def at_rest(model: Model) -> AtRest:
     return AtRest(falls=None, reaction=float(onto @ upward) * equilibrium.force)
 
 
-def why_it_falls(model: Model) -> str | None:
-    """A sentence where a structure does not stand under its own weight, else None."""
-    return at_rest(model).falls
-
-
 def is_locked(model: Model) -> bool:
     """Whether no multiple of the load brings the structure down.
 

@@ -305,11 +305,6 @@ class Bars:
         bounds = self.value[:, [kernel.MOST, kernel.BREAKING]]
         return bool(np.isfinite(bounds).any())
 
-    @property
-    def breakable(self) -> bool:
-        """Whether any of them may break."""
-        return bool(np.isfinite(self.value[:, kernel.BREAKING]).any())
-
     def first(self) -> TieState:
         """As designed."""
         n = self.n_ties

@@ -7,7 +7,7 @@ from drystone.assessment.capacity import Capacity
 from drystone.assessment.methods import in_plane
 from drystone.assessment.methods.base import Assessment, LimitState, Settings, Spectra, spectra_of
 from drystone.assessment.methods.ground import bearable, of_the_ground
-from drystone.assessment.methods.inelastic import EC8_MOST, Target, check_on_the_ground, target
+from drystone.assessment.methods.inelastic import EC8_MOST, check_on_the_ground, target
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
 from drystone.common.keys import Key
 from drystone.common.language import say
@@ -26,30 +26,6 @@ SIGNIFICANT_SHARE = 0.75
 REACH = 1.5
 
 UNCERTAIN = say("ec8_n2.text")
-
-
-def target_displacement(
-    capacity: Capacity, spectrum: Spectrum, *, ultimate: float, iterate: bool = False
-) -> tuple[Target, Bilinear]:
-    """d*_t of the bilinear up to d*_m, EN 1998-1:2004 (B.6) to (B.12), and that bilinear.
-
-    Parameters
-    ----------
-    ultimate
-        The first d*_m [m].
-    iterate
-        Whether d*_m := d*_t is repeated until both agree, B.4(3); d*_m never exceeds ``ultimate``.
-    """
-    d, a = capacity.spectral_displacement, capacity.spectral_acceleration
-    curve = bilinear(d, a, "ec8", ultimate=ultimate)
-    found = target(spectrum, curve, EC8_MOST)
-    for _ in range(100 if iterate else 0):
-        end = min(found.displacement, ultimate)
-        if abs(end - curve.ultimate_displacement) <= 1e-10 * ultimate:
-            break
-        curve = bilinear(d, a, "ec8", ultimate=end)
-        found = target(spectrum, curve, EC8_MOST)
-    return found, curve
 
 
 def _state(

@@ -33,14 +33,6 @@ class RockingBlock:
                 f"{self.slenderness:g} rad"
             )
 
-    @classmethod
-    def of_size(cls, width: float, height: float) -> RockingBlock:
-        """A block of full width and height [m]: p = sqrt(3 g/4 R), alpha = atan(b/h); Housner."""
-        b, h = 0.5 * positive(width, "the width"), 0.5 * positive(height, "the height")
-        return cls(
-            frequency=math.sqrt(0.75 * GRAVITY / math.hypot(b, h)), slenderness=math.atan(b / h)
-        )
-
     @property
     def uplift_acceleration(self) -> float:
         """g tan alpha [m/s2], the ground acceleration that starts it."""

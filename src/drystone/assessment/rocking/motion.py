@@ -17,9 +17,7 @@ from numpy.typing import NDArray
 
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, positive
-from drystone.assessment.rocking.block import RockingBlock
 from drystone.assessment.rocking.record import Record
-from drystone.model.assembly import GRAVITY
 
 Array = NDArray[np.float64]
 
@@ -108,24 +106,6 @@ class MechanismRocker:
     def acceleration(self, x: float, ground: float) -> float:
         """x'' [m/s2] at x [m]."""
         return -self.restoring(x) - ground
-
-
-class BlockRocker:
-    """theta'' = -p^2 (sin(alpha - theta) + u_g/g cos(alpha - theta)), Housner 1963, in radians.
-
-    Overturned where it lies on its side.
-    """
-
-    def __init__(self, block: RockingBlock) -> None:
-        self._p2, self._alpha = block.frequency**2, block.slenderness
-        self.limit = 0.5 * math.pi
-        self.uplift = block.uplift_acceleration
-        self.pace = block.frequency * block.slenderness
-
-    def acceleration(self, x: float, ground: float) -> float:
-        """theta'' [1/s2] at theta."""
-        tilt = self._alpha - x
-        return -self._p2 * (math.sin(tilt) + ground / GRAVITY * math.cos(tilt))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drystone.assessment.errors import AssessmentError, positive
-from drystone.model.assembly import GRAVITY
 
 Array = NDArray[np.float64]
 
@@ -40,19 +39,6 @@ class Pulse:
         if self.kind == "rectangular":
             return np.where(inside, self.amplitude, 0.0)
         return np.where(inside, self.amplitude * np.sin(math.pi * t / self.duration), 0.0)
-
-
-def overturning_integral(time: ArrayLike, acceleration: ArrayLike, frequency: float) -> float:
-    """p int exp(-p s) u_g(s) ds [m/s2] of a history (n,) [s], (n,) [m/s2] from its first time.
-
-    The history begins at uplift; straight between points, exactly integrated.
-    """
-    t = np.asarray(time, dtype=np.float64)
-    a = np.asarray(acceleration, dtype=np.float64)
-    p = positive(frequency, "the frequency parameter p")
-    s = p * (t - t[0])
-    decay, slope = np.exp(-s), np.diff(a) / np.diff(s)
-    return float(np.sum(a[:-1] * decay[:-1] - a[1:] * decay[1:] + slope * -np.diff(decay)))
 
 
 def half_sine_excess(amplitude_ratio: float, frequency_ratio: float) -> float:
@@ -88,17 +74,3 @@ def least_amplitude(kind: str, duration: float, frequency: float) -> float:
         middle = 0.5 * (low + high)
         low, high = (low, middle) if half_sine_excess(middle, r) >= 0.0 else (middle, high)
     return high
-
-
-def housner_amplitude(frequency_ratio: float) -> float:
-    """sqrt(1 + r^2), Housner 1963 for a half sine: unsafe, by half at r = 4; for comparison."""
-    return math.hypot(1.0, frequency_ratio)
-
-
-def overturns(pulse: Pulse, frequency: float, slenderness: float) -> bool:
-    """Whether a pulse overturns a slender block of p [1/s] and alpha, or lambda_0, without impact.
-
-    One that does not lift the block does not overturn it.
-    """
-    ratio = pulse.amplitude / (GRAVITY * positive(slenderness, "the slenderness"))
-    return ratio > 1.0 and ratio >= least_amplitude(pulse.kind, pulse.duration, frequency)

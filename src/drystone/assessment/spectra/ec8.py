@@ -60,25 +60,6 @@ def acceleration_of_return_period(reference_acceleration: float, return_period: 
     return checked_acceleration(reference_acceleration) * float(share)
 
 
-def limit_state_spectra(
-    reference_acceleration: float, *, importance: float | str, spectrum_type: int, ground: str
-) -> dict[str, Ec8Spectrum]:
-    """Spectra of DL, SD and NC from a_gR [m/s2]: 225, 475 and 2475 years, EN 1998-3:2004 2.1(3)P.
-
-    Accelerations of other return periods than 475 years follow from `HAZARD_EXPONENT`.
-    """
-    return {
-        name: Ec8Spectrum.of_reference(
-            reference_acceleration,
-            importance=importance,
-            spectrum_type=spectrum_type,
-            ground=ground,
-            return_period=years,
-        )
-        for name, years in RETURN_PERIODS.items()
-    }
-
-
 @dataclass(frozen=True, kw_only=True)
 class Ec8Spectrum(ShapedSpectrum):
     """Elastic spectrum of EN 1998-1:2004 3.2.2.2, above T_E of Annex A, of a_g = gamma_I a_gR.

@@ -13,8 +13,6 @@ from drystone.contact.contacts import (
     ARM_B_3,
     BODY_A,
     BODY_B,
-    KIND,
-    NONE,
     NORMAL_3,
     SLOT,
     TANGENT_3,
@@ -46,19 +44,6 @@ def gradients_in_space(value, k, axes, a, b, rows, c):
     _along(value, k, tx, ty, tz, axes, a, b, rows, c, 1)
     sx, sy, sz = ny * tz - nz * ty, nz * tx - nx * tz, nx * ty - ny * tx
     _along(value, k, sx, sy, sz, axes, a, b, rows, c, 2)
-
-
-@njit(cache=True)
-def slot_rows_in_space(slots, of_slot, of_pair, axes, rows):
-    """Gradients of gap and slips of all slots in use, (n_slots, 3, 12).
-
-    ``of_slot`` is the pair of each slot, the first two columns of ``of_pair`` are the bodies.
-    """
-    which, value = slots
-    for k in range(which.shape[0]):
-        if which[k, KIND] != NONE:
-            i = of_slot[k]
-            gradients_in_space(value, k, axes, of_pair[i, 0], of_pair[i, 1], rows, k)
 
 
 @njit(cache=True)

@@ -12,7 +12,7 @@ vertex can be drawn along by a chain of others.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -238,8 +238,3 @@ def _near_edges(outlines: Outlines, reach: Array, point_of: IntArray) -> Iterato
             edges = outlines.offset[first[rows[pair]]] + i
             points = point_of[outlines.offset[second[rows[pair]]] + j]
             yield from zip(points.tolist(), edges.tolist(), strict=True)
-
-
-def outlines_of(points: Points, place: Array) -> Sequence[Array]:
-    """The outlines where the points lie at ``place`` (n_points, 2) [m]."""
-    return [place[list(loop)] for loop in points.loops]

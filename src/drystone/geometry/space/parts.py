@@ -16,7 +16,6 @@ from drystone.geometry.space.solid import (
     FLAT,
     Faces,
     Part,
-    extruded,
     face_areas,
     face_planes,
     hull,
@@ -34,11 +33,6 @@ BoolArray = NDArray[np.bool_]
 
 #: Distance, over the tolerance of flat faces, up to which a vertex lies on a plane that cuts.
 SNAP = 0.1
-
-
-def extruded_parts(outline: Array, depth: Sequence[float]) -> list[Part]:
-    """Convex parts of `solid.extruded`: those of its outline, extruded."""
-    return [Part(*extruded(part, depth)) for part in convex_outlines(outline)]
 
 
 def convex_parts(vertices: Array, faces: Faces, tolerance: float = FLAT) -> list[Part]:
