@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.util
 import os
 import subprocess
 import sys
@@ -32,6 +31,7 @@ from drystone.law import certificate
 from drystone.model.assembly import Block, Corner, JointLaw
 from drystone.model.builders import make_model, published_wall
 from drystone.results.curve import COLUMNS, CapacityCurve
+from lmgc90_here import needs_lmgc90
 
 TESTS = Path(__file__).resolve().parents[1]
 
@@ -351,12 +351,7 @@ class TestStates:
 EVERY_ENGINE = [
     *ENGINES,
     "distinct",
-    pytest.param(
-        "lmgc90",
-        marks=pytest.mark.skipif(
-            importlib.util.find_spec("compas_lmgc90") is None, reason="LMGC90 is not installed"
-        ),
-    ),
+    pytest.param("lmgc90", marks=needs_lmgc90),
 ]
 
 

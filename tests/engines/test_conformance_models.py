@@ -34,20 +34,13 @@ from drystone.model.builders import extruded, make_model
 from drystone.model.loading import MassPattern, acting
 from drystone.model.model import Model
 from drystone.results.curve import STATIC, CapacityCurve, CurvePoint
+from lmgc90_here import needs_lmgc90
 from solids import turned
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "own_engine.py"
 
-NEEDS = {"lmgc90": "compas_lmgc90"}  # what an engine of ours runs on that may be missing
 ENGINES = [
-    pytest.param(
-        name,
-        marks=pytest.mark.skipif(
-            name in NEEDS and importlib.util.find_spec(NEEDS[name]) is None,
-            reason=f"{NEEDS.get(name)} is not installed",
-        ),
-    )
-    for name in engine_names()
+    pytest.param(name, marks=needs_lmgc90) if name == "lmgc90" else name for name in engine_names()
 ]
 
 #: Joints by what they have beyond a dry one.

@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from builders import small_wall, stack
+from drystone import engines
 from drystone.analysis.driver import pushover
 from drystone.cli import app
 from drystone.engines import GROUP, engine_names, make_engine
@@ -120,6 +121,22 @@ def test_a_toy_engine_in_a_file_of_its_own_runs_a_wall(installed, tmp_path):
 def test_an_unknown_name_lists_the_known_ones(installed):
     with pytest.raises(EngineError, match=r"equilibrium.*lmgc90.*rocking"):
         make_engine("rockin")
+
+
+def test_an_engine_of_ours_that_is_not_installed_names_the_command(monkeypatch, tmp_path):
+    monkeypatch.setattr(engines, "_outside", dict)
+    assert "lmgc90" in engine_names()
+    write_model(stack((0.4, 1.2)), tmp_path / "block.toml")
+    run = CliRunner().invoke(
+        app,
+        ["run", str(tmp_path / "block.toml"), "--engine", "lmgc90", "--out", str(tmp_path / "out")],
+    )
+    assert run.exit_code == 2, run.output
+    assert run.stderr == (
+        'drystone: the engine "lmgc90" is a package of its own and is not installed: '
+        "pip install ./plugins/drystone-lmgc90, in the folder of drystone's source\n"
+    )
+    assert not (tmp_path / "out").exists()
 
 
 def test_the_command_line_and_model_files_take_it(installed, tmp_path):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +10,7 @@ import pytest
 
 import drystone as ds
 from drystone.results.curve import STATIC
+from lmgc90_here import needs_lmgc90
 from solids import from_boxes
 
 pytestmark = pytest.mark.slow
@@ -20,9 +20,7 @@ OUTWARDS = (0.0, -1.0, 0.0)
 STIFFNESS = 1e8  # Pa/m: LMGC90's time step is bound by stiffer joints
 
 
-@pytest.mark.skipif(
-    importlib.util.find_spec("compas_lmgc90") is None, reason="compas_lmgc90 is not installed"
-)
+@needs_lmgc90
 def test_lmgc90_beside_nscd():
     """Over the peak, to 50 mm: its peak to 3 %, the branch to a median of 3 % of the peak."""
     model = from_boxes(CASE, push=OUTWARDS)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+from dataclasses import Field, dataclass, fields
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar
 
 from drystone.common.ranges import problem
 from drystone.engines.base import Demand, StepReport
 
 if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
+    from drystone.control.stops import Stops
 
 #: What one control remembers, which only it looks into.
 Memory = TypeVar("Memory")
@@ -19,7 +19,18 @@ class ControlError(ValueError):
     """Settings that make no sense together; the message is for the user."""
 
 
-def check_settings(settings: DataclassInstance) -> None:
+class Settings(Protocol):
+    """A dataclass of the settings of a strategy."""
+
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+
+    @property
+    def stops(self) -> Stops:
+        """When the curve ends, beside what the strategy says."""
+        ...
+
+
+def check_settings(settings: Settings) -> None:
     """Raise `ControlError` for the first of a strategy's settings that is out of its range."""
     for field in fields(settings):
         value = getattr(settings, field.name)

@@ -1,1 +1,1 @@
-"""The engines `nscd`, `distinct` and `lmgc90`: steps and cycles in time."""
+"""The engines `nscd` and `distinct`: steps and cycles in time."""

@@ -23,8 +23,10 @@ _ENGINES = {
     "equilibrium": ("drystone.statics.equilibrium", "EquilibriumEngine"),
     "nscd": ("drystone.dynamics.nscd", "NscdEngine"),
     "distinct": ("drystone.dynamics.distinct", "DistinctEngine"),
-    "lmgc90": ("drystone.dynamics.lmgc90", "Lmgc90Engine"),
 }
+#: Engines of ours in packages of their own, found like those of others: what installs each, in the
+#: folder of this source.
+_APART = {"lmgc90": "pip install ./plugins/drystone-lmgc90"}
 
 
 #: Names of our own engines.
@@ -45,7 +47,8 @@ def _class(name: str) -> type[Engine[Any]]:
 
 def engine_names() -> tuple[str, ...]:
     """Names that `make_engine` knows: ours, then those of other packages."""
-    return (*_ENGINES, *(name for name in _outside() if name not in _ENGINES))
+    ours = (*_ENGINES, *_APART)
+    return (*ours, *(name for name in _outside() if name not in ours))
 
 
 def make_engine(name: str) -> Engine[Any]:
@@ -54,7 +57,7 @@ def make_engine(name: str) -> Engine[Any]:
     Raises
     ------
     EngineError
-        There is no engine of that name, or another package's cannot be loaded.
+        There is no engine of that name, its package is not installed or cannot be loaded.
     """
     from drystone.engines.base import EngineError
     from drystone.engines.framed import framed
@@ -62,6 +65,11 @@ def make_engine(name: str) -> Engine[Any]:
     if name in _ENGINES:
         return framed(_class(name)())
     entry = _outside().get(name)
+    if entry is None and name in _APART:
+        raise EngineError(
+            f'the engine "{name}" is a package of its own and is not installed: '
+            f"{_APART[name]}, in the folder of drystone's source"
+        )
     if entry is None:
         known = ", ".join(engine_names())
         raise EngineError(f'there is no engine "{name}": take one of {known}')

@@ -1,4 +1,4 @@
-"""The other side of the pipes: ``python -m drystone.dynamics.lmgc90.worker DRIVER IN OUT``."""
+"""The other side of the pipes: ``python -m drystone_lmgc90.worker DRIVER IN OUT``."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import os
 import sys
 from importlib import import_module
 
-from drystone.dynamics.lmgc90.messages import Setup
-from drystone.dynamics.lmgc90.process import RemoteError, receive, send
+from drystone_lmgc90.messages import Setup
+from drystone_lmgc90.process import RemoteError, receive, send
 
 
 def main(arguments: list[str]) -> None:
     """Answer messages until the pipe is closed."""
-    driver = import_module(f"drystone.dynamics.lmgc90.{arguments[0]}")
+    driver = import_module(f"drystone_lmgc90.{arguments[0]}")
     incoming = os.fdopen(int(arguments[1]), "rb")
     outgoing = os.fdopen(int(arguments[2]), "wb")
     simulation = None

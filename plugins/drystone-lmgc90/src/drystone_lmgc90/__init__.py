@@ -6,6 +6,6 @@ cannot go on.  So it runs in a process of its own (`worker`), spoken to over two
 and `engine` is what the pushover sees.
 """
 
-from drystone.dynamics.lmgc90.engine import Lmgc90Engine, Lmgc90Settings
+from drystone_lmgc90.engine import Lmgc90Engine, Lmgc90Settings
 
 __all__ = ["Lmgc90Engine", "Lmgc90Settings"]

@@ -20,6 +20,7 @@ import weakref
 from pathlib import Path
 from typing import Any, BinaryIO
 
+import drystone
 from drystone.engines.base import EngineError
 
 #: Lines of its output that an error quotes.
@@ -72,18 +73,18 @@ class Process:
         self._said = self._folder / "said.txt"
         in_child, self_out = os.pipe()
         self_in, out_child = os.pipe()
-        root = str(Path(__file__).resolve().parents[3])
+        own = [str(Path(one).resolve().parents[1]) for one in (__file__, drystone.__file__)]
         path = os.environ.get("PYTHONPATH")
         environment = {
             **os.environ,
-            "PYTHONPATH": os.pathsep.join([root, path] if path else [root]),
+            "PYTHONPATH": os.pathsep.join([*own, *([path] if path else [])]),
             "OPENBLAS_NUM_THREADS": "1",
             "OMP_NUM_THREADS": "1",
         }
         try:
             with self._said.open("wb") as said:
                 self._process = subprocess.Popen(
-                    [sys.executable, "-m", "drystone.dynamics.lmgc90.worker",
+                    [sys.executable, "-m", "drystone_lmgc90.worker",
                      driver, str(in_child), str(out_child)],
                     stdin=subprocess.DEVNULL,
                     stdout=said,

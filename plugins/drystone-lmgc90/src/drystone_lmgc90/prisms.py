@@ -11,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.dynamics.lmgc90 import wheel
-from drystone.dynamics.lmgc90.messages import Outcome, Setup, Step
 from drystone.geometry.space.solid import Part
+from drystone_lmgc90 import wheel
+from drystone_lmgc90.messages import Outcome, Setup, Step
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -30,10 +30,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from drystone.dynamics.lmgc90.messages import Outcome, Ready, Setup, Step
-from drystone.dynamics.lmgc90.process import RemoteError
 from drystone.geometry.space import solid
 from drystone.geometry.space.solid import Faces
+from drystone_lmgc90.messages import Outcome, Ready, Setup, Step
+from drystone_lmgc90.process import RemoteError
 
 Array = NDArray[np.float64]
 

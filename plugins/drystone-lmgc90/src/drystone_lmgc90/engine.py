@@ -25,8 +25,6 @@ from numpy.typing import NDArray
 from drystone.contact.contacts import BODY_A, BODY_B, FRICTION, STIFF_N, Contacts, Pairs, Slots
 from drystone.contact.detection import Detector
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
-from drystone.dynamics.lmgc90.messages import Outcome, Ready, Setup, Step
-from drystone.dynamics.lmgc90.process import Process
 from drystone.dynamics.nlgs import natural_map
 from drystone.dynamics.sweeps import ContactProblem
 from drystone.engines.base import (
@@ -46,6 +44,8 @@ from drystone.geometry.cores import SolidCore
 from drystone.geometry.figure import Figure
 from drystone.law.certificate import Forces, JudgedContacts, certify
 from drystone.model.assembly import GRAVITY, Assembly, Corner
+from drystone_lmgc90.messages import Outcome, Ready, Setup, Step
+from drystone_lmgc90.process import Process
 
 Array = NDArray[np.float64]
 

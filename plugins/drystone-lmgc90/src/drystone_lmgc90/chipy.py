@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.dynamics.lmgc90.messages import Outcome, Ready, Setup, Step
+from drystone_lmgc90.messages import Outcome, Ready, Setup, Step
 
 Array = NDArray[np.float64]
 
