@@ -77,9 +77,14 @@ class _Watched(EquilibriumEngine):
         self.steps: dict[int, tuple[EquilibriumState, _Step]] = {}
         self.made_of: dict[int, tuple[EquilibriumState, EquilibriumState]] = {}
 
-    def _accept(self, state, solved, h, demand):
+    def _accept(self, own, state, solved, h, demand):
+        self.prepared, self.equations, self.constants = (
+            state.prepared,
+            own.step,
+            own.loaded.constants,
+        )
         origin, area = self.equations.origin.copy(), self._area_of_step()
-        new, report = super()._accept(state, solved, h, demand)
+        new, report = super()._accept(own, state, solved, h, demand)
         reaction, history = self._of_step(new)
         law = state.pairs.law_of_slot
         before = _at(state.history, origin)
@@ -103,7 +108,7 @@ class _Watched(EquilibriumEngine):
         """Areas of the slots that the step was solved with: those of where it began, and of
         contacts that were made in it."""
         equations = self.equations
-        if self.problem.assembly.dimension == 3:
+        if self.prepared.assembly.dimension == 3:
             return self._area(equations.known)
         known = equations.start.size * self.constants.thickness
         return np.where(known > 0.0, known, self._area(equations.slots))
@@ -111,14 +116,14 @@ class _Watched(EquilibriumEngine):
     def _of_step(self, new: EquilibriumState) -> tuple[Array, Array]:
         """Reactions and history of the slots that the step was solved with."""
         equations = self.equations
-        if self.problem.assembly.dimension == 3:
+        if self.prepared.assembly.dimension == 3:
             return new.acted.reaction, equations.finish()
         return equations.reaction.copy(), equations.history.copy()
 
     def step(self, state, demand):
         new, report = super().step(state, demand)
         if report.converged:
-            self.last = new
+            self.reached = new
         return new, report
 
     def _paired(self, state, gone):
@@ -128,7 +133,7 @@ class _Watched(EquilibriumEngine):
 
     def taken(self) -> list[_Step]:
         """The steps that led to the last state, the first one last."""
-        steps, state = [], self.last
+        steps, state = [], self.reached
         while True:
             if id(state) in self.steps:
                 steps.append(self.steps[id(state)][1])
@@ -154,12 +159,12 @@ class _Watched(EquilibriumEngine):
 
     def _stiff(self, law: IntArray, area: Array, column: int = KN) -> Array:
         """Stiffness [N/m]; infinite where there is no contact."""
-        return self.laws[law, column] * np.where(area > 0.0, area, np.inf)
+        return self.prepared.laws[law, column] * np.where(area > 0.0, area, np.inf)
 
     def _stored(self, law: IntArray, area: Array, closed: Array, history: Array) -> float:
         """Of contacts that are closed elastically (n_slots,) [m], with the shear they have."""
         shear = np.sum(history[:, SHEAR:] ** 2, axis=1) / self._stiff(law, area, KS)
-        return 0.5 * float(np.sum(self.laws[law, KN] * area * closed**2) + np.sum(shear))
+        return 0.5 * float(np.sum(self.prepared.laws[law, KN] * area * closed**2) + np.sum(shear))
 
     def _found(self, state: EquilibriumState) -> float:
         """Of the contacts of a state as they are found there: what the next step begins with."""

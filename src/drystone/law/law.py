@@ -93,11 +93,13 @@ N_HISTORY = 6  # in the plane
 #: slide at which dilatancy ends [m].
 MU, KN, KS, TAN_PSI, COHESION, TENSION, DILATANCY_END = 0, 1, 2, 3, 4, 5, 6
 #: Of laws that yield: 1, c, f_t, what they soften by opening and by slip [1/m], mu in the end, how
-#: it falls by slip [1/m], f_c [Pa] and how that falls by crushing [1/m].
+#: it falls by slip [1/m], f_c [Pa] and how that falls by crushing [1/m], 1 where friction falls
+#: with the bond.
 YIELDS, COHESIVE, PULLS, BY_OPENING, BY_SLIP, LEAST_MU, PER_SLIP, CRUSHES, BY_CRUSHING = range(
     7, 16
 )
-N_LAW = 16
+SOFTENS = 16
+N_LAW = 17
 #: Those that contacts have times their area, in newtons.
 PER_AREA = (KN, KS, COHESION, TENSION, COHESIVE, PULLS, CRUSHES)
 

@@ -17,13 +17,20 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-
-#: Columns of a law: k_n, k_s [Pa/m], friction first and last, how it falls by slip [1/m], c, f_t
-#: [Pa], how the bond softens by opening and by slip [1/m], f_c [Pa] and how that falls [1/m], 1
-#: where there is a bond, 1 where friction falls with it.
-S_KN, S_KS, S_MU, S_LEAST, S_PER_SLIP, S_COHESION, S_TENSION = 0, 1, 2, 3, 4, 5, 6
-S_BY_OPENING, S_BY_SLIP, S_CRUSH, S_BY_CRUSHING, S_BONDED, S_SOFTENS = 7, 8, 9, 10, 11, 12
-N_SOFTENING = 13
+from drystone.law.law import (
+    BY_CRUSHING,
+    BY_OPENING,
+    BY_SLIP,
+    COHESIVE,
+    CRUSHES,
+    KN,
+    KS,
+    LEAST_MU,
+    MU,
+    PER_SLIP,
+    PULLS,
+    SOFTENS,
+)
 
 #: Columns of a contact: 1 where its bond is whole, what it has come to, gap [m] and trial shear
 #: [Pa]; its law is in a list beside.
@@ -45,7 +52,7 @@ LEAST_SLOPE = 1e-3
 @njit(cache=True, error_model="numpy")
 def _pressed(law, crushed, y):
     """Pressure of a contact that is shut, its derivative by the gap, closure by crushing."""
-    kn, strength, rate = law[S_KN], law[S_CRUSH], law[S_BY_CRUSHING]
+    kn, strength, rate = law[KN], law[CRUSHES], law[BY_CRUSHING]
     p = -kn * y
     at = crushed
     if not p > strength * np.exp(-min(rate * crushed, LOST)):
@@ -70,7 +77,7 @@ def _normal(law, whole, opened, pulls, y, s, at):
         at[i] = 0.0
     if not (whole and pulls):
         return
-    kn, f = law[S_KN], law[S_TENSION] * np.exp(-s)
+    kn, f = law[KN], law[PULLS] * np.exp(-s)
     beyond = y - opened
     if beyond > f / kn:
         at[0], at[2] = -f, f
@@ -81,14 +88,14 @@ def _normal(law, whole, opened, pulls, y, s, at):
 
 @njit(cache=True, error_model="numpy")
 def points(laws, law_of, contact, point):
-    """Fill ``point`` (n, N_POINT) for contacts (n, N_CONTACT) of laws (n_laws, N_SOFTENING)."""
+    """Fill ``point`` (n, N_POINT) for contacts (n, N_CONTACT) of laws (n_laws, N_LAW)."""
     at = np.zeros(6)
     for c in range(law_of.shape[0]):
         law = laws[law_of[c]]
-        whole = contact[c, C_WHOLE] != 0.0 and law[S_BONDED] != 0.0
+        whole = contact[c, C_WHOLE] != 0.0 and law[COHESIVE] + law[PULLS] > 0.0
         y, shear, out = contact[c, C_GAP], contact[c, C_SHEAR], point[c]
         opened, slid, crushed = contact[c, C_OPENED], contact[c, C_SLID], contact[c, C_CRUSHED]
-        ks, least, fall = law[S_KS], law[S_LEAST], law[S_MU] - law[S_LEAST]
+        ks, least, fall = law[KS], law[LEAST_MU], law[MU] - law[LEAST_MU]
         pulls = opened == 0.0 or y > opened
         shut = y <= 0.0
         if shut:
@@ -98,14 +105,14 @@ def points(laws, law_of, contact, point):
         s, start = contact[c, C_SOFTENED], contact[c, C_SOFTENED]
         gamma, most, my, ms, slope = 0.0, 0.0, 0.0, 0.0, 1.0
         if whole:
-            by_slip, by_opening = law[S_BY_SLIP], law[S_BY_OPENING]
+            by_slip, by_opening = law[BY_SLIP], law[BY_OPENING]
             for _ in range(100):
                 left = np.exp(-s)
                 if not shut:
                     _normal(law, whole, opened, pulls, y, s, at)
                 mu = least + fall * left
-                most = mu * at[0] + law[S_COHESION] * left
-                my, ms = mu * at[1], mu * at[2] - fall * left * at[0] - law[S_COHESION] * left
+                most = mu * at[0] + law[COHESIVE] * left
+                my, ms = mu * at[1], mu * at[2] - fall * left * at[0] - law[COHESIVE] * left
                 if most < 0.0:
                     most, my, ms = 0.0, 0.0, 0.0
                 gamma, slope = 0.0, 1.0 - by_opening * at[5]
@@ -118,8 +125,8 @@ def points(laws, law_of, contact, point):
                 if abs(more) <= 1e-14 * (1.0 + s):
                     break
         else:
-            rate = 0.0 if law[S_SOFTENS] != 0.0 else law[S_PER_SLIP]
-            fallen = law[S_SOFTENS] != 0.0
+            rate = 0.0 if law[SOFTENS] != 0.0 else law[PER_SLIP]
+            fallen = law[SOFTENS] != 0.0
             if not shut:
                 at[:] = 0.0
             pressure = max(at[0], 0.0)

@@ -42,7 +42,8 @@ from drystone.law.law import (
     SLID,
     SOFTENED,
 )
-from drystone.model.assembly import Assembly, JointLaw
+from drystone.law.table import law_table, yielding_row
+from drystone.model.assembly import Assembly
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -84,15 +85,10 @@ class Strengths:
         self.yields: BoolArray = np.array([law.yields for law in assembly.laws])
         #: Whether `law.softening` has all of what joints do.
         self.smooth = not np.isfinite(self.closure).any()
-        ks = [law.shear_stiffness or 0.0 for law in assembly.laws]
         self.softens: BoolArray = np.array(softens)
         self.bonded: BoolArray = self.softens & (self.cohesion + self.tension > 0.0)
-        bonded = self.bonded.astype(float)
-        #: (n_laws, N_SOFTENING), see `law.softening`.
-        self.table = np.column_stack((
-            self.kn, ks, self.mu, self.residual, self.per_slip, self.cohesion, self.tension,
-            self.by_opening, self.by_slip, self.crush, self.by_crushing, bonded, self.softens,
-        ))  # fmt: skip
+        #: (n_laws, N_LAW), see `law.law`.
+        self.table = law_table(assembly)
         #: What contacts of each law hold that are made later, (n_laws, N_HELD): without a bond.
         self.fresh = self._fresh()
 
@@ -222,46 +218,6 @@ class Strengths:
         """Make what contacts have come to a part of their history."""
         history[:, SOFTENED], history[:, OPENED] = now.softened, now.opened
         history[self.bonded[law] & (now.softened > LOST), BROKEN] = 1.0
-
-
-class Row(NamedTuple):
-    """What a law is made of; strengths [Pa] of bonds that soften only, rates [1/m]."""
-
-    mu: float
-    residual: float
-    per_slip: float
-    kn: float  # Pa/m
-    cohesion: float
-    tension: float
-    by_opening: float
-    by_slip: float
-    crush: float
-    by_crushing: float
-    closure: float  # m
-
-
-def yielding_row(law: JointLaw) -> Row:
-    """The numbers of a law; the tensile strength is that of its cone at most."""
-    mu, residual = law.friction_coefficient, law.residual_friction_coefficient
-    cohesion, tension = (law.cohesion, law.tensile_strength) if law.softens else (0.0, 0.0)
-    tension = min(tension, cohesion / mu) if mu > 0.0 else tension
-    return Row(
-        mu=mu,
-        residual=mu if residual is None else residual,
-        per_slip=0.0 if law.residual_slip is None else 1.0 / law.residual_slip,
-        kn=law.normal_stiffness or 0.0,
-        cohesion=cohesion,
-        tension=tension,
-        by_opening=_over(tension, law.tensile_fracture_energy),
-        by_slip=_over(cohesion, law.shear_fracture_energy),
-        crush=law.compressive_strength,
-        by_crushing=_over(law.compressive_strength, law.compressive_fracture_energy),
-        closure=law.greatest_closure,
-    )
-
-
-def _over(strength: float, energy: float | None) -> float:
-    return 0.0 if energy is None else strength / energy
 
 
 def difference(held: Array, other: Array, reaction: Array, area: Array) -> float:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drystone.law import law as joint_law
-from drystone.law.strengths import yielding_row
 from drystone.model.assembly import Assembly, JointLaw
 
 Array = NDArray[np.float64]
@@ -43,5 +43,45 @@ def _yielding(law: JointLaw) -> tuple[float, ...]:
     row = yielding_row(law)
     return (
         1.0, row.cohesion, row.tension, row.by_opening, row.by_slip, row.residual, row.per_slip,
-        row.crush, row.by_crushing,
+        row.crush, row.by_crushing, float(law.softens),
     )  # fmt: skip
+
+
+class Row(NamedTuple):
+    """What a law is made of; strengths [Pa] of bonds that soften only, rates [1/m]."""
+
+    mu: float
+    residual: float
+    per_slip: float
+    kn: float  # Pa/m
+    cohesion: float
+    tension: float
+    by_opening: float
+    by_slip: float
+    crush: float
+    by_crushing: float
+    closure: float  # m
+
+
+def yielding_row(law: JointLaw) -> Row:
+    """The numbers of a law; the tensile strength is that of its cone at most."""
+    mu, residual = law.friction_coefficient, law.residual_friction_coefficient
+    cohesion, tension = (law.cohesion, law.tensile_strength) if law.softens else (0.0, 0.0)
+    tension = min(tension, cohesion / mu) if mu > 0.0 else tension
+    return Row(
+        mu=mu,
+        residual=mu if residual is None else residual,
+        per_slip=0.0 if law.residual_slip is None else 1.0 / law.residual_slip,
+        kn=law.normal_stiffness or 0.0,
+        cohesion=cohesion,
+        tension=tension,
+        by_opening=_over(tension, law.tensile_fracture_energy),
+        by_slip=_over(cohesion, law.shear_fracture_energy),
+        crush=law.compressive_strength,
+        by_crushing=_over(law.compressive_strength, law.compressive_fracture_energy),
+        closure=law.greatest_closure,
+    )
+
+
+def _over(strength: float, energy: float | None) -> float:
+    return 0.0 if energy is None else strength / energy

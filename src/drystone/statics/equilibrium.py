@@ -684,17 +684,23 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         outcome = self._report(own, new, judged, solved.n_iterations, h)
         if solved.held and outcome.motion < 2.0 * abs(increment or 0.0):
             new = replace(new, held=False)
-        return new, changed(
+        return new, self._told(outcome, solved, demand, self._lost(source, then))
+
+    def _told(
+        self, outcome: StepReport, solved: StepSolution, demand: Demand, lost_shear: float
+    ) -> StepReport:
+        """The report of a step with what its solution says of the path, and the shear [N] of
+        contacts that were lost."""
+        given = demand.increment is None
+        return changed(
             outcome,
-            static_multiplier=outcome.static_multiplier
-            if demand.increment is None
-            else solved.multiplier,
+            static_multiplier=outcome.static_multiplier if given else solved.multiplier,
             path=StepPath(
                 turn=solved.turn, excess=solved.excess, bend=solved.bend, swerve=solved.swerve
             ),
             dynamic=not self._at_rest(outcome),
             unstable=solved.unstable,
-            lost_shear=self._lost(source, then),
+            lost_shear=lost_shear,
         )
 
     def _ended(
