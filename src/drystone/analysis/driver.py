@@ -473,7 +473,8 @@ def _options_of(strategy: str, analysis: Analysis) -> dict[str, float]:
     if unknown:
         raise EngineError(f'there is no setting "{unknown[0]}" of the analysis')
     wrong = [sentence for key, value in options.items() if (sentence := problem(key, value))]
-    wrong += [sentence for stop, x in stops_of(options) if (sentence := stop.problem(x))]
+    stops = stops_of({key: x for key, x in options.items() if key not in known})
+    wrong += [sentence for stop, x in stops if (sentence := stop.problem(x))]
     if wrong:  # also of settings that this strategy does not use, as in a model file
         raise EngineError(f"[analysis] {wrong[0]}")
     return options
@@ -552,12 +553,13 @@ def _settings(cls: type[Settings], second: float, options: Mapping[str, float]) 
     falls it in another, whatever the size.
     """
     chosen: dict[str, Any] = {}  # of whole numbers, others and switches
+    own = {key.name for key in fields(cls)}
     for key in fields(cls):
         if key.name in options:
             value = options[key.name]
             chosen[key.name] = int(value) if key.type == "int" else value
         elif key.name == "stops":
-            chosen[key.name] = stops_of(options)
+            chosen[key.name] = stops_of({k: x for k, x in options.items() if k not in own})
         elif key.name == "time_step":
             default: Any = key.default
             chosen[key.name] = second * default

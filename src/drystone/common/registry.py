@@ -22,6 +22,16 @@ class RegistryError(ValueError):
     """There is no thing of a name, or it cannot be loaded."""
 
 
+def outside(group: str) -> dict[str, EntryPoint]:
+    """Entry points of other packages in a group, by name; of two with one name the first found."""
+    from importlib.metadata import entry_points  # takes longer than all the rest here
+
+    found: dict[str, EntryPoint] = {}
+    for entry in entry_points(group=group):
+        found.setdefault(entry.name, entry)
+    return found
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Registry(Generic[T]):
     """Things of one kind by name: those of this package, then those of others."""
@@ -70,10 +80,4 @@ class Registry(Generic[T]):
                 continue
 
     def _outside(self) -> dict[str, EntryPoint]:
-        """Those of other packages by name; of two with one name the first found."""
-        from importlib.metadata import entry_points  # takes longer than all the rest here
-
-        found: dict[str, EntryPoint] = {}
-        for entry in entry_points(group=self.group):
-            found.setdefault(entry.name, entry)
-        return found
+        return outside(self.group)

@@ -35,7 +35,7 @@ from drystone.control.ends import (
     fallen_freely,
     nothing_carried,
 )
-from drystone.engines.base import Demand, StepReport
+from drystone.engines.base import CREST_PARTS, Demand, StepReport
 
 #: How a step is tried: along the path of equilibria; up to where that turns back; over that place,
 #: to any equilibrium beyond.
@@ -44,9 +44,6 @@ FOLLOWING, NEARING, CROSSING = 0, 1, 2
 
 #: A step in which the curve rises by less than this share of what it did may hide its peak.
 KINK = 0.1
-
-#: Parts of the way through a step whose mean multipliers an engine looks at.
-PARTS = 10
 
 #: Share of a step from which on it is not worth taking again to there.
 ALL_BUT = 0.98
@@ -289,7 +286,7 @@ class DisplacementControl:
             if calmer is not None:
                 return calmer
             # A mean over a part of the way shows no peak that is sharper than the part is long.
-            unseen = ahead / PARTS if state.last == state.highest else 0.0
+            unseen = ahead / CREST_PARTS if state.last == state.highest else 0.0
             seen = unseen <= s.crest_share * scale
             if (
                 multiplier < state.last

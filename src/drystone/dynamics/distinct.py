@@ -38,6 +38,7 @@ from drystone.contact.rows import OF_GAP, dof_of
 from drystone.dynamics import explicit
 from drystone.dynamics.explicit import Drive, FrozenContacts, Loads, Motion
 from drystone.engines.base import (
+    CREST_PARTS,
     Capabilities,
     Demand,
     Engine,
@@ -80,9 +81,6 @@ FREE_TIME_STEP = 1e-3
 #: Open joints count for the time step of quasi-static cycles up to three times this share of the
 #: smallest block size, or of what blocks may move between two searches.
 WATCHED = 1e-3
-
-#: Looks at whether an increment is reached while it is driven.
-CHUNKS = 10
 
 #: Parts in which the dead load comes: each shakes the structure by as little.
 RAMP = 100
@@ -316,7 +314,7 @@ class Workspace:
                 self.ties.value[:, PRETENSION] = part / RAMP * drawn
             self.acting = whole.scaled(part / RAMP, before)
             self.loads = self.loads._replace(dead=self.acting.dead)
-            self.run(max(self.engine.settings.drive_cycles // CHUNKS, 1))
+            self.run(max(self.engine.settings.drive_cycles // CREST_PARTS, 1))
         self.acting, self.ties.value[:, PRETENSION] = whole, drawn
         self.loads = self.loads._replace(dead=whole.dead)
 
@@ -885,10 +883,10 @@ class DistinctEngine(Engine[DistinctState]):
         # For the first stage, of the increment.
         left = 1.0 - SLOWER / (1.0 - SLOWER) * s.stage_cycles / s.drive_cycles
         crest = -np.inf
-        for _ in range(10 * CHUNKS):
-            crest = max(crest, work.drive(max(s.drive_cycles // CHUNKS, 1), rate))
+        for _ in range(10 * CREST_PARTS):
+            crest = max(crest, work.drive(max(s.drive_cycles // CREST_PARTS, 1), rate))
             gone = control.displacement(assembly, pose) - begin
-            if gone / increment > left - 0.5 / CHUNKS:
+            if gone / increment > left - 0.5 / CREST_PARTS:
                 break
             moved = state.prepared.detector.farthest(assembly.difference(pose, state.pose))
             if moved > BY_ITSELF * abs(increment):

@@ -11,6 +11,8 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from drystone.common.registry import outside
+
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
@@ -98,10 +100,4 @@ def checked(engine: object) -> Engine[Any]:
 
 
 def _outside() -> dict[str, EntryPoint]:
-    """Engines of other packages by name; of two with one name the first found."""
-    from importlib.metadata import entry_points  # takes longer than all the rest here
-
-    found: dict[str, EntryPoint] = {}
-    for entry in entry_points(group=GROUP):
-        found.setdefault(entry.name, entry)
-    return found
+    return outside(GROUP)

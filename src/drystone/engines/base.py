@@ -79,6 +79,11 @@ class Demand:
     stop_blocks: bool = True  # start the step from rest
 
 
+#: Parts of a step whose mean multipliers `StepPath.crest` is of: as many as an increment is looked
+#: at in, while it is driven.
+CREST_PARTS = 10
+
+
 @dataclass(frozen=True, kw_only=True)
 class StepPath:
     """What some engines know of the way through a step; None, or nothing, where one does not."""
@@ -94,7 +99,8 @@ class StepPath:
     #: one that it took farthest from it, over the farthest motion of all.
     swerve: float | None = None
     #: Of engines that move through a step: by how much the multiplier on the way, inertia and all,
-    #: exceeded both its ends.  Where the curve has no peak it fades with the step.
+    #: exceeded both its ends, in the mean of one of `CREST_PARTS` parts of it.  Where the curve has
+    #: no peak it fades with the step.
     crest: float | None = None
     #: Of engines that move through a step: where blocks went far by themselves in it, states in
     #: motion on the way to its end and their reports, in order.

@@ -1,6 +1,6 @@
-"""Contacts in space from the interior of their law: of static steps (`statics.space.cone_search`)
-and of
-implicit steps in time (`dynamics.cones`).
+"""Contacts in space from the interior of their law.
+
+Static steps (`statics.space.cone_search`) and implicit steps in time (`dynamics.cones`) use them.
 
 With the trial reactions T of a contact, its stiffnesses k_n, k_s and a barrier e [J],
 
