@@ -12,7 +12,8 @@ import numpy as np
 
 from drystone.dynamics.distinct import DistinctEngine, DistinctState
 from drystone.dynamics.nscd import NscdEngine, NscdState
-from drystone.law import law as joint_law
+from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING
+from drystone.law.columns import BROKEN, MU, SHEAR
 from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumState
 
 
@@ -51,11 +52,11 @@ class KeptNscd(KeptStates, NscdEngine):
 def to_equilibrium(begun: EquilibriumState, state: DistinctState) -> EquilibriumState:
     """On from another state, of the same problem."""
     normal, tangential = state.reaction.T
-    friction = begun.prepared.laws[state.pairs.law_of_slot, joint_law.MU]
-    sliding = np.where(tangential > 0.0, joint_law.FORWARD, joint_law.BACKWARD)
+    friction = begun.prepared.laws[state.pairs.law_of_slot, MU]
+    sliding = np.where(tangential > 0.0, FORWARD, BACKWARD)
     # On the cone to the millionth that the other engine's rest is known to.
     sticks = np.abs(tangential) < friction * normal * (1.0 - 1e-6)
-    branch = np.where(sticks, joint_law.STICKING, sliding)
+    branch = np.where(sticks, STICKING, sliding)
     return EquilibriumState(
         prepared=begun.prepared,
         stage=begun.stage,
@@ -65,7 +66,7 @@ def to_equilibrium(begun: EquilibriumState, state: DistinctState) -> Equilibrium
         slots=state.slots,
         history=state.history,
         reaction=state.reaction,
-        branch=np.where(normal <= 0.0, joint_law.OPEN, branch),
+        branch=np.where(normal <= 0.0, OPEN, branch),
         last_increment=np.zeros_like(state.pose),
         margin=state.margin,
         due=state.due,
@@ -98,8 +99,8 @@ def from_nscd(
     """For an engine that has not been started; joints have the shear that they carry."""
     begun = engine.release(problem, state.pose)
     history = np.zeros((len(state.reaction), begun.history.shape[1]))
-    history[:, joint_law.SHEAR :] = state.reaction[:, 1:]
-    history[:, joint_law.BROKEN] = 1.0
+    history[:, SHEAR:] = state.reaction[:, 1:]
+    history[:, BROKEN] = 1.0
     return replace(
         begun,
         multiplier=multiplier,

@@ -39,7 +39,7 @@ from numpy.typing import NDArray
 import drystone as ds
 from drystone.contact.contacts import NONE
 from drystone.engines.base import Demand
-from drystone.law.law import DILATION, KN, KS, OPENED, SHEAR, SLID
+from drystone.law.columns import DILATION, KN, KS, OPENED, SHEAR, SLID
 from drystone.results.curve import CapacityCurve
 from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumState
 

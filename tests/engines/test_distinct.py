@@ -12,7 +12,7 @@ from drystone.analysis.driver import pushover
 from drystone.dynamics import explicit
 from drystone.dynamics.distinct import DistinctEngine, DistinctSettings, Workspace
 from drystone.engines.base import Demand, EngineError, UnstableError
-from drystone.law.law import BROKEN
+from drystone.law.columns import BROKEN
 from drystone.limit import ASSOCIATIVE, collapse_load
 from drystone.model.assembly import Block, Corner, JointLaw
 from drystone.model.builders import make_model

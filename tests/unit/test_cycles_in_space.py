@@ -27,7 +27,7 @@ from drystone.contact.rows import IN_SPACE
 from drystone.dynamics import explicit
 from drystone.dynamics.explicit import Drive, FrozenContacts, Loads, Motion
 from drystone.geometry import motion as poses
-from drystone.law.law import (
+from drystone.law.columns import (
     BROKEN,
     BY_SLIP,
     COHESIVE,
@@ -41,10 +41,10 @@ from drystone.law.law import (
     N_LAW,
     SHEAR,
     SLID,
-    SLIDING,
     SOFTENED,
     YIELDS,
 )
+from drystone.law.status import SLIDING
 from drystone.model.tie_kernels import Ties
 
 pytestmark = pytest.mark.kernels

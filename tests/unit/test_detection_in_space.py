@@ -10,7 +10,7 @@ from drystone.contact.contacts import NONE, A, B
 from drystone.contact.detection import Detector
 from drystone.engines.frame import Frame
 from drystone.geometry.space import solid
-from drystone.law.law import MU
+from drystone.law.columns import MU
 from drystone.model.assembly import Assembly, Block, Corner
 from solids import box, joint, leaf, one_block, turned
 

@@ -19,7 +19,10 @@ from drystone.contact.contacts import (
     Contacts,
 )
 from drystone.engines.base import Demand
-from drystone.law import law as joint_law
+from drystone.law import interior as interior_law
+from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING
+from drystone.law.columns import N_RESPONSE, NN, NT, RN, TN, TT
+from drystone.law.interior import D_TRIAL_N, D_TRIAL_T, FAR, N_CHANGE, N_INNER, NEAR, P, Q, W
 from drystone.model.assembly import Corner
 from drystone.model.builders import published_wall
 from drystone.statics.equilibrium import EquilibriumEngine
@@ -42,12 +45,12 @@ def contacts(n, *, mu=0.65, dilation=0.0, seed=0):
     table[:, FRICTION], table[:, LIFT] = mu, KN * dilation
     table[:, TRIAL_N] = random.normal(size=n) * 1e3
     table[:, TRIAL_T] = random.normal(size=n) * 1e4
-    return contacts, n, np.full(n, joint_law.STICKING)
+    return contacts, n, np.full(n, STICKING)
 
 
 def centred(every, barrier):
-    inner = np.zeros((every[1], joint_law.N_INNER))
-    joint_law.centre(*every, barrier, inner)
+    inner = np.zeros((every[1], N_INNER))
+    interior_law.centre(*every, barrier, inner)
     return inner
 
 
@@ -56,7 +59,7 @@ def test_central_contacts_obey_the_law_with_its_products_at_the_barrier(barrier)
     every = contacts(200)
     table, v = every[0].table, centred(every, barrier)
     rn, rt, w, p, q, near, far, *_ = v.T
-    assert (v[:, [joint_law.RN, joint_law.W, joint_law.P, joint_law.Q]] > 0.0).all()
+    assert (v[:, [RN, W, P, Q]] > 0.0).all()
     # To the rounding of the larger of the terms.
     tn, tt = table[:, TRIAL_N], table[:, TRIAL_T]
     np.testing.assert_allclose(rn - w, tn, atol=1e-12 * np.abs(tn).max())
@@ -69,11 +72,11 @@ def test_central_contacts_obey_the_law_with_its_products_at_the_barrier(barrier)
 def test_without_a_barrier_the_branches_are_those_of_the_law():
     packed, n, branch = every = contacts(500)
     table, v = packed.table, centred(every, 1e-24)
-    joint_law.choose(packed, n, v, branch)
+    interior_law.choose(packed, n, v, branch)
     tn, tt = table[:, TRIAL_N], table[:, TRIAL_T]
-    sliding = np.where(tt > 0.0, joint_law.FORWARD, joint_law.BACKWARD)
+    sliding = np.where(tt > 0.0, FORWARD, BACKWARD)
     sticks = np.abs(tt) <= table[:, FRICTION] * tn
-    expected = np.where(tn <= 0.0, joint_law.OPEN, np.where(sticks, joint_law.STICKING, sliding))
+    expected = np.where(tn <= 0.0, OPEN, np.where(sticks, STICKING, sliding))
     assert branch.tolist() == expected.tolist()
     assert len(set(expected)) == 4
 
@@ -83,12 +86,12 @@ def test_response_is_the_derivative_of_central_reactions(mu):
     every = contacts(100, mu=mu)
     table, barrier = every[0].table, 1e-3
     v = centred(every, barrier)
-    response = np.zeros((100, joint_law.N_RESPONSE))
-    energy = joint_law.respond_within(*every, v, response)
+    response = np.zeros((100, N_RESPONSE))
+    energy = interior_law.respond_within(*every, v, response)
     assert energy == pytest.approx(barrier, rel=1e-9)
     for trial, columns, step in (
-        (TRIAL_N, [joint_law.NN, joint_law.TN], 1e-3),
-        (TRIAL_T, [joint_law.NT, joint_law.TT], 1e-1),
+        (TRIAL_N, [NN, TN], 1e-3),
+        (TRIAL_T, [NT, TT], 1e-1),
     ):
         there = table[:, trial].copy()
         table[:, trial] = there + step
@@ -108,9 +111,9 @@ def test_changes_solve_the_equations_linearised(dilation, second):
     every = contacts(100, dilation=dilation)
     table, n = every[0].table, every[1]
     v = centred(every, 1e-2)
-    response, b = np.zeros((n, joint_law.N_RESPONSE)), np.zeros((n, 2))
-    change, force = np.zeros((n, joint_law.N_CHANGE)), np.zeros((2, 3))
-    joint_law.respond_within(*every, v, response)
+    response, b = np.zeros((n, N_RESPONSE)), np.zeros((n, 2))
+    change, force = np.zeros((n, N_CHANGE)), np.zeros((2, 3))
+    interior_law.respond_within(*every, v, response)
     direction = np.random.default_rng(1).normal(size=(2, 3)) * 1e-6
     barrier = 1e-3
     for again in (False, True)[: 1 + second]:
@@ -119,24 +122,24 @@ def test_changes_solve_the_equations_linearised(dilation, second):
         room, limiting, by_way, by_square = interior.changes(
             *every, v, barrier, again, response, b, direction, change
         )
-    moved, d = v + change[:, : joint_law.N_INNER], change
-    tn = table[:, TRIAL_N] + d[:, joint_law.D_TRIAL_N]
-    tt = table[:, TRIAL_T] + d[:, joint_law.D_TRIAL_T]
+    moved, d = v + change[:, :N_INNER], change
+    tn = table[:, TRIAL_N] + d[:, D_TRIAL_N]
+    tt = table[:, TRIAL_T] + d[:, D_TRIAL_T]
     rn, rt, w, p, q, *_ = moved.T
     np.testing.assert_allclose(rn, tn + w + KN * dilation / KT * (p + q), rtol=1e-9, atol=1e-6)
     np.testing.assert_allclose(rt, tt - p + q, rtol=1e-9, atol=1e-6)
-    names = ((joint_law.RN, joint_law.W, KN), (joint_law.NEAR, joint_law.P, KT))
-    for one, other, stiffness in (*names, (joint_law.FAR, joint_law.Q, KT)):
+    names = ((RN, W, KN), (NEAR, P, KT))
+    for one, other, stiffness in (*names, (FAR, Q, KT)):
         left = v[:, one] * v[:, other] + d[:, one] * v[:, other] + v[:, one] * d[:, other]
         if second:
             left += first[:, one] * first[:, other]
         np.testing.assert_allclose(left, stiffness * barrier, rtol=1e-6)
-    positive = (joint_law.RN, joint_law.W, joint_law.P, joint_law.Q, joint_law.NEAR, joint_law.FAR)
+    positive = (RN, W, P, Q, NEAR, FAR)
     falling = np.where(d[:, positive] < 0.0, -v[:, positive] / d[:, positive], np.inf)
     assert room == falling.min()
     assert limiting == falling.min(axis=1).argmin()
-    after = joint_law.respond_within(*every, moved, response)
-    before = joint_law.respond_within(*every, v, response)
+    after = interior_law.respond_within(*every, moved, response)
+    before = interior_law.respond_within(*every, v, response)
     assert after == pytest.approx(before + by_way + by_square, rel=1e-9)
 
 

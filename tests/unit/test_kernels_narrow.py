@@ -29,7 +29,19 @@ from drystone.contact.detection import predecessor_pairs
 from drystone.contact.plane import narrow, rows
 from drystone.geometry import GeometryError, broad
 from drystone.geometry.broad import candidate_pairs
-from drystone.law import law as joint_law
+from drystone.law import plane as plane_law
+from drystone.law.branches import BACKWARD, BONDED, FORWARD, OPEN, STICKING
+from drystone.law.columns import (
+    COHESION,
+    DILATANCY_END,
+    N_HELD,
+    N_HISTORY,
+    N_LAW,
+    N_RESPONSE,
+    SHEAR,
+    TAN_PSI,
+    TENSION,
+)
 from drystone.model.assembly import Assembly, Block, Corner, JointLaw
 from drystone.model.builders import published_wall
 from drystone.statics.plane import forces
@@ -242,20 +254,20 @@ class JointOfPair:
         n = len(self.known.kind)
         self.slots = Slots.empty(self.pairs.n_slots, 2)
         self.known.size[:] = 0.1  # fixed within a step, as engines do
-        self.laws = np.zeros((1, joint_law.N_LAW))
+        self.laws = np.zeros((1, N_LAW))
         law = assembly.joint
-        self.laws[0, : joint_law.TAN_PSI + 1] = (
+        self.laws[0, : TAN_PSI + 1] = (
             friction, law.normal_stiffness, law.shear_stiffness, tan_psi,
         )  # fmt: skip
-        self.laws[0, [joint_law.COHESION, joint_law.TENSION]] = bond
-        self.laws[0, joint_law.DILATANCY_END] = np.inf
-        self.history = np.zeros((n, joint_law.N_HISTORY))
-        self.history[:, joint_law.SHEAR] = shear
+        self.laws[0, [COHESION, TENSION]] = bond
+        self.laws[0, DILATANCY_END] = np.inf
+        self.history = np.zeros((n, N_HISTORY))
+        self.history[:, SHEAR] = shear
         self.start = Start(
             size=np.zeros(n),
             rows=np.zeros((n, 2, 6)),
             closed=np.ones(n, np.bool_),
-            held=np.zeros((0, joint_law.N_HELD)),
+            held=np.zeros((0, N_HELD)),
         )
         if linear is not None:
             self.start.size[:] = 0.1
@@ -284,8 +296,8 @@ class JointOfPair:
         )
         every = contacts, self.count
         forces.move_trial(*contacts, self.count, motion)
-        response = np.zeros((len(contacts.slot), joint_law.N_RESPONSE))
-        joint_law.respond(contacts.which, contacts.table, self.count, self.branch, response)
+        response = np.zeros((len(contacts.slot), N_RESPONSE))
+        plane_law.respond(contacts.which, contacts.table, self.count, self.branch, response)
         forces.geometric_stiffness(self.slots, *every, self.reaction, bent)
         forces.assemble(*every, self.pairs, response, bent, motion, force, blocks)
         diagonal, upper, lower = blocks
@@ -334,7 +346,7 @@ class TestDerivatives:
             if not self.smooth(pair, increment):
                 continue
             used, rows = pair.at(increment).mapping()
-            pressed = pair.branch[used] != joint_law.OPEN
+            pressed = pair.branch[used] != OPEN
             kinds = pair.slots.kind[used]
             stiffness = assembly.joint.shear_stiffness * 0.1
 
@@ -380,9 +392,9 @@ class TestDerivatives:
             assert tangent == pytest.approx(numerical, abs=1e-6 * np.abs(numerical).max())
             seen.update(zip(pair.slots.kind.tolist(), branch.tolist(), strict=True))
         for kind in {VERTEX_A, VERTEX_B, VERTICES} if radius else {VERTEX_A, VERTEX_B}:
-            assert seen[kind, joint_law.STICKING] >= 1
-            assert seen[kind, joint_law.FORWARD] + seen[kind, joint_law.BACKWARD] >= 1
-        for branch in (joint_law.OPEN, joint_law.STICKING, joint_law.FORWARD, joint_law.BACKWARD):
+            assert seen[kind, STICKING] >= 1
+            assert seen[kind, FORWARD] + seen[kind, BACKWARD] >= 1
+        for branch in (OPEN, STICKING, FORWARD, BACKWARD):
             assert sum(n for (kind, b), n in seen.items() if kind and b == branch) >= 2
 
     @pytest.mark.parametrize("linear", [False, True], ids=["exact slip", "linear slip"])
@@ -391,7 +403,7 @@ class TestDerivatives:
         """Reactions of a bond are held beyond friction's limit and in tension."""
         beyond = pulled = 0
         for pair, increment in self.pressed(radius, 0.2, linear, bond=2e4):
-            bonded, (rn, rt) = pair.branch == joint_law.BONDED, pair.reaction.T
+            bonded, (rn, rt) = pair.branch == BONDED, pair.reaction.T
             beyond += np.sum(bonded & (np.abs(rt) > 0.3 * rn))
             pulled += np.sum(bonded & (rn < 0.0))
             _, tangent = pair.linearised(np.zeros((2, 3)))
@@ -428,7 +440,7 @@ class TestDerivatives:
                 exact = JointOfPair(assembly, pose, friction=1e9).at(size * motion)
                 linear = JointOfPair(assembly, pose, friction=1e9, linear=size * motion)
                 linear.at(size * motion)
-                pressed &= exact.branch != joint_law.OPEN
+                pressed &= exact.branch != OPEN
                 errors.append(np.abs(exact.reaction[:, 1] - linear.reaction[:, 1]) / stiffness)
             # 64 times less at a quarter; of second order it would be 16 times.  Rounding aside.
             assert np.all(errors[1][pressed] <= errors[0][pressed] / 32.0 + 1e-14)

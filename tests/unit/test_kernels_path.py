@@ -15,7 +15,8 @@ import pytest
 from builders import UNIT_WEIGHT, core_of, problem_of, rectangle, stack
 from drystone.contact.contacts import VERTEX_B, VERTICES
 from drystone.engines.base import Demand
-from drystone.law import law as joint_law
+from drystone.law.branches import BACKWARD, BONDED, FORWARD, OPEN, STICKING
+from drystone.law.columns import BROKEN, DILATION, SHEAR, SLID
 from drystone.model.assembly import Block, Corner, JointLaw
 from drystone.model.builders import make_model
 from drystone.model.model import Model
@@ -174,7 +175,7 @@ def reference(taken):
         limit = law.friction_coefficient * normal
         bonded = law.cohesion + law.tensile_strength > 0.0 and not broken
         if not bonded:  # within a step a bond holds whatever it carries
-            dilates = slid < law.dilatancy_end and state.branch[k] != joint_law.OPEN
+            dilates = slid < law.dilatancy_end and state.branch[k] != OPEN
             lift = np.tan(np.radians(law.dilatancy_angle)) * dilates
             if normal + kn / ks * lift * abs(tangential) <= 0.0:  # what it slides does not close it
                 normal = tangential = 0.0
@@ -201,7 +202,7 @@ def check(taken, *, whole):
     laws = [assembly.laws[i] for i in state.pairs.law_of_slot]
     accuracy = 0.1 * taken.tolerance
     assert step.reaction == pytest.approx(reaction, abs=accuracy)
-    shear, rest = joint_law.SHEAR, slice(joint_law.SHEAR)
+    shear, rest = SHEAR, slice(SHEAR)
     assert step.history[touching, shear] == pytest.approx(history[touching, shear], abs=accuracy)
     assert step.history[touching, rest] == pytest.approx(history[touching, rest], abs=1e-14)
 
@@ -221,7 +222,7 @@ def check(taken, *, whole):
     normal, tangential = reaction.T
     friction = np.array([law.friction_coefficient for law in laws])
     stiffness = np.array([law.shear_stiffness for law in laws]) * state.slots.size
-    bonded = step.branch == joint_law.BONDED
+    bonded = step.branch == BONDED
     loose = ~bonded
     assert normal[loose].min(initial=0.0) >= 0.0
     assert (np.abs(tangential) - friction * normal)[loose].max(initial=0.0) <= accuracy
@@ -234,18 +235,18 @@ def check(taken, *, whole):
     # What contacts bring along: the implicit law changes nothing.  On a path, sliding that has
     # ended is added; it goes back by what the gradients change over the step, no more.
     brought, now = state.history[touching], step.history_before[touching]
-    assert np.all(now[:, joint_law.BROKEN] >= brought[:, joint_law.BROKEN])
+    assert np.all(now[:, BROKEN] >= brought[:, BROKEN])
     if whole:
-        others = [joint_law.SHEAR, joint_law.DILATION, joint_law.SLID]
+        others = [SHEAR, DILATION, SLID]
         assert np.array_equal(now[:, others], brought[:, others])
-    slid = now[:, joint_law.SLID] - brought[:, joint_law.SLID]
+    slid = now[:, SLID] - brought[:, SLID]
     motion = np.abs(x[:, :2]).max()
     back = 2.0 * path.SLOW * motion + motion**2 / assembly.smallest_extent
     assert slid.min(initial=0.0) >= -back
     angle = np.array([law.dilatancy_angle for law in laws])[touching]
-    ended = [law.dilatancy_end for law in laws] <= state.history[:, joint_law.SLID]
+    ended = [law.dilatancy_end for law in laws] <= state.history[:, SLID]
     lift = np.where(ended[touching], 0.0, np.tan(np.radians(angle)))
-    raised = now[:, joint_law.DILATION] - brought[:, joint_law.DILATION]
+    raised = now[:, DILATION] - brought[:, DILATION]
     assert raised == pytest.approx(lift * slid, abs=1e-14)
     return Counter(step.branch[touching].tolist())
 
@@ -341,9 +342,9 @@ class TestRandomAssemblies:
         # Where all is glued no contact changes: bonds hold while a step is solved.
         few, many = 0 if law == "glued" else SEEDS // 4, 100 * SEEDS // 12
         assert bent >= few
-        assert seen[joint_law.OPEN] >= many
-        assert seen[joint_law.FORWARD] + seen[joint_law.BACKWARD] >= few
-        assert seen[joint_law.BONDED if "cohesion" in LAWS[law] else joint_law.STICKING] >= many
+        assert seen[OPEN] >= many
+        assert seen[FORWARD] + seen[BACKWARD] >= few
+        assert seen[BONDED if "cohesion" in LAWS[law] else STICKING] >= many
 
     @pytest.mark.compiled
     @pytest.mark.parametrize("whole", [True, False], ids=["implicit law", "path"])
@@ -467,13 +468,13 @@ class TestPeakWithinAStep:
         assert report.static_multiplier == pytest.approx(
             self.multiplier(self.rotation(pull), pull), rel=3e-3
         )
-        assert sorted(tip.branch) == [joint_law.BONDED, joint_law.BONDED] and len(tip.due) == 1
+        assert sorted(tip.branch) == [BONDED, BONDED] and len(tip.due) == 1
         broken, report = engine.step(tip, demand)
         assert report.reached == 0.0
         assert report.control_displacement == pytest.approx(at_peak, rel=1e-3)
         theta = solve_for(self.displacement, at_peak, 0.0, 3.0 * self.rotation(pull))
         assert report.static_multiplier == pytest.approx(self.multiplier(theta), rel=1e-3)
-        assert sorted(broken.branch) == [joint_law.OPEN, joint_law.BONDED]
+        assert sorted(broken.branch) == [OPEN, BONDED]
 
     def test_none_before_it(self):
         joints = JointLaw(
@@ -582,14 +583,14 @@ class TestSliding:
         engine, state = settled(stack((1.0, 0.2), joint=law))
         state, _ = engine.step(state, Demand(increment=1e-3))
         for increment, branch, sense in (
-            (1e-3, joint_law.BACKWARD, 1.0),
-            (-1e-3, joint_law.FORWARD, -1.0),
+            (1e-3, BACKWARD, 1.0),
+            (-1e-3, FORWARD, -1.0),
         ):
             taken = take(engine, state, increment, whole=whole)
             check(taken, whole=whole)
             assert taken.solved.multiplier == pytest.approx(sense * 0.5, rel=1e-5)
             assert taken.step.branch.tolist() == [branch, branch]
-            slid = taken.step.history[:, joint_law.SLID] - taken.state.history[:, joint_law.SLID]
+            slid = taken.step.history[:, SLID] - taken.state.history[:, SLID]
             # Turning round, the springs first give back what they had taken.
             elastic = 2e3 * 0.5 / 1e9 * (1.0 - sense)
             assert slid == pytest.approx(1e-3 - elastic, abs=3e-7)  # and the block its tilt

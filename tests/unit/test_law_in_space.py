@@ -8,15 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drystone.contact.contacts import FRICTION, N_TABLE, STIFF_N, STIFF_T
-from drystone.law.law import (
-    OPEN,
-    SLIDING,
-    STICKING,
-    held_impulse_in_space,
-    joint_law_violation,
-    local_impulse,
-    local_impulse_in_space,
-)
+from drystone.law.branches import OPEN, STICKING
+from drystone.law.impulse import held_impulse_in_space, local_impulse, local_impulse_in_space
+from drystone.law.status import SLIDING
+from drystone.law.violation import joint_law_violation
 
 pytestmark = pytest.mark.kernels
 

@@ -18,8 +18,8 @@ from drystone.contact.contacts import (
     TENSILE,
     Contacts,
 )
-from drystone.law.law import joint_law_violation
 from drystone.law.residual import add_contact_forces, mark_held, unbalanced_force
+from drystone.law.violation import joint_law_violation
 
 pytestmark = pytest.mark.kernels
 

@@ -17,9 +17,13 @@ from drystone.contact.contacts import (
     STIFF_T,
     TRIAL_N,
     TRIAL_T,
+    Contacts,
 )
-from drystone.law import cycles, law
-from drystone.law.return_map import (
+from drystone.law import cycles, impulse, softening
+from drystone.law import interior as interior_law
+from drystone.law import plane as plane_law
+from drystone.law import space as space_law
+from drystone.law.branches import (
     BACKWARD,
     BONDED,
     CRUSHED,
@@ -27,12 +31,37 @@ from drystone.law.return_map import (
     OPEN,
     STICKING,
     TORN,
+    WITHIN,
     along_joint,
-    branch_for,
-    derivatives_in,
-    reactions_in,
+    both,
 )
-from drystone.statics.space import spatial_step
+from drystone.law.columns import (
+    BROKEN,
+    BY_CRUSHING,
+    BY_OPENING,
+    BY_SLIP,
+    COHESIVE,
+    CRUSHES,
+    DILATANCY_END,
+    KN,
+    KS,
+    LEAST_MU,
+    MU,
+    N_HISTORY,
+    N_LAW,
+    N_RESPONSE,
+    OPENED,
+    PER_SLIP,
+    PULLS,
+    SLID,
+    SOFTENED,
+    SOFTENS,
+    TAN_PSI,
+    YIELDS,
+)
+from drystone.law.return_map import branch_for, derivatives_in, reactions_in
+from drystone.law.status import SLIDING
+from drystone.statics.space import cones
 
 pytestmark = pytest.mark.kernels
 
@@ -76,9 +105,9 @@ def test_reactions_are_admissible_and_slip_opposes_shear(kind):
     expected = {
         "dry": {OPEN} | shear_branches,
         "dilating": {OPEN} | shear_branches,
-        "bonded": shear_branches | {TORN + b for b in shear_branches},
-        "crushed": {OPEN} | shear_branches | {CRUSHED + b for b in shear_branches},
-        "both": {s + b for s in (0, TORN, CRUSHED) for b in shear_branches},
+        "bonded": shear_branches | {both(TORN, b) for b in shear_branches},
+        "crushed": {OPEN} | shear_branches | {both(CRUSHED, b) for b in shear_branches},
+        "both": {both(s, b) for s in (WITHIN, TORN, CRUSHED) for b in shear_branches},
     }
     assert seen == expected[kind]
 
@@ -115,12 +144,14 @@ def test_the_form_of_the_plane_is_the_map_with_a_sign(kind):
     for sign, (rn, shear, *joint) in zip(np.resize([1.0, -1.0], 400), draws(kind), strict=True):
         table = packed(rn, sign * shear, *joint)
         now = branch_for(rn, shear, *joint, OPEN, FORWARD if sign > 0.0 else BACKWARD)
-        assert law.branch_of(table, 0, OPEN) == now
+        assert plane_law.branch_of(table, 0, OPEN) == now
         normal, tangential, slid = reactions_in(now, rn, shear, *joint)
-        assert law.reactions(table, 0, now) == pytest.approx((normal, sign * tangential, slid))
-        which, response = np.zeros((1, 4), np.int64), np.zeros((1, law.N_RESPONSE))
+        assert plane_law.reactions(table, 0, now) == pytest.approx(
+            (normal, sign * tangential, slid)
+        )
+        which, response = np.zeros((1, 4), np.int64), np.zeros((1, N_RESPONSE))
         assert which[0, SLOT] == 0
-        law.respond(which, table, 1, np.array([now]), response)
+        plane_law.respond(which, table, 1, np.array([now]), response)
         nn, nt, tn, tt = derivatives_in(now, *joint[:3])
         assert response[0, 2:] == pytest.approx([nn, sign * nt, sign * tn, tt])
 
@@ -133,7 +164,7 @@ def test_the_form_of_space_is_the_map_along_the_shear(kind):
         along = np.array([np.cos(angle), np.sin(angle)])
         trial = np.array([[rn, *(shear * along)]])
         branch, reaction, response = np.zeros(1, np.int64), np.zeros((1, 3)), np.zeros((1, 3, 3))
-        spatial_step.respond(table, trial, 0, 1, branch, reaction, response)
+        space_law.respond(table, trial, 0, 1, branch, reaction, response)
         normal, tangential, _ = reactions_in(branch[0], rn, shear, *joint)
         assert branch[0] == branch_for(rn, shear, *joint, OPEN, FORWARD)
         assert reaction[0] == pytest.approx([normal, *(tangential * along)], abs=1e-12)
@@ -148,7 +179,7 @@ def test_a_bond_that_holds_answers_with_its_trial_reactions():
     table[0, HELD] = 1.0
     trial, reaction = np.array([[-0.4, 2.0, -1.0]]), np.zeros((1, 3))
     branch = np.zeros(1, np.int64)
-    spatial_step.respond(table, trial, 0, 1, branch, reaction, np.zeros((1, 3, 3)))
+    space_law.respond(table, trial, 0, 1, branch, reaction, np.zeros((1, 3, 3)))
     assert branch[0] == BONDED and np.array_equal(reaction, trial)
 
 
@@ -159,24 +190,128 @@ def test_the_form_of_cycles_is_the_map(kind):
         if rn <= 0.0:
             continue
         ks, mu, lift = joint[:3]
-        laws, history = np.zeros((1, law.N_LAW)), np.zeros((1, law.N_HISTORY))
-        laws[0, [law.KN, law.KS, law.MU, law.TAN_PSI]] = 1.0, ks, mu, lift
-        laws[0, law.DILATANCY_END], history[0, law.BROKEN] = np.inf, 1.0
+        laws, history = np.zeros((1, N_LAW)), np.zeros((1, N_HISTORY))
+        laws[0, [KN, KS, MU, TAN_PSI]] = 1.0, ks, mu, lift
+        laws[0, DILATANCY_END], history[0, BROKEN] = np.inf, 1.0
         normal, tangential, now, _ = cycles.react_in_cycle(laws, history, 0, rn, -rn, shear, False)
         branch = branch_for(rn, shear, *joint, OPEN, FORWARD)
         expected = reactions_in(branch, rn, shear, *joint)
         assert (normal, tangential) == pytest.approx(expected[:2], rel=2e-9)
-        slides = now == law.SLIDING
+        slides = now == SLIDING
         assert slides == (along_joint(branch) == FORWARD)
-        assert history[0, law.SLID] == pytest.approx(expected[2], abs=1e-9)
+        assert history[0, SLID] == pytest.approx(expected[2], abs=1e-9)
 
 
 def test_the_form_of_impulses_is_the_map():
     """Sticking as a stiff hold of one kilogram, without dilation."""
     for rn, shear, _, mu, *_ in draws("dry"):
         joint = 1.0, mu, 0.0, 0.0, np.inf
-        pn, pt, _ = law.held_impulse(rn, shear, mu, False)
+        pn, pt, _ = impulse.held_impulse(rn, shear, mu, False)
         branch = branch_for(rn, shear, *joint, OPEN, FORWARD)
         assert (pn, pt) == pytest.approx(reactions_in(branch, rn, shear, *joint)[:2], rel=2e-9)
-        p = law.held_impulse_in_space(rn, 0.6 * shear, -0.8 * shear, mu, False)
+        p = impulse.held_impulse_in_space(rn, 0.6 * shear, -0.8 * shear, mu, False)
         assert p[:3] == pytest.approx((pn, 0.6 * pt, -0.8 * pt), rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["dry", "bonded", "crushed", "both"])
+def test_the_interior_ends_on_the_map(kind):
+    """Of a barrier of nearly nothing, in the plane and in space; dilation is left to iterations."""
+    energy, branch = 1e-16, np.zeros(1, np.int64)
+    for rn, shear, *joint in draws(kind):
+        expected = reactions_in(branch_for(rn, shear, *joint, OPEN, FORWARD), rn, shear, *joint)
+        table = packed(rn, -shear, *joint)
+        which, inner = np.zeros((1, 4), np.int64), np.zeros((1, interior_law.N_INNER))
+        contacts = Contacts(which, np.zeros((1, 3, 6)), table)
+        interior_law.centre(contacts, 1, branch, energy, inner)
+        assert inner[0, :2] == pytest.approx([expected[0], -expected[1]], abs=1e-7)
+        inner, trial = np.zeros((1, cones.N_INNER)), np.array([[rn, 0.6 * shear, -0.8 * shear]])
+        cones.centre_contacts(table, energy, True, trial, inner)
+        along = [0.6 * expected[1], -0.8 * expected[1]]
+        assert inner[0, :3] == pytest.approx([expected[0], *along], abs=1e-7)
+
+
+#: Of joints that soften: strengths c and f_t, how they fall by slip and opening, what friction
+#: falls to, and crushing strength.
+YIELDING = {
+    "bond": (0.5, 0.3, 0.2, 0.3, 0.4, 0.0),
+    "bond, crushed": (0.5, 0.3, 0.2, 0.3, 0.4, 1.0),
+    "friction": (0.0, 0.0, 0.0, 0.0, 0.2, 0.0),
+}
+
+
+def yielding_draws(kind, rng):
+    """Rows of law and history of joints that yield, whole or broken, gap and shear; k_n is one."""
+    cohesion, tension, by_slip, by_opening, least, crush = YIELDING[kind]
+    for _ in range(400):
+        law, history = np.zeros((1, N_LAW)), np.zeros((1, N_HISTORY))
+        law[0, [KN, KS, MU, YIELDS, COHESIVE, PULLS]] = (
+            1.0,
+            rng.uniform(0.5, 2.0),
+            0.6,
+            1.0,
+            cohesion,
+            tension,
+        )
+        law[0, [BY_SLIP, BY_OPENING, LEAST_MU]] = by_slip, by_opening, least
+        law[0, [CRUSHES, BY_CRUSHING]] = crush or np.inf, 0.3 if crush else 0.0
+        law[0, [SOFTENS, PER_SLIP]] = (1.0, 0.0) if cohesion else (0.0, 0.5)
+        history[0, BROKEN] = float(rng.uniform() < 0.3 or not cohesion)
+        history[0, [SOFTENED, SLID, OPENED]] = rng.uniform(0.0, 1.0, 3) * [1.0, 1.0, 0.2]
+        yield law, history, rng.normal(-0.3, 1.0), abs(rng.normal(0.0, 1.0))
+
+
+def held_where(law, history, gap, softened, slid, crushed):
+    """Trial normal reaction from the tension on, mu, tension, room and crushing reaction of a joint
+    that has come so far."""
+    whole = history[0, BROKEN] == 0.0
+    left = np.exp(-softened) if whole else 0.0
+    opened = history[0, OPENED] if whole else 0.0
+    fallen = left if law[0, SOFTENS] else np.exp(-law[0, PER_SLIP] * slid)
+    mu = law[0, LEAST_MU] + (law[0, MU] - law[0, LEAST_MU]) * fallen
+    pulls = whole and (opened == 0.0 or gap > opened)
+    pull = law[0, PULLS] * left if pulls else 0.0
+    trial = -law[0, KN] * (gap - opened if pulls and gap > 0.0 else gap) + pull
+    crush = law[0, CRUSHES] * np.exp(-law[0, BY_CRUSHING] * crushed) + pull
+    return trial, mu, pull, max(law[0, COHESIVE] * left - mu * pull, 0.0), crush
+
+
+@pytest.mark.parametrize("kind", YIELDING)
+def test_joints_that_soften_have_the_map_of_their_strengths_where_a_step_ends(kind):
+    seen = set()
+    for law, history, gap, shear in yielding_draws(kind, np.random.default_rng(3)):
+        contact, point = np.zeros((1, softening.N_CONTACT)), np.zeros((1, softening.N_POINT))
+        contact[0, softening.C_WHOLE] = history[0, BROKEN] == 0.0
+        contact[0, [softening.C_SOFTENED, softening.C_OPENED, softening.C_SLID]] = history[
+            0, [SOFTENED, OPENED, SLID]
+        ]
+        contact[0, [softening.C_GAP, softening.C_SHEAR]] = gap, shear
+        softening.points(law, np.zeros(1, np.int64), contact, point)
+        at = point[0]
+        trial, mu, pull, room, crush = held_where(
+            law, history, gap, at[softening.P_SOFTENED], at[softening.P_SLID],
+            at[softening.P_CRUSHED],
+        )  # fmt: skip
+        joint = law[0, KS], mu, 0.0, room, crush
+        now = branch_for(trial, shear, *joint, OPEN, FORWARD)
+        normal, tangential, slid = reactions_in(now, trial, shear, *joint)
+        seen.add(now)
+        found = at[[softening.P_NORMAL, softening.P_SHEAR]]
+        assert found == pytest.approx([normal - pull, tangential], abs=1e-9)
+        if now != OPEN:
+            assert at[softening.P_SLID] - history[0, SLID] == pytest.approx(slid, abs=1e-9)
+    assert {STICKING, FORWARD} < seen
+
+
+@pytest.mark.parametrize("kind", YIELDING)
+def test_joints_that_yield_have_the_map_of_the_last_cycles_strengths(kind):
+    for law, history, gap, shear in yielding_draws(kind, np.random.default_rng(4)):
+        law[0, [BY_SLIP, BY_OPENING]] = 0.0  # what softens in the cycle itself is for the next
+        before = history.copy()
+        trial, mu, pull, room, crush = held_where(
+            law, before, gap, before[0, SOFTENED], before[0, SLID], 0.0
+        )
+        joint = law[0, KS], mu, 0.0, room, crush
+        now = branch_for(trial, shear, *joint, OPEN, FORWARD)
+        normal, tangential, _ = reactions_in(now, trial, shear, *joint)
+        found = cycles.react_in_cycle(law, history, 0, -gap, gap, shear, False)
+        assert found[:2] == pytest.approx((normal - pull, tangential), abs=1e-9)

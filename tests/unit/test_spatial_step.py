@@ -18,8 +18,9 @@ from drystone.contact.contacts import (
     STIFF_N,
     STIFF_T,
 )
-from drystone.law.law import BONDED, DILATION, FORWARD, N_HISTORY, OPEN, SHEAR, SLID, STICKING
-from drystone.law.return_map import CRUSHED, TORN
+from drystone.law import space as space_law
+from drystone.law.branches import BONDED, CRUSHED, FORWARD, OPEN, STICKING, TORN, both
+from drystone.law.columns import DILATION, N_HISTORY, SHEAR, SLID
 from drystone.statics.space import spatial_step
 from drystone.statics.space.spatial_step import (
     ARM_V,
@@ -89,7 +90,7 @@ class Heap:
             self.which, self.start, self.law, self.shear, self.first, 0, 3, self.motion, self.turn,
             self.now, self.trial,
         )  # fmt: skip
-        spatial_step.respond(
+        space_law.respond(
             self.law, self.trial, 0, self.n, self.branch, self.reaction, self.response
         )
 
@@ -245,7 +246,7 @@ def test_responses_are_the_derivatives_of_the_joint_law():
 
 
 def respond(heap):
-    spatial_step.respond(heap.law, heap.trial, 0, heap.n, heap.branch, heap.reaction, heap.response)
+    space_law.respond(heap.law, heap.trial, 0, heap.n, heap.branch, heap.reaction, heap.response)
 
 
 def yielding(heap):
@@ -290,7 +291,9 @@ def test_joints_that_yield_have_the_clipped_law_and_its_derivatives():
         assert heap.reaction == pytest.approx(expected, abs=1e-12)
         seen |= set(heap.branch)
     along = {STICKING, FORWARD}
-    assert seen == {OPEN} | along | {TORN + b for b in along} | {CRUSHED + b for b in along}
+    assert seen == {OPEN} | along | {both(TORN, b) for b in along} | {
+        both(CRUSHED, b) for b in along
+    }
 
 
 def test_what_yields_ages():
@@ -300,7 +303,7 @@ def test_what_yields_ages():
     heap.trial[:] = 2.0 * rng.normal(size=(heap.n, 3))
     respond(heap)
     history = np.zeros((heap.n, N_HISTORY + 1))
-    spatial_step.age(heap.which, heap.law, heap.trial, heap.reaction, heap.branch, heap.n, history)
+    space_law.age(heap.which, heap.law, heap.trial, heap.reaction, heap.branch, heap.n, history)
     law, beyond = heap.law, heap.trial - heap.reaction
     crush = np.where(law[:, CRUSH] > 0.0, law[:, CRUSH], np.inf)
     crushed = np.maximum(heap.trial[:, 0] - crush, 0.0)

@@ -18,7 +18,7 @@ import drystone as ds
 from bonded_walls import KINDS, bonded_wall
 from builders import rectangle
 from drystone.dynamics.distinct import DistinctEngine
-from drystone.law.law import H_CRUSH, H_MU, H_ROOM
+from drystone.law.columns import H_CRUSH, H_MU, H_ROOM
 from drystone.law.strengths import Strengths
 from drystone.model.assembly import JointLaw
 from joint_energy import energy_of

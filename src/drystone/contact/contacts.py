@@ -193,7 +193,7 @@ class Slots(NamedTuple):
 #: length [m].
 STIFF_N, STIFF_T, FRICTION, LIFT, BOND, TENSILE = 0, 1, 2, 3, 4, 5
 TRIAL_N, TRIAL_T, ADD_N, ADD_T, PLASTIC = 6, 7, 8, 9, 10
-#: What the law has beyond dry joints, see `law.yielding`: what is added to the trial reaction,
+#: What the law has beyond dry joints, see `law.limits`: what is added to the trial reaction,
 #: the tension that normal reactions are counted from, room for shear without pressure, and the
 #: reaction, so counted, at which the joint is crushed, or zero [N].
 SHIFT, PULL, ROOM, CRUSH = 11, 12, 13, 14

@@ -60,10 +60,20 @@ from drystone.engines.measures import (
     unstable_sentence,
 )
 from drystone.engines.prepared import Prepared
-from drystone.law import law as joint_law
 from drystone.law.bonds import apart, margins, weakest
 from drystone.law.certificate import Forces, JudgedContacts, certify
-from drystone.law.law import N_HISTORY
+from drystone.law.columns import (
+    BROKEN,
+    COHESION,
+    COHESIVE,
+    DILATION,
+    KN,
+    KS,
+    N_HISTORY,
+    PULLS,
+    SHEAR,
+    TENSION,
+)
 from drystone.law.residual import add_contact_forces
 from drystone.model.assembly import Assembly
 from drystone.model.tie_kernels import PRETENSION
@@ -468,10 +478,10 @@ class Workspace:
         old = self.slots
         source = detector.predecessors(self.pairs, old, slots)
         history = np.where(source[:, None] >= 0, self.history[source], 0.0)
-        shear = self.history[:, joint_law.SHEAR :]
-        history[:, joint_law.SHEAR :] = detector.carried(old, slots, source, shear)
+        shear = self.history[:, SHEAR:]
+        history[:, SHEAR:] = detector.carried(old, slots, source, shear)
         self.lost_shear += detector.lost(source, shear)
-        history[source < 0, joint_law.BROKEN] = 1.0  # what comes to touch later is not bonded
+        history[source < 0, BROKEN] = 1.0  # what comes to touch later is not bonded
         self.slots, self.history, self.searched = slots, history, pose.copy()
         if self.real_masses:
             self.search_work -= self.engine.elastic_energy(
@@ -618,7 +628,7 @@ class DistinctEngine(Engine[DistinctState]):
         n_slots = len(slots.kind)
         history = np.zeros((n_slots, N_HISTORY + assembly.dimension - 2))
         built_open = apart(slots, 1e-9 * assembly.smallest_extent)
-        history[built_open, joint_law.BROKEN] = 1.0
+        history[built_open, BROKEN] = 1.0
         return DistinctState(
             prepared=prepared,
             stage=problem.stages[-1],
@@ -675,7 +685,7 @@ class DistinctEngine(Engine[DistinctState]):
         between = max(self.search_reach(prepared), WATCHED * assembly.smallest_extent)
         watched = np.inf if real else 3.0 * between
         known = history[contacts.slot]
-        away = slots.gap[contacts.slot] - known[:, joint_law.DILATION]
+        away = slots.gap[contacts.slot] - known[:, DILATION]
         acts = (away <= watched) | self._bonded(prepared, pairs.law_of_slot[contacts.slot], known)
         explicit.stiffness_blocks(dof_of(assembly.mass), contacts, acts, blocks)
         if ties is not None and prepared.bars.n_ties:
@@ -696,9 +706,9 @@ class DistinctEngine(Engine[DistinctState]):
 
     def _bonded(self, prepared: Prepared, law: IntArray, history: Array) -> BoolArray:
         """Contacts (n,) whose bond is not lost, by the rows of their laws and their histories."""
-        strengths = [joint_law.COHESION, joint_law.TENSION, joint_law.COHESIVE, joint_law.PULLS]
+        strengths = [COHESION, TENSION, COHESIVE, PULLS]
         has_bond = np.asarray((prepared.laws[:, strengths] > 0.0).any(axis=1))
-        return np.asarray(has_bond[law] & (history[:, joint_law.BROKEN] == 0.0))
+        return np.asarray(has_bond[law] & (history[:, BROKEN] == 0.0))
 
     def elastic_energy(
         self, prepared: Prepared, pairs: Pairs, slots: Slots, history: Array
@@ -706,12 +716,12 @@ class DistinctEngine(Engine[DistinctState]):
         """Energy that the joints store [J]."""
         law = prepared.laws[pairs.law_of_slot]
         area = slots.size * prepared.assembly.thickness
-        overlap = history[:, joint_law.DILATION] - slots.gap
-        bonded = (history[:, joint_law.BROKEN] == 0.0) & (law[:, joint_law.TENSION] > 0.0)
+        overlap = history[:, DILATION] - slots.gap
+        bonded = (history[:, BROKEN] == 0.0) & (law[:, TENSION] > 0.0)
         used = (slots.kind != NONE) & ((overlap > 0.0) | bonded)
-        normal = law[used, joint_law.KN] * area[used] * overlap[used] ** 2
-        shear = np.sum(history[used, joint_law.SHEAR :] ** 2, axis=1)
-        shear /= law[used, joint_law.KS] * area[used]
+        normal = law[used, KN] * area[used] * overlap[used] ** 2
+        shear = np.sum(history[used, SHEAR:] ** 2, axis=1)
+        shear /= law[used, KS] * area[used]
         return 0.5 * float(np.sum(normal + shear))
 
     def energy(self, state: DistinctState) -> Energy:
@@ -725,7 +735,7 @@ class DistinctEngine(Engine[DistinctState]):
         work.cycle_once()
         k = slice(0, work.n_contacts)
         reaction, law = work.contacts.reaction[k], work.contacts.law[k]
-        stiffness = law[:, [joint_law.KN] + [joint_law.KS] * (reaction.shape[1] - 1)]
+        stiffness = law[:, [KN] + [KS] * (reaction.shape[1] - 1)]
         velocity = 0.5 * (before + work.motion.velocity)
         return Energy(
             kinetic=0.5 * float(np.sum(work.acting.mass * velocity**2)),
@@ -811,7 +821,7 @@ class DistinctEngine(Engine[DistinctState]):
             margin = np.concatenate((state.margin[:n_slots], TIES_NEARER * ties.margin))
             state = replace(state, ties=ties, margin=margin)
         history, margin = state.history.copy(), state.margin.copy()
-        history[slots, joint_law.BROKEN], margin[slots] = 1.0, np.inf
+        history[slots, BROKEN], margin[slots] = 1.0, np.inf
         return replace(state, history=history, margin=margin, due=np.zeros(0, np.int64))
 
     def _at_rest(self, state: DistinctState, asked: float = 0.0) -> Workspace:

@@ -11,7 +11,7 @@ alone, and the shear force grows with the sliding velocity,
     r_n = k_n (d - g)          r_t <- r_t - k_s dt (grad slip . v)
 
 with dilation d; it is kept in the axes of the contact and turns with them.  The joint law is that
-of `law.law`.  What the dimension makes of it, contacts and poses, is in `explicit_plane` and
+of `law.return_map`.  What the dimension makes of it, contacts and poses, is in `explicit_plane` and
 `explicit_space`; compiled cycles hold the one or the other, chosen by the length of
 ``dof``.
 """
@@ -42,7 +42,8 @@ from drystone.dynamics.explicit_space import (
     move_in_space,
     place_in_space,
 )
-from drystone.law.law import N_HISTORY, N_LAW, OPEN, PER_AREA
+from drystone.law.branches import OPEN
+from drystone.law.columns import N_HISTORY, N_LAW, PER_AREA
 from drystone.model.tie_kernels import add_forces, age, locate
 
 #: Entries of the meter, see `cycle`.

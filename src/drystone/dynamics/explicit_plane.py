@@ -30,8 +30,9 @@ from drystone.contact.contacts import (
     A,
     B,
 )
+from drystone.law.branches import OPEN
+from drystone.law.columns import DILATION, KN, KS, SHEAR
 from drystone.law.cycles import holds_in_cycle, opens_in_cycle, react_in_cycle
-from drystone.law.law import DILATION, KN, KS, OPEN, SHEAR
 
 #: Columns of `explicit.FrozenContacts.shape`: local vertex of the other body, local vertex and
 #: tangent of the edge body [m], radius of the other body, sum of both, 1 where two vertices meet

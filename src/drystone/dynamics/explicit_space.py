@@ -51,8 +51,9 @@ from drystone.contact.contacts import (
     B,
 )
 from drystone.geometry.rotation import fill_turn, spin, turned
+from drystone.law.branches import OPEN, STICKING
+from drystone.law.columns import DILATION, KN, KS, SHEAR
 from drystone.law.cycles import holds_in_cycle, opens_in_cycle, react_in_cycle
-from drystone.law.law import DILATION, KN, KS, OPEN, SHEAR, STICKING
 
 Array = NDArray[np.float64]
 

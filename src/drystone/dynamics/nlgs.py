@@ -21,8 +21,9 @@ from drystone.contact.rows import IN_SPACE, contact_velocities, dof_of
 from drystone.dynamics import sweeps as kernels
 from drystone.dynamics.cones import Interior
 from drystone.dynamics.sweeps import ContactProblem
-from drystone.law.law import BACKWARD, FORWARD, SLIDING, joint_law_violation
+from drystone.law.branches import BACKWARD, FORWARD
 from drystone.law.residual import unbalanced_force
+from drystone.law.violation import joint_law_violation
 from drystone.statics.linear.block_system import BlockSystem, SingularMatrixError
 from drystone.statics.tie_forces import TieImpulses
 
@@ -415,7 +416,7 @@ class _Accelerator:
     def _sense(self, piece: IntArray, turn: Array) -> Array:
         """Directions in which contacts slide, in the plane +1 and -1; else 0, (n_contacts, k)."""
         if len(self.dof) == len(IN_SPACE):
-            return np.where(piece[:, None] == SLIDING, turn[:, :2], 0.0)
+            return np.where(piece[:, None] == FORWARD, turn[:, :2], 0.0)
         return (np.where(piece == FORWARD, 1.0, 0.0) - np.where(piece == BACKWARD, 1.0, 0.0))[
             :, None
         ]

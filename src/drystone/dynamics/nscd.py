@@ -37,8 +37,8 @@ from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_
 from drystone.engines.prepared import Prepared
 from drystone.geometry.motion import places, spun_by_impulses, spun_on
 from drystone.law.certificate import Forces, JudgedContacts, certify
-from drystone.law.law import status_of
 from drystone.law.residual import add_contact_forces
+from drystone.law.status import status_of
 from drystone.model.ties import TieState
 from drystone.statics.linear.block_system import BlockSystem
 from drystone.statics.tie_forces import TieForces, TieImpulses

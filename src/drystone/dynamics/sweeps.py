@@ -21,10 +21,8 @@ from numpy.typing import NDArray
 from drystone.common.compiled import njit
 from drystone.contact.contacts import BODY_A, BODY_B, FRICTION, PAIR, STIFF_N, Contacts
 from drystone.contact.rows import OF_GAP, OF_SLIP, add_reaction, contact_velocities
-from drystone.law.law import (
-    FORWARD,
-    OPEN,
-    STICKING,
+from drystone.law.branches import FORWARD, OPEN, STICKING
+from drystone.law.impulse import (
     branch_of_impulse,
     held_impulse,
     held_impulse_in_space,
@@ -177,7 +175,7 @@ def held_law(dof, problem, h, penalty, centre, held, velocity, impulse, piece, t
 
     where P is ``penalty`` [kg] and ``centre`` (n_contacts, dim - 1) [N s] the tangential impulse
     that is reached without slip.  Contacts that are ``held`` stick whatever the cone says.
-    ``piece`` (n_contacts,) tells the branch, see `law.law`; in space ``turn`` (n_contacts, 3)
+    ``piece`` (n_contacts,) tells the branch, see `law.branches`; in space ``turn`` (n_contacts, 3)
     how it slides, see `ALONG_1`.
     """
     table, gap = problem.contacts.table, problem.gap

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from drystone.engines.base import StepReport
 from drystone.law.bonds import crossing, release, weakest
-from drystone.law.law import BOND_TIE
+from drystone.law.violation import BOND_TIE
 from drystone.model.ties import Bars
 
 Array = NDArray[np.float64]

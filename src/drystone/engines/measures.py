@@ -11,7 +11,7 @@ from drystone.contact import measures as kernels
 from drystone.contact.contacts import Slots
 from drystone.engines.base import Problem, StepReport
 from drystone.law.certificate import Certificate
-from drystone.law.law import DILATION
+from drystone.law.columns import DILATION
 from drystone.model.assembly import GRAVITY
 from drystone.model.loading import Acting
 
@@ -99,7 +99,7 @@ class LoadArrays:
 def not_crushed(slots: Slots, history: Array) -> Slots:
     """Contacts with gaps less what has crushed them, which is no penetration.
 
-    ``history`` (n_slots, N_HISTORY or more), see `law.law`.
+    ``history`` (n_slots, N_HISTORY or more), see `law.columns`.
     """
     slots = slots.copied()
     slots.gap[:] -= np.minimum(history[:, DILATION], 0.0)

@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.contacts import FRICTION, NONE, Slots
-from drystone.law import law as joint_law
+from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING
 from drystone.law.certificate import JudgedContacts
-from drystone.law.law import BOND_TIE
+from drystone.law.columns import COHESION, MU, TENSION
+from drystone.law.violation import BOND_TIE
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -34,7 +35,7 @@ LEAST_SCALE = 0.1
 
 def brittle(laws: Array) -> bool:
     """Whether any joint law has a bond, by the table of `law.table`."""
-    return bool((laws[:, [joint_law.COHESION, joint_law.TENSION]] > 0.0).any())
+    return bool((laws[:, [COHESION, TENSION]] > 0.0).any())
 
 
 def apart(slots: Slots, slack: float) -> BoolArray:
@@ -86,14 +87,14 @@ def crossing(first: float, before: Array, second: float, after: Array, aim: floa
 def yielded(laws: Array, law: IntArray, reaction: Array) -> IntArray:
     """Branch of the joint law (n,) of contacts whose bond breaks at a reaction (n, dim) [N]."""
     normal, in_plane = reaction[:, 0], reaction.shape[1] == 2
-    sliding = np.where(reaction[:, 1] > 0.0, joint_law.FORWARD, joint_law.BACKWARD)
-    sliding = sliding if in_plane else np.full(len(normal), joint_law.SLIDING)
-    sticks = shear(reaction) <= laws[law, joint_law.MU] * normal
-    return np.where(normal <= 0.0, joint_law.OPEN, np.where(sticks, joint_law.STICKING, sliding))
+    sliding = np.where(reaction[:, 1] > 0.0, FORWARD, BACKWARD)
+    sliding = sliding if in_plane else np.full(len(normal), FORWARD)
+    sticks = shear(reaction) <= laws[law, MU] * normal
+    return np.where(normal <= 0.0, OPEN, np.where(sticks, STICKING, sliding))
 
 
 def release(laws: Array, law: IntArray, reaction: Array) -> Array:
     """What contacts let go at once when their bond breaks at a reaction (n, dim), (n,) [N]."""
     normal, tangential = reaction[:, 0], shear(reaction)
-    limit = laws[law, joint_law.MU] * np.maximum(normal, 0.0)
+    limit = laws[law, MU] * np.maximum(normal, 0.0)
     return np.hypot(np.minimum(normal, 0.0), np.maximum(tangential - limit, 0.0))

@@ -15,16 +15,16 @@ from numpy.typing import NDArray
 
 from drystone.contact.contacts import BOND, TENSILE, Contacts
 from drystone.contact.rows import contact_velocities, dof_of
-from drystone.law import law as joint_law
-from drystone.law.law import joint_law_violation
+from drystone.law.columns import BROKEN, DILATION
 from drystone.law.residual import mark_held, unbalanced_force
+from drystone.law.violation import joint_law_violation
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 
 class JudgedContacts(NamedTuple):
-    """Contacts of a step as its formulation has them; see `law.law` for their law."""
+    """Contacts of a step as its formulation has them; see `law.return_map` for their law."""
 
     contacts: Contacts  # bodies, stiffnesses, friction and strengths, (n_contacts,)
     gap: Array  # (n_contacts,) m, at the end of the step, less dilation
@@ -40,11 +40,11 @@ class JudgedContacts(NamedTuple):
         """Of joints with a past (n_contacts, N_HISTORY), whose slips have entered the shear."""
         return cls(
             contacts=contacts,
-            gap=gap - history[:, joint_law.DILATION],
+            gap=gap - history[:, DILATION],
             slip=np.zeros(shear_before.shape),
             reaction=reaction,
             shear_before=shear_before,
-            whole=(history[:, joint_law.BROKEN] == 0.0).astype(float),
+            whole=(history[:, BROKEN] == 0.0).astype(float),
         )
 
     @classmethod

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-from drystone.law.law import (
-    AT_CONE,
+from drystone.law.branches import OPEN, STICKING
+from drystone.law.columns import (
     BROKEN,
     BY_CRUSHING,
     BY_OPENING,
@@ -25,20 +25,18 @@ from drystone.law.law import (
     KS,
     LEAST_MU,
     MU,
-    OPEN,
     OPENED,
     PER_SLIP,
     PULLS,
     SLID,
-    SLIDING,
     SOFTENED,
-    STICKING,
     TAN_PSI,
     TENSION,
     YIELDS,
-    slide,
 )
+from drystone.law.plane import slide
 from drystone.law.softening import LOST
+from drystone.law.status import AT_CONE, SLIDING
 
 #: Faces that are drawn apart by less are as they were laid but for rounding [m].
 GRAZE = 1e-9
@@ -102,7 +100,7 @@ def react_in_cycle(law, history, c, rn, gap, size, held):
     Parameters
     ----------
     law, history
-        Of all contacts, (n, N_LAW), see `law.law.PER_AREA`, and (n, N_HISTORY or more).
+        Of all contacts, (n, N_LAW), see `law.columns.PER_AREA`, and (n, N_HISTORY or more).
     rn, size
         Trial reaction and size of the trial shear [N].
     gap

@@ -22,7 +22,7 @@ from drystone.contact.contacts import (
 )
 from drystone.contact.plane.rows import N_DOF, gradients
 from drystone.contact.rows import MEASURED, OF_SLIP
-from drystone.law.law import COHESION, KN, KS, MU, TENSION
+from drystone.law.columns import COHESION, KN, KS, MU, TENSION
 
 
 @njit(cache=True, error_model="numpy")

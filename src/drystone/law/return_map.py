@@ -1,7 +1,7 @@
 """The joint law as one map: from trial reactions to reactions, their derivatives, branch and slip.
 
 It takes numbers, not tables: the normal trial reaction r_n counted from the tension on (see
-`law.yielding`) and the size of the trial shear T, so that one tangential component and two are the
+`law.limits`) and the size of the trial shear T, so that one tangential component and two are the
 same.  With shear stiffness k_s, friction mu, lift L = k_n tan psi, room k for shear without
 pressure and the crushing reaction C:
 
@@ -19,33 +19,21 @@ Sliding is non-associative unless tan psi = mu.  Joints that dilate are neither 
 from __future__ import annotations
 
 from drystone.common.compiled import njit
-
-#: Branches: open, sticking, sliding under positive and under negative shear, held by a bond.  With
-#: two tangential components what slides does so under positive shear: that is its size.
-OPEN, STICKING, FORWARD, BACKWARD, BONDED = 0, 1, 2, 3, 4
-
-#: What makes of the branches STICKING, FORWARD and BACKWARD those of torn and of crushed contacts.
-TORN, CRUSHED = 4, 7
-N_BRANCHES = CRUSHED + BACKWARD + 1
+from drystone.law.branches import (
+    BONDED,
+    CRUSHED,
+    OPEN,
+    STICKING,
+    TORN,
+    WITHIN,
+    across_joint,
+    along_joint,
+    both,
+)
 
 #: A contact stays in the branch it came from when another is nearer by this share of its reactions
 #: only: one that slides starts the next step on its cone to rounding.
 TIE = 1e-8
-
-
-@njit(cache=True, error_model="numpy")
-def along_joint(branch):
-    """The branch as far as it is about shear: that of a joint that is neither torn nor crushed."""
-    if branch > CRUSHED:
-        return branch - CRUSHED
-    return branch - TORN if branch > BONDED else branch
-
-
-@njit(cache=True, error_model="numpy")
-def sense(branch):
-    """1 and -1 where a contact slides under positive and under negative shear, else 0."""
-    now = along_joint(branch)
-    return 1.0 if now == FORWARD else (-1.0 if now == BACKWARD else 0.0)
 
 
 @njit(cache=True, error_model="numpy")
@@ -75,18 +63,18 @@ def branch_for(rn, shear, ks, mu, lift, room, crush, hint, sliding):
         if abs(over) <= near and (hint == STICKING or hint == sliding):
             return hint
         return STICKING if over <= 0.0 else sliding
-    state, normal = 0, rn
-    if rn <= 0.0 or (rn <= TIE * room and BONDED < hint <= CRUSHED):
+    across, normal = WITHIN, rn
+    if rn <= 0.0 or (rn <= TIE * room and across_joint(hint) == TORN):
         if room == 0.0:
             return OPEN
-        state, normal = TORN, 0.0
-    elif rn > crush * (1.0 + TIE) or (rn >= crush * (1.0 - TIE) and hint > CRUSHED):
-        state, normal = CRUSHED, crush
+        across, normal = TORN, 0.0
+    elif rn > crush * (1.0 + TIE) or (rn >= crush * (1.0 - TIE) and across_joint(hint) == CRUSHED):
+        across, normal = CRUSHED, crush
     most = mu * normal + room
     over, near = shear - most, TIE * (shear + most)
     if abs(over) <= near and (was == STICKING or was == sliding):
-        return state + was
-    return state + (STICKING if over <= 0.0 else sliding)
+        return both(across, was)
+    return both(across, STICKING if over <= 0.0 else sliding)
 
 
 @njit(cache=True, error_model="numpy")
@@ -100,8 +88,8 @@ def reactions_in(branch, rn, shear, ks, mu, lift, room, crush):
         return 0.0, 0.0, 0.0
     if branch == STICKING or branch == BONDED:
         return rn, shear, 0.0
-    if branch > BONDED:
-        normal = crush if branch > CRUSHED else 0.0
+    if across_joint(branch) != WITHIN:
+        normal = crush if across_joint(branch) == CRUSHED else 0.0
         if along_joint(branch) == STICKING:
             return normal, shear, 0.0
         most = mu * normal + room
@@ -119,7 +107,7 @@ def derivatives_in(branch, ks, mu, lift):
         return 0.0, 0.0, 0.0, 0.0
     if branch == STICKING or branch == BONDED:
         return 1.0, 0.0, 0.0, 1.0
-    if branch > BONDED:
+    if across_joint(branch) != WITHIN:
         return 0.0, 0.0, 0.0, 1.0 if along_joint(branch) == STICKING else 0.0
     raised = lift / (ks + mu * lift)
     nn = 1.0 - raised * mu

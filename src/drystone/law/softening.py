@@ -1,6 +1,6 @@
 """Joints that soften or are crushed, with their strengths where a step ends: reactions, tangent.
 
-`law.yielding` holds strengths while a step is solved; here they follow from the gap y and the
+`law.limits` holds strengths while a step is solved; here they follow from the gap y and the
 trial shear T of a contact, both per area, as `law.strengths` says.  With all that opens, slips
 and softens at once there is one unknown a contact, how far its bond has softened:
 
@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-from drystone.law.law import (
+from drystone.law.columns import (
     BY_CRUSHING,
     BY_OPENING,
     BY_SLIP,

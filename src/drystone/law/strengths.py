@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from drystone.contact.contacts import CRUSH, FRICTION, PULL, ROOM, SHIFT
 from drystone.law import softening
-from drystone.law.law import (
+from drystone.law.columns import (
     BROKEN,
     DILATION,
     H_CRUSH,
@@ -87,7 +87,7 @@ class Strengths:
         self.smooth = not np.isfinite(self.closure).any()
         self.softens: BoolArray = np.array(softens)
         self.bonded: BoolArray = self.softens & (self.cohesion + self.tension > 0.0)
-        #: (n_laws, N_LAW), see `law.law`.
+        #: (n_laws, N_LAW), see `law.return_map`.
         self.table = law_table(assembly)
         #: What contacts of each law hold that are made later, (n_laws, N_HELD): without a bond.
         self.fresh = self._fresh()
@@ -109,7 +109,7 @@ class Strengths:
         )
 
     def held(self, law: IntArray, history: Array, now: Reached) -> Array:
-        """What contacts hold (n_slots, N_HELD), see `law.law`, once they have come so far."""
+        """What contacts hold (n_slots, N_HELD), see `law.columns`, once they have come so far."""
         whole = (history[:, BROKEN] == 0.0) & self.bonded[law]
         left = np.where(whole, np.exp(-now.softened), 0.0)
         friction = np.where(self.softens[law], left, np.exp(-self.per_slip[law] * now.slid))

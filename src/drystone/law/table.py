@@ -8,38 +8,48 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.law import law as joint_law
+from drystone.law.columns import (
+    COHESION,
+    DILATANCY_END,
+    KN,
+    KS,
+    MU,
+    N_LAW,
+    TAN_PSI,
+    TENSION,
+    YIELDS,
+)
 from drystone.model.assembly import Assembly, JointLaw
 
 Array = NDArray[np.float64]
 
 
 def law_table(assembly: Assembly, *, shear: bool = True) -> Array:
-    """One row per joint law, (n_laws, N_LAW); see the columns in `law.law`.
+    """One row per joint law, (n_laws, N_LAW); see `law.columns`.
 
     Raises `ValueError` where a stiffness is missing (a model read for limit analysis only); that in
     ``shear`` is not asked for by a formulation without it.
     """
     keys = ("normal_stiffness", "shear_stiffness") if shear else ("normal_stiffness",)
-    table = np.zeros((len(assembly.laws), joint_law.N_LAW))
+    table = np.zeros((len(assembly.laws), N_LAW))
     for row, law in zip(table, assembly.laws, strict=True):
         if any(getattr(law, key) is None for key in keys):
             raise ValueError(f"[joint] {' and '.join(keys)} {'are' if shear else 'is'} needed here")
-        row[joint_law.MU] = law.friction_coefficient
-        row[joint_law.KN] = law.normal_stiffness
-        row[joint_law.KS] = law.shear_stiffness if shear else 0.0
-        row[joint_law.TAN_PSI] = math.tan(math.radians(law.dilatancy_angle))
+        row[MU] = law.friction_coefficient
+        row[KN] = law.normal_stiffness
+        row[KS] = law.shear_stiffness if shear else 0.0
+        row[TAN_PSI] = math.tan(math.radians(law.dilatancy_angle))
         if not law.softens:
-            row[joint_law.COHESION] = law.cohesion
-            row[joint_law.TENSION] = law.tensile_strength
-        row[joint_law.DILATANCY_END] = law.dilatancy_end
+            row[COHESION] = law.cohesion
+            row[TENSION] = law.tensile_strength
+        row[DILATANCY_END] = law.dilatancy_end
         if law.yields:
-            row[joint_law.YIELDS :] = _yielding(law)
+            row[YIELDS:] = _yielding(law)
     return table
 
 
 def _yielding(law: JointLaw) -> tuple[float, ...]:
-    """Columns from `law.law.YIELDS` on."""
+    """Columns from `law.columns.YIELDS` on."""
     row = yielding_row(law)
     return (
         1.0, row.cohesion, row.tension, row.by_opening, row.by_slip, row.residual, row.per_slip,

@@ -15,9 +15,9 @@ from drystone.contact.contacts import Pairs, Slots
 from drystone.engines.measures import LoadArrays
 from drystone.engines.prepared import Prepared
 from drystone.geometry import motion
-from drystone.law import law as joint_law
 from drystone.law.bonds import apart
-from drystone.law.law import N_HISTORY
+from drystone.law.branches import BONDED, OPEN, STICKING
+from drystone.law.columns import BROKEN, COHESION, KN, KS, N_HISTORY, TENSION
 from drystone.statics.linear_step import Loads
 from drystone.statics.plane.interior import InteriorPoint, InteriorSettings
 from drystone.statics.plane.piecewise import Accuracy
@@ -114,7 +114,7 @@ def accuracy_of(prepared: Prepared, tolerance: float, coarsest: float) -> Accura
     # Stiffness [N/m] of a joint as long as the smallest block, of the stiffest law.
     stiffest, stiffest_in_shear = (
         float(laws[:, column].max()) * assembly.smallest_extent * assembly.thickness
-        for column in (joint_law.KN, joint_law.KS)
+        for column in (KN, KS)
     )
     #: Of designed gaps [m], which are differences of coordinates.
     of_gaps = 8.0 * np.finfo(float).eps * float(np.ptp(assembly.centroid, axis=0).max())
@@ -137,24 +137,24 @@ def sinking(prepared: Prepared, loads: LoadArrays) -> float:
     area = assembly.smallest_extent * assembly.thickness
     heaviest = float(np.abs(motion.translations(loads.dead)[free]).max())
     n = 1.0 + float(np.ptp(assembly.centroid[free] @ assembly.up)) / assembly.smallest_extent
-    return 0.5 * n**2 * heaviest / (float(prepared.laws[:, joint_law.KN].min()) * area)
+    return 0.5 * n**2 * heaviest / (float(prepared.laws[:, KN].min()) * area)
 
 
 def first_branches(prepared: Prepared, pairs: Pairs, slots: Slots) -> IntArray:
     """Contacts that touch stick, by a bond where there is one; (n_slots,)."""
     laws = prepared.laws[pairs.law_of_slot]
-    bonded = (laws[:, joint_law.COHESION] > 0.0) | (laws[:, joint_law.TENSION] > 0.0)
-    touching = np.where(bonded, joint_law.BONDED, joint_law.STICKING)
+    bonded = (laws[:, COHESION] > 0.0) | (laws[:, TENSION] > 0.0)
+    touching = np.where(bonded, BONDED, STICKING)
     bonded = bonded | prepared.strengths.bonded[pairs.law_of_slot]
     # Weight presses on joints that lie; those that stand are shut, but hold by a bond only.
     held = (np.abs(slots.normal @ prepared.assembly.up) > 0.7) | bonded
-    return np.where(held & ~_apart(prepared, slots), touching, joint_law.OPEN)
+    return np.where(held & ~_apart(prepared, slots), touching, OPEN)
 
 
 def first_history(prepared: Prepared, slots: Slots) -> Array:
     """Nothing but that joints which are open when built have no bond; (n_slots, n_history)."""
     history = np.zeros((len(slots.kind), N_HISTORY + slots.dim - 2))
-    history[_apart(prepared, slots), joint_law.BROKEN] = 1.0
+    history[_apart(prepared, slots), BROKEN] = 1.0
     return history
 
 

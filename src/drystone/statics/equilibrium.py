@@ -44,9 +44,11 @@ from drystone.engines.measures import (
 )
 from drystone.engines.prepared import Prepared
 from drystone.geometry import motion
-from drystone.law import law as joint_law
+from drystone.law import plane as plane_law
 from drystone.law.bonds import margins, yielded
 from drystone.law.certificate import Forces, JudgedContacts, certify
+from drystone.law.columns import BROKEN, SHEAR
+from drystone.law.status import STATUS_OF
 from drystone.model.assembly import Assembly
 from drystone.model.ties import TieState
 from drystone.statics import yielding
@@ -62,7 +64,7 @@ from drystone.statics.linear_step import PointPace
 from drystone.statics.plane import piecewise
 from drystone.statics.plane.interior import InteriorSettings
 from drystone.statics.plane.piecewise import Accuracy, PathSettings, StepSolution
-from drystone.statics.plane.static_step import STATUS_OF, StaticStep
+from drystone.statics.plane.static_step import StaticStep
 from drystone.statics.space import cone_solution
 from drystone.statics.space.cone_solution import Before, SpaceSettings
 from drystone.statics.space.cone_step import ConeStep
@@ -122,7 +124,7 @@ class EquilibriumState:
     slots: Slots  # contacts in `pose`
     history: Array  # (n_slots, N_HISTORY + dim - 2)
     reaction: Array  # (n_slots, dim) N
-    branch: IntArray  # (n_slots,) of the joint law, see `law.law`
+    branch: IntArray  # (n_slots,) of the joint law, see `law.branches`
     last_increment: Array  # (n, n_dof) m, rad; zeros where there is nothing to predict from
     margin: Array  # (n_slots + n_ties,) of bonds, see `law.bonds`, and ties
     due: IntArray  # rows of those that break next
@@ -327,7 +329,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             state = replace(state, ties=ties, margin=margin)
         history, branch, margin = state.history.copy(), state.branch.copy(), state.margin.copy()
         law = state.pairs.law_of_slot[slots]
-        history[slots, joint_law.BROKEN], margin[slots] = 1.0, np.inf
+        history[slots, BROKEN], margin[slots] = 1.0, np.inf
         branch[slots] = yielded(state.prepared.laws, law, state.reaction[slots])
         nothing = np.zeros(0, np.int64)
         return replace(state, history=history, branch=branch, margin=margin, due=nothing)
@@ -731,7 +733,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         """Shear that no contact goes on with, over the heaviest weight; in space."""
         if then.slots.dim == 2:
             return 0.0
-        shear = then.history[:, joint_law.SHEAR :]
+        shear = then.history[:, SHEAR:]
         return then.prepared.detector.lost(source, shear) / then.prepared.assembly.heaviest_weight
 
     def _report(
@@ -776,11 +778,11 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         n = len(source)
         history = np.empty((n, then.history.shape[1]))
         reaction, branch = np.empty((n, then.reaction.shape[1])), np.empty(n, np.int64)
-        joint_law.inherit(
+        plane_law.inherit(
             source, then.history, then.reaction, then.branch, history, reaction, branch
         )
         if now.dim == 3:
-            for values, first in ((history, joint_law.SHEAR), (reaction, 1)):
+            for values, first in ((history, SHEAR), (reaction, 1)):
                 was = then.history if values is history else then.reaction
                 values[:, first:] = then.prepared.detector.carried(
                     then.slots, now, source, was[:, first:]

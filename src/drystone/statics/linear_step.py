@@ -2,7 +2,7 @@
 
     R(x, l) = G + l F + sum over contacts (r_n grad g + r_t grad s) - M x / h^2 = 0
 
-linear but for the joint law, of which a response is given for every contact; see `law.law`
+linear but for the joint law, of which a response is given for every contact; see `law.return_map`
 for the tangent, `statics.plane.path` for what borders it.
 """
 
@@ -28,7 +28,8 @@ from drystone.contact.contacts import (
     Slots,
 )
 from drystone.geometry import motion
-from drystone.law import law as joint_law
+from drystone.law import plane as plane_law
+from drystone.law.columns import N_RESPONSE
 from drystone.model.loading import Acting
 from drystone.statics import step
 from drystone.statics.linear import numeric as lu_numeric
@@ -162,7 +163,7 @@ class LinearStep:
         self.reaction = np.zeros((n_slots, dim))
         self.branch = np.zeros(n_slots, np.int64)
         self.contacts, self.count = Contacts.empty(n_slots, dim, n_dof), 0
-        self.response = np.zeros((n_slots, joint_law.N_RESPONSE))
+        self.response = np.zeros((n_slots, N_RESPONSE))
         self.geometric = Tangent.zeros(n, n_pairs, n_dof)
         self.bent = False  # whether the geometric stiffness is that of the slots
         if tied is None and loads.ties:
@@ -200,7 +201,7 @@ class LinearStep:
     def respond(self) -> None:
         """Make the contacts' ``response`` that of the branches they are in."""
         which, _, table = self.contacts
-        joint_law.respond(which, table, self.count, self.branch, self.response)
+        plane_law.respond(which, table, self.count, self.branch, self.response)
 
     def linearise(
         self, x: Array, multiplier: float, away: Array, pace: Pace | None, gradient: Array

@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from drystone.contact.contacts import Pairs
 from drystone.law import softening
-from drystone.law.law import H_PULL, H_ROOM
-from drystone.law.return_map import BONDED, CRUSHED, OPEN, STICKING, TORN
+from drystone.law.branches import ACROSS, OPEN, TORN, TORN_STICKING
+from drystone.law.columns import H_PULL, H_ROOM
 from drystone.law.strengths import Reached, Strengths, difference
 from drystone.statics.plane.piecewise import StepSolution
 from drystone.statics.plane.static_step import Ended
@@ -426,6 +426,6 @@ def _hidden(
 
 def _fitting(branch: IntArray, held: Array) -> IntArray:
     """Branches (n_slots,) that there are with what contacts hold: without room none is torn."""
-    room, torn = held[:, H_ROOM] > 0.0, (branch > BONDED) & (branch <= CRUSHED)
-    fitting = np.where((branch == OPEN) & room, TORN + STICKING, branch)
+    room, torn = held[:, H_ROOM] > 0.0, ACROSS[branch] == TORN
+    fitting = np.where((branch == OPEN) & room, TORN_STICKING, branch)
     return np.where(torn & ~room, OPEN, fitting)

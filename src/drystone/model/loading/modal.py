@@ -181,7 +181,7 @@ def _stiffness_at_rest(assembly: Assembly, masses: Masses) -> tuple[csc_array, I
 
     from drystone.contact.contacts import BODY_A, BODY_B, SLOT, STIFF_N, STIFF_T
     from drystone.contact.detection import Detector
-    from drystone.law import law as joint_law
+    from drystone.law.columns import COHESION, TENSION
     from drystone.law.table import law_table
 
     detector, laws, pose = Detector(assembly), law_table(assembly), assembly.rest_pose()
@@ -194,7 +194,7 @@ def _stiffness_at_rest(assembly: Assembly, masses: Masses) -> tuple[csc_array, I
     rows = contacts.rows[touching, :dim].reshape(len(a), dim, 2 * n_dof)
     table = contacts.table[touching]
     law = laws[pairs.law_of_slot[contacts.which[touching, SLOT]]]
-    bonded = (law[:, joint_law.COHESION] > 0.0) | (law[:, joint_law.TENSION] > 0.0)
+    bonded = (law[:, COHESION] > 0.0) | (law[:, TENSION] > 0.0)
     columns = n_dof * np.column_stack((a, b))[:, :, None] + np.arange(n_dof)
     matrix = _matrix(rows, columns.reshape(len(a), 1, -1), n_dof * assembly.n_bodies)
     keep = np.flatnonzero(np.repeat(~assembly.fixed, n_dof))

@@ -1,8 +1,8 @@
 """What all contacts do to the blocks in the places at the end of a step, and how that changes.
 
 The force on block b is r_n n + r_t t, on the blocks together r_n grad(g) + r_t grad(s), with the
-reactions of `law.law` and the gradients of `contact.plane.rows`; their tangent includes the second
-derivatives of g and s.
+reactions of `law.return_map` and the gradients of `contact.plane.rows`; their tangent includes the
+second derivatives of g and s.
 """
 
 from __future__ import annotations
@@ -44,11 +44,10 @@ from drystone.contact.contacts import (  # fmt: skip
 from drystone.contact.plane.rows import N_DOF, add_force, along, gradients, second_derivatives
 from drystone.contact.plane.rows import slip as slip_of
 from drystone.contact.rows import MEASURED, OF_GAP, OF_SLIP
-from drystone.law.law import (  # fmt: skip
-    BONDED,
+from drystone.law.branches import BONDED, CRUSHED, OPEN, across_joint
+from drystone.law.columns import (
     BROKEN,
     COHESION,
-    CRUSHED,
     DILATANCY_END,
     DILATION,
     H_CRUSH,
@@ -63,7 +62,6 @@ from drystone.law.law import (  # fmt: skip
     N_HISTORY,
     NN,
     NT,
-    OPEN,
     RN,
     RT,
     SHEAR,
@@ -72,9 +70,8 @@ from drystone.law.law import (  # fmt: skip
     TENSION,
     TN,
     TT,
-    branch_of,
-    reactions,
 )
+from drystone.law.plane import branch_of, reactions
 
 Array = NDArray[np.float64]
 
@@ -99,7 +96,7 @@ class Start(NamedTuple):
     rows: Array  # (n_slots, dim, 2 n_dof) of contacts that were there: gradients of the slip that
     # hold for the step; others slip by the exact distance
     closed: NDArray[np.bool_]  # (n_slots,) others do not dilate in the step
-    held: Array  # (n_slots, N_HELD), see `law.law`; (0, N_HELD) where all joints are dry
+    held: Array  # (n_slots, N_HELD), see `law.columns`; (0, N_HELD) where all joints are dry
 
 
 @njit(cache=True, error_model="numpy")
@@ -116,13 +113,13 @@ def joint_forces(
     pairs
         Their pairs.
     laws
-        (n_laws, N_LAW), see the columns in `law.law`.
+        (n_laws, N_LAW), see `law.columns`.
     thickness
         [m]
     start
         What holds for the step, see `Start`.
     history_before
-        (n_slots, N_HISTORY), what contacts bring along; see `law.law.remember`.
+        (n_slots, N_HISTORY), what contacts bring along; see `law.plane.remember`.
     increment
         Motion since the start of the step, (n, n_dof) [m, rad].
     contacts
@@ -194,7 +191,7 @@ def joint_forces(
         now = branch_of(table, c, hint)
         branch[k] = now
         rn, rt, gamma = reactions(table, c, now)
-        if now > CRUSHED:
+        if across_joint(now) == CRUSHED:
             history[k, DILATION] -= (table[c, TRIAL_N] - table[c, CRUSH]) / kn
         history[k, DILATION] += laws[law, TAN_PSI] * gamma if lift > 0.0 else 0.0
         history[k, SLID] += gamma
@@ -269,7 +266,7 @@ def assemble(contacts, count, pairs, response, geometric, motion, force, tangent
     pairs
         All of them.
     response
-        (n_slots, N_RESPONSE), see `law.law.respond`.
+        (n_slots, N_RESPONSE), see `law.plane.respond`.
     geometric
         `Tangent`, see `geometric_stiffness`.
     motion

@@ -29,7 +29,8 @@ from numpy.typing import NDArray
 
 from drystone.contact.contacts import BODY_A, BODY_B, STIFF_N
 from drystone.geometry.motion import translations
-from drystone.law import law as joint_law
+from drystone.law import interior as interior_law
+from drystone.law.interior import N_CHANGE, N_INNER
 from drystone.statics.linear import numeric as lu_numeric
 from drystone.statics.linear_step import LinearStep, Pace
 from drystone.statics.plane import interior_kernels as kernel
@@ -107,8 +108,8 @@ class InteriorPoint:
         self.step = step
         self.settings = settings or InteriorSettings()
         n_slots = step.pairs.n_slots
-        self.inner = np.zeros((n_slots, joint_law.N_INNER))
-        self.change = np.zeros((n_slots, joint_law.N_CHANGE))
+        self.inner = np.zeros((n_slots, N_INNER))
+        self.change = np.zeros((n_slots, N_CHANGE))
         self.offset = np.zeros_like(step.reaction)
         #: Of this descent: times that loose bodies did not come to rest, and bodies (n,) that stand
         #: though their pivots say that they do not.
@@ -144,7 +145,7 @@ class InteriorPoint:
     def _assemble(self, x: Array, multiplier: float, geometry: Array) -> float:
         """Unbalanced forces and tangent at ``x``; returns the mean energy [J]."""
         step = self.step
-        energy: float = joint_law.respond_within(
+        energy: float = interior_law.respond_within(
             step.contacts, step.count, step.branch, self.inner, step.response
         )
         step.assemble(x, multiplier, x - geometry)
@@ -296,7 +297,7 @@ class InteriorPoint:
     def _told(self, x: Array, multiplier: float, geometry: Array, tolerance: float) -> bool:
         """Choose the branches; whether they leave nothing unbalanced."""
         step = self.step
-        joint_law.choose(step.contacts, step.count, self.inner, step.branch)
+        interior_law.choose(step.contacts, step.count, self.inner, step.branch)
         step.respond()
         step.assemble(x, multiplier, x - geometry)
         if step.residual <= tolerance:
@@ -402,7 +403,7 @@ class Descent:
             return False
         if step.residual > settings.early_residual * self.interior.block_weight:
             return False
-        joint_law.choose(step.contacts, step.count, self.interior.inner, step.branch)
+        interior_law.choose(step.contacts, step.count, self.interior.inner, step.branch)
         return True
 
     def _missing(self) -> float:
@@ -414,7 +415,7 @@ class Descent:
     def _centre(self, barrier: float) -> None:
         self.barrier = barrier
         step = self.step
-        joint_law.centre(step.contacts, step.count, step.branch, barrier, self.interior.inner)
+        interior_law.centre(step.contacts, step.count, step.branch, barrier, self.interior.inner)
 
     def _descend(self, energy: float, unrest: float) -> bool:
         """Predictor and corrector with the present factors; whether there is a way on."""

@@ -1,7 +1,7 @@
 """The joint law of all contacts at once, by an interior point method.
 
 With the trial reactions T_n, T_t linear in the increments (gradients held fast), the implicit law
-of `law.law` is a set of products that vanish, of factors that are not negative:
+of `law.return_map` is a set of products that vanish, of factors that are not negative:
 
     r_n = T_n + w + (k_n tan psi / k_s) (p + q)          r_n w = 0
     r_t = T_t - p + q         (mu r_n - r_t) p = 0,  (mu r_n + r_t) q = 0
@@ -37,20 +37,15 @@ from drystone.contact.contacts import (
 )
 from drystone.contact.plane.rows import N_DOF, add_force
 from drystone.contact.rows import MEASURED, OF_GAP
-from drystone.law.law import (  # fmt: skip
-    BONDED,
+from drystone.law.branches import BONDED
+from drystone.law.columns import NN, NT, RN, RT, TN, TT
+from drystone.law.interior import (
     CAP,
     D_TRIAL_N,
     D_TRIAL_T,
     FAR,
     N_INNER,
     NEAR,
-    NN,
-    NT,
-    RN,
-    RT,
-    TN,
-    TT,
     P,
     Q,
     V,
@@ -58,7 +53,7 @@ from drystone.law.law import (  # fmt: skip
     lacking,
     lacking_of_crushing,
 )
-from drystone.law.yielding import crushing
+from drystone.law.limits import crushing
 
 #: Columns of b.
 B_N, B_T = 0, 1

@@ -33,18 +33,10 @@ from drystone.contact.contacts import (
 )
 from drystone.contact.plane.rows import along
 from drystone.contact.rows import MEASURED, OF_GAP
-from drystone.law.law import (  # fmt: skip
-    OPEN,
-    STICKING,
-    all_dry,
-    change,
-    commit,
-    distance,
-    distance_of_dry,
-    landing,
-)
-from drystone.law.return_map import BACKWARD, FORWARD, along_joint, sense
-from drystone.law.yielding import held_normal
+from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING, across_joint, both, sense
+from drystone.law.limits import held_normal
+from drystone.law.pieces import all_dry, change, distance, distance_of_dry, landing
+from drystone.law.plane import commit
 from drystone.statics.linear.numeric import solve
 
 #: How a path ends: where it should; before it, as it turns back; at a change after which the
@@ -197,7 +189,7 @@ def _next_change(contacts, count, branch, direction, ahead, whole, dry, last, le
             if speed < slowest:
                 slowest = speed
                 chosen = c
-                following = now - along_joint(now) + STICKING
+                following = both(across_joint(now), STICKING)
                 nearest, back = 0.0, True
         if back:
             continue

@@ -1,7 +1,7 @@
 """The equations of one step of static equilibrium, on arrays that are made once per pair list.
 
 Those of `statics.linear_step`, with gaps and gradients in the places at the end of the step; see
-`law.law` for the reactions, `statics.plane.path` for how the linear equations are solved.
+`law.return_map` for the reactions, `statics.plane.path` for how the linear equations are solved.
 """
 
 from __future__ import annotations
@@ -14,14 +14,13 @@ from numpy.typing import NDArray
 
 from drystone.contact.contacts import NONE, STIFF_N, TRIAL_T, Pairs, Slots
 from drystone.contact.detection import Detector
-from drystone.contact.forces import OPEN, SLIDING, STICKING
 from drystone.contact.plane import rows
 from drystone.geometry import motion
-from drystone.law import law as joint_law
+from drystone.law import plane as plane_law
 from drystone.law import softening
+from drystone.law.branches import OPEN
 from drystone.law.certificate import JudgedContacts
-from drystone.law.law import N_HELD, N_HISTORY
-from drystone.law.return_map import CRUSHED, N_BRANCHES
+from drystone.law.columns import BROKEN, N_HELD, N_HISTORY, NN, NT, RN, RT, TN, TT
 from drystone.law.strengths import Strengths
 from drystone.statics.linear_step import BENDS, LinearStep, Loads
 from drystone.statics.plane import forces, path
@@ -29,13 +28,6 @@ from drystone.statics.plane.forces import Start
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-#: What the branches of the joint law are called in results.
-STATUS_OF = np.full(N_BRANCHES, OPEN)
-STATUS_OF[[joint_law.STICKING, joint_law.BONDED]] = STICKING
-STATUS_OF[[joint_law.FORWARD, joint_law.BACKWARD]] = SLIDING
-STATUS_OF[CRUSHED + joint_law.STICKING] = STICKING
-STATUS_OF[[CRUSHED + joint_law.FORWARD, CRUSHED + joint_law.BACKWARD]] = SLIDING
 
 #: What joints hold where all of them are dry.
 DRY = np.zeros((0, N_HELD))
@@ -106,7 +98,7 @@ class StaticStep(LinearStep):
         Slips are linear in the increments, by their gradients half way to the ``guess`` of these:
         of second order in the step, without straining the stiff shear springs of blocks that
         are held at several points and turn together.  ``held`` (n_slots, N_HELD) is what joints
-        hold in it that are not dry, see `law.law`; ``fresh`` (n_slots, N_HELD) what contacts
+        hold in it that are not dry, see `law.columns`; ``fresh`` (n_slots, N_HELD) what contacts
         do that are made in it.
         """
         self.pose = pose
@@ -137,7 +129,7 @@ class StaticStep(LinearStep):
             held = self.start.held
             held[:] = np.where(new[:, None], self.fresh, held[source])
         # Blocks that come to touch later are not bonded.
-        self.history_before[new, joint_law.BROKEN] = 1.0
+        self.history_before[new, BROKEN] = 1.0
         for mine, theirs in zip(known, slots, strict=True):
             mine[:] = theirs
 
@@ -215,20 +207,20 @@ class StaticStep(LinearStep):
         )
         sign, kn = np.sign(shear), table[rows, STIFF_N] / area
         response, p = self.response, point.T
-        response[rows, joint_law.RN] = area * p[softening.P_NORMAL]
-        response[rows, joint_law.RT] = area * sign * p[softening.P_SHEAR]
-        response[rows, joint_law.NN] = -p[softening.P_NY] / kn
-        response[rows, joint_law.NT] = sign * p[softening.P_NT]
-        response[rows, joint_law.TN] = -sign * p[softening.P_TY] / kn
-        response[rows, joint_law.TT] = p[softening.P_TT]
-        self.reaction[slot] = response[rows, : joint_law.RT + 1]
+        response[rows, RN] = area * p[softening.P_NORMAL]
+        response[rows, RT] = area * sign * p[softening.P_SHEAR]
+        response[rows, NN] = -p[softening.P_NY] / kn
+        response[rows, NT] = sign * p[softening.P_NT]
+        response[rows, TN] = -sign * p[softening.P_TY] / kn
+        response[rows, TT] = p[softening.P_TT]
+        self.reaction[slot] = response[rows, : RT + 1]
         self.assemble(x, multiplier, np.zeros_like(x))
         return slot, point
 
     def remember(self) -> None:
         """Make sliding that has ended on the path part of the step's history."""
         which, _, table = self.contacts
-        joint_law.remember(which, table, self.count, self.history_before)
+        plane_law.remember(which, table, self.count, self.history_before)
 
     def judged(self) -> JudgedContacts:
         """The contacts last evaluated: views, until something is evaluated again."""

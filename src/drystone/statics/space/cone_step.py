@@ -39,10 +39,24 @@ from drystone.contact.contacts import (
 )
 from drystone.geometry import motion
 from drystone.geometry.rotation import all_axes, difference
-from drystone.law import law as joint_law
 from drystone.law import softening
+from drystone.law import space as space_law
+from drystone.law.branches import OPEN
 from drystone.law.certificate import JudgedContacts
-from drystone.law.law import H_CRUSH, H_KN, H_MU, H_PULL, H_ROOM, H_SHIFT, N_HELD, N_HISTORY
+from drystone.law.columns import (
+    BROKEN,
+    DILATION,
+    H_CRUSH,
+    H_KN,
+    H_MU,
+    H_PULL,
+    H_ROOM,
+    H_SHIFT,
+    KN,
+    N_HELD,
+    N_HISTORY,
+    YIELDS,
+)
 from drystone.law.strengths import Strengths
 from drystone.statics import step
 from drystone.statics.linear import numeric as lu_numeric
@@ -165,7 +179,7 @@ class ConeStep:
     ) -> None:
         """Start a step of size ``h`` [s] from rest in ``pose``, with contacts and their past.
 
-        ``held`` (n_slots, N_HELD) is what joints hold in it that are not dry, see `law.law`;
+        ``held`` (n_slots, N_HELD) is what joints hold in it that are not dry, see `law.columns`;
         ``fresh`` (n_slots, N_HELD) what contacts do that are made in it.
         """
         constants = self.constants
@@ -177,7 +191,7 @@ class ConeStep:
         for mine, theirs in zip(self.known, slots, strict=True):
             mine[:] = theirs
         self.history_before[:] = history
-        closed = branch != joint_law.OPEN
+        closed = branch != OPEN
         self.n = n = spatial_step.pack(
             self.known, self.pairs, constants.laws, history, closed, self.places
         )
@@ -193,7 +207,7 @@ class ConeStep:
     def _hold(self, held: Array) -> None:
         """Take on what joints hold that are not dry, (n_slots, N_HELD)."""
         used = self.places.which[: self.n, 0]
-        yields = self.constants.laws[self.pairs.law_of_slot[used], joint_law.YIELDS] != 0.0
+        yields = self.constants.laws[self.pairs.law_of_slot[used], YIELDS] != 0.0
         rows = np.flatnonzero(yields)
         slot = used[rows]
         now, area = held[slot], self.known.size[slot]
@@ -214,7 +228,7 @@ class ConeStep:
         """
         detector, pairs, n = self.constants.detector, self.pairs, self.n
         self._find()
-        stiffness = self.constants.laws[pairs.law_of_slot, joint_law.KN] * self.found.size
+        stiffness = self.constants.laws[pairs.law_of_slot, KN] * self.found.size
         closed = -self.found.gap
         if len(self.holding):
             closed = closed - self._crushed()[pairs.of_slot]
@@ -233,8 +247,8 @@ class ConeStep:
             self.found.which[anew],
             self.found.value[anew],
         )
-        history[anew], branch[anew] = 0.0, joint_law.OPEN
-        history[anew, joint_law.BROKEN] = 1.0
+        history[anew], branch[anew] = 0.0, OPEN
+        history[anew, BROKEN] = 1.0
         detector.follow(pairs, self.pose, self.known, self.slots)
         inertia, origin = self.inertia_factor, np.where(anew, -1, self.origin)
         holding, fresh = (None, None) if not len(self.holding) else (self.holding, self.fresh)
@@ -248,7 +262,7 @@ class ConeStep:
     def _crushed(self) -> Array:
         """Closure [m] that the contacts of each pair, (n_pairs,), have been crushed by at most."""
         crushed = np.zeros(self.pairs.n_pairs)
-        closure = -self._aged()[:, joint_law.DILATION]
+        closure = -self._aged()[:, DILATION]
         np.maximum.at(crushed, self.pairs.of_slot, closure)
         return crushed
 
@@ -447,7 +461,7 @@ class ConeStep:
 
     def _respond(self, low: int, high: int) -> None:
         table, first = self.places.table, self.places.first
-        spatial_step.respond(
+        space_law.respond(
             table, self.trial, first[low], first[high], self.branch, self.reaction,
             self.response,
         )  # fmt: skip
@@ -478,7 +492,7 @@ class ConeStep:
     def _aged(self) -> Array:
         """History of contacts where the step is, (n_slots, N_HISTORY + 1)."""
         history, places = self.history_before.copy(), self.places
-        spatial_step.age(
+        space_law.age(
             places.which, places.table, self.trial, self.reaction, self.branch, self.n, history
         )
         return history
@@ -490,7 +504,7 @@ class ConeStep:
         self.history = self._aged()
         gap = np.full(len(before), np.inf)
         gap[used] = self.places.start[:n, spatial_step.GAP_0] + self.now[:n, Y]
-        gap[used] += before[used, joint_law.DILATION]
+        gap[used] += before[used, DILATION]
         return Ended(
             origin=self.origin,
             before=before,
@@ -514,7 +528,7 @@ class ConeStep:
         size = np.hypot(*shear.T)
         gap = self.places.start[rows, spatial_step.GAP_0] + self.now[rows, Y]
         committed = self.history_before[slot]
-        gap = gap + committed[:, joint_law.DILATION]
+        gap = gap + committed[:, DILATION]
         point = strengths.points(law, start[slot], committed, gap, size / area)
         p, kn = point.T, self.table[rows, STIFF_N] / area
         along = np.divide(shear, size[:, None], out=np.zeros_like(shear), where=size[:, None] > 0.0)
@@ -567,7 +581,7 @@ class ConeStep:
         table[:, TRIAL_N], table[:, TRIAL_T] = self.trial[:n, 0], self.trial[:n, 1]
         used = which[:, 0]
         gap = self.places.start[:n, spatial_step.GAP_0] + self.now[:n, Y]
-        gap = gap + self.history_before[used, joint_law.DILATION]
+        gap = gap + self.history_before[used, DILATION]
         return JudgedContacts.with_history(
             contacts, gap, history[used], self.reaction[:n], self.trial[:n, 1:]
         )

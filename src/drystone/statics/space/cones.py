@@ -8,12 +8,12 @@ With the trial reactions T of a contact, its stiffnesses k_n, k_s and a barrier 
     r_t = T_t - z,             (mu r_n, r_t) o (zeta, -z) = (2 k_s e, 0),
 
 where (a, b) o (c, d) = (a c + b.d, a d + c b) and both pairs lie within the cone of second order.
-Without a barrier this is the joint law of `law.law`: zeta is |z|, k_s times the length slid,
+Without a barrier this is the joint law of `law.return_map`: zeta is |z|, k_s times the length slid,
 and lifts the joint by dilatancy alone, c = k_n tan psi / k_s.  A contact that its bond holds is
 linear, r = T.  Changes are scaled as by Nesterov and Todd.
 
 Joints that pull by f, that have the room k for shear without pressure and are crushed at C (see
-`law.yielding`) are counted from the tension on, r_n' = r_n + f and C' = C + f:
+`law.limits`) are counted from the tension on, r_n' = r_n + f and C' = C + f:
 
     r_n' = T_n' + w - v,    r_n' w = k_n e,    (C' - r_n') v = k_n e,    (mu r_n' + k, r_t) o ...
 
@@ -40,7 +40,7 @@ from drystone.contact.contacts import (
     STIFF_T,
 )
 from drystone.contact.rows import IN_SPACE
-from drystone.law.yielding import central_normal
+from drystone.law.interior import central_normal
 
 #: Columns of a contact's variables, and of their changes: reactions, slacks, slack of crushing and
 #: what is left until then [N; N s].

@@ -1,0 +1,167 @@
+"""The joint law of impulses, without shear stiffness: contacts that are solved one by one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.common.compiled import njit
+from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING
+from drystone.law.status import AT_CONE
+
+#: Angles of friction in space are found to this [rad], from at least so many.
+ANGLE, N_ANGLES = 1e-9, 32
+
+
+@njit(cache=True, error_model="numpy")
+def local_impulse(bn, bt, cnn, wnt, wtt, mu):
+    """Impulses of one contact for itself [N s]: see `dynamics.sweeps` for its equations.
+
+    ``bn`` and ``bt`` are what its velocity would be without them, the first with the gap [m/s];
+    ``cnn``, ``wnt`` and ``wtt`` what they change of it [1/kg].
+    """
+    det = cnn * wtt - wnt * wnt
+    stick_n = (wnt * bt - wtt * bn) / det
+    stick_t = (wnt * bn - cnn * bt) / det
+    if stick_n > 0.0 and abs(stick_t) <= mu * stick_n:
+        return stick_n, stick_t
+    pn, pt = 0.0, 0.0
+    slope = mu if stick_t > 0.0 else -mu
+    along = cnn + slope * wnt
+    if bn < 0.0 and along > 0.0:
+        pn = -bn / along
+        pt = slope * pn
+        if (wnt * pn + wtt * pt + bt) * slope > 0.0:  # slides with its friction
+            slope = -slope
+            along = cnn + slope * wnt
+            if along > 0.0:
+                pn = -bn / along
+                pt = slope * pn
+    return pn, pt
+
+
+@njit(cache=True, error_model="numpy")
+def _sliding(angle, a1, a2, m11, m12, m21, m22):
+    """Of the sliding velocity a + M t for friction along t, at an angle: its part across t, how
+    that goes with the angle, and its part along t."""
+    c, s = np.cos(angle), np.sin(angle)
+    v1, v2 = a1 + m11 * c + m12 * s, a2 + m21 * c + m22 * s
+    along = c * v1 + s * v2
+    return c * v2 - s * v1, c * (m22 * c - m21 * s) - s * (m12 * c - m11 * s) - along, along
+
+
+@njit(cache=True, error_model="numpy")
+def _sliding_angle(start, a1, a2, m11, m12, m21, m22):
+    """Angle of the friction that opposes sliding, and whether there is one: see `_sliding`.
+
+    Newton's method from an angle; where that fails, bisection wherever what is across changes sign.
+    """
+    angle = start
+    for _ in range(20):
+        across, slope, along = _sliding(angle, a1, a2, m11, m12, m21, m22)
+        step = across / slope if slope != 0.0 else 1.0
+        if abs(step) < ANGLE and along <= 0.0:
+            return angle - step, True
+        angle -= min(max(step, -0.5), 0.5)
+    high, after, _ = start, _sliding(start, a1, a2, m11, m12, m21, m22)[0], 0.0
+    for k in range(1, N_ANGLES + 1):
+        low, before = high, after
+        high = start + 2.0 * np.pi * k / N_ANGLES
+        after = _sliding(high, a1, a2, m11, m12, m21, m22)[0]
+        if (before < 0.0) == (after < 0.0):
+            continue
+        x, y = low, high
+        for _ in range(60):
+            angle = 0.5 * (x + y)
+            across, slope, along = _sliding(angle, a1, a2, m11, m12, m21, m22)
+            if (across < 0.0) == (before < 0.0):
+                x = angle
+            else:
+                y = angle
+        if along <= 0.0:
+            return angle, True
+    return start, False
+
+
+@njit(cache=True, error_model="numpy")
+def local_impulse_in_space(bn, b1, b2, w, cnn, mu, p):
+    """Fill ``p`` (3,) with the impulses of one contact for itself [N s]; see `local_impulse`.
+
+    What slides does so against friction along (cos a, sin a), where the velocity across that is a
+    trigonometric polynomial of second degree in the angle.
+
+    Parameters
+    ----------
+    bn, b1, b2
+        Velocity without the impulses, the first with the gap [m/s].
+    w
+        Delassus block (3, 3) [1/kg]; of its first entry ``cnn``, with the joint's compliance, takes
+        the place.
+    """
+    w01, w02, w11, w12, w22 = w[0, 1], w[0, 2], w[1, 1], w[1, 2], w[2, 2]
+    # Tangential impulses that hold the contact: -h - g p_n.
+    det = w11 * w22 - w12 * w12
+    g1, g2 = (w22 * w01 - w12 * w02) / det, (w11 * w02 - w12 * w01) / det
+    h1, h2 = (w22 * b1 - w12 * b2) / det, (w11 * b2 - w12 * b1) / det
+    pn = (w01 * h1 + w02 * h2 - bn) / (cnn - w01 * g1 - w02 * g2)
+    p1, p2 = -h1 - g1 * pn, -h2 - g2 * pn
+    p[0], p[1], p[2] = pn, p1, p2
+    if pn > 0.0 and p1 * p1 + p2 * p2 <= mu * mu * pn * pn:
+        return
+    p[0], p[1], p[2] = 0.0, 0.0, 0.0
+    if bn >= 0.0:
+        return
+    start = np.arctan2(p2, p1) if pn > 0.0 else np.arctan2(-h2, -h1)
+    # Times p_n over its force without coupling, which is positive.
+    a1, a2 = cnn * b1 - bn * w01, cnn * b2 - bn * w02
+    m11, m12 = mu * (b1 * w01 - bn * w11), mu * (b1 * w02 - bn * w12)
+    m21, m22 = mu * (b2 * w01 - bn * w12), mu * (b2 * w02 - bn * w22)
+    angle, found = _sliding_angle(start, a1, a2, m11, m12, m21, m22)
+    c, s = np.cos(angle), np.sin(angle)
+    along = cnn + mu * (c * w01 + s * w02)
+    if found and along > 0.0:
+        p[0] = -bn / along
+        p[1], p[2] = mu * p[0] * c, mu * p[0] * s
+
+
+@njit(cache=True, error_model="numpy")
+def held_impulse(pn, pt, mu, held):
+    """Impulses of trial ones [N s], and their branch; one that is ``held`` sticks anyway."""
+    if pn <= 0.0:
+        return 0.0, 0.0, OPEN
+    limit = mu * pn
+    if abs(pt) > limit * (1.0 - AT_CONE) and pt != 0.0 and not held:
+        return pn, limit if pt > 0.0 else -limit, FORWARD if pt > 0.0 else BACKWARD
+    return pn, pt, STICKING
+
+
+@njit(cache=True, error_model="numpy")
+def impulse_in(branch, pn, pt, mu):
+    """Impulses [N s] in a branch, for trial ones."""
+    if branch == OPEN:
+        return 0.0, 0.0
+    if branch != STICKING:
+        return pn, mu * pn if branch == FORWARD else -mu * pn
+    return pn, pt
+
+
+@njit(cache=True, error_model="numpy")
+def branch_of_impulse(pn, pt, mu):
+    """The branch that impulses lie on."""
+    limit = mu * pn
+    if pn <= 0.0:
+        return OPEN
+    if abs(pt) < limit * (1.0 - AT_CONE) or limit == 0.0:
+        return STICKING
+    return FORWARD if pt > 0.0 else BACKWARD
+
+
+@njit(cache=True, error_model="numpy")
+def held_impulse_in_space(pn, p1, p2, mu, held):
+    """`held_impulse` with two tangential ones; what slides does so FORWARD."""
+    if pn <= 0.0:
+        return 0.0, 0.0, 0.0, OPEN
+    limit, size = mu * pn, np.sqrt(p1 * p1 + p2 * p2)
+    if size > limit * (1.0 - AT_CONE) and size > 0.0 and not held:
+        share = limit / size
+        return pn, share * p1, share * p2, FORWARD
+    return pn, p1, p2, STICKING
