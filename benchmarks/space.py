@@ -15,7 +15,8 @@ from drystone.contact.detection import Detector
 from drystone.geometry.space import solid
 from drystone.limit.associative import collapse
 from drystone.limit.equilibrium import Equilibrium
-from drystone.model.assembly import Assembly, Block, JointLaw
+from drystone.model.assembly import Assembly, Block
+from drystone.model.joint_law import JointLaw
 from drystone.model.loading import MassPattern
 
 UNIT = np.array([0.4, 0.2, 0.175])  # m

@@ -18,8 +18,9 @@ import drystone as ds
 from drystone.engines import engine_names
 from drystone.engines.base import EngineError
 from drystone.geometry.space import solid
-from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.assembly import Block, Corner
 from drystone.model.builders import PUBLISHED_WALLS, make_model
+from drystone.model.joint_law import JointLaw
 from drystone.results.curve import STATIC
 
 Array = NDArray[np.float64]

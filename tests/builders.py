@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from drystone.contact.contacts import Pairs, Slots
 from drystone.contact.detection import Detector
 from drystone.engines.base import Problem
-from drystone.model.assembly import Assembly, Block, Corner, JointLaw
+from drystone.model.assembly import Assembly, Block, Corner
 from drystone.model.builders import make_model
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
 
 UNIT_WEIGHT = 10e3  # N/m3

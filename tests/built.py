@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from drystone.geometry.space import solid
-from drystone.model.assembly import Assembly, Block, JointLaw
+from drystone.model.assembly import Assembly, Block
 from drystone.model.construction.checks import OVERLAPPING
+from drystone.model.joint_law import JointLaw
 from touching import brute_overlap, planes
 
 LAW = JointLaw(friction_coefficient=0.65, normal_stiffness=1e9, shear_stiffness=1e9)

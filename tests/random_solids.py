@@ -17,8 +17,9 @@ from buildings import directions, stone_of
 from drystone.geometry import GeometryError
 from drystone.geometry.space import solid
 from drystone.limit import ASSOCIATIVE, collapse_load, stands
-from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.assembly import Block, Corner
 from drystone.model.builders import circular_arch
+from drystone.model.joint_law import JointLaw
 from drystone.model.loading import MassPattern
 from drystone.model.model import Model
 from solids import box, model_of

@@ -14,7 +14,8 @@ from drystone.geometry.motion import moved_points
 from drystone.geometry.plane.parts import convex_outlines
 from drystone.geometry.space import solid
 from drystone.geometry.space.solid import Part
-from drystone.model.assembly import Assembly, Block, Corner, JointLaw
+from drystone.model.assembly import Assembly, Block, Corner
+from drystone.model.joint_law import JointLaw
 from drystone.model.loading import MassPattern
 from drystone.model.model import Analysis, Model
 from drystone.model.monitor import ControlPoint

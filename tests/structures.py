@@ -16,8 +16,9 @@ import numpy as np
 from numpy.random import Generator
 
 from builders import rectangle
-from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.assembly import Block, Corner
 from drystone.model.builders import circular_arch, make_model
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
 
 Outlines = dict[str, np.ndarray]

@@ -14,13 +14,14 @@ if TYPE_CHECKING:
     from drystone.io.modelfile import read_model, write_model
     from drystone.io.results.folder import OutputError
     from drystone.limit import Collapse, collapse_load
-    from drystone.model.assembly import Assembly, Block, Corner, JointLaw
+    from drystone.model.assembly import Assembly, Block, Corner
     from drystone.model.builders import ModelError, extruded, make_model, published_wall
     from drystone.model.builders import coursed_wall as wall
     from drystone.model.builders.arch import arch
     from drystone.model.builders.circular_arch import circular_arch
     from drystone.model.builders.column import column, stack
     from drystone.model.inspection import Inspection, inspect
+    from drystone.model.joint_law import JointLaw
     from drystone.model.loading.acceleration import Acceleration, AccelerationPattern
     from drystone.model.loading.dead import FaceLoad, FillLoad, ForceLoad, SurchargeLoad
     from drystone.model.loading.forces import ForcesPattern
@@ -62,7 +63,7 @@ _PLACES = {
     "ForcesPattern": "drystone.model.loading",
     "ImportSettings": "drystone.io.drawings.settings",
     "Inspection": "drystone.model.inspection",
-    "JointLaw": "drystone.model.assembly",
+    "JointLaw": "drystone.model.joint_law",
     "MassPattern": "drystone.model.loading",
     "ModalPattern": "drystone.model.loading",
     "Model": "drystone.model.model",

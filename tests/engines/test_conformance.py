@@ -28,8 +28,9 @@ from drystone.analysis.driver import pushover
 from drystone.engines import make_engine
 from drystone.engines.base import Demand, EngineError, UnstableError
 from drystone.law import certificate
-from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.assembly import Block, Corner
 from drystone.model.builders import make_model, published_wall
+from drystone.model.joint_law import JointLaw
 from drystone.results.curve import COLUMNS, CapacityCurve
 from lmgc90_here import needs_lmgc90
 

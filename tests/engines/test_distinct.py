@@ -14,10 +14,11 @@ from drystone.dynamics.distinct import DistinctEngine, DistinctSettings, Workspa
 from drystone.engines.base import Demand, EngineError, UnstableError
 from drystone.law.columns import BROKEN
 from drystone.limit import ASSOCIATIVE, collapse_load
-from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.assembly import Block, Corner
 from drystone.model.builders import make_model
 from drystone.model.builders.circular_arch import circular_arch
 from drystone.model.builders.wall import coursed_wall
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
 from structures import structure
 

@@ -13,8 +13,9 @@ from drystone.engines.base import EngineError, Problem
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays
 from drystone.limit import limits_beside
-from drystone.model.assembly import Block, JointLaw
+from drystone.model.assembly import Block
 from drystone.model.builders import make_model
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis
 from drystone.results.curve import STATIC, BlockLeft
 from structures import structure

@@ -14,9 +14,10 @@ from tests.builders import rectangle
 import drystone as ds
 from drystone.common.language import said_end, say
 from drystone.limit import limits_beside, on_what_moves
-from drystone.model.assembly import Block, JointLaw
+from drystone.model.assembly import Block
 from drystone.model.builders import make_model
 from drystone.model.construction.errors import ModelError
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis
 from drystone.model.site import AssessmentInput, Site
 from drystone.model.ties import Tie, TieEnd

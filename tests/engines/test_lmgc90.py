@@ -21,8 +21,9 @@ from drystone.analysis.driver import pushover
 from drystone.engines import make_engine
 from drystone.engines.base import Demand, EngineError, Pacing, UnstableError
 from drystone.geometry.space.solid import Part
-from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.assembly import Block, Corner
 from drystone.model.builders import make_model, published_wall
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
 from lmgc90_here import needs_lmgc90
 

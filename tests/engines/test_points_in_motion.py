@@ -13,8 +13,9 @@ import drystone as ds
 from builders import rectangle
 from drystone.dynamics.distinct import BETWEEN_POINTS
 from drystone.geometry.motion import translations
-from drystone.model.assembly import Block, JointLaw
+from drystone.model.assembly import Block
 from drystone.model.builders import make_model
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis
 from drystone.results.curve import DYNAMIC, STATIC
 from drystone.results.events import EventKind

@@ -20,8 +20,9 @@ from test_mutations import limited
 from drawn import bent_dome, brick_wall, obj_text
 from drystone.geometry import GeometryError
 from drystone.io.drawings import ImportSettings, Shape, compas, dxf, imported, ply, stl
-from drystone.model.assembly import Assembly, JointLaw
+from drystone.model.assembly import Assembly
 from drystone.model.builders import ModelError
+from drystone.model.joint_law import JointLaw
 
 N_DRAWINGS = int(os.environ.get("DRYSTONE_DRAWINGS", "200"))
 #: Two blocks take a hundredth of it; a busy machine a few times as much.

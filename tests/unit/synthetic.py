@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
-from drystone.model.assembly import Assembly, Block, JointLaw
+from drystone.model.assembly import Assembly, Block
+from drystone.model.joint_law import JointLaw
 from drystone.model.loading import MassPattern
 from drystone.model.model import Analysis, Model, Origin
 from drystone.model.monitor import ControlPoint

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from drystone.geometry import GeometryError
-from drystone.model.assembly import GRAVITY, Assembly, Block, Corner, JointLaw
+from drystone.model.assembly import GRAVITY, Assembly, Block, Corner
+from drystone.model.joint_law import JointLaw
 from drystone.model.loading import Acting, MassPattern, dead_load
 
 LAW = JointLaw(friction_coefficient=0.65, normal_stiffness=1e8, shear_stiffness=1e11)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.assembly import Block, Corner
 from drystone.model.builders import (
     PUBLISHED_WALLS,
     ModelError,
@@ -15,6 +15,7 @@ from drystone.model.builders import (
     published_wall,
 )
 from drystone.model.inspection import inspect
+from drystone.model.joint_law import JointLaw
 
 LAW = JointLaw(friction_coefficient=0.65, normal_stiffness=1e8, shear_stiffness=1e11)
 

@@ -17,8 +17,9 @@ from builders import PUBLISHED_JOINT, convex_polygons, rectangle, stack, turned
 from drystone.cli import app
 from drystone.io.convert import common, convert, itasca, read, target_of
 from drystone.io.modelfile import write_model
-from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.assembly import Block, Corner
 from drystone.model.builders import ModelError, make_model, published_wall
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis, Model
 
 #: Rounding of a friction angle, a density and a corner that was cut off and put back.

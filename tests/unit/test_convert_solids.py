@@ -17,8 +17,9 @@ from drystone.geometry.space import solid
 from drystone.geometry.space.solid import Part
 from drystone.io.convert import common, convert, itasca
 from drystone.io.convert.threedec_solids import block_command, prism_ends, solid_of
-from drystone.model.assembly import Assembly, Block, Corner, JointLaw
+from drystone.model.assembly import Assembly, Block, Corner
 from drystone.model.builders import ModelError, extruded, make_model, published_wall
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis, Model
 
 CASES = Path(__file__).parents[1] / "cases" / "solids"

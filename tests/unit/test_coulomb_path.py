@@ -15,7 +15,7 @@ from drystone.limit.collapse import collapse_load, collapse_loads
 from drystone.limit.cones import shear_strength
 from drystone.limit.coulomb_path import Ending, follow
 from drystone.limit.equilibrium import Equilibrium
-from drystone.model.assembly import JointLaw
+from drystone.model.joint_law import JointLaw
 
 MOST = 300
 

@@ -7,7 +7,8 @@ from drystone.geometry import GeometryError
 from drystone.geometry.figure import Figure
 from drystone.geometry.space import solid
 from drystone.geometry.space.solid import Part
-from drystone.model.assembly import GRAVITY, Assembly, Block, Corner, JointLaw
+from drystone.model.assembly import GRAVITY, Assembly, Block, Corner
+from drystone.model.joint_law import JointLaw
 
 LAW = JointLaw(friction_coefficient=0.6, normal_stiffness=1e9, shear_stiffness=1e9)
 L_SHAPE = np.array([[0.0, 0.0], [0.6, 0.0], [0.6, 0.2], [0.2, 0.2], [0.2, 0.5], [0.0, 0.5]])

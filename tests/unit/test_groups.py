@@ -7,8 +7,9 @@ import pytest
 
 import drystone as ds
 from drystone.io.modelfile import read_model, write_model
-from drystone.model.assembly import Assembly, Block, JointLaw
+from drystone.model.assembly import Assembly, Block
 from drystone.model.builders import ModelError
+from drystone.model.joint_law import JointLaw
 
 LAW = JointLaw(friction_coefficient=0.6, normal_stiffness=1e8, shear_stiffness=1e8)
 SLIPPERY = JointLaw(friction_coefficient=0.2, normal_stiffness=1e8, shear_stiffness=1e8)

@@ -11,8 +11,8 @@ from test_modelfile import changed, problems, read, with_pair
 from builders import stack
 from drystone.analysis.driver import pushover
 from drystone.io.modelfile import read_model, write_model
-from drystone.model.assembly import JointLaw
 from drystone.model.construction.checks import law_problems
+from drystone.model.joint_law import JointLaw
 
 LAW = JointLaw(
     friction_coefficient=0.65,

@@ -42,8 +42,9 @@ from drystone.law.columns import (
     TAN_PSI,
     TENSION,
 )
-from drystone.model.assembly import Assembly, Block, Corner, JointLaw
+from drystone.model.assembly import Assembly, Block, Corner
 from drystone.model.builders import published_wall
+from drystone.model.joint_law import JointLaw
 from drystone.statics.plane import forces
 from drystone.statics.plane.forces import Start, Tangent
 from interpreted import fewer

@@ -17,8 +17,9 @@ from drystone.contact.contacts import VERTEX_B, VERTICES
 from drystone.engines.base import Demand
 from drystone.law.branches import BACKWARD, BONDED, FORWARD, OPEN, STICKING
 from drystone.law.columns import BROKEN, DILATION, SHEAR, SLID
-from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.assembly import Block, Corner
 from drystone.model.builders import make_model
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
 from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumState
 from drystone.statics.linear_step import PointPace

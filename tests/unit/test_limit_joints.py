@@ -9,8 +9,9 @@ from builders import rectangle
 from drystone.geometry.motion import moments
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.joints import contact_points
-from drystone.model.assembly import Assembly, Block, Corner, JointLaw
+from drystone.model.assembly import Assembly, Block, Corner
 from drystone.model.builders import coursed_wall
+from drystone.model.joint_law import JointLaw
 from drystone.model.loading import MassPattern
 
 LAW = JointLaw(friction_coefficient=0.6, normal_stiffness=None, shear_stiffness=None)

@@ -9,8 +9,9 @@ import drystone.limit.associative as method
 from drystone.limit import interior_point
 from drystone.limit.cones import Regions, least_normal, shear_strength
 from drystone.limit.equilibrium import Equilibrium
-from drystone.model.assembly import Assembly, JointLaw
+from drystone.model.assembly import Assembly
 from drystone.model.builders import coursed_wall
+from drystone.model.joint_law import JointLaw
 from drystone.model.loading import MassPattern
 
 LAWS = [

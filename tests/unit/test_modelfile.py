@@ -13,8 +13,9 @@ import pytest
 
 from drystone.io.modelfile import ModelError, model_to_dict, read_model, write_model
 from drystone.io.modelfile.schema import OPTION_NAMES, AnalysisSection
-from drystone.model.assembly import GRAVITY, JointLaw
+from drystone.model.assembly import GRAVITY
 from drystone.model.builders import published_wall
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

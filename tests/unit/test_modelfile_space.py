@@ -11,9 +11,10 @@ import pytest
 from drystone.geometry.space.solid import Part, box
 from drystone.io.modelfile import ModelError, model_to_dict, read_model, write_model
 from drystone.limit import collapse_load
-from drystone.model.assembly import GRAVITY, Block, JointLaw
+from drystone.model.assembly import GRAVITY, Block
 from drystone.model.builders import make_model
 from drystone.model.inspection import inspect
+from drystone.model.joint_law import JointLaw
 from drystone.model.loading import dead_load
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

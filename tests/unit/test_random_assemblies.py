@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from builders import UNIT_WEIGHT, rectangle
 from drystone.analysis.driver import pushover
 from drystone.engines.base import EngineError, UnstableError
-from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.assembly import Block, Corner
 from drystone.model.builders import ModelError, make_model
+from drystone.model.joint_law import JointLaw
 from drystone.results.curve import STATIC
 from drystone.statics.equilibrium import EquilibriumEngine
 

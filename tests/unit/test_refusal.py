@@ -9,8 +9,8 @@ import pytest
 
 import drystone
 from drystone.engines import BUILT_IN, able
-from drystone.engines.base import Yielding
 from drystone.engines.refusal import others
+from drystone.model.joint_law import Yielding
 
 SOURCE = Path(drystone.__file__).parent
 

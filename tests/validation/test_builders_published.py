@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 
 from drystone.limit import ASSOCIATIVE, collapse_load, least_standing, stands
-from drystone.model.assembly import JointLaw
 from drystone.model.builders import (
     arch,
     barrel_vault,
@@ -29,6 +28,7 @@ from drystone.model.builders import (
     portal,
     tower,
 )
+from drystone.model.joint_law import JointLaw
 
 W = {"unit_weight": 20e3}
 ROUGH = 10.0  # friction that nothing slides at

@@ -20,7 +20,7 @@ from builders import rectangle
 from drystone.dynamics.distinct import DistinctEngine
 from drystone.law.columns import H_CRUSH, H_MU, H_ROOM
 from drystone.law.strengths import Strengths
-from drystone.model.assembly import JointLaw
+from drystone.model.joint_law import JointLaw
 from joint_energy import energy_of
 
 CASES = Path(__file__).parent.parent / "cases"

@@ -10,8 +10,9 @@ import pytest
 
 from builders import PUBLISHED_JOINT, STIFF, UNIT_WEIGHT, RockingBlock, rectangle, stack, with_joint
 from drystone.analysis.driver import pushover
-from drystone.model.assembly import Block, JointLaw
+from drystone.model.assembly import Block
 from drystone.model.builders import make_model, published_wall
+from drystone.model.joint_law import JointLaw
 from drystone.results.curve import STATIC
 
 #: How near to its strength a bond is where a step ends for it, over strength: 1e-5 and 1e-3.  In

@@ -11,7 +11,8 @@ import drystone as ds
 from drystone.analysis.driver import pushover
 from drystone.engines import make_engine
 from drystone.engines.base import Demand, Problem
-from drystone.model.assembly import Assembly, Block, JointLaw
+from drystone.model.assembly import Assembly, Block
+from drystone.model.joint_law import JointLaw
 from drystone.model.loading import MassPattern
 from drystone.model.model import Model
 from drystone.model.monitor import ControlPoint

@@ -17,7 +17,8 @@ import drystone as ds
 import solids
 from drystone.geometry.space import solid
 from drystone.limit import collapse_load, crushing
-from drystone.model.assembly import Block, JointLaw
+from drystone.model.assembly import Block
+from drystone.model.joint_law import JointLaw
 
 B, D, H = 0.6, 0.4, 1.2  # m
 FLOWS = ["associative", "non-associative"]

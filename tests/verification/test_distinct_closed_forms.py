@@ -16,7 +16,8 @@ from scipy.integrate import quad
 from builders import RockingBlock, problem_of, stack
 from drystone.dynamics.distinct import DistinctEngine, DistinctSettings, DistinctState
 from drystone.engines.base import Demand, Problem
-from drystone.model.assembly import GRAVITY, Corner, JointLaw
+from drystone.model.assembly import GRAVITY, Corner
+from drystone.model.joint_law import JointLaw
 
 UNDAMPED = DistinctSettings(local_damping=0.0, safety=0.05)
 

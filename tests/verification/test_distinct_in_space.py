@@ -16,9 +16,10 @@ from builders import problem_of
 from drystone.dynamics.distinct import DistinctEngine, DistinctSettings, DistinctState, Workspace
 from drystone.engines.base import Demand, UnstableError
 from drystone.geometry.space import solid
-from drystone.model.assembly import GRAVITY, Block, Corner, JointLaw
+from drystone.model.assembly import GRAVITY, Block, Corner
 from drystone.model.builders import make_model
 from drystone.model.builders.circular_arch import circular_arch
+from drystone.model.joint_law import JointLaw
 from solids import box, joint, model_of, one_block, turned, twisting_lever
 
 UNDAMPED = DistinctSettings(local_damping=0.0, safety=0.05)

@@ -13,8 +13,9 @@ from builders import UNIT_WEIGHT, rectangle, stack
 from drystone.analysis.driver import pushover
 from drystone.engines.base import EngineError
 from drystone.limit import collapse_load
-from drystone.model.assembly import Block, JointLaw
+from drystone.model.assembly import Block
 from drystone.model.builders import coursed_wall, make_model
+from drystone.model.joint_law import JointLaw
 from drystone.model.mortar import Mortar
 
 #: Of a joint that takes next to no shear beside others [Pa/m].

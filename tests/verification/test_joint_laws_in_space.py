@@ -21,7 +21,7 @@ from test_joint_laws import joint
 import drystone as ds
 import solids
 from builders import stack
-from drystone.model.assembly import JointLaw
+from drystone.model.joint_law import JointLaw
 
 B, D, H = 0.8, 0.5, 0.1  # m
 AREA, STIFFNESS = B * D, 1e10

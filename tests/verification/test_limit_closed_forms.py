@@ -16,7 +16,7 @@ from drystone.limit import (
     least_standing,
     stands,
 )
-from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.assembly import Block, Corner
 from drystone.model.builders import (
     PUBLISHED_WALLS,
     circular_arch,
@@ -26,6 +26,7 @@ from drystone.model.builders import (
     published_wall,
     stack,
 )
+from drystone.model.joint_law import JointLaw
 
 EXACT = 1e-9
 B, H = 0.4, 0.9  # m

@@ -22,8 +22,9 @@ from drystone.limit import (
     stands,
 )
 from drystone.limit.joints import contact_points
-from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.assembly import Block, Corner
 from drystone.model.builders import circular_arch, extruded, make_model, published_wall, stack
+from drystone.model.joint_law import JointLaw
 
 EXACT = 1e-9
 CERTIFIED = 1e-7

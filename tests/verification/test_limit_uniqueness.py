@@ -17,8 +17,9 @@ from builders import UNIT_WEIGHT, rectangle, with_corner
 from drystone.cli import app
 from drystone.io.modelfile import write_model
 from drystone.limit import Beside, collapse_loads, limits_beside
-from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.assembly import Block, Corner
 from drystone.model.builders import make_model
+from drystone.model.joint_law import JointLaw
 
 EXACT = 1e-9  # of linear programs solved to 1e-10
 NARROW, HEIGHT, RADIUS = 0.18, 0.6, 0.005  # m

@@ -19,8 +19,9 @@ from drystone.engines import make_engine
 from drystone.engines.base import Problem, UnstableError
 from drystone.engines.frame import Frame
 from drystone.limit import collapse_load
-from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.assembly import Block, Corner
 from drystone.model.builders import circular_arch, make_model
+from drystone.model.joint_law import JointLaw
 from drystone.statics.equilibrium import EquilibriumEngine
 
 #: What own coordinates leave of a difference is none, and so are its effects; the loop outside

@@ -14,8 +14,9 @@ from builders import problem_of, stack
 from drystone.analysis.driver import pushover
 from drystone.engines.base import EngineError
 from drystone.limit import ASSOCIATIVE, collapse_load
-from drystone.model.assembly import Block, Corner, JointLaw
+from drystone.model.assembly import Block, Corner
 from drystone.model.builders import circular_arch, make_model
+from drystone.model.joint_law import JointLaw
 from drystone.statics.equilibrium import EquilibriumEngine
 
 #: Weight of the arches' stone [N/m3].

@@ -48,7 +48,6 @@ from drystone.engines.base import (
     StepPath,
     StepReport,
     UnstableError,
-    Yielding,
 )
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
@@ -76,6 +75,7 @@ from drystone.law.columns import (
 )
 from drystone.law.residual import add_contact_forces
 from drystone.model.assembly import Assembly
+from drystone.model.joint_law import Yielding
 from drystone.model.tie_kernels import PRETENSION
 from drystone.model.ties import TieState
 from drystone.statics.tie_forces import TieForces
@@ -563,7 +563,7 @@ class DistinctEngine(Engine[DistinctState]):
     capabilities = Capabilities(
         ties=True,
         bonds=True,
-        yielding=frozenset(Yielding) - {Yielding.CLOSE},
+        yielding=frozenset({Yielding.SOFTEN, Yielding.LOSE_FRICTION, Yielding.CRUSH}),
         prescribes_displacement=True,
         moves_supports=True,
         in_own_frame=True,

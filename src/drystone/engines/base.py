@@ -6,17 +6,16 @@ the step and says what to demand next.  Neither knows which of the others it wor
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, fields
-from enum import Enum
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.forces import ContactForces
-from drystone.model.assembly import Assembly, JointLaw
+from drystone.model.assembly import Assembly
+from drystone.model.joint_law import Yielding
 from drystone.model.loading import DeadLoad, LoadPattern
 from drystone.model.monitor import ControlPoint
 from drystone.model.settlement import Settlement
@@ -162,25 +161,6 @@ class State(Protocol):
 
 #: The states of one engine, which only it looks into.
 OwnState = TypeVar("OwnState", bound=State)
-
-
-class Yielding(Enum):
-    """What joints may do beside sliding, opening and breaking: they ..."""
-
-    SOFTEN = "lose their bond over fracture energies"
-    LOSE_FRICTION = "lose friction"
-    CRUSH = "are crushed"
-    CLOSE = "close hyperbolically"
-
-    def of(self, law: JointLaw) -> bool:
-        """Whether the joints of a law do so."""
-        if self is Yielding.SOFTEN:
-            return law.softens
-        if self is Yielding.LOSE_FRICTION:
-            return law.residual_friction_coefficient is not None
-        if self is Yielding.CRUSH:
-            return law.compressive_strength < math.inf
-        return law.greatest_closure < math.inf
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 
 from drystone.common.records import changed
 from drystone.contact.forces import ContactForces
-from drystone.model.assembly import Assembly, JointLaw
+from drystone.model.assembly import Assembly
+from drystone.model.joint_law import JointLaw
 from drystone.model.monitor import ControlPoint
 from drystone.model.ties import TieState
 
@@ -36,10 +37,6 @@ SAME = 1e-9
 
 #: Significant digits that are kept of a quotient: what it has of its own, less its rounding.
 DIGITS = 13
-
-
-def _over(value: float | None, unit: float) -> float | None:
-    return None if value is None else plain(value / unit)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,22 +142,14 @@ class Frame:
     def _law(self, law: JointLaw) -> JointLaw:
         """A joint law in own units: stiffness times length and strength are pressures, as is weight
         times length."""
-        stiffness, strength = self.unit_weight, self.unit_weight * self.length
-        energy = strength * self.length
-        return replace(
-            law,
-            normal_stiffness=_over(law.normal_stiffness, stiffness),
-            shear_stiffness=_over(law.shear_stiffness, stiffness),
-            cohesion=plain(law.cohesion / strength),
-            tensile_strength=plain(law.tensile_strength / strength),
-            tensile_fracture_energy=_over(law.tensile_fracture_energy, energy),
-            shear_fracture_energy=_over(law.shear_fracture_energy, energy),
-            compressive_strength=plain(law.compressive_strength / strength),
-            compressive_fracture_energy=_over(law.compressive_fracture_energy, energy),
-            residual_slip=_over(law.residual_slip, self.length),
-            greatest_closure=plain(law.greatest_closure / self.length),
-            dilatancy_end=plain(law.dilatancy_end / self.length),
-        )
+        strength = self.unit_weight * self.length
+        units = {
+            "Pa/m": self.unit_weight,
+            "Pa": strength,
+            "N/m": strength * self.length,
+            "m": self.length,
+        }
+        return law.in_units(lambda value, unit: plain(value / units[unit]))
 
     def control_point(self, drawn: ControlPoint) -> ControlPoint:
         """The control point in own coordinates."""

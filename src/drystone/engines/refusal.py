@@ -7,8 +7,9 @@ from functools import partial
 from typing import Any
 
 from drystone.engines import able
-from drystone.engines.base import Capabilities, Engine, EngineError, Problem, Yielding
+from drystone.engines.base import Capabilities, Engine, EngineError, Problem
 from drystone.model.assembly import Assembly
+from drystone.model.joint_law import Yielding
 
 
 def refuse(problem: Problem, engine: Engine[Any]) -> None:

@@ -19,7 +19,8 @@ from drystone.law.columns import (
     TENSION,
     YIELDS,
 )
-from drystone.model.assembly import Assembly, JointLaw
+from drystone.model.assembly import Assembly
+from drystone.model.joint_law import JointLaw
 
 Array = NDArray[np.float64]
 

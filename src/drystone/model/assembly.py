@@ -6,8 +6,6 @@ blocks move, and what a pose is, see `geometry.motion`.
 
 from __future__ import annotations
 
-import math
-import numbers
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -16,10 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.common.errors import ModelError
 from drystone.common.language import say
 from drystone.common.names import Named
-from drystone.common.ranges import RANGES, problem
 from drystone.geometry import GeometryError, motion
 from drystone.geometry.cores import SolidCore
 from drystone.geometry.figure import Figure
@@ -28,6 +24,7 @@ from drystone.geometry.plane.outlines import Outlines
 from drystone.geometry.plane.polygon import Core
 from drystone.geometry.space.polyhedra import Polyhedra
 from drystone.geometry.space.solid import Faces, Part
+from drystone.model.joint_law import JointLaw
 
 #: Standard acceleration of gravity in this project [m/s2], the value the published runs used.
 GRAVITY = 9.81
@@ -43,75 +40,6 @@ _OfGroups = tuple[BoolArray, BoolArray, int]
 #: the ends matter to joints that are crushed; and what there are where nothing is said.
 POINTS_KNOWN = {2: tuple(range(2, 65)), 3: (4, 9, 16, *(n * n for n in range(5, 34, 2)))}
 POINTS = {2: 2, 3: 4}
-
-
-#: Values of a joint's law that may be None: limit analysis does without.
-MAY_BE_MISSING = (
-    "normal_stiffness",
-    "shear_stiffness",
-    "tensile_fracture_energy",
-    "shear_fracture_energy",
-    "residual_friction_coefficient",
-    "residual_slip",
-    "compressive_fracture_energy",
-)
-
-#: Values that are infinite where there is no such limit.
-MAY_BE_INFINITE = ("dilatancy_end", "compressive_strength", "greatest_closure")
-
-
-def _sound(value: Any, positive: bool) -> bool:
-    """Whether it is a finite number of the sign that it must have, in whatever units."""
-    if isinstance(value, bool) or not isinstance(value, numbers.Real):
-        return False
-    number = float(value)
-    return math.isfinite(number) and (number > 0.0 if positive else number >= 0.0)
-
-
-@dataclass(frozen=True, kw_only=True)
-class JointLaw:
-    """No-tension elastic joint with Coulomb friction, stiffnesses per area of joint.
-
-    Raises `ModelError` where a value has a sign that none can have, or is no number; what values
-    may be beside each other is looked at where a model is put together.
-    """
-
-    friction_coefficient: float  # tan of the friction angle, -
-    normal_stiffness: float | None  # Pa/m; None where only limit analysis is asked for
-    shear_stiffness: float | None  # Pa/m; likewise
-    dilatancy_angle: float = 0.0  # degrees; 0 is the dry joint of the literature
-    dilatancy_end: float = math.inf  # m, slid distance after which the joint dilates no more
-    cohesion: float = 0.0  # Pa
-    tensile_strength: float = 0.0  # Pa
-    tensile_fracture_energy: float | None = None  # N/m; None: the bond is lost at once
-    shear_fracture_energy: float | None = None  # N/m; likewise
-    residual_friction_coefficient: float | None = None  # -; None: friction stays what it is
-    residual_slip: float | None = None  # m, over which it falls; None: as the bond softens
-    compressive_strength: float = math.inf  # Pa
-    compressive_fracture_energy: float | None = None  # N/m; None: crushed joints stay as strong
-    greatest_closure: float = math.inf  # m, of hyperbolic closure; inf: linear
-
-    def __post_init__(self) -> None:
-        wrong = []
-        for key, value in vars(self).items():
-            missing = value is None and key in MAY_BE_MISSING
-            infinite = value == math.inf and key in MAY_BE_INFINITE
-            if not missing and not infinite and not _sound(value, RANGES[key].least > 0.0):
-                wrong += [f"joint.{sentence}"] if (sentence := problem(key, value)) else []
-        if wrong:
-            raise ModelError(wrong)
-
-    @property
-    def softens(self) -> bool:
-        """Whether cohesion and tensile strength are lost over fracture energies."""
-        return self.shear_fracture_energy is not None
-
-    @property
-    def yields(self) -> bool:
-        """Whether more than friction and brittle bonds limits what the joint carries."""
-        given = self.residual_friction_coefficient is not None
-        crushed = self.compressive_strength < math.inf
-        return self.softens or given or crushed or self.greatest_closure < math.inf
 
 
 @dataclass(frozen=True, kw_only=True)

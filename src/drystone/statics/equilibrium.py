@@ -32,7 +32,6 @@ from drystone.engines.base import (
     StepPath,
     StepReport,
     UnstableError,
-    Yielding,
 )
 from drystone.engines.bonds import SLIGHT, BondSteps
 from drystone.engines.departure import departing
@@ -50,6 +49,7 @@ from drystone.law.certificate import Forces, JudgedContacts, certify
 from drystone.law.columns import BROKEN, SHEAR
 from drystone.law.status import STATUS_OF
 from drystone.model.assembly import Assembly
+from drystone.model.joint_law import Yielding
 from drystone.model.ties import TieState
 from drystone.statics import yielding
 from drystone.statics.equations import (

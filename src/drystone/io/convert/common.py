@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from drystone.control import PublishedSettings
 from drystone.geometry import GeometryError
 from drystone.geometry.plane import polygon
-from drystone.model.assembly import GRAVITY, Assembly, JointLaw
+from drystone.model.assembly import GRAVITY, Assembly
 from drystone.model.construction.errors import ModelError
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
 
 Array = NDArray[np.float64]

@@ -28,9 +28,10 @@ from drystone.io.convert.common import (
     wrapped,
 )
 from drystone.io.convert.itasca import pair_laws
-from drystone.model.assembly import GRAVITY, Assembly, Block, Corner, JointLaw
+from drystone.model.assembly import GRAVITY, Assembly, Block, Corner
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.model import make_model
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis, Model
 
 PROGRAM = "LMGC90"

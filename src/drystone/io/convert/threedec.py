@@ -27,7 +27,8 @@ from drystone.io.convert.common import (
     strategy_notes,
     unchamfered,
 )
-from drystone.model.assembly import GRAVITY, Assembly, Corner, JointLaw
+from drystone.model.assembly import GRAVITY, Assembly, Corner
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
 
 Array = NDArray[np.float64]

@@ -19,8 +19,9 @@ from drystone.io.convert.common import (
     number,
     strategy_notes,
 )
-from drystone.model.assembly import GRAVITY, Assembly, Corner, JointLaw
+from drystone.model.assembly import GRAVITY, Assembly, Corner
 from drystone.model.construction.errors import ModelError
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
 
 Array = NDArray[np.float64]

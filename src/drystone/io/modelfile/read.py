@@ -30,7 +30,7 @@ from drystone.io.modelfile.schema import (
 from drystone.io.modelfile.sentences import place_of, sentences
 from drystone.io.modelfile.shapes import ShapeError, shape_of, shape_problems
 from drystone.io.modelfile.tying import settlement_of, ties_of
-from drystone.model.assembly import GRAVITY, Block, Corner, JointLaw
+from drystone.model.assembly import GRAVITY, Block, Corner
 from drystone.model.builders.placing import placed
 from drystone.model.builders.wall import coursed_wall, unequal_courses
 from drystone.model.construction.checks import law_problems
@@ -38,6 +38,7 @@ from drystone.model.construction.contents import read_bytes
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.model import make_model
 from drystone.model.construction.words import quoted, suggestion
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis, Model
 
 _LAW_KEYS = tuple(JointLaw.__dataclass_fields__)

@@ -18,7 +18,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from drystone.common.keys import Key
+from drystone.common.keys import NEEDED, Key
 from drystone.common.registry import Registry
 from drystone.control.stops import STOPS
 from drystone.io.drawings.registry import FORMATS
@@ -46,6 +46,7 @@ from drystone.io.modelfile.keys import (
 from drystone.io.modelfile.tying import SettlementSection, SpringSection, TieSection
 from drystone.io.results.outputs import OUTPUTS
 from drystone.model.construction.fit import DRAWING_TOLERANCE
+from drystone.model.joint_law import LAW_KEYS
 from drystone.model.loading.patterns import PATTERNS
 from drystone.model.model import Analysis
 from drystone.model.mortar import Mortar
@@ -108,35 +109,20 @@ class MortarSection(Section):
         return Mortar(**self.model_dump()).stiffnesses
 
 
-class ExceptionSection(Section):
+class ExceptionSection(Extended):
     """[joint.between."a b"]: what it leaves out is taken from [joint]."""
 
-    friction_coefficient: Annotated[float, ranged("friction_coefficient")] | None = None  # -
-    normal_stiffness: Annotated[float, ranged("normal_stiffness")] | None = None  # Pa/m
-    shear_stiffness: Annotated[float, ranged("shear_stiffness")] | None = None  # Pa/m
-    dilatancy_angle: Annotated[float, ranged("dilatancy_angle")] | None = None  # degrees
-    dilatancy_end: Annotated[float, ranged("dilatancy_end")] | None = None  # m
-    cohesion: Annotated[float, ranged("cohesion")] | None = None  # Pa
-    tensile_strength: Annotated[float, ranged("tensile_strength")] | None = None  # Pa
-    tensile_fracture_energy: (  # N/m
-        Annotated[float, ranged("tensile_fracture_energy")] | None
-    ) = None
-    shear_fracture_energy: Annotated[float, ranged("shear_fracture_energy")] | None = None  # N/m
-    residual_friction_coefficient: (  # -
-        Annotated[float, ranged("residual_friction_coefficient")] | None
-    ) = None
-    residual_slip: Annotated[float, ranged("residual_slip")] | None = None  # m
-    compressive_strength: Annotated[float, ranged("compressive_strength")] | None = None  # Pa
-    compressive_fracture_energy: (  # N/m
-        Annotated[float, ranged("compressive_fracture_energy")] | None
-    ) = None
-    greatest_closure: Annotated[float, ranged("greatest_closure")] | None = None  # m
     mortar: MortarSection | None = None
 
+    @classmethod
+    def of(cls, table: Any) -> type[Self]:
+        """See `Extended`."""
+        return section_of(cls, LAW_KEYS)
+
     @model_validator(mode="after")
-    def _stiffness_once(self) -> ExceptionSection:
+    def _stiffness_once(self) -> Self:
         keys = ("normal_stiffness", "shear_stiffness")
-        given = [key for key in keys if getattr(self, key) is not None]
+        given = [key for key in keys if getattr(self, key, None) is not None]
         if self.mortar is not None and given:
             raise sentence(f"has both mortar and {given[0]}: leave one of them out")
         return self
@@ -145,10 +131,14 @@ class ExceptionSection(Section):
 class JointSection(ExceptionSection):
     """[joint]; the stiffnesses may be left out where only limit analysis is asked for."""
 
-    friction_coefficient: Annotated[float, ranged("friction_coefficient")] = Field(
-        description="the tangent of the friction angle, as in friction_coefficient = 0.65"
-    )
     between: dict[Name, ExceptionSection] = {}
+
+    @classmethod
+    def of(cls, table: Any) -> type[Self]:
+        """See `Extended`."""
+        needed = {"friction_coefficient": NEEDED}
+        keys = (replace(key, default=needed.get(key.name, key.default)) for key in LAW_KEYS)
+        return section_of(cls, tuple(keys))
 
 
 class CornerSection(Section):

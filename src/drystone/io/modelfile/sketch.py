@@ -19,12 +19,13 @@ from drystone.geometry.mended import Mended
 from drystone.io.drawings.settings import ImportSettings
 from drystone.io.modelfile.parse import parse
 from drystone.io.modelfile.read import blocks_of, checked, corner_of
-from drystone.model.assembly import Assembly, Block, Corner, JointLaw
+from drystone.model.assembly import Assembly, Block, Corner
 from drystone.model.construction.checks import CLOSING, OVERLAPPING, layout_problems
 from drystone.model.construction.contents import read_bytes
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.fit import DRAWING_TOLERANCE
 from drystone.model.construction.model import assembly_of
+from drystone.model.joint_law import JointLaw
 
 IntArray = NDArray[np.int64]
 Array = NDArray[np.float64]

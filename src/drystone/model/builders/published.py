@@ -10,9 +10,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from drystone.model.assembly import Corner, JointLaw
+from drystone.model.assembly import Corner
 from drystone.model.builders.wall import coursed_wall
 from drystone.model.construction.model import make_model
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis, Model
 
 UNIT = (0.4, 0.175)  # m, length and height of a whole unit

@@ -13,8 +13,6 @@ from drystone.geometry import GeometryError
 from drystone.geometry.plane.outlines import TOUCHING, Outlines
 from drystone.geometry.space.polyhedra import Polyhedra
 from drystone.model.assembly import (
-    MAY_BE_INFINITE,
-    MAY_BE_MISSING,
     MOTIONS,
     Assembly,
     Block,
@@ -36,13 +34,7 @@ Place = Callable[[int], str]
 
 def law_problems(law: JointLaw) -> list[str]:
     """Values that no joint can have, each as "key: sentence"."""
-    problems = [
-        wrong
-        for key, value in vars(law).items()
-        if not (value is None and key in MAY_BE_MISSING)
-        and not (value == math.inf and key in MAY_BE_INFINITE)
-        and (wrong := problem(key, value))
-    ]
+    problems = law.problems()
     if problems:
         return problems
     friction_angle = float(np.degrees(np.arctan(law.friction_coefficient)))

@@ -9,8 +9,9 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 from typing import Any
 
-from drystone.model.assembly import POINTS, Assembly, Block, JointLaw
+from drystone.model.assembly import POINTS, Assembly, Block
 from drystone.model.construction.errors import ModelError
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis, Model
 
 

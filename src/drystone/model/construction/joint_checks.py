@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from drystone.model.assembly import JointLaw
+from drystone.model.joint_law import JointLaw
 
 #: Elastic energy at the strength, twice it over the fracture energy, from which on a joint cannot
 #: be softened by what moves its two faces apart: it would snap by itself.

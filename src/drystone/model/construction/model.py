@@ -14,7 +14,7 @@ from drystone.common.ranges import LARGEST, problem, too_many
 from drystone.common.vectors import unit_vector
 from drystone.geometry import GeometryError
 from drystone.geometry.mended import Mended
-from drystone.model.assembly import POINTS_KNOWN, Assembly, Block, Corner, JointLaw
+from drystone.model.assembly import POINTS_KNOWN, Assembly, Block, Corner
 from drystone.model.construction.checks import (
     Place,
     block_problems,
@@ -27,6 +27,7 @@ from drystone.model.construction.control import choose_control_point
 from drystone.model.construction.describe import material_names
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.fit import DRAWING_TOLERANCE, fitted, straightened, turned_round
+from drystone.model.joint_law import JointLaw
 from drystone.model.loading import DeadLoad, LoadPattern, MassPattern, NoPattern
 from drystone.model.model import Analysis, Model, Origin
 from drystone.model.monitor import ControlPoint

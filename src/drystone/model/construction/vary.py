@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from drystone.model.assembly import Assembly, JointLaw
+from drystone.model.assembly import Assembly
 from drystone.model.construction.control import choose_control_point
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.model import make_model
 from drystone.model.construction.words import quoted, suggestion
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
 
 _VALUES = tuple(field.name for field in fields(JointLaw))

@@ -10,7 +10,8 @@ import numpy as np
 
 from drystone.common.language import number as spelt
 from drystone.common.language import said_end, say, spoken
-from drystone.model.assembly import Assembly, JointLaw
+from drystone.model.assembly import Assembly
+from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
 from drystone.results.curve import DYNAMIC, CapacityCurve
 
