@@ -144,6 +144,7 @@ def joints(dimension: int) -> dict[str, str]:
             "compressive_fracture_energy": "5e3",
         },
         "hyperbolic closure": {"greatest_closure": "1e-3"},
+        "logarithmic closure": {"logarithmic_closure": "1e-3"},
     }
     found = {f"joint: {name}": text_of(dimension, joint=law) for name, law in laws.items()}
     bare = {"normal_stiffness": "", "shear_stiffness": ""}

@@ -67,6 +67,7 @@ def test_a_model_that_is_written_is_read_as_it_was(tmp_path, points):
         ({"residual_slip": 1e-3}, "residual_slip: friction falls as the bond softens"),
         ({"dilatancy_angle": 5.0}, "dilatancy_angle: joints that soften do not dilate"),
         ({"greatest_closure": 1e-3}, "greatest_closure: joints that are crushed close linearly"),
+        ({"logarithmic_closure": 1e-3}, "logarithmic_closure: joints that are crushed close lin"),
         (
             {"tensile_fracture_energy": None, "shear_fracture_energy": None},
             "cohesion: joints that are crushed have no brittle bonds",

@@ -337,20 +337,29 @@ def test_a_pad_that_is_crushed_softens(step):
     assert crushed > 10
 
 
+#: Closure [m] under a pressure [Pa], by stiffness [Pa/m] and the length of the law [m].
+CLOSURES = {
+    "greatest_closure": lambda p, k, length: p / (k + p / length),
+    "logarithmic_closure": lambda p, k, length: length * np.log1p(p / (k * length)),
+}
+
+
+@pytest.mark.parametrize("key", CLOSURES)
 @pytest.mark.parametrize("step", [2e-4, 1e-4, 4e-4])
-def test_hyperbolic_closure(step):
-    """A block pressed on its base closes by v with (1 + lambda) W / A = k v / (1 - v / v_m).
+def test_closure_that_is_not_linear(key, step):
+    """A block pressed on its base closes by v with (1 + lambda) W / A = k v / (1 - v / v_m), or
+    k v_r (exp(v / v_r) - 1).
 
     No more than rounding apart: the tangent that the law is solved with is renewed until it is
     the law.
     """
-    width, height, stiffness, most = 1.0, 0.2, 1e7, 1e-3
-    law = joint(0.6, stiffness, greatest_closure=most)
+    width, height, stiffness, length = 1.0, 0.2, 1e7, 1e-3
+    law = joint(0.6, stiffness, **{key: length})
     model = stack((width, height), joint=law, direction=(0.0, -1.0))
     curve = pushover(model, displacement_step=step, max_displacement=6e-4)
     weight = UNIT_WEIGHT * width * height
     pressure = (1.0 + curve.column("load_multiplier")) * weight / width
-    closed = pressure / (stiffness + pressure / most)
+    closed = CLOSURES[key](pressure, stiffness, length)
     moved = curve.column("control_displacement") + closed[0]
     assert moved == pytest.approx(closed, rel=1e-6)
     assert len(curve.points) > 5
@@ -450,6 +459,7 @@ class TestByCycles:
         ("nscd", {"compressive_strength": 1e6}, "are crushed"),
         ("nscd", {"greatest_closure": 1e-3}, "close hyperbolically"),
         ("distinct", {"greatest_closure": 1e-3}, "close hyperbolically"),
+        ("distinct", {"logarithmic_closure": 1e-3}, "close with the logarithm"),
     ],
 )
 def test_engines_without_them_say_so(engine, values, said):

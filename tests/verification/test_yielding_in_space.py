@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import test_joint_laws as in_plane
-from test_joint_laws import STEPS, STRENGTHS, OnTwoPads, integral, joint, mortar_wall
+from test_joint_laws import CLOSURES, STEPS, STRENGTHS, OnTwoPads, integral, joint, mortar_wall
 
 from drystone.analysis import driver as analysis
 from drystone.model.builders import extruded
@@ -200,15 +200,16 @@ class TestToe:
         assert peaks[0] > 1.1 * peaks[1] > 1.1 * peaks[2]
 
 
+@pytest.mark.parametrize("key", CLOSURES)
 @pytest.mark.parametrize("step", [2e-4, 1e-4])
-def test_hyperbolic_closure(step):
-    """A block pressed on its base closes by v with (1 + lambda) W / A = k v / (1 - v / v_m)."""
-    size, stiffness, most = (1.0, 0.8, 0.2), 1e7, 1e-3
-    law = joint(0.6, stiffness, greatest_closure=most)
+def test_closure_that_is_not_linear(key, step):
+    """As in the plane."""
+    size, stiffness, length = (1.0, 0.8, 0.2), 1e7, 1e-3
+    law = joint(0.6, stiffness, **{key: length})
     model = resting(size, law, (0.0, 0.0, -1.0))
     curve = pushover(model, displacement_step=step, max_displacement=6e-4)
     pressure = (1.0 + curve.column("load_multiplier")) * UNIT_WEIGHT * size[2]
-    closed = pressure / (stiffness + pressure / most)
+    closed = CLOSURES[key](pressure, stiffness, length)
     moved = curve.column("control_displacement") + closed[0]
     assert moved == pytest.approx(closed, rel=1e-6)
     assert len(curve.points) > 3

@@ -12,7 +12,8 @@ and what is left of it, with the friction, is
 So opening alone takes G_I per area, and slip alone G_II over what friction takes.  Joints without a
 bond may lose friction over their slip instead, by exp(-k_t / residual slip).  A joint that is
 crushed by k_c [m] holds f_c exp(-f_c k_c / G_c).  One that closes hyperbolically by v carries
-k_n v / (1 - v / v_m) (Bandis, Lumsden and Barton 1983).
+k_n v / (1 - v / v_m) (Bandis, Lumsden and Barton 1983); one that does so with the logarithm of the
+pressure, as where faces do not match (likewise), k_n v_r (exp(v / v_r) - 1).
 
 A contact that has been torn open pulls again where it is opened further than it was, and presses
 where it is shut: between both nothing acts.
@@ -20,6 +21,7 @@ where it is shut: between both nothing acts.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -57,6 +59,25 @@ LOST = softening.LOST
 NEARLY_SHUT = 1.0 - 1e-9
 
 
+#: Closure over the length of its law from which on a logarithmic one goes straight: by then it is
+#: e^20 times as stiff.
+STRAIGHT = 20.0
+
+#: The share of its length by which a joint is closed, as far as the tangent goes; its pressure over
+#: k_n times the length, and stiffness over k_n there.
+_Closure = Callable[[Array], tuple[Array, Array, Array]]
+
+
+def _hyperbolic(share: Array) -> tuple[Array, Array, Array]:
+    at = np.minimum(share, NEARLY_SHUT)
+    return at, at / (1.0 - at), 1.0 / (1.0 - at) ** 2
+
+
+def _logarithmic(share: Array) -> tuple[Array, Array, Array]:
+    at = np.minimum(share, STRAIGHT)
+    return at, np.expm1(at), np.exp(at)
+
+
 class Reached(NamedTuple):
     """What contacts (n_slots,) have come to at the end of a step."""
 
@@ -80,11 +101,12 @@ class Strengths:
         (
             self.mu, self.residual, self.per_slip, self.kn, self.cohesion, self.tension,
             self.by_opening, self.by_slip, self.crush, self.by_crushing, self.closure,
+            self.log_closure,
         ) = np.array(columns).T  # fmt: skip
         softens = [law.softens for law in assembly.laws]
         self.yields: BoolArray = np.array([law.yields for law in assembly.laws])
         #: Whether `law.softening` has all of what joints do.
-        self.smooth = not np.isfinite(self.closure).any()
+        self.smooth = not np.isfinite([self.closure, self.log_closure]).any()
         self.softens: BoolArray = np.array(softens)
         self.bonded: BoolArray = self.softens & (self.cohesion + self.tension > 0.0)
         #: (n_laws, N_LAW), see `law.return_map`.
@@ -123,20 +145,22 @@ class Strengths:
         held[:, H_ROOM] = np.maximum(self.cohesion[law] * left - mu * pull, 0.0)
         crush = np.exp(-np.minimum(self.by_crushing[law] * now.crushed, LOST))
         held[:, H_CRUSH] = self.crush[law] * crush + pull
-        curved = np.isfinite(self.closure[law])
-        if curved.any():
-            self._tangent(law, curved, now.gap, held)
+        for length, carried in ((self.closure, _hyperbolic), (self.log_closure, _logarithmic)):
+            curved = np.isfinite(length[law])
+            if curved.any():
+                self._tangent(now.gap[curved], length[law][curved], curved, carried, held)
         return held
 
-    def _tangent(self, law: IntArray, curved: BoolArray, gap: Array, held: Array) -> None:
-        """Of joints that close hyperbolically, the tangent where they have come to."""
-        limit, kn = self.closure[law][curved], held[curved, H_KN]
-        share = np.clip(
-            np.nan_to_num(-gap[curved], posinf=0.0, neginf=0.0) / limit, 0.0, NEARLY_SHUT
-        )
-        slope = kn / (1.0 - share) ** 2
-        held[curved, H_KN] = slope
-        held[curved, H_SHIFT] += kn * limit * share / (1.0 - share) - slope * limit * share
+    def _tangent(
+        self, gap: Array, length: Array, curved: BoolArray, carried: _Closure, held: Array
+    ) -> None:
+        """Of joints that do not close linearly, ``curved`` (n_slots,), the tangent where they have
+        come to by their ``gap`` [m], with the ``length`` [m] of their law."""
+        closed = np.maximum(np.nan_to_num(-gap, posinf=0.0, neginf=0.0), 0.0)
+        kn = held[curved, H_KN]
+        at, pressure, slope = carried(closed / length)
+        held[curved, H_KN] = kn * slope
+        held[curved, H_SHIFT] += kn * length * (pressure - slope * at)
 
     def points(
         self, law: IntArray, start: Array, committed: Array, gap: Array, shear: Array

@@ -72,6 +72,7 @@ class Row(NamedTuple):
     crush: float
     by_crushing: float
     closure: float  # m
+    log_closure: float  # m
 
 
 def yielding_row(law: JointLaw) -> Row:
@@ -91,6 +92,7 @@ def yielding_row(law: JointLaw) -> Row:
         crush=law.compressive_strength,
         by_crushing=_over(law.compressive_strength, law.compressive_fracture_energy),
         closure=law.greatest_closure,
+        log_closure=law.logarithmic_closure,
     )
 
 

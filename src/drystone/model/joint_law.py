@@ -79,6 +79,8 @@ class JointLaw:
     compressive_fracture_energy: float | None = _value(1e-12, 1e12, "N/m", default=None)
     #: Of hyperbolic closure; infinite: linear.
     greatest_closure: float = _value(1e-12, 1e6, "m", default=math.inf)
+    #: Of closure that goes with the logarithm of the pressure; infinite: linear.
+    logarithmic_closure: float = _value(1e-12, 1e6, "m", default=math.inf)
 
     def __post_init__(self) -> None:
         if wrong := self.problems(in_range=False):
@@ -127,6 +129,7 @@ class Yielding(Enum):
     LOSE_FRICTION = "lose friction"
     CRUSH = "are crushed"
     CLOSE = "close hyperbolically"
+    CLOSE_BY_LOGARITHM = "close with the logarithm of the pressure"
 
     def of(self, law: JointLaw) -> bool:
         """Whether the joints of a law do so."""
@@ -136,6 +139,8 @@ class Yielding(Enum):
             return law.residual_friction_coefficient is not None
         if self is Yielding.CRUSH:
             return law.compressive_strength < math.inf
+        if self is Yielding.CLOSE_BY_LOGARITHM:
+            return law.logarithmic_closure < math.inf
         return law.greatest_closure < math.inf
 
 

@@ -76,6 +76,7 @@ def _of_friction(law: JointLaw) -> list[str]:
 
 def _of_compression(law: JointLaw) -> list[str]:
     crushed, hyperbolic = law.compressive_strength < math.inf, law.greatest_closure < math.inf
+    logarithmic = law.logarithmic_closure < math.inf
     energy = law.compressive_fracture_energy
     found = []
     if energy is not None and not crushed:
@@ -84,7 +85,11 @@ def _of_compression(law: JointLaw) -> list[str]:
         found += _snaps(
             "compressive_fracture_energy", energy, law.compressive_strength, law.normal_stiffness
         )
-    for there, what in ((crushed, "are crushed"), (hyperbolic, "close hyperbolically")):
+    for there, what in (
+        (crushed, "are crushed"),
+        (hyperbolic, "close hyperbolically"),
+        (logarithmic, "close with the logarithm of the pressure"),
+    ):
         if there and law.dilatancy_angle > 0.0:
             found.append(f"dilatancy_angle: joints that {what} do not dilate: set it to zero")
         brittle = (law.cohesion > 0.0 or law.tensile_strength > 0.0) and not law.softens
@@ -92,8 +97,13 @@ def _of_compression(law: JointLaw) -> list[str]:
             found.append(
                 f"cohesion: joints that {what} have no brittle bonds: add fracture energies"
             )
-    if crushed and hyperbolic:
-        found.append(
-            "greatest_closure: joints that are crushed close linearly: take one of the two out"
-        )
+    closes = (("greatest_closure", hyperbolic), ("logarithmic_closure", logarithmic))
+    if crushed:
+        found += [
+            f"{key}: joints that are crushed close linearly: take one of the two out"
+            for key, there in closes
+            if there
+        ]
+    if hyperbolic and logarithmic:
+        found.append("logarithmic_closure: there is a greatest_closure: take one of the two out")
     return found
