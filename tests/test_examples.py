@@ -12,8 +12,8 @@ import drystone as ds
 from builders import RockingBlock, stack
 from drystone.analysis.driver import pushover
 from drystone.engines import engine_names
-from drystone.io.modelfile.builds import SECTIONS
 from drystone.limit import at_rest
+from drystone.model.builders.kinds import BUILDERS
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 
@@ -70,7 +70,7 @@ def test_what_is_built_can_be_pushed(name):
 
 def test_every_kind_is_built_in_an_example():
     tables = [table for path in BUILT for table in tomllib.loads(path.read_text())["build"]]
-    assert {table["kind"] for table in tables} == set(SECTIONS)
+    assert {table["kind"] for table in tables} == set(BUILDERS.ours)
 
 
 def test_model_files_of_the_walls_are_the_published_walls():

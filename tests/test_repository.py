@@ -160,7 +160,7 @@ def test_every_registry_is_on_the_page_and_is_tried_from_outside():
     assert len(found) >= 5
     for group, path in found.items():
         assert f"its line in `{path.relative_to(source)}` |" in page, group
-        assert f"| `{group}` |" in page and f'add("{group}"' in tried, group
+        assert f"| `{group}` |" in page and f'"{group}"' in tried, group
 
 
 def test_public_names_stay_what_they_are():

@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 import inspect
+import re
+from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import pytest
 
 import drystone as ds
-from drystone.io.modelfile.builds import BUILDERS, COMMON, SECTIONS
-from drystone.model import builders
+from drystone.common.keys import NEEDED, OF_SPACE, Choice, Key, Number, keys_of
+from drystone.common.ranges import RANGES
+from drystone.io.modelfile.builds import BuildSection
 from drystone.model.builders import ModelError, column, panel, placed
+from drystone.model.builders.base import Length, Metres
+from drystone.model.builders.kinds import BUILDERS
+
+LENGTH = Number(RANGES["unit"])  # as of `Length`
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "model-file.md"
 
 HEAD = """
 dimension = {dimension}
@@ -55,21 +64,65 @@ def problems(folder, text, dimension=2):
     return [problem.removeprefix(where) for problem in error.value.problems]
 
 
-@pytest.mark.parametrize("kind", SECTIONS)
-def test_keys_and_defaults_are_those_of_the_builder(kind):
-    fields = SECTIONS[kind].model_fields
-    given = inspect.signature(BUILDERS[kind]).parameters
-    assert all(parameter.kind is parameter.KEYWORD_ONLY for parameter in given.values())
-    own = {name for name in given if name not in ("unit_weight", "material", "base")}
-    assert own == {name for name in fields if name not in COMMON}
-    for name in own:
-        default = given[name].default
-        required = default is inspect.Parameter.empty
-        assert required == fields[name].is_required(), name
-        if not required:
-            same = fields[name].default
-            assert same == (list(default) if isinstance(default, tuple) else default), name
-    assert BUILDERS[kind] is getattr(builders, kind)
+def test_every_parameter_of_a_builder_is_a_key():
+    for kind, builder in BUILDERS.own():
+        given = inspect.signature(builder.make).parameters
+        assert all(parameter.kind is parameter.KEYWORD_ONLY for parameter in given.values())
+        own = {name for name in given if name not in ("unit_weight", "material", "base")}
+        assert own == {key.name for key in builder.keys}, kind
+        assert not own & set(BuildSection.model_fields), kind
+        thick = [key for key in builder.keys if key.of_space]  # along y
+        assert len(thick) == (2 in builder.dimensions), kind
+
+
+@pytest.mark.parametrize("kind", BUILDERS.ours)
+def test_the_reference_page_has_the_keys_of_the_builder(kind):
+    """Those that may be left out in italics, and after a choice what there is to choose from."""
+    builder = BUILDERS[kind]
+    (row,) = [line for line in PAGE.read_text().splitlines() if line.startswith(f'| `"{kind}"`')]
+    head, text = row.strip("| ").split(" | ")
+    assert head.endswith("in space") == (builder.dimensions == (3,))
+    bare = re.sub(r"\([^)]*\)", "", text)
+    left_out = {key.name for key in builder.keys if key.of_space or key.default is not NEEDED}
+    assert sorted(re.findall(r"`(\w+)`", bare)) == sorted(key.name for key in builder.keys)
+    assert set(re.findall(r"\*`(\w+)`\*", bare)) == left_out
+    for key in builder.keys:
+        if isinstance(key.type, Choice):
+            told = ", ".join(f'`"{word}"`' for word in key.type.among)
+            assert f"`{key.name}`* ({told})" in text, key.name
+
+
+def test_the_builder_that_the_page_writes_is_one():
+    page = PAGE.with_name("builders.md").read_text()
+    (code,) = re.findall(r"```python\n(from typing .*?)```", page, flags=re.DOTALL)
+    made = {}
+    exec(code, made)
+    assert [key.name for key in made["PILE"].keys] == ["width", "height", "stones", "depth"]
+    blocks = made["PILE"].blocks({"width": 0.6, "height": 0.3, "stones": 3}, 20e3, "stone")
+    np.testing.assert_allclose(blocks[2].vertices[2], (0.6, 0.9), rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("annotation", "default", "key"),
+    [
+        (Length, NEEDED, {"type": LENGTH, "default": NEEDED}),
+        (Length | None, None, {"type": LENGTH, "default": None}),
+        (Annotated[Length, "in m"], 0.5, {"type": LENGTH, "default": 0.5, "says": "in m"}),
+        (Annotated[Metres, "of all"], 0.5, {"type": LENGTH, "default": 0.5, "says": "of all"}),
+        (
+            Annotated[float | None, LENGTH, OF_SPACE],
+            None,
+            {"type": LENGTH, "default": NEEDED, "of_space": True},
+        ),
+    ],
+)
+def test_a_key_is_what_its_annotation_says(annotation, default, key):
+    def make(*, unit_weight: float, size):
+        raise NotImplementedError
+
+    make.__annotations__["size"] = annotation
+    make.__kwdefaults__ = {} if default is NEEDED else {"size": default}
+    assert keys_of(make) == (Key(name="size", **key),)
 
 
 def test_blocks_are_those_of_the_function(tmp_path):
@@ -134,7 +187,7 @@ def test_rotations_in_space_are_about_fixed_axes_in_order():
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        (('"panel"', '"panl"'), 'build[1] kind: there is no kind "panl": did you mean "panel"?'),
+        (('"panel"', '"panl"'), 'build[1].kind: must not be "panl": did you mean "panel"?'),
         (('kind = "panel"\n', ""), 'build[1]: kind is missing: add it (as in kind = "panel")'),
         (
             ("length = 1.2", "lenght = 1.2"),
@@ -143,6 +196,10 @@ def test_rotations_in_space_are_about_fixed_axes_in_order():
         (
             ("length = 1.2", "length = -1.2"),
             "build[1].length: must be greater than 0, it is -1.2",
+        ),
+        (
+            ("length = 1.2", "length = 1.2\nspan = 2.0"),
+            'build[1]: has span, which is not of kind = "panel": take it out',
         ),
         (
             ("height = 0.4", "height = 0.5"),

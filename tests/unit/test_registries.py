@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 from textwrap import dedent
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ import drystone as ds
 from drystone.assessment.errors import AssessmentError
 from drystone.cli import app
 
-WALL = """
+HEAD = """
 dimension = 2
 thickness = 0.5
 
@@ -30,6 +31,15 @@ friction_coefficient = 0.7
 normal_stiffness = 1e9
 shear_stiffness = 1e9
 
+[load]
+pattern = "mass"
+direction = [1.0, 0.0]
+
+[analysis]
+max_displacement = 0.02
+"""
+
+BLOCKS = """
 [[block]]
 id = "base"
 support = true
@@ -42,30 +52,31 @@ vertices = [[0.0, 0.0], [0.6, 0.0], [0.6, 0.8], [0.0, 0.8]]
 [[block]]
 id = "high"
 vertices = [[0.0, 0.8], [0.6, 0.8], [0.6, 1.6], [0.0, 1.6]]
-
-[load]
-pattern = "mass"
-direction = [1.0, 0.0]
-
-[analysis]
-max_displacement = 0.02
 """
+
+
+class Toy(NamedTuple):
+    """What a package of one module adds."""
+
+    group: str  # of entry points
+    name: str
+    target: str  # of the entry point
+    code: str
 
 
 @pytest.fixture
 def add(tmp_path, monkeypatch):
-    """Install a package of one module with one entry point."""
+    """Install the package of a toy, or one whose entry point names something else."""
 
-    def added(group: str, name: str, target: str, code: str) -> Path:
+    def added(toy: Toy, target: str = "") -> None:
         site = tmp_path / "site"
-        info = site / f"{name}-1.0.dist-info"
+        info = site / f"{toy.name}-1.0.dist-info"
         info.mkdir(parents=True)
-        module = target.partition(":")[0]
-        (site / f"{module}.py").write_text(dedent(code))
-        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
-        (info / "entry_points.txt").write_text(f"[{group}]\n{name} = {target}\n")
+        (site / f"{toy.target.partition(':')[0]}.py").write_text(dedent(toy.code))
+        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {toy.name}\nVersion: 1.0\n")
+        entry = f"[{toy.group}]\n{toy.name} = {target or toy.target}\n"
+        (info / "entry_points.txt").write_text(entry)
         monkeypatch.syspath_prepend(str(site))
-        return site
 
     return added
 
@@ -74,8 +85,8 @@ def add(tmp_path, monkeypatch):
 def wall(tmp_path):
     """The small wall, with some of its lines replaced, as a file."""
 
-    def written(*changes: tuple[str, str], more: str = "") -> Path:
-        text = WALL
+    def written(*changes: tuple[str, str], blocks: str = BLOCKS, more: str = "") -> Path:
+        text = HEAD + blocks
         for old, new in changes:
             assert old in text
             text = text.replace(old, new)
@@ -86,7 +97,29 @@ def wall(tmp_path):
     return written
 
 
-PATTERN = '''
+def run(*arguments: object) -> str:
+    """What a command of the command line prints, which must succeed."""
+    done = CliRunner().invoke(app, [str(argument) for argument in arguments])
+    assert done.exit_code == 0, done.output
+    return done.output
+
+
+def peak_of(path: Path) -> float:
+    """The largest multiplier of a model file."""
+    return ds.pushover(ds.read_model(path), progress=False).peak.load_multiplier
+
+
+def again(model: ds.Model, folder: Path) -> ds.Model:
+    """The model, written and read."""
+    ds.write_model(model, folder / "again.toml")
+    return ds.read_model(folder / "again.toml")
+
+
+PATTERN = Toy(
+    "drystone.patterns",
+    "above",
+    "above_pattern:AbovePattern",
+    '''
     """Forces on masses above a height."""
 
     from dataclasses import dataclass, replace
@@ -117,48 +150,108 @@ PATTERN = '''
 
         def keys(self):
             return super().keys() | {"from_height": self.from_height}
-'''
+''',
+)
 
 
 class TestPattern:
     CHANGE = ('pattern = "mass"', 'pattern = "above"\nfrom_height = 1.0')
 
     def test_a_wall_is_pushed_by_it(self, add, wall, tmp_path):
-        add("drystone.patterns", "above", "above_pattern:AbovePattern", PATTERN)
-        model = ds.read_model(wall(self.CHANGE))
-        peak = ds.pushover(model, progress=False).peak.load_multiplier
+        add(PATTERN)
         # The upper half, 0.8 m high, slides (0.7) before it tips (0.6 / 0.8 = 0.75), but the whole
         # tips first: weight 2 on 0.3 m against weight 1 at 1.2 m.  A thousandth is elastic.
-        assert peak == pytest.approx(2 * 0.3 / 1.2, rel=0.01)
-        ds.write_model(model, tmp_path / "again.toml")
-        again = ds.read_model(tmp_path / "again.toml")
-        assert again.load.from_height == 1.0
-        np.testing.assert_array_equal(again.load.direction, model.load.direction)
-
-    @pytest.mark.parametrize(
-        ("new", "said"),
-        [
-            ('pattern = "above"', "load: from_height is missing: add it"),
-            ('pattern = "above"\nfrom_height = -1.0', "load.from_height: must be at least 0"),
-            ('pattern = "above"\nfrom_hight = 1.0', 'did you mean "from_height"?'),
-            ('pattern = "abov"\nfrom_height = 1.0', 'did you mean "above"?'),
-            ('pattern = "mass"\nfrom_height = 1.0', 'load: unknown key "from_height"'),
-        ],
-    )
-    def test_its_keys_are_checked(self, add, wall, new, said):
-        add("drystone.patterns", "above", "above_pattern:AbovePattern", PATTERN)
-        with pytest.raises(ds.ModelError) as caught:
-            ds.read_model(wall(('pattern = "mass"', new)))
-        assert any(said in problem for problem in caught.value.problems), caught.value.problems
+        assert peak_of(wall(self.CHANGE)) == pytest.approx(2 * 0.3 / 1.2, rel=0.01)
+        model = ds.read_model(wall(self.CHANGE))
+        written = again(model, tmp_path)
+        assert written.load.from_height == 1.0
+        np.testing.assert_array_equal(written.load.direction, model.load.direction)
 
     def test_what_cannot_be_loaded_is_told(self, add, wall):
-        add("drystone.patterns", "above", "above_pattern:NoSuchPattern", PATTERN)
+        add(PATTERN, "above_pattern:NoSuchPattern")
         with pytest.raises(ds.ModelError, match=r"load\.pattern: cannot be .*NoSuchPattern"):
             ds.read_model(wall(self.CHANGE))
         ds.read_model(wall())  # and keeps nobody else from reading
 
 
-METHOD = '''
+BUILDER = Toy(
+    "drystone.builders",
+    "leaning_pile",
+    "leaning_pile:LEANING_PILE",
+    '''
+    """Stones of one size on top of each other, each further to the right than the one below."""
+
+    from typing import Annotated
+
+    from drystone.common.keys import Whole
+    from drystone.model.builders.base import AlongY, Builder, FromZero, Metres
+    from drystone.model.builders.stones import Mason
+
+
+    def leaning_pile(
+        *,
+        width: Metres,
+        height: Metres,
+        stones: Annotated[int, Whole(1, 20), "how many"],
+        unit_weight: float,
+        lean: FromZero = 0.0,
+        depth: AlongY = None,
+        material: str = "",
+    ):
+        mason = Mason(unit_weight=unit_weight, material=material)
+        y = ((), ()) if depth is None else ((0.0,), (depth,))
+        return [
+            mason.box(
+                f"b{k + 1}",
+                (k * lean, *y[0], k * height),
+                (width + k * lean, *y[1], (k + 1) * height),
+            )
+            for k in range(stones)
+        ]
+
+
+    LEANING_PILE = Builder(make=leaning_pile)
+''',
+)
+
+
+class TestBuilder:
+    TABLE = """
+        [[build]]
+        kind = "leaning_pile"
+        width = 0.6
+        height = 0.8
+        stones = 2
+        lean = 0.05
+        base = true
+    """
+    #: Weight 2 on what is left of 0.6 m before the toe, against weight 2 at 0.8 m.
+    PEAK = (0.6 - 0.325) / 0.8
+
+    def test_a_wall_is_built_by_it(self, add, wall):
+        add(BUILDER)
+        path = wall(blocks=self.TABLE)
+        ids = ("leaning_pile/base", "leaning_pile/b1", "leaning_pile/b2")
+        assert ds.read_model(path).assembly.ids == ids
+        assert peak_of(path) == pytest.approx(self.PEAK, rel=0.02)
+
+    def test_and_one_in_space(self, add, wall):
+        add(BUILDER)
+        changes = (
+            ("dimension = 2\nthickness = 0.5", "dimension = 3"),
+            ("[1.0, 0.0]", "[1.0, 0.0, 0.0]"),
+            ("lean = 0.05", "lean = 0.05\ndepth = 0.5"),
+        )
+        assert peak_of(wall(*changes, blocks=self.TABLE)) == pytest.approx(self.PEAK, rel=0.02)
+        with pytest.raises(ds.ModelError, match=r"build\[1\]: depth is missing: add it \(in m, al"):
+            ds.read_model(wall(*changes[:2], blocks=self.TABLE))
+
+
+METHOD = Toy(
+    "drystone.methods",
+    "toy",
+    "toy_method",
+    '''
     """A share of the peak against a ground acceleration."""
 
     from drystone.assessment.methods.base import Assessment, LimitState, spectra_of
@@ -185,7 +278,8 @@ METHOD = '''
             reference_state="SLV", activation_acceleration=borne, confidence_factor=None,
             quantities={"share": share},
         )
-'''
+''',
+)
 
 SITE = """
 [site]
@@ -202,7 +296,7 @@ class TestMethod:
     TABLE = '\n[assessment]\nmethod = "toy"\nsafe_share = 50.0\n'
 
     def test_a_wall_is_assessed_by_it(self, add, wall):
-        add("drystone.methods", "toy", "toy_method", METHOD)
+        add(METHOD)
         model = ds.read_model(wall(more=SITE + self.TABLE))
         verdict = ds.pushover(model, progress=False).assess(model)
         (state,) = verdict.limit_states
@@ -211,37 +305,26 @@ class TestMethod:
         assert state.safety_index == pytest.approx(0.5 * (0.3 / 0.8) / 0.1, rel=0.03)
 
     def test_the_command_line_takes_it_over_the_method_of_the_file(self, add, wall, tmp_path):
-        add("drystone.methods", "toy", "toy_method", METHOD)
+        add(METHOD)
         path = wall(more=SITE + self.TABLE.replace('"toy"', '"rocking"'))
-        arguments = [str(path), "--method", "toy", "--one-sense", "--out", str(tmp_path / "out")]
-        done = CliRunner().invoke(app, ["assess", *arguments, "--json", "--quiet"])
-        assert done.exit_code == 0, done.output
-        (sense,) = json.loads(done.stdout)["senses"].values()
+        arguments = ("--method", "toy", "--one-sense", "--out", tmp_path / "out")
+        told = json.loads(run("assess", path, *arguments, "--json", "--quiet"))
+        (sense,) = told["senses"].values()
         assert (sense["method"], sense["share"]) == ("toy", 0.5)
 
-    @pytest.mark.parametrize(
-        ("new", "said"),
-        [
-            ("safe_share = 500.0", "assessment.safe_share: must be at most 100"),
-            ("safe_shares = 50.0", 'did you mean "safe_share"?'),
-            ('limit_states = ["hold"]', 'did you mean "held"?'),
-        ],
-    )
-    def test_its_keys_and_states_are_checked(self, add, wall, new, said):
-        add("drystone.methods", "toy", "toy_method", METHOD)
-        with pytest.raises(ds.ModelError) as caught:
-            ds.read_model(wall(more=SITE + self.TABLE.replace("safe_share = 50.0", new)))
-        assert any(said in problem for problem in caught.value.problems), caught.value.problems
-
     def test_what_it_needs_is_asked_for(self, add, wall):
-        add("drystone.methods", "toy", "toy_method", METHOD)
+        add(METHOD)
         text = SITE + self.TABLE.replace("safe_share = 50.0", "")
         model = ds.read_model(wall(more=text))  # a key is no must where the command line may say it
         with pytest.raises(AssessmentError, match='method "toy" needs "safe_share"'):
             ds.pushover(model, progress=False).assess(model)
 
 
-OUTPUT = '''
+OUTPUT = Toy(
+    "drystone.outputs",
+    "toy",
+    "toy_output:TOY",
+    '''
     """Every n-th point of the curve, rounded, a line each."""
 
     from drystone.common.keys import Key, Whole
@@ -258,43 +341,32 @@ OUTPUT = '''
         files=("toy.txt",), write=write, short=True,
         keys=(Key(name="every", type=Whole(1, 100), default=1),),
     )
-'''
+''',
+)
 
 
 class TestOutput:
     ASKED = '\n[[output]]\nkind = "toy"\nevery = 3\n'
 
     def test_a_wall_is_written_by_it(self, add, wall, tmp_path):
-        add("drystone.outputs", "toy", "toy_output:TOY", OUTPUT)
+        add(OUTPUT)
         out = tmp_path / "out"
         path = wall(more=self.ASKED)
-        done = CliRunner().invoke(app, ["run", str(path), "--out", str(out), "--json", "--quiet"])
-        assert done.exit_code == 0, done.output
+        run("run", path, "--out", out, "--json", "--quiet")
         n_points = len((out / "curve.csv").read_text().splitlines()) - 1
         assert len((out / "toy.txt").read_text().splitlines()) == -(-n_points // 3)
-        ds.write_model(ds.read_model(path), tmp_path / "again.toml")
-        again = ds.read_model(tmp_path / "again.toml")
-        assert again.analysis.outputs == (("toy", {"every": 3}),)
+        written = again(ds.read_model(path), tmp_path)
+        assert written.analysis.outputs == (("toy", {"every": 3}),)
         # A run that does not ask for it removes the old one.
-        done = CliRunner().invoke(app, ["run", str(wall()), "--out", str(out), "--json", "--quiet"])
-        assert done.exit_code == 0, done.output
+        run("run", wall(), "--out", out, "--json", "--quiet")
         assert (out / "curve.csv").exists() and not (out / "toy.txt").exists()
 
-    @pytest.mark.parametrize(
-        ("new", "said"),
-        [
-            ("every = 0", "output[1].every: must be at least 1"),
-            ("evry = 3", 'did you mean "every"?'),
-        ],
-    )
-    def test_its_keys_are_checked(self, add, wall, new, said):
-        add("drystone.outputs", "toy", "toy_output:TOY", OUTPUT)
-        with pytest.raises(ds.ModelError) as caught:
-            ds.read_model(wall(more=self.ASKED.replace("every = 3", new)))
-        assert any(said in problem for problem in caught.value.problems), caught.value.problems
 
-
-DRAWING = '''
+DRAWING = Toy(
+    "drystone.drawings",
+    "boxes",
+    "box_drawing:BOXES",
+    '''
     """A line for each solid: its name, and x, y and z of two corners of a box."""
 
     import numpy as np
@@ -327,67 +399,46 @@ DRAWING = '''
 
 
     BOXES = Format(name="boxes", endings=(".box",), read=read, write=write, supports=LOST)
-'''
-
-DRAWN = """
-dimension = 3
-
-[material.stone]
-unit_weight = 20e3
-
-[joint]
-friction_coefficient = 0.7
-normal_stiffness = 1e9
-shear_stiffness = 1e9
-
-[[import]]
-file = "wall.box"
-format = "boxes"
-support = ["base"]
-
-[load]
-pattern = "mass"
-direction = [1.0, 0.0, 0.0]
-
-[analysis]
-max_displacement = 0.02
-"""
+''',
+)
 
 
 class TestDrawing:
+    TABLE = """
+        [[import]]
+        file = "wall.box"
+        format = "boxes"
+        support = ["base"]
+    """
+    IN_SPACE = (
+        ("dimension = 2\nthickness = 0.5", "dimension = 3"),
+        ("[1.0, 0.0]", "[1.0, 0.0, 0.0]"),
+    )
+
     def test_a_wall_is_read_from_it_and_written_to_it(self, add, wall, tmp_path):
-        add("drystone.drawings", "boxes", "box_drawing:BOXES", DRAWING)
-        drawing, drawn = tmp_path / "wall.box", tmp_path / "drawn.toml"
-        done = CliRunner().invoke(app, ["convert", str(wall()), str(drawing)])
-        assert done.exit_code == 0, done.output
-        assert 'supports are not marked in this format: "base"' in done.output.replace("\n", " ")
-        drawn.write_text(DRAWN)
-        model = ds.read_model(drawn)
-        assert set(model.assembly.ids) == {"base", "low", "high"}
+        add(DRAWING)
+        said = run("convert", wall(), tmp_path / "wall.box")
+        assert 'supports are not marked in this format: "base"' in said.replace("\n", " ")
+        drawn = wall(*self.IN_SPACE, blocks=self.TABLE)
+        assert set(ds.read_model(drawn).assembly.ids) == {"base", "low", "high"}
         # Both lean together: 0.3 m beside 0.8 m.
-        peak = ds.pushover(model, progress=False).peak.load_multiplier
-        assert peak == pytest.approx(0.3 / 0.8, rel=0.03)
+        assert peak_of(drawn) == pytest.approx(0.3 / 0.8, rel=0.03)
 
     def test_the_command_line_knows_it_by_its_ending_and_by_its_name(self, add, wall, tmp_path):
-        add("drystone.drawings", "boxes", "box_drawing:BOXES", DRAWING)
+        add(DRAWING)
         drawing, made = tmp_path / "wall.box", tmp_path / "made.toml"
-        done = CliRunner().invoke(app, ["convert", str(wall()), str(drawing), "--to", "boxes"])
-        assert done.exit_code == 0, done.output
-        done = CliRunner().invoke(app, ["convert", str(drawing), str(made), "--support", "base"])
-        assert done.exit_code == 0, done.output
+        run("convert", wall(), drawing, "--to", "boxes")
+        run("convert", drawing, made, "--support", "base")
         assert "low" in made.read_text()
         listed = CliRunner().invoke(app, ["convert", str(drawing), str(made), "--from", "?"])
         assert listed.exit_code == 2 and "boxes" in listed.output
 
-    def test_a_name_that_is_not_there_is_answered_with_those_that_are(self, add, tmp_path):
-        add("drystone.drawings", "boxes", "box_drawing:BOXES", DRAWING)
-        path = tmp_path / "wall.toml"
-        path.write_text(DRAWN.replace('"boxes"', '"boxs"'))
-        with pytest.raises(ds.ModelError, match=r"import\[1\].*format.*did you mean .boxes."):
-            ds.read_model(path)
 
-
-STOP = '''
+STOP = Toy(
+    "drystone.stops",
+    "most_fall",
+    "fall_stop:FALL",
+    '''
     """The curve ends where the multiplier has fallen by a share of its highest."""
 
     from drystone.common.keys import Key, Number
@@ -403,7 +454,8 @@ STOP = '''
 
 
     FALL = Stop(key=Key(name="most_fall", type=Number(Range(least=0.01, most=1.0))), end=end)
-'''
+''',
+)
 
 
 class TestStop:
@@ -414,33 +466,82 @@ class TestStop:
         [("equilibrium", "displacement"), ("nscd", "displacement"), ("nscd", "published")],
     )
     def test_the_curve_of_a_wall_ends_by_it(self, add, wall, tmp_path, engine, strategy):
-        add("drystone.stops", "most_fall", "fall_stop:FALL", STOP)
+        add(STOP)
         model = ds.read_model(wall(self.CHANGE))
         curve = ds.pushover(model, engine=engine, strategy=strategy, progress=False)
         assert curve.reason == "the multiplier has fallen by 0.2 of its peak"
         assert curve.status == "finished"
         assert curve.points[-1].load_multiplier < 0.8 * curve.peak.load_multiplier
         assert curve.points[-2].load_multiplier > 0.7 * curve.peak.load_multiplier
-        ds.write_model(model, tmp_path / "again.toml")
-        assert ds.read_model(tmp_path / "again.toml").analysis.options == {"most_fall": 0.2}
-
-    @pytest.mark.parametrize(
-        ("new", "said"),
-        [
-            ("most_fall = 2.0", "analysis.most_fall: must be at most 1"),
-            ("most_fal = 0.2", 'did you mean "most_fall"?'),
-        ],
-    )
-    def test_its_key_is_checked(self, add, wall, new, said):
-        add("drystone.stops", "most_fall", "fall_stop:FALL", STOP)
-        with pytest.raises(ds.ModelError) as caught:
-            ds.read_model(wall((self.CHANGE[0], new)))
-        assert any(said in problem for problem in caught.value.problems), caught.value.problems
+        assert again(model, tmp_path).analysis.options == {"most_fall": 0.2}
 
     def test_in_python(self, add, wall):
-        add("drystone.stops", "most_fall", "fall_stop:FALL", STOP)
+        add(STOP)
         model = ds.read_model(wall())
         curve = ds.pushover(model, most_fall=0.1, max_displacement=1.0, progress=False)
         assert curve.reason == "the multiplier has fallen by 0.1 of its peak"
         with pytest.raises(ds.EngineError, match="most_fall: must be at most 1"):
             ds.pushover(model, most_fall=2.0, progress=False)
+
+
+ENGINE = Toy(
+    "drystone.engines",
+    "monolith",
+    "toy_engine:MonolithEngine",
+    (Path(__file__).parents[1] / "engines" / "toy_engine.py").read_text(encoding="utf-8"),
+)
+
+
+def test_a_wall_is_run_by_an_engine(add, wall, tmp_path):
+    add(ENGINE)
+    path = wall(("[analysis]", '[analysis]\nengine = "monolith"'))
+    summary = json.loads(run("run", path, "--out", tmp_path / "out", "--json"))
+    assert summary["engine"] == "monolith"
+    assert summary["reason"].endswith("its joints do not open")
+    # One piece that turns carries its half width over the height of its centroid.
+    assert summary["peak_multiplier"] == pytest.approx(0.3 / 0.8, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("toy", "old", "new", "said"),
+    [
+        (PATTERN, "from_height = 1.0", "", "load: from_height is missing: add it"),
+        (PATTERN, "= 1.0", "= -1.0", "load.from_height: must be at least 0"),
+        (PATTERN, "from_height", "from_hight", 'did you mean "from_height"?'),
+        (PATTERN, '"above"', '"abov"', 'did you mean "above"?'),
+        (PATTERN, '"above"', '"mass"', 'load: unknown key "from_height"'),
+        (BUILDER, "stones = 2", "", "build[1]: stones is missing: add it (how many)"),
+        (BUILDER, "stones = 2", "stones = 21", "build[1].stones: must be at most 20, it is 21"),
+        (BUILDER, "lean = ", "leen = ", 'build[1]: unknown key "leen": did you mean "lean"?'),
+        (BUILDER, '"leaning_pile"', '"leaning_pil"', 'did you mean "leaning_pile"?'),
+        (BUILDER, "base = true", "depth = 0.5", "build[1].depth: is of three dimensions"),
+        (METHOD, "= 50.0", "= 500.0", "assessment.safe_share: must be at most 100"),
+        (METHOD, "safe_share", "safe_shares", 'did you mean "safe_share"?'),
+        (METHOD, "safe_share = 50.0", 'limit_states = ["hold"]', 'did you mean "held"?'),
+        (OUTPUT, "every = 3", "every = 0", "output[1].every: must be at least 1"),
+        (OUTPUT, "every", "evry", 'did you mean "every"?'),
+        (
+            DRAWING,
+            '"boxes"',
+            '"boxs"',
+            'import[1].format: must not be "boxs": did you mean "boxes"?',
+        ),
+        (STOP, "= 0.2", "= 2.0", "analysis.most_fall: must be at most 1"),
+        (STOP, "most_fall", "most_fal", 'did you mean "most_fall"?'),
+    ],
+)
+def test_keys_are_checked(add, wall, toy, old, new, said):
+    add(toy)
+    head, tables = {
+        PATTERN: ([TestPattern.CHANGE], {}),
+        BUILDER: ([], {"blocks": TestBuilder.TABLE}),
+        METHOD: ([], {"more": SITE + TestMethod.TABLE}),
+        OUTPUT: ([], {"more": TestOutput.ASKED}),
+        DRAWING: (TestDrawing.IN_SPACE, {"blocks": TestDrawing.TABLE}),
+        STOP: ([TestStop.CHANGE], {}),
+    }[toy]
+    path = wall(*head, **tables)
+    path.write_text(path.read_text().replace(old, new))
+    with pytest.raises(ds.ModelError) as caught:
+        ds.read_model(path)
+    assert any(said in problem for problem in caught.value.problems), caught.value.problems

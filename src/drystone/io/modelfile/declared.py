@@ -20,6 +20,7 @@ from pydantic import (
     create_model,
     model_validator,
 )
+from pydantic_core import PydanticCustomError
 
 from drystone.common import keys as declared
 from drystone.common.keys import NEEDED, Key
@@ -27,6 +28,7 @@ from drystone.common.registry import Registry, RegistryError
 from drystone.io.modelfile.keys import (
     Direction,
     Section,
+    dimension_of,
     in_range,
     in_space_only,
     of_dimension,
@@ -80,9 +82,18 @@ def _list(type_: declared.Type) -> Any:
     return GenericAlias(list, (_annotation(type_),))
 
 
+def _needed_in_space(value: Any, info: ValidationInfo) -> Any:
+    if value is None and dimension_of(info) == 3:
+        raise PydanticCustomError("missing", "missing")
+    return in_space_only(value, info)
+
+
 def _field(key: Key) -> tuple[Any, Any]:
     annotation = _annotation(key.type)
     says = key.says or None
+    if key.of_space and key.default is NEEDED:
+        annotation = Annotated[annotation | None, AfterValidator(_needed_in_space)]
+        return annotation, Field(default=None, validate_default=True, description=says)
     if key.default is NEEDED:
         return annotation, Field(description=says)
     if key.default is None or key.of_space:

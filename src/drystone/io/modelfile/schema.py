@@ -24,7 +24,7 @@ from drystone.control.stops import STOPS
 from drystone.io.drawings.registry import FORMATS
 from drystone.io.drawings.settings import TOLERANCE
 from drystone.io.modelfile.assessing import AssessmentSection, SiteSection
-from drystone.io.modelfile.builds import BuildTable
+from drystone.io.modelfile.builds import BuildSection
 from drystone.io.modelfile.declared import Chosen, Extended, named, section_of
 from drystone.io.modelfile.keys import (
     Course,
@@ -375,7 +375,7 @@ class ModelSection(Section):
     corner: CornerSection = CornerSection()
     contact: ContactSection | None = None
     block: list[BlockSection] = []
-    build: list[BuildTable] = []
+    build: list[BuildSection] = []
     wall: Annotated[WallSection | None, BeforeValidator(in_plane_only)] = None
     imports: list[ImportSection] = Field(default=[], alias="import")
     group: dict[Name, GroupSection] = {}

@@ -10,7 +10,6 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from drystone.common.ranges import found
-from drystone.io.modelfile.builds import SECTIONS
 from drystone.io.modelfile.declared import Extended
 from drystone.io.modelfile.keys import Section
 from drystone.io.modelfile.schema import ModelSection
@@ -67,16 +66,7 @@ def place_of(keys: Sequence[str | int], data: Any) -> str:
 
 def _sentence(details: ErrorDetails, data: dict[str, Any]) -> str:
     kind, value = details["type"], details["input"]
-    section, keys = _section_at(details["loc"][:-1], data), _without_kind(details["loc"])
-    if kind == "union_tag_not_found":
-        return f'{place_of(keys, data)}: kind is missing: add it (as in kind = "panel")'
-    if kind == "union_tag_invalid":
-        given = value.get("kind") if isinstance(value, dict) else None
-        known = list(SECTIONS)
-        if not isinstance(given, str):
-            return f"{place_of(keys, data)} kind: must be text in quotes, it is {found(given)}"
-        mend = suggestion(given, known)
-        return f"{place_of(keys, data)} kind: there is no kind {quoted(given)}: {mend}"
+    section, keys = _section_at(details["loc"][:-1], data), [*details["loc"]]
     if kind == "missing":
         key = str(keys[-1])
         description = section.keys()[key].description
@@ -96,7 +86,9 @@ def _complaint(kind: str, details: ErrorDetails, value: Any) -> str:
     if kind == "sentence":
         return details["msg"]
     if kind in _KINDS:
-        return f"must be {_KINDS[kind]}, it is {found(value)}{_mend_of_type(kind, value)}"
+        in_list = isinstance(details["loc"][-1], int)
+        mend = "" if in_list else _mend_of_type(kind, value)
+        return f"must be {_KINDS[kind]}, it is {found(value)}{mend}"
     if kind == "finite_number":
         return f"must be a finite number, it is {value}"
     if kind in _BOUNDS:
@@ -141,17 +133,9 @@ def _at(data: Any, key: str | int) -> Any:
         return None
 
 
-def _without_kind(keys: Sequence[str | int]) -> list[str | int]:
-    """The path as the file has it: the check names the kind of a [[build]] in it."""
-    tagged = len(keys) > 2 and keys[0] == "build" and keys[2] in SECTIONS
-    return [*keys[:2], *keys[3:]] if tagged else [*keys]
-
-
 def _section_at(keys: Sequence[str | int], data: Any) -> type[Section]:
     """The schema of the table at a path."""
     section: type[Section] = ModelSection
-    if len(keys) > 2 and keys[0] == "build" and keys[2] in SECTIONS:
-        section, keys = SECTIONS[str(keys[2])], keys[3:]
     for key in keys:
         data = _at(data, key)
         field = section.keys().get(key) if isinstance(key, str) else None

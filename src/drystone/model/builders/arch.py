@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
 
 from drystone.model.assembly import Block
-from drystone.model.builders.profile import Joints, ring
+from drystone.model.builders.base import AlongY, Builder, Count, Length, Points, YesOrNo
+from drystone.model.builders.profile import CurveName, Joints, ring
 from drystone.model.builders.stones import Depth, Mason, positive
 from drystone.model.construction.errors import ModelError
 
@@ -15,16 +16,16 @@ from drystone.model.construction.errors import ModelError
 # Long by its keys, each with its words: they are those of model files.
 def arch(
     *,
-    thickness: float,
+    thickness: Annotated[Length, "of the arch, in m"],
     unit_weight: float,
-    span: float | None = None,
-    rise: float | None = None,
-    shape: str = "circular",
-    intrados: Sequence[Sequence[float]] | None = None,
-    voussoirs: int | None = None,
-    size: float | None = None,
-    depth: float | None = None,
-    abutments: bool = False,
+    span: Length | None = None,
+    rise: Length | None = None,
+    shape: CurveName = "circular",
+    intrados: Points | None = None,
+    voussoirs: Count | None = None,
+    size: Length | None = None,
+    depth: AlongY = None,
+    abutments: YesOrNo = False,
     material: str = "",
 ) -> list[Block]:
     """A ring of voussoirs with joints normal to the intrados, its springings at the origin's level.
@@ -74,6 +75,9 @@ def arch(
     across = None if depth is None else (0.0, depth)
     made = voussoirs_of(mason, joints, across)
     return [*abutments_of(mason, joints, across), *made] if abutments else made
+
+
+ARCH = Builder(make=arch)
 
 
 def voussoirs_of(

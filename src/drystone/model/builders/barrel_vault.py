@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import Annotated
 
 from drystone.model.assembly import Block
 from drystone.model.builders.arch import abutments_of
-from drystone.model.builders.coursing import Bond, Line, bond_problems
-from drystone.model.builders.profile import ring
+from drystone.model.builders.base import Builder, Count, Length, Points, YesOrNo
+from drystone.model.builders.coursing import Bond, BondName, Line, bond_problems
+from drystone.model.builders.profile import CurveName, ring
 from drystone.model.builders.stones import Mason, positive
 from drystone.model.construction.errors import ModelError
 
@@ -15,18 +16,18 @@ from drystone.model.construction.errors import ModelError
 # Many, each a key of model files.
 def barrel_vault(
     *,
-    length: float,
-    thickness: float,
-    unit: float,
+    length: Annotated[Length, "along y, in m"],
+    thickness: Annotated[Length, "of the arch, in m"],
+    unit: Annotated[Length, "length of a stone along y, in m"],
     unit_weight: float,
-    span: float | None = None,
-    rise: float | None = None,
-    shape: str = "circular",
-    intrados: Sequence[Sequence[float]] | None = None,
-    voussoirs: int | None = None,
-    size: float | None = None,
-    bond: str = "running",
-    abutments: bool = False,
+    span: Length | None = None,
+    rise: Length | None = None,
+    shape: CurveName = "circular",
+    intrados: Points | None = None,
+    voussoirs: Count | None = None,
+    size: Length | None = None,
+    bond: BondName = "running",
+    abutments: YesOrNo = False,
     material: str = "",
 ) -> list[Block]:
     """An arch that goes on along y, each course of it cut into stones.
@@ -73,3 +74,6 @@ def barrel_vault(
             name = f"v{i + 1}u{k}"
             made.append(mason.upright(name, joints.outline(i), depth, f"course {i + 1}"))
     return made
+
+
+BARREL_VAULT = Builder(make=barrel_vault, dimensions=(3,))

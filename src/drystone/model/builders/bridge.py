@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drystone.model.assembly import Block
 from drystone.model.builders.arch import voussoirs_of
+from drystone.model.builders.base import AlongY, Builder, Count, Length, Lengths, Metres, WholeUnit
 from drystone.model.builders.coursing import Bond, Line
 from drystone.model.builders.piers import pier, skewback, springing
-from drystone.model.builders.profile import Joints, ring
+from drystone.model.builders.profile import CurveName, Joints, ring
 from drystone.model.builders.spandrel import Spandrel
 from drystone.model.builders.stones import Mason, positive, unit_problems
 from drystone.model.builders.strip import Strip
@@ -24,19 +26,19 @@ Array = NDArray[np.float64]
 # Many, each a key of model files.
 def bridge(
     *,
-    spans: Sequence[float],
-    thickness: float,
-    pier_width: float,
-    pier_height: float,
-    abutment_width: float,
-    cover: float,
-    unit: Sequence[float],
+    spans: Annotated[Lengths, "of each arch, in m, as in spans = [4.0, 4.0]"],
+    thickness: Annotated[Length, "of the arch, in m"],
+    pier_width: Metres,
+    pier_height: Metres,
+    abutment_width: Metres,
+    cover: Annotated[Length, "of masonry over the highest crown, in m"],
+    unit: WholeUnit,
     unit_weight: float,
-    rise: float | None = None,
-    shape: str = "circular",
-    voussoirs: int | None = None,
-    size: float | None = None,
-    depth: float | None = None,
+    rise: Length | None = None,
+    shape: CurveName = "circular",
+    voussoirs: Count | None = None,
+    size: Length | None = None,
+    depth: AlongY = None,
     material: str = "",
 ) -> list[Block]:
     """Arches from left to right over piers and two abutments, with spandrels up to the deck.
@@ -115,6 +117,9 @@ def bridge(
     whole.check()
     deck = max(float(joints.outer[:, 1].max()) for joints in arches) + cover
     return whole.blocks(deck, cover)
+
+
+BRIDGE = Builder(make=bridge)
 
 
 @dataclass(frozen=True, kw_only=True)

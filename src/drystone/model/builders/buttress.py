@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
 
 from drystone.model.assembly import Block
-from drystone.model.builders.coursing import Bond, Line, bond_problems
+from drystone.model.builders.base import AlongY, Builder, Length, Metres, WholeUnit
+from drystone.model.builders.coursing import Bond, BondName, Line, bond_problems
 from drystone.model.builders.stones import Mason, not_whole, positive, unit_problems, whole
 from drystone.model.construction.errors import ModelError
 
@@ -15,13 +16,13 @@ from drystone.model.construction.errors import ModelError
 # Long by its keys, each with its words: they are those of model files.
 def buttress(
     *,
-    foot: float,
-    top: float,
-    height: float,
-    unit: Sequence[float],
+    foot: Annotated[Length, "its width at the ground, in m"],
+    top: Annotated[Length, "its width at the top, in m"],
+    height: Metres,
+    unit: WholeUnit,
     unit_weight: float,
-    depth: float | None = None,
-    bond: str = "running",
+    depth: AlongY = None,
+    bond: BondName = "running",
     material: str = "",
 ) -> list[Block]:
     """A coursed wall with an upright face at x = 0 and one that leans inwards on its right.
@@ -79,3 +80,6 @@ def buttress(
             name = f"c{course + 1}u{k}"
             made.append(mason.upright(name, outline, across, f"course {course + 1}"))
     return made
+
+
+BUTTRESS = Builder(make=buttress)

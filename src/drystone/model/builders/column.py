@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
 
 from drystone.model.assembly import Block
+from drystone.model.builders.base import (
+    AlongY,
+    Builder,
+    Coordinates,
+    DepthsAlongY,
+    Lengths,
+    Metres,
+    WholeNumber,
+)
 from drystone.model.builders.stones import Mason, at_least, positive
 from drystone.model.construction.errors import ModelError
 
@@ -14,11 +23,11 @@ from drystone.model.construction.errors import ModelError
 # Many, each a key of model files.
 def stack(
     *,
-    widths: Sequence[float],
-    heights: Sequence[float],
+    widths: Annotated[Lengths, "of each block, in m"],
+    heights: Annotated[Lengths, "of each block, in m"],
     unit_weight: float,
-    offsets: Sequence[float] | None = None,
-    depths: Sequence[float] | None = None,
+    offsets: Coordinates | None = None,
+    depths: DepthsAlongY = None,
     material: str = "",
     base: bool = True,
 ) -> list[Block]:
@@ -62,13 +71,16 @@ def stack(
     return [laid("base", 0, 3.0, -heights[0], 0.0, True), *blocks] if base else blocks
 
 
+STACK = Builder(make=stack)
+
+
 def column(
     *,
-    width: float,
-    height: float,
-    n_blocks: int,
+    width: Metres,
+    height: Metres,
+    n_blocks: WholeNumber,
     unit_weight: float,
-    depth: float | None = None,
+    depth: AlongY = None,
     material: str = "",
     base: bool = True,
 ) -> list[Block]:
@@ -86,3 +98,6 @@ def column(
         material=material,
         base=base,
     )
+
+
+COLUMN = Builder(make=column)

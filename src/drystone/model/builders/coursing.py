@@ -11,8 +11,9 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
+from drystone.common.keys import Choice
 from drystone.model.builders.stones import check_count
 from drystone.model.construction.words import suggestion
 
@@ -22,6 +23,7 @@ LEAST = 0.25
 ROUNDING = 1e-9
 
 BONDS = ("running", "stack", "header", "english", "flemish")
+BondName = Annotated[str, Choice(BONDS)]
 
 
 class Line(NamedTuple):

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.keys import Choice
 from drystone.geometry.space.solid import Faces
 from drystone.model.assembly import Block
-from drystone.model.builders.profile import half_curve, shape_problems
+from drystone.model.builders.base import Builder, Count, FromZero, Length, Metres, WholeNumber
+from drystone.model.builders.profile import CurveName, half_curve, shape_problems
 from drystone.model.builders.stones import Mason, at_least, positive
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import suggestion
@@ -24,15 +27,15 @@ _WEDGE = ((2, 1, 0), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))
 # Many, each a key of model files.
 def dome(
     *,
-    span: float,
-    thickness: float,
-    rings: int,
-    sectors: int,
+    span: Annotated[Length, "diameter of the intrados, in m"],
+    thickness: Metres,
+    rings: WholeNumber,
+    sectors: Annotated[Count, "stones of a ring"],
     unit_weight: float,
-    rise: float | None = None,
-    shape: str = "circular",
-    oculus: float = 0.0,
-    bond: str = "running",
+    rise: Length | None = None,
+    shape: CurveName = "circular",
+    oculus: FromZero = 0.0,
+    bond: Annotated[str, Choice(BONDS)] = "running",
     material: str = "",
 ) -> list[Block]:
     """A shell of revolution about z over the origin, with its springing at z = 0.
@@ -98,6 +101,9 @@ def dome(
             ]
             made.append(mason.joined(name, cells, group))
     return made
+
+
+DOME = Builder(make=dome, dimensions=(3,))
 
 
 def _meridian(

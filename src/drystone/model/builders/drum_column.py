@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
 from drystone.model.assembly import Block
+from drystone.model.builders.base import Builder, Count, Length, Metres, Pair, WholeNumber
 from drystone.model.builders.stones import Mason, at_least, positive
 from drystone.model.construction.errors import ModelError
 
@@ -17,14 +16,14 @@ Array = NDArray[np.float64]
 # Many, each a key of model files.
 def drum_column(
     *,
-    diameter: float,
-    height: float,
-    drums: int,
+    diameter: Metres,
+    height: Metres,
+    drums: WholeNumber,
     unit_weight: float,
-    top_diameter: float | None = None,
-    sides: int = 16,
-    plinth: Sequence[float] | None = None,
-    capital: Sequence[float] | None = None,
+    top_diameter: Length | None = None,
+    sides: Count = 16,
+    plinth: Pair | None = None,
+    capital: Pair | None = None,
     material: str = "",
 ) -> list[Block]:
     """Drums of one height over the origin, each a frustum of a regular polygon, in space.
@@ -88,3 +87,6 @@ def drum_column(
         half, low = 0.5 * capital[0], float(levels[-1])
         made.append(mason.box("capital", (-half, -half, low), (half, half, low + capital[1])))
     return made
+
+
+DRUM_COLUMN = Builder(make=drum_column, dimensions=(3,))

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drystone.model.assembly import Block
+from drystone.model.builders.base import Builder, Count, Length, Metres, YesOrNo
 from drystone.model.builders.coursing import Bond, Line
 from drystone.model.builders.profile import Joints, ring
 from drystone.model.builders.stones import Mason, positive
@@ -22,13 +24,13 @@ CORNERS = ("northeast", "northwest", "southwest", "southeast")
 # Long by its keys, each with its words: they are those of model files.
 def groin_vault(
     *,
-    span: float,
-    thickness: float,
-    voussoirs: int,
-    unit: float,
+    span: Metres,
+    thickness: Metres,
+    voussoirs: Annotated[Count, "of a barrel, an odd number"],
+    unit: Annotated[Length, "length of a stone along a web, in m"],
     unit_weight: float,
-    edge: float | None = None,
-    mitred: bool = False,
+    edge: Length | None = None,
+    mitred: YesOrNo = False,
     material: str = "",
 ) -> list[Block]:
     """Two semicircular barrels of one span over a square, its middle at the origin.
@@ -88,6 +90,9 @@ def groin_vault(
     corners = [(sx * abs(y), sy * abs(y), z) for y, z in top for sx in (-1, 1) for sy in (-1, 1)]
     made.append(mason.hull("boss", np.array(corners), "boss"))
     return made
+
+
+GROIN_VAULT = Builder(make=groin_vault, dimensions=(3,))
 
 
 class _Vault:

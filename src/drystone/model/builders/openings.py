@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass, fields, replace
+from typing import Annotated, Any
 
+from drystone.common.keys import NEEDED, Text, keys_of
+from drystone.model.builders.base import Count, FromZero, Metres
 from drystone.model.builders.coursing import Line, Void
 from drystone.model.builders.stones import nearest, whole
 from drystone.model.construction.errors import ModelError
@@ -16,14 +18,22 @@ from drystone.model.construction.words import quoted, suggestion
 class Opening:
     """A rectangle in a wall.  Its edges must lie on bed joints; along the wall units are cut."""
 
-    at: float  # m, from the beginning of the wall to the opening
-    width: float  # m
-    height: float  # m
-    sill: float = 0.0  # m, above the foot of the wall, in a storey above its floor
-    lintel: int = 1  # courses of the stone over it; 0: none
-    bearing: float | None = None  # m, of the lintel on either side; half a unit by default
-    wall: str = ""  # of a plan: the wall's name
-    storey: int = 0  # of a plan: counted from 1; 0: all of them
+    at: Annotated[FromZero, "in m, from the beginning of the wall"]  # to the opening
+    width: Metres
+    height: Metres
+    sill: FromZero = 0.0  # m, above the foot of the wall, in a storey above its floor
+    lintel: Count = 1  # courses of the stone over it; 0: none
+    bearing: FromZero | None = None  # m, of the lintel on either side; half a unit by default
+    # Of a plan: the wall's name.
+    wall: Annotated[str, Text(), 'the name of its wall, as in wall = "south"'] = ""
+    storey: Count = 0  # of a plan: counted from 1; 0: all of them
+
+
+#: Keys of an opening of a plan, which names its wall, and of a panel.
+PLAN_OPENING_KEYS = tuple(
+    replace(key, default=NEEDED) if key.name == "wall" else key for key in keys_of(Opening)
+)
+OPENING_KEYS = tuple(key for key in PLAN_OPENING_KEYS if key.name not in ("wall", "storey"))
 
 
 class Hole:

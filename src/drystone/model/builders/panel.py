@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Annotated, Any
 
+from drystone.common.keys import Tables
 from drystone.model.assembly import Block
-from drystone.model.builders.coursing import Bond, Line, bond_problems
+from drystone.model.builders.base import AlongY, Builder, Count, Metres, WholeUnit
+from drystone.model.builders.coursing import Bond, BondName, Line, bond_problems
 from drystone.model.builders.openings import (
+    OPENING_KEYS,
     Hole,
     Opening,
     measure_problems,
@@ -23,15 +26,15 @@ from drystone.model.construction.errors import ModelError
 # Long by its keys, each with its words: they are those of model files.
 def panel(
     *,
-    length: float,
-    height: float,
-    unit: Sequence[float],
+    length: Metres,
+    height: Metres,
+    unit: WholeUnit,
     unit_weight: float,
-    thickness: float | None = None,
-    leaves: int = 1,
-    bond: str = "running",
-    headers: int = 0,
-    openings: Sequence[Opening | Mapping[str, Any]] = (),
+    thickness: AlongY = None,
+    leaves: Count = 1,
+    bond: BondName = "running",
+    headers: Count = 0,
+    openings: Annotated[Sequence[Opening | Mapping[str, Any]], Tables(OPENING_KEYS)] = (),
     material: str = "",
 ) -> list[Block]:
     """A wall in courses from the origin along x, up to its height; in space thick along y.
@@ -103,3 +106,6 @@ def panel(
         blocks += strip.course(course, levels, Line(0.0), Line(length), voids_in(holes, course))
         blocks += strip.lintels(course, unit[1], 0.0, holes)
     return blocks
+
+
+PANEL = Builder(make=panel)

@@ -5,15 +5,26 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.keys import Tables, Whole
 from drystone.model.assembly import Block
-from drystone.model.builders.coursing import Bond, bond_problems
+from drystone.model.builders.base import (
+    Builder,
+    Count,
+    FromZero,
+    Length,
+    Pair,
+    Polylines,
+    WholeUnit,
+)
+from drystone.model.builders.coursing import Bond, BondName, bond_problems
 from drystone.model.builders.junctions import Joined, Wall, joined
 from drystone.model.builders.openings import (
+    PLAN_OPENING_KEYS,
     Hole,
     Opening,
     measure_problems,
@@ -41,19 +52,19 @@ SIDES = ("south", "east", "north", "west")
 # Many, each a key of model files.
 def plan(
     *,
-    unit: Sequence[float],
-    thickness: float,
-    height: float,
+    unit: WholeUnit,
+    thickness: Annotated[Length, "of the walls, in m"],
+    height: Annotated[Length, "of a storey, in m"],
     unit_weight: float,
-    rectangle: Sequence[float] | None = None,
-    lines: Sequence[Sequence[Sequence[float]]] = (),
-    storeys: int = 1,
-    floor: float = 0.0,
-    beam: float | None = None,
-    leaves: int = 1,
-    bond: str = "running",
-    headers: int = 0,
-    openings: Sequence[Opening | Mapping[str, Any]] = (),
+    rectangle: Pair | None = None,
+    lines: Polylines = (),
+    storeys: Annotated[int, Whole(1, 1000)] = 1,
+    floor: FromZero = 0.0,
+    beam: Length | None = None,
+    leaves: Count = 1,
+    bond: BondName = "running",
+    headers: Count = 0,
+    openings: Annotated[Sequence[Opening | Mapping[str, Any]], Tables(PLAN_OPENING_KEYS)] = (),
     material: str = "",
 ) -> list[Block]:
     """Walls along centre lines, all of one thickness and height, with openings and floors.
@@ -150,6 +161,9 @@ def plan(
             wide = unit[0] if beam is None else beam
             blocks += _floor(mason, rectangle, house.top(storey), floor, wide, storey)
     return blocks
+
+
+PLAN = Builder(make=plan, dimensions=(3,))
 
 
 @dataclass(frozen=True, kw_only=True)

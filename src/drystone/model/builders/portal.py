@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import Annotated
 
+from drystone.common.keys import Choice
 from drystone.model.assembly import Block
 from drystone.model.builders.arch import voussoirs_of
+from drystone.model.builders.base import AlongY, Builder, Count, Length, Metres, WholeUnit
 from drystone.model.builders.piers import pier, skewback, springing
-from drystone.model.builders.profile import ring
+from drystone.model.builders.profile import SHAPES, ring
 from drystone.model.builders.stones import Mason, positive, rectangle, unit_problems
 from drystone.model.construction.errors import ModelError
 
@@ -17,17 +19,17 @@ LINTEL = "lintel"
 # Many, each a key of model files.
 def portal(
     *,
-    span: float,
-    thickness: float,
-    pier_width: float,
-    pier_height: float,
-    unit: Sequence[float],
+    span: Metres,
+    thickness: Annotated[Length, "of the arch, in m"],
+    pier_width: Metres,
+    pier_height: Metres,
+    unit: WholeUnit,
     unit_weight: float,
-    rise: float | None = None,
-    shape: str = "circular",
-    voussoirs: int | None = None,
-    size: float | None = None,
-    depth: float | None = None,
+    rise: Length | None = None,
+    shape: Annotated[str, Choice((*SHAPES, LINTEL))] = "circular",
+    voussoirs: Count | None = None,
+    size: Length | None = None,
+    depth: AlongY = None,
     material: str = "",
 ) -> list[Block]:
     """An arch on piers, the origin at the ground in the middle of the opening.
@@ -99,3 +101,6 @@ def portal(
             mason, own, pier_height, left, right, depth, f"{name}/skewback", f"{name} pier"
         )
     return made + voussoirs_of(mason, joints, across, "", "arch")
+
+
+PORTAL = Builder(make=portal)

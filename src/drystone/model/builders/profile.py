@@ -8,10 +8,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.keys import Choice
 from drystone.model.builders.stones import check_count, positive
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import suggestion
@@ -21,6 +23,7 @@ Array = NDArray[np.float64]
 Curve = Callable[[float], tuple[Array, Array]]
 
 SHAPES = ("circular", "pointed", "elliptic")
+CurveName = Annotated[str, Choice(SHAPES)]
 #: Pieces by which the length of a curve without a formula is measured.
 FINE = 4096
 

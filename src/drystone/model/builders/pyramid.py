@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import Annotated
 
 from drystone.model.assembly import Block
+from drystone.model.builders.base import Builder, Count, Pair, UnitsAlongY
 from drystone.model.builders.stones import Mason, at_least, unit_problems
 from drystone.model.construction.errors import ModelError
 
 
 def pyramid(
     *,
-    side: int,
-    unit: Sequence[float],
+    side: Annotated[Count, "units of the lowest course"],
+    unit: Annotated[Pair, "[length, height] of a unit in metres"],
     unit_weight: float,
-    courses: int | None = None,
-    depth: int | None = None,
+    courses: Count | None = None,
+    depth: UnitsAlongY = None,
     material: str = "",
 ) -> list[Block]:
     """Courses of whole units, each one unit shorter than that below and set back by half of one.
@@ -69,3 +70,6 @@ def pyramid(
                 y0, y1 = shift + j * length, shift + (j + 1) * length
                 made.append(mason.box(f"{name}r{j + 1}", (x0, y0, low), (x1, y1, high), group))
     return made
+
+
+PYRAMID = Builder(make=pyramid)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.keys import Whole
 from drystone.model.assembly import Block
+from drystone.model.builders.base import AlongY, Builder, Metres, Pair
 from drystone.model.builders.stones import Mason, check_count, positive
 from drystone.model.construction.errors import ModelError
 
@@ -24,13 +26,13 @@ STRAIGHT = 0.02
 # Long by its keys, each with its words: they are those of model files.
 def rubble(
     *,
-    length: float,
-    height: float,
-    stone: Sequence[float],
-    seed: int,
+    length: Metres,
+    height: Metres,
+    stone: Annotated[Pair, "[length, height] of a stone in metres"],
+    seed: Annotated[int, Whole(0, 2**63 - 1), "a whole number"],
     unit_weight: float,
-    relaxed: int = 1,
-    depth: float | None = None,
+    relaxed: Annotated[int, Whole(0, 100)] = 1,
+    depth: AlongY = None,
     material: str = "",
 ) -> list[Block]:
     """A rectangle of convex polygonal stones, from the origin along x.
@@ -88,6 +90,9 @@ def rubble(
         mason.upright(f"s{k}", vertices[cell] * unit, across)
         for k, cell in enumerate(cells, start=1)
     ]
+
+
+RUBBLE = Builder(make=rubble)
 
 
 def _scattered(columns: int, rows: int, rng: np.random.Generator) -> Array:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drystone.model.assembly import Block
+from drystone.model.builders.base import AlongY, Builder, Count, FromZero, Length, WholeNumber
 from drystone.model.builders.stones import Mason, at_least, positive
 from drystone.model.construction.errors import ModelError
 
@@ -20,13 +22,13 @@ LEAST = 0.05
 # Long by its keys, each with its words: they are those of model files.
 def spiral(
     *,
-    core: float,
-    pitch: float,
-    turns: int,
-    stones: int,
+    core: Annotated[Length, "radius where it begins, in m"],
+    pitch: Annotated[Length, "by which it grows in a turn, in m"],
+    turns: WholeNumber,
+    stones: Annotated[Count, "of a turn"],
     unit_weight: float,
-    sunk: float = 0.0,
-    depth: float | None = None,
+    sunk: FromZero = 0.0,
+    depth: AlongY = None,
     material: str = "",
 ) -> list[Block]:
     """Stones along a spiral of Archimedes around a core, in an upright plane, on level ground.
@@ -92,6 +94,9 @@ def spiral(
             group = f"turn {begin // per_turn + 1}"
             made.append(mason.upright(f"s{k}", outline, across, group))
     return made
+
+
+SPIRAL = Builder(make=spiral)
 
 
 def _bottom(core: float, pitch: float, turns: int, per_turn: int) -> float:

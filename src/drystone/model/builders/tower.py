@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.keys import Choice
 from drystone.model.assembly import Block
+from drystone.model.builders.base import Builder, Count, FromZero, Metres, Pair, WholeUnit
 from drystone.model.builders.openings import Opening
 from drystone.model.builders.plan import SIDES, plan
 from drystone.model.builders.stones import (
@@ -30,16 +33,16 @@ SHAPES = ("round", "square")
 # Many, each a key of model files.
 def tower(
     *,
-    width: float,
-    thickness: float,
-    height: float,
-    unit: Sequence[float],
+    width: Metres,
+    thickness: Metres,
+    height: Metres,
+    unit: WholeUnit,
     unit_weight: float,
-    shape: str = "round",
-    openings: int = 0,
-    opening: Sequence[float] | None = None,
-    first_sill: float | None = None,
-    climb: float | None = None,
+    shape: Annotated[str, Choice(SHAPES)] = "round",
+    openings: Count = 0,
+    opening: Pair | None = None,
+    first_sill: FromZero | None = None,
+    climb: FromZero | None = None,
     material: str = "",
 ) -> list[Block]:
     """A tower in running bond, its middle over the origin, with openings like those of a stair.
@@ -118,6 +121,9 @@ def _square(
     )  # fmt: skip
     shift = np.array([-0.5 * width, -0.5 * width, 0.0])
     return [block.with_vertices(block.vertices + shift) for block in made]
+
+
+TOWER = Builder(make=tower, dimensions=(3,))
 
 
 class _Round:
