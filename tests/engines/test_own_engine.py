@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import json
 import shutil
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
-from builders import small_wall, stack
-from drystone import engines
+from builders import stack
 from drystone.analysis.driver import pushover
 from drystone.cli import app
-from drystone.engines import GROUP, engine_names, make_engine
+from drystone.common import registry
+from drystone.engines import ENGINES, engine_names, make_engine
 from drystone.engines.base import EngineError
 from drystone.io.modelfile import write_model
 from drystone.model.model import Analysis
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "own_engine.py"
-TOY = Path(__file__).with_name("toy_engine.py")
 
 #: Classes that are no engines, by what is said of them.
 WRONG = """
@@ -51,13 +49,11 @@ def installed(tmp_path, monkeypatch):
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: rocking-program\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text(
-        f"[{GROUP}]\nrocking = rocking_program:RockingEngine\n"
+        f"[{ENGINES.group}]\nrocking = rocking_program:RockingEngine\n"
         "torn = rocking_program:NoSuchEngine\nnscd = rocking_program:RockingEngine\n"
-        "monolith = toy_engine:MonolithEngine\n"
         "unrelated = wrong_engines:Unrelated\nhalf = wrong_engines:Half\n"
         "nameless = wrong_engines:Nameless\nold = old_engine:Old\n"
     )
-    shutil.copy(TOY, site / "toy_engine.py")
     (site / "wrong_engines.py").write_text(WRONG)
     (site / "old_engine.py").write_text(
         "from drystone.engines.base import Engine\n"
@@ -68,7 +64,7 @@ def installed(tmp_path, monkeypatch):
 
 
 def test_an_engine_is_found_by_its_entry_point(installed):
-    assert {"rocking", "torn", "monolith"} <= set(engine_names())
+    assert {"rocking", "torn"} <= set(engine_names())
     assert make_engine("rocking").name == "rocking"
 
 
@@ -100,31 +96,13 @@ def test_what_is_no_engine_is_told_before_it_runs():
         pushover(stack((0.4, 1.2)), engine=object())
 
 
-def test_a_toy_engine_in_a_file_of_its_own_runs_a_wall(installed, tmp_path):
-    """A wall that turns as one piece carries its half width over the height of its centroid."""
-    wall = small_wall()
-    model = replace(wall, analysis=replace(wall.analysis, engine="monolith"))
-    write_model(model, tmp_path / "wall.toml")
-    run = CliRunner().invoke(
-        app, ["run", str(tmp_path / "wall.toml"), "--out", str(tmp_path / "out"), "--json"]
-    )
-    assert run.exit_code == 0, run.output
-    summary = json.loads(run.stdout)
-    assert summary["engine"] == "monolith"
-    assert summary["reason"].endswith("its joints do not open")
-    a = model.assembly
-    free = ~a.fixed
-    x, y = a.weight[free] @ a.centroid[free] / a.weight[free].sum()
-    assert summary["peak_multiplier"] == pytest.approx((1.0 - x) / y, rel=0.01)
-
-
 def test_an_unknown_name_lists_the_known_ones(installed):
     with pytest.raises(EngineError, match=r"equilibrium.*lmgc90.*rocking"):
         make_engine("rockin")
 
 
 def test_an_engine_of_ours_that_is_not_installed_names_the_command(monkeypatch, tmp_path):
-    monkeypatch.setattr(engines, "_outside", dict)
+    monkeypatch.setattr(registry, "outside", lambda group: {})
     assert "lmgc90" in engine_names()
     write_model(stack((0.4, 1.2)), tmp_path / "block.toml")
     run = CliRunner().invoke(

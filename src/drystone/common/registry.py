@@ -59,10 +59,15 @@ class Registry(Generic[T]):
             raise RegistryError(f'there is no {self.what} "{name}": take one of {known}')
         try:
             return cast(T, entry.load())
-        except (ImportError, AttributeError) as error:
+        except (ImportError, AttributeError, TypeError) as error:  # also of a class that is none
             raise RegistryError(
                 f'the {self.what} "{name}" ({entry.value}) cannot be loaded: {error}'
             ) from error
+
+    def place(self, name: str) -> str:
+        """Where that of a name is found, as "module:attribute"; "" where there is none."""
+        entry = self._outside().get(name)
+        return self.ours.get(name, "" if entry is None else entry.value)
 
     def own(self) -> Iterator[tuple[str, T]]:
         """Those of this package with their names."""

@@ -1,56 +1,47 @@
 """Engines by name.  Each is imported only when it is asked for.
 
-Names that are not built in are looked for among the entry points of the group `GROUP`, by which
-other packages add engines.  An entry point names what makes the engine when called without
-arguments: its class, as a rule.
+An entry point of another package names what makes the engine when called without arguments: its
+class, as a rule.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from drystone.common.registry import outside
+from drystone.common.registry import Registry, RegistryError
 
 if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint
-
     from drystone.engines.base import Capabilities, Engine
 
-#: Group of entry points of other packages' engines.
-GROUP = "drystone.engines"
-
-_ENGINES = {
-    "equilibrium": ("drystone.statics.equilibrium", "EquilibriumEngine"),
-    "nscd": ("drystone.dynamics.nscd", "NscdEngine"),
-    "distinct": ("drystone.dynamics.distinct", "DistinctEngine"),
-}
+#: Classes of ours, and what makes those of others.
+ENGINES: Registry[Callable[[], object]] = Registry(
+    what="engine",
+    group="drystone.engines",
+    ours={
+        "equilibrium": "drystone.statics.equilibrium:EquilibriumEngine",
+        "nscd": "drystone.dynamics.nscd:NscdEngine",
+        "distinct": "drystone.dynamics.distinct:DistinctEngine",
+    },
+)
 #: Engines of ours in packages of their own, found like those of others: what installs each, in the
 #: folder of this source.
 _APART = {"lmgc90": "pip install ./plugins/drystone-lmgc90"}
 
 
 #: Names of our own engines.
-BUILT_IN = tuple(_ENGINES)
+BUILT_IN = tuple(ENGINES.ours)
 
 
 def able(can: Callable[[Capabilities], bool]) -> tuple[str, ...]:
     """Names of our own engines with capabilities of some kind."""
-    return tuple(name for name in BUILT_IN if can(_class(name).capabilities))
-
-
-def _class(name: str) -> type[Engine[Any]]:
-    """The class of one of our own engines."""
-    module, attribute = _ENGINES[name]
-    made: type[Engine[Any]] = getattr(import_module(module), attribute)
-    return made
+    classes: Any = ENGINES.own()
+    return tuple(name for name, own in classes if can(own.capabilities))
 
 
 def engine_names() -> tuple[str, ...]:
     """Names that `make_engine` knows: ours, then those of other packages."""
-    ours = (*_ENGINES, *_APART)
-    return (*ours, *(name for name in _outside() if name not in ours))
+    return tuple(dict.fromkeys((*BUILT_IN, *_APART, *ENGINES.names())))
 
 
 def make_engine(name: str) -> Engine[Any]:
@@ -64,21 +55,20 @@ def make_engine(name: str) -> Engine[Any]:
     from drystone.engines.base import EngineError
     from drystone.engines.framed import framed
 
-    if name in _ENGINES:
-        return framed(_class(name)())
-    entry = _outside().get(name)
-    if entry is None and name in _APART:
-        raise EngineError(
-            f'the engine "{name}" is a package of its own and is not installed: '
-            f"{_APART[name]}, in the folder of drystone's source"
-        )
-    if entry is None:
+    if name not in ENGINES:
+        if name in _APART:
+            raise EngineError(
+                f'the engine "{name}" is a package of its own and is not installed: '
+                f"{_APART[name]}, in the folder of drystone's source"
+            )
         known = ", ".join(engine_names())
         raise EngineError(f'there is no engine "{name}": take one of {known}')
     try:
-        engine = entry.load()()
-    except (ImportError, AttributeError, TypeError) as error:  # also of methods that are missing
-        told = f'the engine "{name}" ({entry.value}) cannot be made: {error}'
+        engine = ENGINES[name]()
+    except RegistryError as error:
+        raise EngineError(str(error)) from error
+    except (ImportError, TypeError) as error:  # of what it needs, of methods that are missing
+        told = f'the engine "{name}" ({ENGINES.place(name)}) cannot be made: {error}'
         raise EngineError(told) from error
     return framed(checked(engine))
 
@@ -97,7 +87,3 @@ def checked(engine: object) -> Engine[Any]:
     if not engine.name:
         raise EngineError(f"{kind.__module__}.{kind.__qualname__}: the engine has no name")
     return engine
-
-
-def _outside() -> dict[str, EntryPoint]:
-    return outside(GROUP)
