@@ -158,7 +158,7 @@ def test_points_of_many_digits_fit_the_lines():
     vertices, faces = solid.box([(-1.0 / 3e5, -1.0 / 7e5, -1.0 / 9e5), (1e-5 / 3, 1e-5 / 7, 1e-5)])
     lines = block_command(12, Part(vertices, faces))
     assert max(map(len, lines)) <= 80
-    found = solid_of(itasca.parse("\n".join(lines)).commands[0][0][3:])
+    found = solid_of(itasca.parse("\n".join(lines)).shapes[0][2:])
     assert sorted(map(tuple, found[0].tolist())) == sorted(map(tuple, vertices.tolist()))
 
 
@@ -172,9 +172,9 @@ def test_solids_are_read_back_from_their_commands(seed):
         solid.box([random.uniform(-1, 0, 3), random.uniform(0.5, 1, 3)]),
     ):
         lines = block_command(4, Part(vertices, faces))
-        words = itasca.parse("\n".join(lines)).commands[0][0]
-        assert words[:3] == ["poly", "region", "4"]
-        found = solid_of(words[3:])
+        words = itasca.parse("\n".join(lines)).shapes[0]
+        assert words[:2] == ["region", "4"]
+        found = solid_of(words[2:])
         solid.check(*found)  # closed, faces flat, all one way round
         # Sums over the same corners in another order.
         assert solid.mass_properties(*found).volume == pytest.approx(

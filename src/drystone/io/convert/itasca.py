@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from drystone.geometry.space.solid import Faces
 from drystone.io.convert.common import (
     STRATEGY,
+    Materials,
     file_name,
     friction_angle,
     friction_coefficient,
@@ -201,18 +202,44 @@ end
 
 @dataclass
 class Parsed:
-    """Commands of a file with the comments above and behind them, and its FISH functions."""
+    """What a file says, its blocks and ranges as the words by which each program gives them."""
 
     title: str = ""
-    commands: list[tuple[list[str], str]] = field(default_factory=list)
     values: dict[str, float] = field(default_factory=dict)  # of `parameters`
+    ids: list[str] = field(default_factory=list)
+    shapes: list[list[str]] = field(default_factory=list)  # of the blocks, without the verb
+    rounding: float | None = None  # m
+    density: list[float] = field(default_factory=list)  # kg/m3, of the materials
+    names: list[str] = field(default_factory=list)  # of the materials
+    laws: list[JointLaw] = field(default_factory=list)
+    kinds: list[tuple[int, list[str]]] = field(default_factory=list)  # materials, from 1; ranges
+    supports: list[list[str]] = field(default_factory=list)  # ranges
+    between: list[tuple[int, list[str]]] = field(default_factory=list)  # laws, from 1; two blocks
+
+    def take(self, words: Sequence[str], comment: str) -> None:
+        """Note what a command says, with the quoted text of its last comment."""
+        match words:
+            case ["round", length]:
+                self.rounding = float(length)
+            case ["block" | "poly", *shape]:
+                self.shapes.append(shape)
+                self.ids.append(comment)
+            case ["prop", "mat", _, "dens", density]:
+                self.density.append(float(density))
+                self.names.append(comment)
+            case ["prop", *pairs]:
+                keys = zip(pairs[0::2], map(float, pairs[1::2]), strict=True)
+                self.laws.append(law_of(dict(keys)))
+            case ["change", "mat", k, "range", *where]:
+                self.kinds.append((int(k), where))
+            case ["fix", "range", *where]:
+                self.supports.append(where)
+            case ["@joint_law", k, *pair]:
+                self.between.append((int(k), pair))
 
 
 def parse(text: str) -> Parsed:
-    """Read what `heading`, `command` and `parameters` wrote.
-
-    A command comes as its words, with the quoted text of its last comment.
-    """
+    """Read what `heading`, `command` and `parameters` wrote."""
     parsed = Parsed()
     inside: str | None = None
     for line, comment in _lines(text, parsed):
@@ -224,7 +251,7 @@ def parse(text: str) -> Parsed:
         elif inside == "parameters":
             parsed.values[words[0]] = float(words[1])
         elif inside is None:
-            parsed.commands.append((words, comment))
+            parsed.take(words, comment)
     return parsed
 
 
@@ -247,9 +274,9 @@ def _lines(text: str, parsed: Parsed) -> Iterator[tuple[str, str]]:
         pending, comment = "", ""
 
 
-def keywords(words: Sequence[str]) -> dict[str, float]:
-    """Pairs of keyword and number."""
-    return {key: float(value) for key, value in zip(words[0::2], words[1::2], strict=True)}
+def numbers(words: Sequence[str]) -> Array:
+    """Words as numbers, (n,)."""
+    return np.array([float(word) for word in words])
 
 
 @contextmanager
@@ -260,6 +287,24 @@ def only_ours(program: str) -> Iterator[None]:
     except (IndexError, KeyError, ValueError) as error:
         what = f"{type(error).__name__}: {error}"
         raise ModelError([f"this is no {program} file of ours ({what})"]) from None
+
+
+#: Where joints have laws of their own: what the file cannot do.
+LAWS_AS_DESIGNED = (
+    "joints with laws of their own keep them as designed: contacts that form later get the first "
+    "law"
+)
+
+
+def properties(assembly: Assembly, stuff: Materials) -> list[str]:
+    """Commands that number the materials and the joint laws; all joints get the first law."""
+    lines = [
+        f"prop mat={k} dens={number(density)}  ; {quoted(material)}"
+        for k, (density, material) in enumerate(zip(stuff.density, stuff.name, strict=True), 1)
+    ]
+    for k, law in enumerate(assembly.laws, start=1):
+        lines += command("prop", f"jmat={k}", *law_words(law))
+    return [*lines, "set jmatdf=1", "change jmat=1"]
 
 
 def law_words(law: JointLaw) -> list[str]:
@@ -303,40 +348,39 @@ BLOCK = ("id", "vertices", "unit_weight", "material", "support", "faces")
 
 def assemble(
     parsed: Parsed,
-    ids: list[str],
-    outlines: list[Array],
-    density: list[float],
-    names: list[str],
-    laws: list[JointLaw],
+    outlines: Sequence[Array],
     *,
-    material: list[int],
-    support: list[bool],
-    between: list[tuple[int, int, int]],
+    within: Callable[[int, list[str]], bool],
+    pair: Callable[[list[str]], tuple[int, int]],
     corner: Corner,
-    area_ratio: list[float] | None = None,
+    area_ratio: Sequence[float] | None = None,
     faces: Sequence[Faces] | None = None,
 ) -> Model:
-    """A model from what a file holds.
+    """A model from what a file says.
 
     Parameters
     ----------
-    density, names, laws
-        Of the materials and of the joint materials, in the order of their numbers.
-    material, support
-        Of each block, the number of its material counted from 1.
-    between
-        Number of the law, counted from 1, and rows of the two blocks.
+    within
+        Whether the block of a row is in a range, which is given by its words.
+    pair
+        Rows of the two blocks that a law of their own names.
     area_ratio
         Area of each block in the file over that of its outline.
     faces
         In space, where ``outlines`` are vertices.
     """
+    if not parsed.shapes or not parsed.laws:
+        raise ValueError("it lacks block, poly or prop")
+    ids, rows = parsed.ids, range(len(outlines))
+    material = [next((k for k, where in parsed.kinds if within(i, where)), 1) for i in rows]
+    support = [any(within(i, where) for where in parsed.supports) for i in rows]
+    between = [(k, *pair(words)) for k, words in parsed.between]
     v = parsed.values
     ratio = area_ratio or [1.0] * len(outlines)
     pairs = zip(material, ratio, strict=True)
     # Rounded, so that blocks of one material have one weight again.
-    weight = [float(f"{density[k - 1] * GRAVITY * r:.12g}") for k, r in pairs]
-    stuff = [names[k - 1] for k in material]
+    weight = [float(f"{parsed.density[k - 1] * GRAVITY * r:.12g}") for k, r in pairs]
+    stuff = [parsed.names[k - 1] for k in material]
     columns = (ids, outlines, weight, stuff, support, faces or [()] * len(ids))
     blocks = [Block(**dict(zip(BLOCK, row, strict=True))) for row in zip(*columns, strict=True)]
     load, at, along, centre = (
@@ -346,8 +390,8 @@ def assemble(
     control = nearest([block.figure().centroid for block in blocks], np.array(centre))
     return make_model(
         blocks,
-        joint=laws[0],
-        joint_between={frozenset((ids[i], ids[j])): laws[k - 1] for k, i, j in between},
+        joint=parsed.laws[0],
+        joint_between={frozenset((ids[i], ids[j])): parsed.laws[k - 1] for k, i, j in between},
         corner=corner,
         thickness=v["thick"] if faces is None else None,
         load_direction=load,

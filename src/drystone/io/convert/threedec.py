@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.geometry.plane import polygon
-from drystone.geometry.space.solid import Faces
 from drystone.io.convert import itasca, threedec_solids
 from drystone.io.convert.common import (
     Written,
@@ -28,7 +27,6 @@ from drystone.io.convert.common import (
     unchamfered,
 )
 from drystone.model.assembly import GRAVITY, Assembly, Corner
-from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
 
 Array = NDArray[np.float64]
@@ -111,11 +109,7 @@ def write(model: Model, name: str = "") -> Written:
         )
     lines = [*itasca.heading(model, PROGRAM, notes), "new"]
     lines += _blocks(assembly, outlines)
-    for k, (density, material) in enumerate(zip(stuff.density, stuff.name, strict=True), start=1):
-        lines.append(f"prop mat={k} dens={number(density)}  ; {itasca.quoted(material)}")
-    for k, law in enumerate(assembly.laws, start=1):
-        lines += itasca.command("prop", f"jmat={k}", *itasca.law_words(law))
-    lines += ["set jmatdf=1", "change jmat=1"]
+    lines += itasca.properties(assembly, stuff)
     for k, kind in enumerate(stuff.of_block, start=1):
         if kind > 1:
             lines.append(f"change mat={kind} range region {k}")
@@ -135,10 +129,7 @@ def write(model: Model, name: str = "") -> Written:
         lines += [
             f"@joint_law({law}, {i + 1}, {j + 1})" for law, i, j in itasca.pair_laws(assembly)
         ]
-        notes.append(
-            "joints with laws of their own keep them as designed: contacts that form later get the "
-            "first law"
-        )
+        notes.append(itasca.LAWS_AS_DESIGNED)
     lines += ["", *(threedec_solids.FUNCTIONS if solid else FUNCTIONS), *itasca.PUSHOVER]
     return Written(text="\n".join(lines) + "\n", notes=tuple(notes))
 
@@ -175,57 +166,45 @@ def read(text: str) -> Model:
     """The model of a file that `write` wrote; its corners are chamfered or sharp."""
     with itasca.only_ours(PROGRAM):
         parsed = itasca.parse(text)
-        return _model(parsed)
+        return _solids(parsed) if "load_z" in parsed.values else _prisms(parsed)
 
 
-def _model(parsed: itasca.Parsed) -> Model:
-    ids: list[str] = []
-    solid = "load_z" in parsed.values
-    cut: list[Array] = []
-    faces: list[Faces] = []
-    density: list[float] = []
-    names: list[str] = []
-    laws: list[JointLaw] = []
-    material: dict[int, int] = {}
-    supports: set[int] = set()
-    between: list[tuple[int, int, int]] = []
-    for words, comment in parsed.commands:
-        if words[0] == "poly" and solid:
-            vertices, sides = threedec_solids.solid_of(words[3:])
-            cut.append(vertices)
-            faces.append(sides)
-            ids.append(comment)
-        elif words[0] == "poly":
-            front = words[words.index("a") + 1 : words.index("b")]
-            cut.append(np.array([float(word) for word in front]).reshape(-1, 3)[:, :2].copy())
-            ids.append(comment)
-        elif words[:2] == ["prop", "mat"]:
-            density.append(float(words[4]))
-            names.append(comment)
-        elif words[0] == "prop":
-            laws.append(itasca.law_of(itasca.keywords(words[1:])))
-        elif words[:2] == ["change", "mat"]:
-            material[int(words[5])] = int(words[2])
-        elif words[0] == "fix":
-            supports.add(int(words[3]))
-        elif words[0] == "@joint_law":
-            law, first, second = (int(word) for word in words[1:])
-            between.append((law, first, second))
-    if not cut or not laws:
-        raise ValueError("it lacks poly or prop")
-    leg = 0.0 if solid else parsed.values["leg"]
+def _solids(parsed: itasca.Parsed) -> Model:
+    found = [threedec_solids.solid_of(words[2:]) for words in parsed.shapes]
+    vertices, faces = [one for one, _ in found], [sides for _, sides in found]
+    return itasca.assemble(
+        parsed, vertices, within=_is_region, pair=_regions, corner=Corner(), faces=faces
+    )
+
+
+def _prisms(parsed: itasca.Parsed) -> Model:
+    """Of their ends, from which chamfers are taken."""
+    cut = [
+        itasca.numbers(words[words.index("a") + 1 : words.index("b")]).reshape(-1, 3)[:, :2].copy()
+        for words in parsed.shapes
+    ]
+    leg = parsed.values["leg"]
     outlines = [unchamfered(outline) for outline in cut] if leg else cut
     ratio = [
-        polygon.signed_area(part) / polygon.signed_area(whole) if leg else 1.0
+        polygon.signed_area(part) / polygon.signed_area(whole)
         for part, whole in zip(cut, outlines, strict=True)
     ]
-    n = len(outlines)
     return itasca.assemble(
-        parsed, ids, outlines, density, names, laws,
-        material=[material.get(k, 1) for k in range(1, n + 1)],
-        support=[k in supports for k in range(1, n + 1)],
-        between=[(law, first - 1, second - 1) for law, first, second in between],
+        parsed,
+        outlines,
+        within=_is_region,
+        pair=_regions,
         corner=Corner(chamfer=leg or None),
-        area_ratio=ratio,
-        faces=faces if solid else None,
-    )  # fmt: skip
+        area_ratio=ratio if leg else None,
+    )
+
+
+def _is_region(row: int, words: list[str]) -> bool:
+    """Whether a range is the block's region."""
+    return int(words[1]) == row + 1
+
+
+def _regions(words: list[str]) -> tuple[int, int]:
+    """Rows of the blocks of two regions."""
+    first, second = map(int, words)
+    return first - 1, second - 1

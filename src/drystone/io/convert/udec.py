@@ -21,7 +21,6 @@ from drystone.io.convert.common import (
 )
 from drystone.model.assembly import GRAVITY, Assembly, Corner
 from drystone.model.construction.errors import ModelError
-from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
 
 Array = NDArray[np.float64]
@@ -129,11 +128,7 @@ def write(model: Model, name: str = "") -> Written:
         clockwise = block.vertices[::-1]
         lines += itasca.command("block", *(f"{number(x)},{number(y)}" for x, y in clockwise))
     lines.append("")
-    for k, (density, material) in enumerate(zip(stuff.density, stuff.name, strict=True), start=1):
-        lines.append(f"prop mat={k} dens={number(density)}  ; {itasca.quoted(material)}")
-    for k, law in enumerate(assembly.laws, start=1):
-        lines += itasca.command("prop", f"jmat={k}", *itasca.law_words(law))
-    lines += ["set jmatdf=1", "change jmat=1"]
+    lines += itasca.properties(assembly, stuff)
     box = BOX * min(float(np.ptp(block.vertices, axis=0).min()) for block in assembly.blocks)
     for (x, y), k in zip(assembly.centroid, stuff.of_block, strict=True):
         if k > 1:
@@ -148,10 +143,7 @@ def write(model: Model, name: str = "") -> Written:
     if assembly.joint_between:
         lines += JOINT_LAW
         lines += [f"@joint_law({', '.join(words)})" for words in _pairs(assembly)]
-        notes.append(
-            "joints with laws of their own keep them as designed: contacts that form later get the "
-            "first law"
-        )
+        notes.append(itasca.LAWS_AS_DESIGNED)
     lines += ["", *FUNCTIONS, *itasca.PUSHOVER]
     return Written(text="\n".join(lines) + "\n", notes=tuple(notes))
 
@@ -210,47 +202,22 @@ def read(text: str) -> Model:
 
 
 def _model(parsed: itasca.Parsed) -> Model:
-    ids: list[str] = []
-    outlines: list[Array] = []
-    density: list[float] = []
-    names: list[str] = []
-    laws: list[JointLaw] = []
-    kinds: list[tuple[int, Array]] = []
-    supports: list[Array] = []
-    between: list[tuple[int, Array, Array]] = []
-    rounding = None
-    for words, comment in parsed.commands:
-        if words[0] == "round":
-            rounding = float(words[1])
-        elif words[0] == "block":
-            values = np.array([float(word) for word in words[1:]]).reshape(-1, 2)
-            outlines.append(values[::-1].copy())
-            ids.append(comment)
-        elif words[0] == "prop" and words[1] == "mat":
-            density.append(float(words[4]))
-            names.append(comment)
-        elif words[0] == "prop":
-            laws.append(itasca.law_of(itasca.keywords(words[1:])))
-        elif words[:2] == ["change", "mat"]:
-            kinds.append((int(words[2]), np.array([float(word) for word in words[4:]])))
-        elif words[0] == "fix":
-            supports.append(np.array([float(word) for word in words[2:]]))
-        elif words[0] == "@joint_law":
-            values = np.array([float(word) for word in words[2:]])
-            between.append((int(words[1]), values[:2], values[2:]))
-    if not outlines or not laws or rounding is None:
-        raise ValueError("it lacks block, prop or round")
+    if parsed.rounding is None:
+        raise ValueError("it lacks round")
+    outlines = [itasca.numbers(words).reshape(-1, 2)[::-1].copy() for words in parsed.shapes]
     centres = [polygon.mass_properties(outline).centroid for outline in outlines]
+
+    def pair(words: list[str]) -> tuple[int, int]:
+        first, second = itasca.numbers(words).reshape(2, 2)
+        return itasca.nearest(centres, first), itasca.nearest(centres, second)
+
     return itasca.assemble(
-        parsed, ids, outlines, density, names, laws,
-        material=[next((k for k, box in kinds if _inside(c, box)), 1) for c in centres],
-        support=[any(_inside(c, box) for box in supports) for c in centres],
-        between=[
-            (k, itasca.nearest(centres, first), itasca.nearest(centres, second))
-            for k, first, second in between
-        ],
-        corner=Corner(radius=rounding),
-    )  # fmt: skip
+        parsed,
+        outlines,
+        within=lambda i, words: _inside(centres[i], itasca.numbers(words)),
+        pair=pair,
+        corner=Corner(radius=parsed.rounding),
+    )
 
 
 def _inside(point: Array, box: Array) -> bool:
