@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,12 +13,13 @@ from matplotlib.collections import LineCollection
 from matplotlib.image import imread
 
 from drystone.cli.run import report
+from drystone.common.language import speaking
 from drystone.io.results.summary import summarise
 from drystone.limit.beside import Beside
 from drystone.report import canvas, draw_benchmark_wall, draw_curve, draw_mechanism, plot_curve
 from drystone.report.curve_figure import plot_curves
 from drystone.report.joints import Joints
-from drystone.report.mechanism import Mechanism, readable_magnification
+from drystone.report.mechanism import Drawn, Mechanism, readable_magnification
 from drystone.report.mechanism_figure import plot_mechanism
 from drystone.results.curve import SETTLEMENT
 from drystone.results.shapes import MovingShapes, moving_blocks
@@ -116,6 +118,33 @@ def test_open_and_slid_joints_are_drawn_apart():
     assert "slid joint" in labels(axes) and "open joint" not in labels(axes)
     (slid,) = [c for c in axes.collections if isinstance(c, LineCollection)]
     assert len(slid.get_segments()) == 5  # the bed joints between first and second course
+
+
+def test_joints_of_blocks_that_have_left_are_none():
+    """The upper courses slide past what stays; of one that has left nothing is drawn but dashes."""
+    model = synthetic.wall_model()
+    pose = model.assembly.rest_pose()
+    pose[4:, 0] = 0.05
+    row = model.assembly.n_bodies - 1
+    gone = np.arange(model.assembly.n_bodies) == row
+    shown = replace(mechanism(model, 0.0), pose=pose, gone=gone)
+    joints = Joints.of(model.assembly)
+    opened, slid = Drawn.of(shown).changed(joints)
+    of_it = (joints.designed.block_a == row) | (joints.designed.block_b == row)
+    assert of_it.any() and not (opened | slid)[of_it].any() and slid[~of_it].any()
+
+
+def test_numbers_along_the_axes_have_the_decimal_mark_of_the_language(tmp_path):
+    for language, mark in (("en", "0.6"), ("it", "0,6")):
+        figure = canvas.new_figure(4.0, 4.0)
+        with speaking(language):
+            axes = figure.subplots()
+            canvas.plain_axes(axes)
+            axes.set_xlim(0.0, 1.0)
+        canvas.save(figure, tmp_path / "axes.svg", "svg")
+        told = set(re.findall(r">([^<>]+)</text>", (tmp_path / "axes.svg").read_text()))
+        assert mark in told
+        assert not any("." in text for text in told) or language == "en"
 
 
 def test_picture_of_a_wall_at_rest(tmp_path):

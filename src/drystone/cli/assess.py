@@ -273,19 +273,12 @@ def _pictures(
     verdict: Verdict, title: str, formats: Sequence[str]
 ) -> dict[str, Callable[[Path], None]]:
     """What draws capacity and demand, by file names."""
-    from drystone.report.document.adrs import adrs_file
+    from drystone.report.adrs_figure import draw_adrs
 
-    def svg(path: Path) -> None:
-        path.write_text(adrs_file(verdict.assessment, title), encoding="utf-8")
-
-    found: dict[str, Callable[[Path], None]] = {"adrs.svg": svg}
-    if formats:
-        from drystone.report.adrs_figure import draw_adrs
-
-        for name in formats:
-            draw = partial(draw_adrs, verdict.assessment, title=title, format=name)
-            found[f"adrs.{name}"] = draw
-    return found
+    return {
+        f"adrs.{name}": partial(draw_adrs, verdict.assessment, title=title, format=name)
+        for name in ("svg", *formats)
+    }
 
 
 def _without_curves(data: Mapping[str, Any]) -> dict[str, Any]:

@@ -78,20 +78,10 @@ def plot_adrs(axes: Axes, answer: Assessment) -> None:
     demands = demands_of(answer)
     top = height_of(float(a.max()), demands, right)
     for i, (label, spectrum, damping) in enumerate(demands):
-        colour = canvas.CURVE_COLOURS[1 + i % (len(canvas.CURVE_COLOURS) - 1)]
-        style = canvas.CURVE_STYLES[1 + i % (len(canvas.CURVE_STYLES) - 1)]
-        axes.plot(
-            spectrum.sd(GRID, damping),
-            spectrum.sa(GRID, damping),
-            color=colour,
-            linestyle=style,
-            linewidth=1.4,
-            label=label,
-            zorder=3,
-        )
+        plot_demand(axes, i, spectrum.sd(GRID, damping), spectrum.sa(GRID, damping), label)
     axes.set_xlim(0.0, right)
     axes.set_ylim(0.0, top)
-    _rays(axes, right, top)
+    plot_rays(axes, right, top)
     for i, state in enumerate(states):
         _mark(axes, answer, state, MARKERS[i % len(MARKERS)])
     axes.set_xlabel(say("picture.d").spoken)
@@ -172,7 +162,14 @@ def height_of(highest: float, demands: list[tuple[str, Spectrum, float]], right:
     return 1.12 * max(highest, min(max(plateaus, default=0.0), 2.0 * highest))
 
 
-def _rays(axes: Axes, right: float, top: float) -> None:
+def plot_demand(axes: Axes, i: int, x: Array, y: Array, label: str) -> None:
+    """A spectrum, the i-th of a picture, in a colour and a line that no capacity has."""
+    k = 1 + i % (len(canvas.CURVE_COLOURS) - 1)
+    colour, style = canvas.CURVE_COLOURS[k], canvas.CURVE_STYLES[k]
+    axes.plot(x, y, color=colour, linestyle=style, linewidth=1.4, label=label, zorder=3)
+
+
+def plot_rays(axes: Axes, right: float, top: float) -> None:
     """Lines of equal period through the origin, named where they leave the picture."""
     for period in PERIODS:
         slope = (2.0 * np.pi / period) ** 2

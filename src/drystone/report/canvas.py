@@ -6,10 +6,14 @@ matplotlib is changed: a program that uses the library keeps its own figures as 
 
 from __future__ import annotations
 
+import base64
+import io
 import warnings
+from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING
 
+from drystone.common.language import current, with_mark
 from drystone.model.construction.words import printable
 
 if TYPE_CHECKING:
@@ -27,6 +31,9 @@ FAINT = "#8c8c8c"
 CURVE_COLOURS = ("#0b3c6f", "#c1440e", "#2a7f62", "#7a4b9a", "#8a6d00", "#444444")
 CURVE_STYLES = ("-", "--", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (8, 2)))
 
+#: Behind words that stand on lines.
+BACKING = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
+
 
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure of that size [inches] that belongs to no window and no global list."""
@@ -42,18 +49,59 @@ def literal(text: str) -> str:
 
 
 def save(
-    figure: Figure, path: Path | str, format: str = "png", resolution: int = RESOLUTION
+    figure: Figure, path: Path | str | IO[bytes], format: str = "png", resolution: int = RESOLUTION
 ) -> None:
-    """Write the figure, as PNG where nothing is said."""
-    with warnings.catch_warnings():
+    """Write the figure, as PNG where nothing is said; the same figure gives the same file."""
+    from matplotlib import rc_context
+
+    # Letters of SVG stay letters, which can be found and marked.
+    with (
+        warnings.catch_warnings(),
+        rc_context({"svg.fonttype": "none", "svg.hashsalt": "drystone"}),
+    ):
         # A title may be in letters that the font has no picture of: they become boxes.
         warnings.filterwarnings("ignore", message="Glyph .* missing from")
-        figure.savefig(Path(path), format=format, dpi=resolution, facecolor="white")
+        figure.savefig(
+            path,
+            format=format,
+            dpi=resolution,
+            facecolor="white",
+            metadata={"Date": None} if format == "svg" else None,
+        )
+
+
+#: What a browser is told that a picture is, by its format.
+_KINDS = {"svg": "image/svg+xml", "png": "image/png"}
+
+
+def element(figure: Figure, label: str, format: str, resolution: int = RESOLUTION) -> str:
+    """The figure as an element of a page that needs no other file; ``label`` is what is on it, for
+    those who do not see it."""
+    stream = io.BytesIO()
+    save(figure, stream, format, resolution)
+    data = base64.b64encode(stream.getvalue()).decode("ascii")
+    return f'<img alt="{escape(label)}" src="data:{_KINDS[format]};base64,{data}">'
 
 
 def plain_axes(axes: Axes) -> None:
-    """Thin frame on two sides, faint grid behind the data."""
+    """Thin frame on two sides, faint grid behind the data; figures of the language spoken."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(visible=True, color="#dddddd", linewidth=0.6)
     axes.set_axisbelow(True)
     axes.tick_params(labelsize=9)
+    speak_ticks(axes)
+
+
+def speak_ticks(axes: Axes) -> None:
+    """Numbers along the axes have the decimal mark of the language that is spoken."""
+    from matplotlib.ticker import ScalarFormatter
+
+    language = current()
+
+    class Spoken(ScalarFormatter):
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            return with_mark(super().__call__(x, pos), language)
+
+    if language != "en":
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_formatter(Spoken())

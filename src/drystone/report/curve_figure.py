@@ -29,7 +29,6 @@ STEEP = 0.1
 LEFTWARDS = 0.5
 #: Dynamic points marked on one curve, about: more would run into each other.
 MOST_MARKERS = 60
-BACKING = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
 DISPLACEMENT, MULTIPLIER = "control displacement $δ_c$", "load multiplier $λ$ [-]"
 
 
@@ -275,7 +274,7 @@ def _mark_peak(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
         ha="right" if left else "left",
         textcoords="offset points",
         fontsize=10,
-        bbox=BACKING,
+        bbox=canvas.BACKING,
         zorder=7,
     )
 
@@ -330,7 +329,7 @@ def _mark_end(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
         xytext=(9, 4),
         textcoords="offset points",
         fontsize=10,
-        bbox=BACKING,
+        bbox=canvas.BACKING,
         zorder=7,
     )
 

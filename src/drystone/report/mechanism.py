@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.forces import ContactForces
+from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.motion import moved_points
 from drystone.model.assembly import Assembly
 from drystone.model.loading import DeadLoad
@@ -21,12 +23,27 @@ Array = NDArray[np.float64]
 
 RESTING, MOVING, SUPPORT = "#f3f1ec", "#d9b676", "#c9c9c9"
 OPEN_JOINT, SLID_JOINT = "#c8102e", "#00558c"
+#: Of rigid bodies, Okabe and Ito's, told apart by colour-blind readers.
+BODIES = ("#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7")
 #: A joint has opened or slid when it did by this share of the largest displacement, or by more than
 #: what counts as rest.
 VISIBLE = 0.02
 #: The picture holds all that is drawn where it was designed, and what has moved beyond that by up
 #: to this share of the structure's size.  Around it there is a rim, over the same.
 MARGIN, RIM = 0.6, 0.04
+
+
+class Followed(Protocol):
+    """Designed joints that are followed as their blocks move, in either dimension."""
+
+    @property
+    def designed(self) -> Interfaces:
+        """As designed."""
+        ...
+
+    def opening_and_slip(self, pose: Array, since: Array | None = None) -> tuple[Array, Array]:
+        """Largest opening and slip of each since the poses ``since``, (k,) each [m]."""
+        ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,6 +62,18 @@ class Mechanism:
     tie_branch: NDArray[np.int64] | None = None  # (n_ties,) what they do, see `ties.STATES`
     dead_loads: tuple[DeadLoad, ...] = ()  # drawn as arrows
     linear: bool = False  # the pose is a velocity field (n, n_dof), see `motion.moved_points`
+    #: (n,) the rigid body that each block is of, negative at rest: they give the colours, in place
+    #: of what moves.
+    bodies: NDArray[np.int64] | None = None
+
+    def colours(self, drawn: Drawn) -> list[str]:
+        """Of all blocks, (n,)."""
+        if self.bodies is None:
+            by_block = [MOVING if moving else RESTING for moving in drawn.moving]
+        else:
+            by_block = [RESTING if k < 0 else BODIES[k % len(BODIES)] for k in self.bodies.tolist()]
+        fixed = self.assembly.fixed.tolist()
+        return [SUPPORT if held else own for held, own in zip(fixed, by_block, strict=True)]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -97,6 +126,14 @@ class Drawn:
             loads=arrows,
             designed=np.vstack((shapes.vertices, ends)),
         )
+
+    def changed(self, joints: Followed) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Which joints have opened, and which of the others have slid, (k,) each; none of blocks
+        that have left."""
+        opening, slip = joints.opening_and_slip(self.pose, self.settled)
+        there = ~(self.gone[joints.designed.block_a] | self.gone[joints.designed.block_b])
+        opened = there & (opening > self.visible)
+        return opened, there & (slip > self.visible) & ~opened
 
     def path_of(self, control_point: ControlPoint) -> Array:
         """Where the control point was as designed, and where it is, (2, dim) [m]."""

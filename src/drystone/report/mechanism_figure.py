@@ -5,6 +5,8 @@ One entry for both dimensions; what is drawn here itself is the plane, `solids_f
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,11 +19,8 @@ from drystone.report import canvas, marks
 from drystone.report.joints import Joints
 from drystone.report.load_arrows import DEAD, plot_arrows
 from drystone.report.mechanism import (
-    MOVING,
     OPEN_JOINT,
-    RESTING,
     SLID_JOINT,
-    SUPPORT,
     Drawn,
     Mechanism,
 )
@@ -33,6 +32,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+#: Width of a picture in a page [inches]: half of the page, so that letters keep their size; and of
+#: one without letters, whose lines are made finer as it is made smaller.
+HALF_PAGE, WITHOUT_LETTERS = 3.6, 8.0
 #: Joints that opened by more than this share of the structure's size are not filled: a block fell.
 GAPING = 0.25
 #: Contact points are drawn up to this many: more would hide the blocks.
@@ -47,7 +49,6 @@ def draw_mechanism(
     scale: str = "",
     format: str = "png",
     width: float = 8.0,
-    plain: bool = False,
 ) -> None:
     """Write a picture: joints that opened in red, those that slid in blue.
 
@@ -63,18 +64,12 @@ def draw_mechanism(
         Of the file: "png", "svg" or "pdf".
     width
         Of the picture [inches].
-    plain
-        Without title and legend, for a page that has its own.
     """
     figure = canvas.new_figure(width, width)
     axes = figure.subplots()
     plot_mechanism(axes, mechanism)
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     shape = (top - bottom) / (right - left)
-    if plain:
-        figure.set_size_inches(width, float(np.clip(width * shape, 0.5 * width, 1.5 * width)))
-        canvas.save(figure, path, format, 2 * canvas.RESOLUTION)
-        return
     magnification = mechanism.magnification
     if not scale:
         scale = (
@@ -91,6 +86,24 @@ def draw_mechanism(
     canvas.save(figure, path, format)
 
 
+def mechanism_element(mechanism: Mechanism, label: str) -> str:
+    """The picture alone, for a page that has title, legend and scale in words, as an element of it:
+    lines in the plane, pixels in space."""
+    flat = mechanism.assembly.dimension == 2
+    if flat:
+        mechanism = replace(mechanism, load_direction=None)  # its letters would be too small
+    width = WITHOUT_LETTERS if flat else HALF_PAGE
+    figure = canvas.new_figure(width, width)
+    axes = figure.subplots()
+    plot_mechanism(axes, mechanism)
+    axes.set_axis_off()
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    height = width * (top - bottom) / (right - left)
+    lowest = 0.0 if flat else 0.5 * width  # letters in space need room
+    figure.set_size_inches(width, float(np.clip(height, lowest, 1.5 * width)))
+    return canvas.element(figure, label, "svg" if flat else "png", 2 * canvas.RESOLUTION)
+
+
 def plot_mechanism(axes: Axes, mechanism: Mechanism) -> None:
     """Draw a mechanism on given axes, which get equal scales: of the plane in metres, of space as
     it is seen from where its motion shows."""
@@ -103,7 +116,7 @@ def plot_mechanism(axes: Axes, mechanism: Mechanism) -> None:
 
 def _plot_plane(axes: Axes, mechanism: Mechanism, drawn: Drawn) -> None:
     assembly, shapes = mechanism.assembly, drawn.shapes
-    _plot_blocks(axes, drawn, assembly.fixed)
+    _plot_blocks(axes, drawn, assembly.fixed, mechanism.colours(drawn))
     if drawn.visible > 0.0:
         joints = Joints.of(assembly, linear=mechanism.linear)
         _plot_joints(axes, joints, drawn, _line_width(assembly, 3.0))
@@ -118,7 +131,9 @@ def _plot_plane(axes: Axes, mechanism: Mechanism, drawn: Drawn) -> None:
         _plot_load(axes, shapes, mechanism.load_direction)
 
 
-def _plot_blocks(axes: Axes, drawn: Drawn, fixed: NDArray[np.bool_]) -> None:
+def _plot_blocks(
+    axes: Axes, drawn: Drawn, fixed: NDArray[np.bool_], colours: Sequence[str]
+) -> None:
     from matplotlib.collections import PolyCollection
 
     shapes, moving, gone = drawn.shapes, drawn.moving, drawn.gone
@@ -129,6 +144,8 @@ def _plot_blocks(axes: Axes, drawn: Drawn, fixed: NDArray[np.bool_]) -> None:
     def add(which: NDArray[np.bool_], outlines: list[Array], **style: Any) -> None:
         rows = np.flatnonzero(which[shapes.body])
         if len(rows):
+            if outlines is moved:
+                style["facecolors"] = [colours[i] for i in shapes.body[rows].tolist()]
             axes.add_collection(PolyCollection([outlines[i] for i in rows], **style), autolim=False)
 
     add(
@@ -144,7 +161,6 @@ def _plot_blocks(axes: Axes, drawn: Drawn, fixed: NDArray[np.bool_]) -> None:
     add(
         ~moving & ~fixed & ~gone,
         moved,
-        facecolors=RESTING,
         edgecolors="#555555",
         linewidths=width,
         label="at rest",
@@ -153,7 +169,6 @@ def _plot_blocks(axes: Axes, drawn: Drawn, fixed: NDArray[np.bool_]) -> None:
     add(
         moving,
         moved,
-        facecolors=MOVING,
         edgecolors=canvas.INK,
         linewidths=width,
         label="moving",
@@ -162,7 +177,6 @@ def _plot_blocks(axes: Axes, drawn: Drawn, fixed: NDArray[np.bool_]) -> None:
     add(
         fixed,
         moved,
-        facecolors=SUPPORT,
         edgecolors="#555555",
         linewidths=width,
         hatch="////",
@@ -175,11 +189,10 @@ def _plot_joints(axes: Axes, joints: Joints, drawn: Drawn, width: float) -> None
     """Open joints: both faces in red and the gap between them; slid ones: blue and dashed."""
     from matplotlib.collections import LineCollection, PolyCollection
 
-    opening, slip = joints.opening_and_slip(drawn.pose, drawn.settled)
+    opened, slid = drawn.changed(joints)
     face_a, face_b = joints.faces(drawn.pose)
-    opened = opening > drawn.visible
-    slid = (slip > drawn.visible) & ~opened
     if opened.any():
+        opening, _ = joints.opening_and_slip(drawn.pose, drawn.settled)
         gaping = opened & (opening < GAPING * float(np.ptp(face_a, axis=(0, 1)).max()))
         gap = np.concatenate((face_a, face_b[:, ::-1]), axis=1)[gaping]
         axes.add_collection(
@@ -259,6 +272,7 @@ def _frame(axes: Axes, low: Array, high: Array) -> None:
     axes.tick_params(labelsize=9)
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
+    canvas.speak_ticks(axes)
 
 
 def _line_width(assembly: Assembly, widest: float) -> float:

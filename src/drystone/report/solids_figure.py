@@ -49,7 +49,6 @@ FEW, MANY = 150, 800
 SAME = 1e-4
 #: Pieces of a line, four fine pixels each, that may show at the rim of what hides it.
 HEM = 2
-BACKING = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
 #: Spacing of the hatch on supports, and of the dashes of designed outlines [fine pixels].
 HATCH, DASH = 22, 14
 
@@ -77,6 +76,8 @@ class _View:
 
 def plot_solids(axes: Axes, mechanism: Mechanism, drawn: Drawn) -> None:
     """Draw a mechanism in space on given axes, which get equal scales and no ticks."""
+    from matplotlib.colors import to_rgb
+
     assembly, shapes = mechanism.assembly, drawn.shapes
     vertices = shapes.moved(drawn.pose)
     sides = np.ptp(shapes.vertices[~assembly.fixed[shapes.owner]], axis=0)
@@ -88,7 +89,8 @@ def plot_solids(axes: Axes, mechanism: Mechanism, drawn: Drawn) -> None:
     view = _View(camera=camera, frame=frame, polyhedra=assembly.polyhedra)
 
     seen = view.look(vertices, ~drawn.gone)
-    colours = _coloured(view, seen, vertices, _block_colours(drawn, assembly), assembly.fixed)
+    of_block = np.array([to_rgb(name) for name in mechanism.colours(drawn)], np.float32)
+    colours = _coloured(view, seen, vertices, of_block, assembly.fixed)
     _add_ghost(view, seen, colours, shapes.vertices, drawn.moving | drawn.gone)
     extent = (low[0], low[0] + columns * pixel, low[1], low[1] + rows * pixel)
     picture = raster.reduced(colours, FINER).clip(0.0, 1.0)
@@ -109,14 +111,6 @@ def plot_solids(axes: Axes, mechanism: Mechanism, drawn: Drawn) -> None:
     if mechanism.load_direction is not None:
         _plot_load(axes, camera, shapes.vertices[~assembly.fixed[shapes.owner]], mechanism)
     _plot_scale(axes, camera, float(sides.max()), seen)
-
-
-def _block_colours(drawn: Drawn, assembly: Assembly) -> Colours:
-    """Of every block, (n, 3)."""
-    from matplotlib.colors import to_rgb
-
-    kind = np.where(assembly.fixed, 2, np.where(drawn.moving, 1, 0))
-    return np.array([to_rgb(name) for name in (RESTING, MOVING, SUPPORT)], np.float32)[kind]
 
 
 def _coloured(
@@ -239,9 +233,7 @@ def _plot_joints(axes: Axes, view: _View, seen: Seen, joints: SolidJoints, drawn
     """Rims of opened joints on both blocks in red, those of slid ones in blue, where seen."""
     from matplotlib.collections import LineCollection
 
-    opening, slip = joints.opening_and_slip(drawn.pose, drawn.settled)
-    opened = opening > drawn.visible
-    slid = (slip > drawn.visible) & ~opened
+    opened, slid = drawn.changed(joints)
     width = float(np.clip(2.2 * np.sqrt(60.0 / len(drawn.gone)), 0.7, 2.2))
     for which, colour, label, style in (
         (opened, OPEN_JOINT, "open joint", "solid"),
@@ -329,7 +321,7 @@ def _plot_scale(axes: Axes, camera: Camera, size: float, seen: Seen) -> None:
         )  # fmt: skip
     axes.annotate(
         f"{length:g} m each", (left, bottom), xytext=(3, 3), textcoords="offset points",
-        fontsize=9, bbox=BACKING, zorder=9,
+        fontsize=9, bbox=canvas.BACKING, zorder=9,
     )  # fmt: skip
 
 

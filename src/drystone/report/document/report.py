@@ -99,8 +99,8 @@ def context(found: Folder, date: datetime | None) -> dict[str, Any]:
     ground = judged.drawn_spectra(t["text"]["all_states"])
     shown = _states_shown(judged)
     mechanisms = [_mechanism(mark, folder) for mark, folder in shown]
-    coloured = contents.header["dimension"] == 2 and judged.governing.labels is not None
-    signs = figures.legend(mechanisms, coloured) if mechanisms else []
+    coloured = any(mechanism.bodies is not None for mechanism in mechanisms)
+    signs = figures.legend(mechanisms) if mechanisms else []
     settles = curve.settles
     return {
         "t": t,
@@ -114,7 +114,7 @@ def context(found: Folder, date: datetime | None) -> dict[str, Any]:
         "caution": bool(judged.data.get("caution")),
         "no_verdict": tell(judged.reason),
         "outcome": settling.outcome(curve, model, t["text"]) if settles else "",
-        "curve": figures.curve_svg(judged.curves, marks, t["plot"]),
+        "curve": figures.curve_picture(judged.curves, marks, t["plot"]),
         "sense": "" if settles else judged.sense_sentence(t["text"]),
         "analysis": settling.of_analysis(curve, model, t["facts"])
         if settles
@@ -130,7 +130,7 @@ def context(found: Folder, date: datetime | None) -> dict[str, Any]:
         "readings": _readings(judged, t["table"]),
         "reading": judged.data.get("reading"),
         "adrs": _adrs(judged, t["plot"]),
-        "hazard": figures.spectra_svg(ground, t["plot"]) if ground else "",
+        "hazard": figures.spectra_picture(ground, t["plot"]) if ground else "",
         "hazard_rows": [(name, spoken(spectrum.label)) for name, (spectrum, _) in ground.items()],
         "assumptions": [tell(said) for said in judged.data.get("assumptions") or []],
         "uncertain": [tell(said) for said in judged.data.get("uncertain") or []],
@@ -208,6 +208,7 @@ def _mechanism(mark: Mark, folder: Folder) -> Mechanism:
         tie_branch=curve.ties.branch[row] if curve.ties else None,
         dead_loads=model.dead_loads,
         magnification=readable_magnification(model.assembly, pose, poses[0]),
+        bodies=None if folder.labels is None else np.array(folder.labels, np.int64),
     )
 
 
@@ -242,7 +243,7 @@ def _shown(
     text, factor = t["text"], mechanism.magnification
     scale = text["true"] if factor == 1.0 else text["magnified"].format(factor=number(factor, "g"))
     return {
-        "picture": figures.state_picture(mechanism, folder.labels, caption),
+        "picture": figures.state_picture(mechanism, caption),
         "caption": caption,
         "scale": scale,
     }
@@ -352,7 +353,7 @@ def _adrs(judged: Judged, t: Mapping[str, str]) -> str:
         if state.get("limit_displacement") and state.get("limit_acceleration")
     }
     capacity = np.asarray(d, float), np.asarray(a, float) / factor
-    return figures.adrs_svg(capacity, judged.demand_spectra, states, t)
+    return figures.adrs_picture(capacity, judged.demand_spectra, states, t)
 
 
 def _software(
