@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from drystone.contact.contacts import KIND, NONE, PLANE_NORMAL_3, Pairs, Slots
-from drystone.contact.space import manifold
+from drystone.contact.space import facing, manifold, points, shapes
 from drystone.contact.space.rows import gradients_in_space
 from drystone.contact.space.solids import pack
 from drystone.geometry.motion import rest
@@ -64,7 +64,7 @@ class Scene:
         self.axes = np.tile(np.eye(3), (n, 1, 1)) if axes is None else axes
         untreated = np.zeros(sum(len(face) for _, faces in cores for face in faces))
         self.shapes = pack(cores, np.arange(n), np.full(n, radius), untreated, centroid, self.axes)
-        self.world = manifold.World.of(self.shapes)
+        self.world = shapes.World.of(self.shapes)
         self.pose = rest(n, 3)
         a, b = np.triu_indices(n, 1)
         n_slots = manifold.slots_of(self.shapes, points, a, b)
@@ -81,7 +81,7 @@ class Scene:
     def follow(self, known, pose):
         """Known slots in another pose."""
         slots = Slots.empty(self.pairs.n_slots, 3)
-        manifold.follow(self.shapes, pose, self.world, self.pairs, known, slots)
+        points.follow(self.shapes, pose, self.world, self.pairs, known, slots)
         return slots
 
     def rows(self, slots):
@@ -238,4 +238,4 @@ def brute_area(scene, slots):
     axes = np.column_stack((t, np.cross(n, t)))
     area, _ = brute_overlap((p - p[0]) @ axes, ((q - p[0]) @ axes)[::-1])
     least = min(0.5 * np.linalg.norm(np.cross(x, np.roll(x, -1, 0)).sum(axis=0)) for x in (p, q))
-    return max(area, manifold.LEAST_SHARE * least)
+    return max(area, facing.LEAST_SHARE * least)

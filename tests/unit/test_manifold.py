@@ -11,7 +11,7 @@ import pytest
 
 from drystone.contact.contacts import BALL_3, GAP, KIND, NONE, VERTEX_B
 from drystone.contact.measures import left_behind
-from drystone.contact.space import manifold, overlap
+from drystone.contact.space import facing, overlap
 from drystone.contact.space.succession import carried, find_predecessors
 from drystone.geometry.broad import candidate_pairs
 from drystone.geometry.motion import moved
@@ -133,7 +133,7 @@ class TestFlush:
         k = used(slots)
         wide, deep = 1 - shift[0], 1 - shift[1]
         assert len(k) == 4
-        area = max(wide * deep, manifold.LEAST_SHARE)
+        area = max(wide * deep, facing.LEAST_SHARE)
         assert slots.size[k] == pytest.approx(area / 4, rel=1e-9)
         place = scene.shapes.centroid[0] + slots.arm_a[k]
         corners = {tuple(x) for x in np.round(place, 9) + 0.0}
@@ -263,7 +263,7 @@ class TestTilted:
         assert len(k) == 1
         assert slots.gap[k] == pytest.approx(-0.01, abs=ROUNDING)
         assert slots.normal[k] == pytest.approx(np.array([[0, 0, 1]]), abs=ROUNDING)
-        assert slots.size[k] == pytest.approx(manifold.LEAST_SHARE * 2 * np.sqrt(2), rel=1e-9)
+        assert slots.size[k] == pytest.approx(facing.LEAST_SHARE * 2 * np.sqrt(2), rel=1e-9)
 
     @pytest.mark.parametrize("noise", [0.0, 1e-9, 1e-4])
     def test_touching_by_less_than_a_face(self, noise):
@@ -336,7 +336,7 @@ class TestTies:
     def test_what_only_touches_has_the_smallest_interface(self, upper, pairs):
         slots = Scene([self.BASE, upper]).find()
         k = used(slots)
-        assert slots.size[k].sum() == pytest.approx(manifold.LEAST_SHARE * min(pairs), rel=1e-9)
+        assert slots.size[k].sum() == pytest.approx(facing.LEAST_SHARE * min(pairs), rel=1e-9)
         along = np.eye(3)[np.argmin(pairs)]
         assert slots.normal[k] == pytest.approx(np.tile(along, (len(k), 1)), abs=ROUNDING)
 

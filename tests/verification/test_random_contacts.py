@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from drystone.contact.contacts import PLACE_3, PLANE_NORMAL_3, POINT_3, VERTEX_B
-from drystone.contact.space import manifold, separation
+from drystone.contact.space import separation
+from drystone.contact.space.edges import MARGIN
+from drystone.contact.space.shapes import place
 from drystone.geometry.motion import moved
 from touching import (
     ROUNDING,
@@ -49,7 +51,7 @@ class TestRandomPairs:
             edges = crossing_edges(scene, slots)
             seen.add(edges)
             # Faces are taken for edges that separate the solids by no more than MARGIN more.
-            margin = (0.0 if edges else 2.0 * manifold.MARGIN) * shapes.size.min() + 1e-9
+            margin = (0.0 if edges else 2.0 * MARGIN) * shapes.size.min() + 1e-9
             assert abs(slots.gap[used(slots)].min() - best) <= margin
         assert seen == {True, False}
 
@@ -144,7 +146,7 @@ def test_edges_that_cross_separate_as_brute_force_says():
         scene = random_scene(np.random.default_rng(7000 + seed))
         (p, faces_p), (q, faces_q) = scene.solids
         best, of_p, of_q = brute_separation(p, faces_p, q, faces_q)
-        manifold.place(scene.shapes, scene.pose, scene.world)
+        place(scene.shapes, scene.pose, scene.world)
         first, edge, world = scene.shapes.first, scene.shapes.edge, scene.world
         *_, across = separation.best_edges(
             first, edge, world.vertex, world.normal, 0, 1, np.zeros((5, 3))

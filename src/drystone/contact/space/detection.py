@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.contacts import ARM_A_3, A, Contacts, Pairs, Slots
-from drystone.contact.space import manifold, solids, succession
-from drystone.contact.space.manifold import World
+from drystone.contact.space import manifold, points, solids, succession
 from drystone.contact.space.rows import packed_rows_in_space
+from drystone.contact.space.shapes import World, place, turn_bodies
 from drystone.law import packing
 from drystone.model.assembly import Assembly
 
@@ -36,7 +36,7 @@ class SpaceNarrowPhase:
 
     def place(self, pose: Array) -> Array:
         """Core vertices in the poses (n, 7), (n_vertices, 3) [m]; scratch."""
-        manifold.place(self.bodies, pose, self.world)
+        place(self.bodies, pose, self.world)
         return self.world.vertex
 
     def n_slots(self, part_a: IntArray, part_b: IntArray) -> IntArray:
@@ -52,7 +52,7 @@ class SpaceNarrowPhase:
 
     def follow(self, pairs: Pairs, pose: Array, known: Slots, slots: Slots) -> None:
         """The contacts in ``known``, by their features, in other poses, into ``slots``."""
-        manifold.follow(self.bodies, pose, self.world, pairs, known, slots)
+        points.follow(self.bodies, pose, self.world, pairs, known, slots)
 
     def predecessors(self, pairs: Pairs, before: Slots, now: Slots) -> IntArray:
         """The slot of the same pair that each one goes on with, or -1, (n_slots,)."""
@@ -69,7 +69,7 @@ class SpaceNarrowPhase:
     def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array, to: Contacts) -> int:
         """Fill contacts from the slots in use, with their gradients; returns how many."""
         count = int(packing.pack_laws(slots, pairs, laws, 1.0, to))
-        manifold.turn_bodies(self.bodies, pose, self.world)
+        turn_bodies(self.bodies, pose, self.world)
         packed_rows_in_space(slots.value, to.which, count, self.world.axes, to.rows)
         return count
 

@@ -42,12 +42,9 @@ TIED = 1e-6
 #: a half more.
 EDGED = 1e-9
 
-#: An edge that lies on a face but for less than this angle [rad] rests on it at both of its ends.
-FLAT = 0.05
-
 
 @njit(cache=True)
-def incident_face(first, ring, corner, vertex, normal, face, q, kept, deepest):
+def _incident_face(first, ring, corner, vertex, normal, face, q, kept, deepest):
     """Face of part q that meets a reference face, and their cosine; see `most_opposed`.
 
     ``deepest`` [m] is how far above the reference face the part may be and touch.
@@ -61,35 +58,7 @@ def incident_face(first, ring, corner, vertex, normal, face, q, kept, deepest):
 
 
 @njit(cache=True)
-def edge_on_face(edge, normal, edge_p, edge_q, axis):
-    """Whether an edge of p or q lies nearly flat on a face of the other at their crossing, and how.
-
-    ``axis`` (3,) is the one that the edges cross on, from p to q.  Returned is whether the face is
-    one of p, the face, or -1 where both edges cross in earnest, and the face of the other part
-    behind that edge which is more opposed to it.
-    """
-    least, of_p, face = 1.0 - 0.5 * FLAT * FLAT, True, -1
-    for side in range(2):
-        chosen, sign = (edge_p, 1.0) if side == 0 else (edge_q, -1.0)
-        for c in range(2, 4):
-            f = edge[chosen, c]
-            along = axis[0] * normal[f, 0] + axis[1] * normal[f, 1] + axis[2] * normal[f, 2]
-            if sign * along > least:
-                least, of_p, face = sign * along, side == 0, f
-    if face < 0:
-        return True, -1, -1
-    other, found, most = edge_q if of_p else edge_p, -1, np.inf
-    for c in range(2, 4):
-        f, along = edge[other, c], 0.0
-        for i in range(3):
-            along += normal[face, i] * normal[f, i]
-        if along < most:
-            most, found = along, f
-    return of_p, face, found
-
-
-@njit(cache=True)
-def project(ring, corner, vertex, face, origin, t1, t2, backwards, out):
+def _project(ring, corner, vertex, face, origin, work, backwards, out):
     """Corners of a face in the coordinates of a plane, (m, 2); returns m."""
     begin, m = ring[face], ring[face + 1] - ring[face]
     for j in range(m):
@@ -97,40 +66,42 @@ def project(ring, corner, vertex, face, origin, t1, t2, backwards, out):
         x, y = 0.0, 0.0
         for i in range(3):
             d = vertex[v, i] - vertex[origin, i]
-            x += t1[i] * d
-            y += t2[i] * d
+            x += work[0, i] * d
+            y += work[1, i] * d
         out[j, 0], out[j, 1] = x, y
     return m
 
 
-# Many: arrays one by one, for records that are handed on count references at every pair.
 @njit(cache=True)
 def project_both(
-    ring, corner, vertex, normal, plane, turn, body, face_p, face_q, t1, t2, reference, incident
+    ring, corner, vertex, normal, plane, turn, body, face_p, face_q, work, reference, incident
 ):
-    """Corners of both faces, seen along the normal of p, which ``body`` carries; their numbers."""
+    """Corners of both faces, seen along the normal of p, which ``body`` carries; their numbers.
+
+    The tangents that they are seen along go to the first two rows of ``work``.
+    """
     for i in range(3):
-        t1[i] = plane[face_p, 3 + i]
+        work[0, i] = plane[face_p, 3 + i]
         for k in range(3):
-            t1[i] += turn[body, i, k] * plane[face_p, 3 + k]
-    nx, ny, nz = normal[face_p, 0], normal[face_p, 1], normal[face_p, 2]
-    t2[0], t2[1], t2[2] = ny * t1[2] - nz * t1[1], nz * t1[0] - nx * t1[2], nx * t1[1] - ny * t1[0]
+            work[0, i] += turn[body, i, k] * plane[face_p, 3 + k]
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        work[1, i] = normal[face_p, j] * work[0, k] - normal[face_p, k] * work[0, j]
     origin = corner[ring[face_p], 0]
-    n = project(ring, corner, vertex, face_p, origin, t1, t2, False, reference)
-    m = project(ring, corner, vertex, face_q, origin, t1, t2, True, incident)
+    n = _project(ring, corner, vertex, face_p, origin, work, False, reference)
+    m = _project(ring, corner, vertex, face_q, origin, work, True, incident)
     return n, m
 
 
-# Many: arrays one by one, for records that are handed on count references at every pair.
 @njit(cache=True)
-def _worth(
-    ring, corner, vertex, normal, plane, extent, turn, body, face_p, face_q, cosine, t1, t2,
-    reference, incident, polygon, name,
-):  # fmt: skip
+def _worth(scene, scratch, body, face_p, face_q, cosine):
     """Overlap of two faces [m2]; of a line or a point less than nothing, of none the least."""
+    reference, incident = scratch.reference, scratch.incident
+    polygon, name, extent = scratch.polygon, scratch.name, scene.extent
     n, m = project_both(
-        ring, corner, vertex, normal, plane, turn, body, face_p, face_q, t1, t2, reference, incident
-    )
+        scene.ring, scene.corner, scene.vertex, scene.normal, scene.plane, scene.turn, body,
+        face_p, face_q, scratch.work, reference, incident,
+    )  # fmt: skip
     near = CLIP * min(extent[face_p, 1], extent[face_q, 1])
     half, count = clip(incident, m, reference, n, ROUNDING * near / CLIP, polygon, name)
     area, _, _, _ = measure(polygon, half, count)
@@ -142,18 +113,18 @@ def _worth(
     return -least if count > 0 else -np.inf
 
 
-# Many: arrays one by one, for records that are handed on count references at every pair.
 @njit(cache=True)
-def untied(
-    first, ring, corner, vertex, normal, plane, extent, turn, body, p, q, face, apart, tie, slack,
-    kept, t1, t2, reference, incident, polygon, name,
-):  # fmt: skip
+def _untied(scene, scratch, p, q, face, apart, kept):
     """The reference face of part p among those that separate it from part q as well as ``face``.
 
-    That one does so by ``apart`` [m], the most; those that do by no less than ``tie`` [m] of it
-    are as good.  ``kept`` and ``slack`` [m] are for the incident faces.  Returned is by how much
-    the face separates them as well.
+    That one does so by ``apart`` [m], the most; those that do by no less than TIED of the smaller
+    size are as good.  ``kept`` is for the incident faces.  Returned is by how much the face
+    separates them as well.
     """
+    first, ring, corner = scene.first, scene.ring, scene.corner
+    vertex, normal, body = scene.vertex, scene.normal, scene.of_part[p]
+    smaller = min(scene.size[p], scene.size[q])
+    slack, tie = HELD * smaller, TIED * smaller
     alone = True
     for f in range(first[p, 1], first[p + 1, 1]):
         by = separation(first, ring, corner, vertex, normal, f, q)
@@ -165,26 +136,55 @@ def untied(
         by = separation(first, ring, corner, vertex, normal, f, q)
         if by < apart - tie:
             continue
-        face_q, cosine = incident_face(first, ring, corner, vertex, normal, f, q, kept, by + slack)
-        worth = _worth(
-            ring, corner, vertex, normal, plane, extent, turn, body, f, face_q, cosine, t1, t2,
-            reference, incident, polygon, name,
-        )  # fmt: skip
+        face_q, cosine = _incident_face(first, ring, corner, vertex, normal, f, q, kept, by + slack)
+        worth = _worth(scene, scratch, body, f, face_q, cosine)
         if found < 0 or worth - best > HELD * abs(worth):
             found, best, apart_found = f, worth, by
     return found, apart_found
 
 
-# Many: arrays one by one, for records that are handed on count references at every pair.
 @njit(cache=True)
-def lies_on(
-    first, ring, corner, vertex, normal, plane, extent, turn, body, face, q, kept, deepest, t1, t2,
-    reference, incident, polygon, name,
-):  # fmt: skip
-    """Whether part q lies on a face by more than an edge or a point."""
-    face_q, cosine = incident_face(first, ring, corner, vertex, normal, face, q, kept, deepest)
-    worth = _worth(
-        ring, corner, vertex, normal, plane, extent, turn, body, face, face_q, cosine, t1, t2,
-        reference, incident, polygon, name,
+def _lies_on(scene, scratch, p, face, q, kept, deepest):
+    """Whether part q lies on a face of part p by more than an edge or a point."""
+    face_q, cosine = _incident_face(
+        scene.first, scene.ring, scene.corner, scene.vertex, scene.normal, face, q, kept, deepest
+    )
+    return _worth(scene, scratch, scene.of_part[p], face, face_q, cosine) > 0.0
+
+
+@njit(cache=True)
+def faces_that_meet(scene, scratch, p, q, on_a, on_b, anew):
+    """Whether the reference face is one of part p, this face, the incident face and their cosine.
+
+    ``on_a`` and ``on_b`` are what p and q have: the face that separates most, by how much [m], by
+    how much the face does that is kept, and this one.  Faces are not kept where ``anew``.
+    """
+    face_a, apart_a, held_a, kept_a = on_a
+    face_b, apart_b, held_b, kept_b = on_b
+    smaller, best = min(scene.size[p], scene.size[q]), max(apart_a, apart_b)
+    slack, good = HELD * smaller, False
+    p_is_a, face, apart, to = True, face_a, apart_a, apart_b
+    for trial in range(2 if anew else 0, 3):  # what is kept of a, of b; else a's before b's
+        if trial == 0:
+            p_is_a, face, apart, to = True, kept_a, held_a, best
+        elif trial == 1:
+            p_is_a, face, apart, to = False, kept_b, held_b, best
+        else:
+            p_is_a, face, apart, to = True, face_a, apart_a, apart_b
+        good = apart >= to - EDGED * smaller
+        if not good and apart >= to - slack:
+            part, other, kept = (p, q, kept_b) if p_is_a else (q, p, kept_a)
+            good = _lies_on(scene, scratch, part, face, other, kept, apart + slack)
+        if good and trial < 2:
+            break
+    else:
+        if not good:
+            p_is_a, face, apart = False, face_b, apart_b
+        part, other, kept = (p, q, kept_b) if p_is_a else (q, p, kept_a)
+        face, apart = _untied(scene, scratch, part, other, face, apart, kept)
+    other, kept = (q, kept_b) if p_is_a else (p, kept_a)
+    found, cosine = _incident_face(
+        scene.first, scene.ring, scene.corner, scene.vertex, scene.normal, face, other, kept,
+        apart + slack,
     )  # fmt: skip
-    return worth > 0.0
+    return p_is_a, face, found, cosine

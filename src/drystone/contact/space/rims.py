@@ -72,23 +72,22 @@ def _rim(ring, corner, vertex, normal, face, at, past):
     return (first, second, share) if outside else (-1, -1, 0.0)
 
 
-# Many: arrays one by one, for records that are handed on count references at every pair.
 @njit(cache=True)
-def meet_rims(
-    ring, corner, local, plane, edge, turn, vertex, normal, body_a, body_b, radius_a, radius_b,
-    begin, stop, which, value, across,
-):  # fmt: skip
-    """Give slots from ``begin`` to ``stop`` their balls, and at a rim the normal that rounded edges
-    have there.
+def meet_rims(scene, work, p, q, begin, stop, which, value):
+    """Give slots from ``begin`` to ``stop``, of parts p and q, their balls, and at a rim the normal
+    that rounded edges have there.
 
-    ``across`` is scratch (2, 3).
+    ``work`` (5, 3) is scratch.
     """
+    radius_a, radius_b = scene.radius[p], scene.radius[q]
     for k in range(begin, stop):
         value[k, BALL_3] = radius_b if which[k, KIND] == VERTEX_B else radius_a
     if radius_a + radius_b == 0.0:
         return
-    n_vertices, n_faces = local.shape[0], local.shape[0] + edge.shape[0]
-    past, rim, apart = PAST * (radius_a + radius_b), across[0], across[1]
+    ring, corner, local, plane = scene.ring, scene.corner, scene.local, scene.plane
+    turn, vertex, normal = scene.turn, scene.vertex, scene.normal
+    n_vertices, n_faces = local.shape[0], local.shape[0] + scene.edge.shape[0]
+    past, rim, apart = PAST * (radius_a + radius_b), work[0], work[1]
     for k in range(begin, stop):
         on_b = which[k, KIND] == VERTEX_B
         of_v, of_f = (FEATURE_B, FEATURE_A) if on_b else (FEATURE_A, FEATURE_B)
@@ -117,7 +116,7 @@ def meet_rims(
                 value[k, PLANE_TANGENT_3 + c] = plane[beyond, 3 + c]
         elif size > DEEP * (radius_a + radius_b):
             value[k, BALL_3] *= size / (radius_a + radius_b)
-            carrier, along, length = body_a if on_b else body_b, 0.0, 0.0
+            carrier, along, length = scene.of_part[p if on_b else q], 0.0, 0.0
             for c in range(3):
                 value[k, PLACE_3 + c] = local[i, c] + share * (local[j, c] - local[i, c])
                 back = apart[c]

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.contact.space.manifold import Shapes
+from drystone.contact.space.shapes import Shapes
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -1,0 +1,222 @@
+"""Where two parts meet face on face: the points of their overlap, see `contact.space.manifold`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.common.compiled import njit
+from drystone.contact.contacts import (
+    EDGE_A,
+    EDGE_B,
+    FEATURE_A,
+    FEATURE_B,
+    KIND,
+    PLACE_3,
+    PLANE_NORMAL_3,
+    PLANE_TANGENT_3,
+    POINT_3,
+    SIZE,
+    VERTEX_A,
+    VERTEX_B,
+)
+from drystone.contact.space.facing import LEAST_SHARE, project_both
+from drystone.contact.space.overlap import (
+    CLIP,
+    CROSSING,
+    INNER,
+    LEAVES,
+    MERGE,
+    OF_P,
+    OF_Q,
+    ON_SIDE,
+    ROUNDING,
+    TYPE,
+    VERTEX_P,
+    VERTEX_Q,
+    clip,
+    measure,
+    merge_corners,
+    n_spread,
+    name_corners,
+    scale,
+    sort_corners,
+    spread,
+    widened,
+    width_of,
+)
+from drystone.contact.space.points import evaluate_all
+from drystone.contact.space.rims import meet_rims
+
+#: Numbers of points between the ends of a side are less.
+ON_SIDES = 64
+
+#: An incident face with a cosine below this to the reference face is seen edge on.
+EDGE_ON = 0.05
+
+
+@njit(cache=True)
+def _side(ring, corner, face, j, backwards):
+    """Edge that leaves corner j of a face, listed forwards or backwards."""
+    begin, m = ring[face], ring[face + 1] - ring[face]
+    return corner[begin + ((m - 2 - j) % m if backwards else j), 1]
+
+
+@njit(cache=True)
+def _vertex(ring, corner, face, j, backwards):
+    """Vertex of corner j of a face, listed forwards or backwards."""
+    begin, m = ring[face], ring[face + 1] - ring[face]
+    return corner[begin + (m - 1 - j if backwards else j), 0]
+
+
+@njit(cache=True)
+def _overlap(reference, incident, m, n, near, polygon, name):
+    """Corners of the overlap, by name: which half of the arrays, how many, area and centroid."""
+    half, count = clip(incident, m, reference, n, ROUNDING * near / CLIP, polygon, name)
+    area, cx, cy, perimeter = measure(polygon, half, count)
+    if area == 0.0:
+        half, count = clip(incident, m, reference, n, near, polygon, name)
+        _, cx, cy, perimeter = measure(polygon, half, count)
+    if count > 0:
+        short = max(MERGE * width_of(area, perimeter), near)
+        name_corners(polygon, name, half, count, incident, m, reference, n, near)
+        count = merge_corners(polygon, name, half, count, short, near)
+        half = sort_corners(polygon, name, half, count)
+    return half, count, area, cx, cy
+
+
+@njit(cache=True)
+def _on_face(ring, corner, local, face, incident, m, x, y, value, k):
+    """Material point of the incident face that is seen at (x, y), into slot k."""
+    i, j, far, widest = 1, 2, 0.0, 0.0  # corners that, with the first one, span the face best
+    for c in range(1, m):
+        ux, uy = incident[c, 0] - incident[0, 0], incident[c, 1] - incident[0, 1]
+        if ux * ux + uy * uy > far:
+            i, far = c, ux * ux + uy * uy
+    for c in range(1, m):
+        ux, uy = incident[i, 0] - incident[0, 0], incident[i, 1] - incident[0, 1]
+        vx, vy = incident[c, 0] - incident[0, 0], incident[c, 1] - incident[0, 1]
+        if abs(ux * vy - uy * vx) > widest:
+            j, widest = c, abs(ux * vy - uy * vx)
+    ux, uy = incident[i, 0] - incident[0, 0], incident[i, 1] - incident[0, 1]
+    vx, vy = incident[j, 0] - incident[0, 0], incident[j, 1] - incident[0, 1]
+    dx, dy = x - incident[0, 0], y - incident[0, 1]
+    det = ux * vy - uy * vx
+    s, t = (dx * vy - dy * vx) / det, (ux * dy - uy * dx) / det
+    v0, v1 = _vertex(ring, corner, face, 0, True), _vertex(ring, corner, face, i, True)
+    v2 = _vertex(ring, corner, face, j, True)
+    for c in range(3):
+        along = s * (local[v1, c] - local[v0, c]) + t * (local[v2, c] - local[v0, c])
+        value[k, POINT_3 + c] = local[v0, c] + along
+
+
+@njit(cache=True)
+def _features(ring, corner, face_p, face_q, mark, i, n, m, n_vertices, n_edges):
+    """Features of point i on the reference body and on the incident one; see the module."""
+    faces = n_vertices + n_edges
+    between = faces + ring.shape[0] - 1
+    type_, of_p, of_q, number = mark[i, TYPE], mark[i, OF_P], mark[i, OF_Q], mark[i, LEAVES]
+    if type_ == ON_SIDE:
+        if of_p < m:
+            edge = n_vertices + _side(ring, corner, face_q, of_p, True)
+            return between + number, edge
+        edge = n_vertices + _side(ring, corner, face_p, of_p - m, False)
+        return edge, between + number
+    plus = 0
+    if type_ == INNER:
+        if number == 0:
+            return faces + face_p, faces + face_q
+        type_, plus = (number - 1) % 3, (1 + (number - 1) // 3) * (between + ON_SIDES)
+    if type_ == VERTEX_Q:
+        return plus + faces + face_p, _vertex(ring, corner, face_q, of_q, True)
+    if type_ == VERTEX_P:
+        return plus + _vertex(ring, corner, face_p, of_p, False), faces + face_q
+    edge_p = n_vertices + _side(ring, corner, face_p, of_p, False)
+    return plus + edge_p, n_vertices + _side(ring, corner, face_q, of_q, True)
+
+
+@njit(cache=True)
+def _write_points(scene, scratch, face_p, face_q, p_is_a, n, m, n_points, first, end, which, value):
+    """Points of an overlap as slots from ``first`` on, but for what `points.evaluate` adds."""
+    ring, corner, local, plane = scene.ring, scene.corner, scene.local, scene.plane
+    incident, point, mark, weight = scratch.incident, scratch.point, scratch.mark, scratch.weight
+    n_vertices, n_edges = local.shape[0], scene.edge.shape[0]
+    k = first
+    for i in range(n_points):
+        if k >= end:
+            break
+        if weight[i] == 0.0:  # no joint behind it
+            continue
+        type_ = mark[i, TYPE]
+        swapped = type_ == VERTEX_P
+        carrier = face_q if swapped else face_p
+        on_p, on_q = _features(ring, corner, face_p, face_q, mark, i, n, m, n_vertices, n_edges)
+        which[k, KIND] = VERTEX_B if p_is_a != swapped else VERTEX_A
+        which[k, FEATURE_A], which[k, FEATURE_B] = (on_p, on_q) if p_is_a else (on_q, on_p)
+        which[k, EDGE_A], which[k, EDGE_B] = (face_p, face_q) if p_is_a else (face_q, face_p)
+        value[k, SIZE] = weight[i]
+        origin = corner[ring[carrier], 0]
+        for c in range(3):
+            value[k, PLACE_3 + c] = local[origin, c]
+            value[k, PLANE_NORMAL_3 + c] = plane[carrier, c]
+            value[k, PLANE_TANGENT_3 + c] = plane[carrier, 3 + c]
+        if type_ == VERTEX_P or type_ == VERTEX_Q:
+            v = on_p if swapped else on_q
+            for c in range(3):
+                value[k, POINT_3 + c] = local[v, c]
+        elif type_ == CROSSING:
+            j = mark[i, OF_Q]
+            after = j + 1 if j + 1 < m else 0
+            ex, ey = incident[after, 0] - incident[j, 0], incident[after, 1] - incident[j, 1]
+            share = (point[i, 0] - incident[j, 0]) * ex + (point[i, 1] - incident[j, 1]) * ey
+            share = min(max(share / (ex * ex + ey * ey), 0.0), 1.0)
+            v = _vertex(ring, corner, face_q, j, True)
+            w = _vertex(ring, corner, face_q, after, True)
+            for c in range(3):
+                value[k, POINT_3 + c] = local[v, c] + share * (local[w, c] - local[v, c])
+        else:
+            x, y = point[i, 0], point[i, 1]
+            _on_face(ring, corner, local, face_q, incident, m, x, y, value, k)
+        k += 1
+    return k
+
+
+@njit(cache=True)
+def face_points(scene, scratch, face_p, face_q, p_is_a, pair, n_most, which, value):
+    """Points of the overlap of a reference face p and an incident face q, into their pair's slots.
+
+    ``pair`` are parts a and b, their first slot and the one behind the last; ``p_is_a`` tells whose
+    face the reference face is.  Returned are the slot behind the points, and the least gap [m].
+    """
+    ring, extent, normal, of_part = scene.ring, scene.extent, scene.normal, scene.of_part
+    reference, incident, polygon = scratch.reference, scratch.incident, scratch.polygon
+    name, point, weight = scratch.name, scratch.point, scratch.weight
+    part_a, part_b, begin, end = pair
+    n, m = project_both(
+        ring, scene.corner, scene.vertex, normal, scene.plane, scene.turn,
+        of_part[part_a if p_is_a else part_b], face_p, face_q, scratch.work, reference, incident,
+    )  # fmt: skip
+    near = CLIP * min(extent[face_p, 1], extent[face_q, 1])
+    half, count, area, cx, cy = _overlap(reference, incident, m, n, near, polygon, name)
+    if count == 0:
+        return begin, np.inf
+    cosine = 0.0
+    for c in range(3):
+        cosine -= normal[face_p, c] * normal[face_q, c]
+    if area > 0.0:
+        for i in range(count):
+            j = name[half, i, LEAVES]
+            at = ring[face_q] + (m - 2 - j) % m if j < m else ring[face_p] + j - m
+            weight[i] = scene.setback[at]
+        area += widened(polygon, half, count, weight)
+    n_points = n_spread(count, n_most if cosine > EDGE_ON and area > 0.0 else 4, end - begin)
+    spread(polygon, name, half, count, cx, cy, n_points, point, scratch.mark, weight)
+    least = LEAST_SHARE * min(extent[face_p, 0], extent[face_q, 0])
+    scale(point, n_points, cx, cy, max(area, least), weight)
+    stop = _write_points(
+        scene, scratch, face_p, face_q, p_is_a, n, m, n_points, begin, end, which, value
+    )
+    meet_rims(scene, scratch.work, part_a, part_b, begin, stop, which, value)
+    return stop, evaluate_all(
+        scene.centroid, scene.radius[part_a] + scene.radius[part_b], scene.turn, scene.pose, which,
+        value, begin, stop, of_part[part_a], of_part[part_b],
+    )  # fmt: skip
