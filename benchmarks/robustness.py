@@ -1,0 +1,317 @@
+"""Random structures of every kind by `equilibrium`: what ends, what does not, and what it costs.
+
+    python benchmarks/robustness.py --kinds solids,corner --seeds 0:40
+    python benchmarks/robustness.py --seeds 0:40:2 --set space.hold=0 --against stored.json
+
+For each structure one line, for each kind a sum: curves that end or stop, points that are not
+balanced, points called unstable, steps tried and failed, iterations of all of them, seconds of the
+processor.  ``--set NAME=VALUE`` changes a setting of the engine (``space.hold``: a point for each
+record within), so that an ablation is one run more; ``--against`` compares with a stored run, curve
+by curve.  Choose on even seeds, report odd ones.
+"""
+
+from __future__ import annotations
+
+import harness  # first: it holds the libraries' threads to one
+
+# isort: split
+import argparse
+import json
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, fields, is_dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
+
+import buildings
+import drystone as ds
+from bonded_walls import bonded_wall
+from drystone.engines.base import UnstableError
+from drystone.results.curve import DYNAMIC, FINISHED
+from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumSettings
+from random_solids import random_solids
+from structures import structure
+
+#: Residual over the heaviest weight that a point at rest may leave.
+BALANCED = 1e-8
+
+
+def _any_side(rng: np.random.Generator) -> tuple[float, float, float]:
+    angle = float(rng.uniform(0.0, 2.0 * np.pi))
+    return np.cos(angle), np.sin(angle), 0.0
+
+
+def _joints(rng: np.random.Generator) -> dict[str, float]:
+    """Friction and stiffness of any kind of joint that walls have."""
+    return {
+        "friction": round(float(rng.uniform(0.45, 0.85)), 3),
+        "stiffness": 10.0 ** float(rng.uniform(8.5, 11.0)),
+    }
+
+
+def corner(seed: int) -> ds.Model:
+    """Two walls that meet in a corner, pushed to any side."""
+    rng = np.random.default_rng(seed)
+    units = int(rng.integers(2, 5)), int(rng.integers(2, 5))
+    courses = int(rng.integers(3, 8))
+    return buildings.corner_wall(units, courses, push=_any_side(rng), **_joints(rng))
+
+
+def box(seed: int) -> ds.Model:
+    """Four walls around a square."""
+    rng = np.random.default_rng(seed)
+    size = int(rng.integers(2, 5)), int(rng.integers(3, 6))
+    return buildings.box_building(*size, push=_any_side(rng), **_joints(rng))
+
+
+def arch(seed: int) -> ds.Model:
+    """An arch in space, pushed to any side."""
+    rng = np.random.default_rng(seed)
+    shape = {
+        "n_voussoirs": int(rng.integers(7, 24)),
+        "thickness": float(rng.uniform(0.25, 0.5)),
+        "width": float(rng.uniform(0.3, 0.9)),
+        "embrace": float(rng.choice([120.0, 140.0, 160.0])),
+    }
+    return buildings.arch(**shape, push=_any_side(rng), **_joints(rng))
+
+
+def dome(seed: int) -> ds.Model:
+    """A hemisphere of voussoirs, pushed to any side."""
+    rng = np.random.default_rng(seed)
+    shape = int(rng.integers(3, 7)), int(rng.integers(8, 14))
+    thickness = float(rng.uniform(0.35, 0.6))
+    return buildings.dome(*shape, thickness=thickness, push=_any_side(rng), **_joints(rng))
+
+
+def tied(seed: int) -> ds.Model:
+    """A random solid with a tie from its top to the ground, and a surcharge by its load's side."""
+    rng = np.random.default_rng(seed)
+    model = random_solids(seed)
+    assembly = model.assembly
+    top = int(np.argmax(assembly.centroid[:, 2]))
+    place = assembly.centroid[top]
+    foot = place + rng.uniform(-1.0, 1.0, 3) * [1.0, 1.0, 0.0]
+    foot[2] = 0.0
+    tie = ds.Tie(
+        id="t",
+        a=(assembly.ids[top], tuple(place)),
+        b=tuple(foot),
+        stiffness=1e7,
+        yield_force=float(rng.uniform(0.2, 2.0)) * float(assembly.heaviest_weight),
+    )
+    return model.with_ties([tie])
+
+
+KINDS: dict[str, Callable[[int], ds.Model]] = {
+    "plane": structure,
+    "solids": random_solids,
+    "corner": corner,
+    "box": box,
+    "arch": arch,
+    "dome": dome,
+    "bonded": bonded_wall,
+    "bonded-space": lambda seed: bonded_wall(seed, 3),
+}
+
+
+class _Counting(EquilibriumEngine):
+    """Counts steps tried and failed, and iterations of all."""
+
+    def __init__(self, settings: EquilibriumSettings) -> None:
+        super().__init__(settings)
+        self.tried = self.failed = self.iterations = 0
+        self.longest = 0.0  # s, of one step
+
+    def step(self, state: Any, demand: Any) -> Any:
+        """See `Engine.step`."""
+        begun = time.process_time()
+        new, report = super().step(state, demand)
+        self.longest = max(self.longest, time.process_time() - begun)
+        self.tried += 1
+        self.failed += not report.converged
+        self.iterations += report.n_iterations
+        return new, report
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """One curve."""
+
+    kind: str
+    seed: int
+    n_blocks: int
+    end: str  # "ended", "stopped", "does not stand", "too long", or an error
+    reason: str = ""
+    peak: float = 0.0
+    peak_at: float = 0.0  # m
+    last_at: float = 0.0  # m
+    n_points: int = 0
+    n_dynamic: int = 0
+    n_unstable: int = 0
+    unbalanced: int = 0
+    tried: int = 0
+    failed: int = 0
+    iterations: int = 0
+    seconds: float = 0.0
+    longest: float = 0.0
+
+
+class _TooLongError(Exception):
+    pass
+
+
+@contextmanager
+def _at_most(seconds: int) -> Iterator[None]:
+    def ring(*_: object) -> None:
+        raise _TooLongError
+
+    signal.signal(signal.SIGALRM, ring)
+    signal.alarm(seconds)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+
+
+def run(kind: str, seed: int, settings: EquilibriumSettings, limit: int) -> Run:
+    """Trace the curve of one structure."""
+    model = KINDS[kind](seed)
+    what = {"kind": kind, "seed": seed, "n_blocks": model.assembly.n_blocks}
+    engine, begun = _Counting(settings), time.process_time()
+
+    def told(end: str, **more: Any) -> Run:
+        seconds = round(time.process_time() - begun, 3)
+        counts = {"tried": engine.tried, "failed": engine.failed, "iterations": engine.iterations}
+        longest = round(engine.longest, 3)
+        return Run(**what, end=end, seconds=seconds, longest=longest, **counts, **more)
+
+    try:
+        with _at_most(limit):
+            curve = ds.pushover(model, engine=engine, progress=False)
+    except UnstableError as error:
+        return told("does not stand", reason=str(error)[:200])
+    except _TooLongError:
+        return told("too long")
+    except Exception as error:  # any other is a fault to be listed, not to end the run
+        return told(type(error).__name__, reason=str(error)[:200])
+    still = [point for point in curve.points if point.status != DYNAMIC]
+    return told(
+        "ended" if curve.status == FINISHED else "stopped",
+        reason=curve.reason[:200],
+        peak=curve.peak.load_multiplier,
+        peak_at=curve.peak.control_displacement,
+        last_at=curve.points[-1].control_displacement,
+        n_points=len(curve.points),
+        n_dynamic=len(curve.points) - len(still),
+        n_unstable=sum(point.unstable for point in still),
+        unbalanced=sum(point.residual > BALANCED for point in still),
+    )
+
+
+def with_settings(changes: Sequence[str]) -> EquilibriumSettings:
+    """The engine's settings with some of them changed, each as "name.of.it=value"."""
+    settings = EquilibriumSettings()
+    for change in changes:
+        name, value = change.split("=")
+        settings = _changed(settings, name.split("."), value)
+    return settings
+
+
+def _changed(record: Any, path: Sequence[str], value: str) -> Any:
+    names = [field.name for field in fields(record)]
+    if path[0] not in names:
+        raise SystemExit(f"there is no setting {path[0]}; there are: {', '.join(names)}")
+    old = getattr(record, path[0])
+    if is_dataclass(old):
+        return replace(record, **{path[0]: _changed(old, path[1:], value)})
+    return replace(record, **{path[0]: type(old)(float(value)) if old is not None else value})
+
+
+def summary(runs: Sequence[Run]) -> str:
+    """Sums by kind, as a table."""
+    rows = []
+    kinds = [*dict.fromkeys(run.kind for run in runs)]
+    for name, part in [(k, [r for r in runs if r.kind == k]) for k in kinds] + [("all", runs)]:
+        rows.append({
+            "kind": name,
+            "curves": len(part),
+            "ended": sum(r.end == "ended" for r in part),
+            "not": sum(r.end not in ("ended", "does not stand") for r in part),
+            "points": sum(r.n_points for r in part),
+            "in motion": sum(r.n_dynamic for r in part),
+            "unstable": sum(r.n_unstable for r in part),
+            "unbalanced": sum(r.unbalanced for r in part),
+            "tried": sum(r.tried for r in part),
+            "failed": sum(r.failed for r in part),
+            "iterations": sum(r.iterations for r in part),
+            "seconds": f"{sum(r.seconds for r in part):.1f}",
+            "longest step": f"{max((r.longest for r in part), default=0.0):.2f}",
+        })  # fmt: skip
+    return harness.table(rows)
+
+
+def compared(runs: Sequence[Run], stored: Sequence[Run]) -> str:
+    """Curves that differ from a stored run: in their ends, peaks by 1e-4, last points by 1e-2."""
+    before = {(r.kind, r.seed): r for r in stored}
+    lines = []
+    for now in runs:
+        then = before.get((now.kind, now.seed))
+        if then is None:
+            continue
+        said = []
+        if now.end != then.end:
+            said.append(f"{then.end} -> {now.end}: {now.reason}")
+        if abs(now.peak - then.peak) > 1e-4 * max(abs(then.peak), 1e-3):
+            said.append(f"peak {then.peak:.6g} -> {now.peak:.6g}")
+        if abs(now.last_at - then.last_at) > 1e-2 * max(abs(then.last_at), 1e-3):
+            said.append(f"last {then.last_at:.4g} -> {now.last_at:.4g} m")
+        if said:
+            lines.append(f"{now.kind} {now.seed}: {'; '.join(said)}")
+    return "\n".join(lines) or "no curve differs"
+
+
+def _seeds(text: str) -> range:
+    return range(*(int(part) for part in text.split(":")))
+
+
+def main() -> None:
+    """See the module's text."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("--kinds", default=",".join(KINDS), help=f"of {', '.join(KINDS)}")
+    parser.add_argument("--seeds", default="0:20:2", help="first:end or first:end:step")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes")
+    parser.add_argument("--limit", type=int, default=120, help="seconds for a curve")
+    parser.add_argument("--out", type=Path, help="where the run is stored, as JSON")
+    parser.add_argument("--against", type=Path, help="a stored run to compare with")
+    given = parser.parse_args()
+    settings, runs = with_settings(given.changes), []
+    for kind in given.kinds.split(","):
+        for seed in _seeds(given.seeds):
+            runs.append(one := run(kind, seed, settings, given.limit))
+            print(
+                f"{one.kind} {one.seed}: {one.end}, {one.n_blocks} blocks, peak {one.peak:.6g} at "
+                f"{one.peak_at:.4g} m, last {one.last_at:.4g} m, {one.n_points} points "
+                f"({one.n_dynamic} in motion, {one.n_unstable} unstable, {one.unbalanced} "
+                f"unbalanced), {one.tried} steps, {one.failed} failed, {one.iterations} iterations,"
+                f" {one.seconds:.2f} s, longest {one.longest:.2f} s"
+                + ("" if one.end == "ended" else f": {one.reason}"),
+                flush=True,
+            )
+    print(summary(runs))
+    if given.out:
+        given.out.write_text(json.dumps([asdict(one) for one in runs], indent=1))
+    if given.against:
+        stored = [Run(**entry) for entry in json.loads(given.against.read_text())]
+        print(compared(runs, stored))
+
+
+if __name__ == "__main__":
+    main()
