@@ -139,7 +139,6 @@ _UNSOLVED = StepSolution(
 Once = Callable[[Array, Array, IntArray, Array | None], StepSolution]
 
 
-# Long: Newton's method and falling strengths take turns, each from what the other has found.
 def solve(
     step: YieldingStep,
     strengths: Strengths,
@@ -168,10 +167,8 @@ def solve(
     way
         The way from a solution, or from the guess where there is none, with what contacts hold
         and those that are made, as for ``once``; if there is a way.
-    tolerance
-        Force [N] by which what contacts hold may still change.
-    increment
-        Of the pacing displacement [m]; None where there is none.
+    tolerance, increment
+        Force [N] by which what contacts hold may still change; pacing displacement [m], if any.
     lets_go
         Whether joints may let go in it, to equilibria that are far.
     """
@@ -186,8 +183,7 @@ def solve(
     patient = lets_go or not strengths.smooth
     fallen, most = 0, MOST_SOLUTIONS if patient else FEW_SOLUTIONS
     begun = _Come(np.arange(len(law)), history, history, now, np.zeros(len(law)), np.inf)
-    # A curve that has a tangent is gone on along it.
-    solved = _UNSOLVED
+    solved = _UNSOLVED  # a curve that has a tangent is gone on along it
     for k in range(most + 1):
         going: StepSolution | None = None
         come = begun
@@ -210,14 +206,11 @@ def solve(
         found = _settled(on, come, LEFT * tolerance)
         if on and found:
             slope, near = found.slope, on.increment
-            stood = on.stand(strengths.held(law, come.before, found.reached), solved)
+            held = strengths.held(law, come.before, found.reached)
+            stood = _stood(step, strengths, history, on, held, solved, tolerance)
             if stood:
-                there = _Come.to(step, strengths, history)
-                if there.change <= tolerance:
-                    strengths.write(law, there.reached, there.after)
-                    end = _shaped(stood, first, start, increment, slope, fallen > 0, lets_go)
-                    worth = _worth(strengths, law, there, WORTH * tolerance)
-                    return end if worth else replace(end, softened=False, slope=np.nan)
+                end = _shaped(stood[0], first, start, increment, slope, fallen > 0, lets_go)
+                return end if stood[1] else replace(end, softened=False, slope=np.nan)
             now = _at(found.reached, now, come.origin)
         elif going:
             now, fallen = relaxation.next(now, come.reached, come.origin), fallen + 1
@@ -249,6 +242,27 @@ class _Come(NamedTuple):
         change = difference(held, end.held, end.normal, end.area)
         holds = (end.held[:, H_PULL] + end.held[:, H_ROOM]) * end.area
         return cls(end.origin, before, end.after, reached, holds, change)
+
+
+def _stood(
+    step: YieldingStep,
+    strengths: Strengths,
+    history: Array,
+    way: Way,
+    held: Array,
+    solved: StepSolution,
+    tolerance: float,
+) -> tuple[StepSolution, bool] | None:
+    """Where a way has come to, if that is an equilibrium with what contacts hold there, and whether
+    what softens holds enough there to be worth a slope; the history is then that of the step."""
+    stood = way.stand(held, solved)
+    if not stood:
+        return None
+    there, law = _Come.to(step, strengths, history), step.pairs.law_of_slot
+    if there.change > tolerance:
+        return None
+    strengths.write(law, there.reached, there.after)
+    return stood, _worth(strengths, law, there, WORTH * tolerance)
 
 
 def _worth(strengths: Strengths, law: IntArray, come: _Come, least: float) -> bool:

@@ -71,6 +71,32 @@ class Frame(NamedTuple):
     bends: Array  # (n_bends, 2) share of the step and multiplier at every change
 
 
+class Rules(NamedTuple):
+    """How a path is followed."""
+
+    #: Whether the multiplier is an unknown and the pacing displacement given.
+    paced: bool
+    #: Whether sliding counts over the whole of the step, as in the implicit law.  Otherwise it
+    #: ends, and is kept, as soon as a contact would slide back: the path that a slow loading takes,
+    #: which no structure follows beyond where it turns.
+    whole: bool
+    #: Largest number of changes.
+    patience: int
+    #: Number of changes ahead up to which they are followed, and whether to go all the way in one
+    #: where more are: one step of Newton's method.
+    worth: int
+    leap: bool
+
+
+class Way(NamedTuple):
+    """How far a path has come: the multiplier, the share 1 - t of the step that is left, and the
+    number of changes so far."""
+
+    multiplier: float
+    left: float
+    changes: int
+
+
 @njit(cache=True, error_model="numpy")
 def _dot(first, second):
     total = 0.0
@@ -263,12 +289,10 @@ def _go(direction, length, x, rate, share, table, count):
         table[c, TRIAL_T] += share * rate[c, 1]
 
 
-# Many: what is unknown, what it starts from, and when to stop.
 @njit(cache=True, error_model="numpy")
 def follow_path(
-    structure, factors, frame, paced, whole, contacts, count, branch, force, lag, spring, x,
-    multiplier, left, changes, patience, worth, leap,
-):  # fmt: skip
+    structure, factors, frame, contacts, count, branch, force, lag, spring, x, way, rules
+):
     """Follow the path of a step from where it is.
 
     Parameters
@@ -277,12 +301,6 @@ def follow_path(
         Of the matrix K', see `statics.linear.numeric`.
     frame
         See `Frame`.
-    paced
-        Whether the multiplier is an unknown and the pacing displacement given.
-    whole
-        Whether sliding counts over the whole of the step, as in the implicit law.  Otherwise it
-        ends, and is kept, as soon as a contact would slide back: the path that a slow loading
-        takes, which no structure follows beyond where it turns.
     contacts, count
         See `statics.plane.forces.joint_forces`; trial reactions are moved on.
     branch
@@ -290,20 +308,17 @@ def follow_path(
     force, lag, spring
         What is unbalanced at the start, (n, n_dof) [N, N m]; what is missing of the pacing
         displacement [m]; k [N/m].
-    x, multiplier
-        (n, n_dof) increments, moved on; the multiplier at the start.
-    left, changes
-        Share 1 - t of the step that is left, and the number of changes so far.
-    patience
-        Largest number of changes.
-    worth, leap
-        Number of changes ahead up to which they are followed, and whether to go all the way in one
-        where more are: one step of Newton's method.
+    x
+        (n, n_dof) increments, moved on.
+    way, rules
+        See `Way` and `Rules`.
 
     Returns
     -------
     How the path ended, the multiplier, the share that is left and the number of changes.
     """
+    paced, whole, patience, worth, leap = rules
+    multiplier, left, changes = way
     table, which, rate = contacts.table, contacts.which, frame.rate
     direction = frame.columns[0]
     by_direction = _first_direction(structure, factors, frame, paced, force, lag, spring)

@@ -415,10 +415,9 @@ class _Walk:
         if self.leapt and self.step.residual <= enough.tolerance and abs(missing) <= enough.lag:
             # Only contacts that carry next to nothing may still change to and fro.
             return path.DONE, multiplier
-        end, multiplier, self.left, self.changes = self.step.advance(
-            x, multiplier, missing, self.left, self.changes, paced=self.pace is not None,
-            whole=self.whole, patience=self.patience, worth=worth, leap=self.leapt,
-        )  # fmt: skip
+        way = path.Way(multiplier, self.left, self.changes)
+        rules = path.Rules(self.pace is not None, self.whole, self.patience, worth, self.leapt)
+        end, (multiplier, self.left, self.changes) = self.step.advance(x, missing, way, rules)
         return end, multiplier
 
 

@@ -148,27 +148,15 @@ class StaticStep(LinearStep):
         self.residual = self._unbalance(x, multiplier, self.dead)
 
     def advance(
-        self,
-        x: Array,
-        multiplier: float,
-        lag: float,
-        left: float,
-        changes: int,
-        *,
-        paced: bool,
-        whole: bool,
-        patience: int,
-        worth: int,
-        leap: bool,
-    ) -> tuple[int, float, float, int]:
+        self, x: Array, lag: float, way: path.Way, rules: path.Rules
+    ) -> tuple[int, path.Way]:
         """Follow the path from ``x``, which moves on in place; see
         `statics.plane.path.follow_path`."""
-        came: tuple[int, float, float, int] = path.follow_path(
-            self.structure, self.factors, self.frame, paced, whole, self.contacts, self.count,
-            self.branch, self.force, lag, self.spring, x, multiplier, left, changes, patience,
-            worth, leap,
+        end, multiplier, left, changes = path.follow_path(
+            self.structure, self.factors, self.frame, self.contacts, self.count, self.branch,
+            self.force, lag, self.spring, x, way, rules,
         )  # fmt: skip
-        return came
+        return end, path.Way(multiplier, left, changes)
 
     def bends(self, changes: int) -> Array:
         """Share of the step and multiplier at the changes of the path followed last, (n, 2)."""
