@@ -180,8 +180,7 @@ def solve(
     relaxation = _Relaxation(strengths, law, leaves=lets_go)
     near: Array | None = None
     slope: float | None = None
-    patient = lets_go or not strengths.smooth
-    fallen, most = 0, MOST_SOLUTIONS if patient else FEW_SOLUTIONS
+    fallen, most = 0, MOST_SOLUTIONS if lets_go or not strengths.smooth else FEW_SOLUTIONS
     begun = _Come(np.arange(len(law)), history, history, now, np.zeros(len(law)), np.inf)
     solved = _UNSOLVED  # a curve that has a tangent is gone on along it
     for k in range(most + 1):
