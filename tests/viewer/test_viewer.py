@@ -243,9 +243,9 @@ def test_modules_are_joined_in_the_order_of_their_imports():
     files = {
         path.name for path in (HERE.parents[1] / "src/drystone/report/viewer/assets").glob("*.js")
     }
-    assert set(MODULES) == files - {"three.entry.js"}
+    assert set(MODULES) == files
     for place, name in enumerate(MODULES):
-        needed = re.findall(r'from "\./([\w.]+)"', asset(name)) if "three." not in name else []
+        needed = re.findall(r'from "\./([\w.]+)"', asset(name))
         assert set(needed) <= set(MODULES[:place]), name
 
 
@@ -259,11 +259,6 @@ def test_forms_of_import_that_are_not_known_are_an_error(monkeypatch):
             module.script()
     finally:
         module.script.cache_clear()
-
-
-def test_three_comes_with_its_licence():
-    assert "MIT" in asset("three.LICENSE")
-    assert "@license" in asset("three.module.min.js")[:200]
 
 
 def test_a_page_knows_ties_and_dead_loads(tmp_path):

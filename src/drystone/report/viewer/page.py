@@ -1,4 +1,4 @@
-"""One page of everything: markup, style, modules, three.js and the results, nothing from outside.
+"""One page of everything: markup, style, modules and the results, nothing from outside.
 
 The modules stay as they are written, with imports and exports, for their own tests.  Here they are
 joined: each becomes a function that returns what it exports.  Only the few forms of import and
@@ -20,7 +20,6 @@ from drystone.report.viewer.contents import Contents
 
 #: In the order of what they import.
 MODULES = (
-    "three.module.min.js",
     "rotation.js",
     "codec.js",
     "format.js",
@@ -39,15 +38,13 @@ MODULES = (
     "panel.js",
     "raster.js",
     "flat.js",
+    "gl.js",
     "scene.js",
     "main.js",
 )
 
-_IMPORT = re.compile(
-    r"^import (?:\* as (?P<whole>\w+)|\{(?P<names>[^}]*)\}) from \"\./(?P<file>[\w.]+)\";.*$", re.M
-)
+_IMPORT = re.compile(r"^import \{(?P<names>[^}]*)\} from \"\./(?P<file>[\w.]+)\";.*$", re.M)
 _EXPORT = re.compile(r"^export (?P<kind>async function|function|class|const) (?P<name>\w+)", re.M)
-_EXPORT_LIST = re.compile(r"export\{(?P<names>[^}]*)\};?\s*$")
 
 
 def page(contents: Contents) -> str:
@@ -122,25 +119,17 @@ def script() -> str:
 
 
 def _as_function(name: str, text: str) -> str:
-    exported = {found["name"]: found["name"] for found in _EXPORT.finditer(text)}
-    if listed := _EXPORT_LIST.search(text):
-        for part in listed["names"].split(","):
-            inner, _, outer = part.partition(" as ")
-            exported[outer.strip() or inner.strip()] = inner.strip()
-        text = text[: listed.start()]
-    else:
-        text = _EXPORT.sub(r"\g<kind> \g<name>", text)
-        text = _IMPORT.sub(_destructured, text)
-        if unknown := re.search(r"^(?:import|export)\b.*$", text, re.M):
-            raise ValueError(f"{name}: {unknown[0]}")
-    members = ", ".join(f"{outer}: {inner}" for outer, inner in exported.items())
+    exported = [found["name"] for found in _EXPORT.finditer(text)]
+    text = _EXPORT.sub(r"\g<kind> \g<name>", text)
+    text = _IMPORT.sub(_destructured, text)
+    if unknown := re.search(r"^(?:import|export)\b.*$", text, re.M):
+        raise ValueError(f"{name}: {unknown[0]}")
+    members = ", ".join(exported)
     return f"const {_variable(name)} = (() => {{\n{text}\nreturn {{ {members} }};\n}})();"
 
 
 def _destructured(found: re.Match[str]) -> str:
     module = _variable(found["file"])
-    if found["whole"]:
-        return f"const {found['whole']} = {module};"
     names = re.sub(r"(\w+) as (\w+)", r"\1: \2", " ".join(found["names"].split()))
     return f"const {{ {names} }} = {module};"
 

@@ -1,16 +1,16 @@
 // The structure by WebGL.  Geometry is made once: every vertex knows its block, whose pose it looks
 // up in a small texture, so that a new state is a new texture and nothing else.
 
-import * as THREE from "./three.module.min.js";
-
+import { Attribute, Layer, Texels } from "./gl.js";
 import { POSE } from "./rotation.js";
 
 const WIDTH = 1024; // texels in a row of poses; two a block
 
 const POSED = `
-uniform sampler2D poses;
+uniform highp sampler2D poses;
 uniform mat4 clip;
-attribute float owner;
+in vec3 position;
+in float owner;
 vec3 posed(vec3 arm, out float gone) {
   int texel = 2 * int(owner + 0.5);
   vec4 where = texelFetch(poses, ivec2(texel % ${WIDTH}, texel / ${WIDTH}), 0);
@@ -21,9 +21,9 @@ vec3 posed(vec3 arm, out float gone) {
 }`;
 
 const BODY_VERTEX = `${POSED}
-attribute vec4 colour;
-varying vec4 shade;
-varying vec3 world;
+in vec4 colour;
+out vec4 shade;
+out vec3 world;
 void main() {
   float gone;
   world = posed(position, gone);
@@ -33,12 +33,12 @@ void main() {
 
 const BODY_FRAGMENT = `
 uniform vec4 plane;
-uniform vec3 towards;
 uniform vec3 light;
 uniform float lit;
 uniform float opacity;
-varying vec4 shade;
-varying vec3 world;
+in vec4 shade;
+in vec3 world;
+out vec4 pixel;
 void main() {
   if (dot(world, plane.xyz) > plane.w) discard;
   vec3 normal = normalize(cross(dFdx(world), dFdy(world)));
@@ -46,17 +46,18 @@ void main() {
   vec3 colour = shade.rgb * bright;
   // What is seen from within is where the section cuts.
   if (lit > 0.5 && !gl_FrontFacing) colour = mix(shade.rgb, vec3(0.25), 0.35);
-  gl_FragColor = vec4(colour, shade.a * opacity);
+  pixel = vec4(colour, shade.a * opacity);
 }`;
 
 const LINE_FRAGMENT = `
 uniform vec4 plane;
 uniform vec3 ink;
-varying vec4 shade;
-varying vec3 world;
+in vec4 shade;
+in vec3 world;
+out vec4 pixel;
 void main() {
   if (dot(world, plane.xyz) > plane.w) discard;
-  gl_FragColor = vec4(ink, 0.75);
+  pixel = vec4(ink, 0.75);
 }`;
 
 const LINE_VERTEX = BODY_VERTEX.replace(
@@ -67,11 +68,12 @@ const LINE_VERTEX = BODY_VERTEX.replace(
 const RIBBON_VERTEX = `
 uniform mat4 clip;
 uniform vec2 pixels;
-attribute vec3 start;
-attribute vec3 end;
-attribute vec3 colour;
-attribute vec3 style;
-varying vec3 shade;
+in vec3 position;
+in vec3 start;
+in vec3 end;
+in vec3 colour;
+in vec3 style;
+out vec3 shade;
 void main() {
   vec4 a = clip * vec4(start, 1.0);
   vec4 b = clip * vec4(end, 1.0);
@@ -91,14 +93,18 @@ void main() {
 }`;
 
 const RIBBON_FRAGMENT = `
-varying vec3 shade;
-void main() { gl_FragColor = vec4(shade, 1.0); }`;
+in vec3 shade;
+out vec4 pixel;
+void main() { pixel = vec4(shade, 1.0); }`;
 
 /** Corners of a ribbon, x: share of the way, y: side, z: 1 for those of the head. */
 const RIBBON = [
   [0, -1, 0], [1, -1, 0], [1, 1, 0], [0, -1, 0], [1, 1, 0], [0, 1, 0],
   [0, -1, 1], [1, 0, 1], [0, 1, 1],
 ].flat(); // prettier-ignore
+
+/** What is told of every ribbon. */
+const LENGTHS = ["start", "end", "colour", "style"];
 
 /** A WebGL2 context of a canvas, or null. */
 export function context(canvas) {
@@ -107,86 +113,36 @@ export function context(canvas) {
 
 export class WebScene {
   constructor(canvas, gl, record) {
-    this.record = record;
-    this.renderer = new THREE.WebGLRenderer({ canvas, context: gl, antialias: true });
-    this.renderer.setClearColor(0xffffff, 1);
-    this.scene = new THREE.Scene();
-    this.camera = new THREE.Camera();
+    Object.assign(this, { canvas, gl, record });
     const rows = Math.max(1, Math.ceil((2 * record.n) / WIDTH));
     this.texels = new Float32Array(4 * WIDTH * rows);
-    this.texture = new THREE.DataTexture(
-      this.texels, WIDTH, rows, THREE.RGBAFormat, THREE.FloatType,
-    ); // prettier-ignore
-    this.texture.minFilter = this.texture.magFilter = THREE.NearestFilter;
-    this.uniforms = {
-      poses: { value: this.texture },
-      clip: { value: new Float32Array(16) },
-      plane: { value: [0, 0, 0, 1] },
-      towards: { value: [0, 0, 1] },
-      light: { value: [0, 0, 1] },
-      pixels: { value: [1, 1] },
-      lit: { value: record.dimension === 3 ? 1 : 0 },
-      ink: { value: [0.12, 0.12, 0.12] },
-      opacity: { value: 1 },
-    };
+    this.texture = new Texels(gl, WIDTH, rows);
+    gl.clearColor(1, 1, 1, 1);
+    gl.enable(gl.BLEND);
+    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.depthFunc(gl.LEQUAL);
     this._bodies();
     this._joints();
     this._ribbons();
   }
 
-  _material(vertexShader, fragmentShader, more = {}) {
-    const { uniforms, ...rest } = more;
-    return new THREE.ShaderMaterial({
-      vertexShader,
-      fragmentShader,
-      uniforms: { ...this.uniforms, ...uniforms },
-      side: THREE.DoubleSide,
-      ...rest,
-    });
-  }
-
-  _add(object, order) {
-    object.frustumCulled = false;
-    object.renderOrder = order;
-    this.scene.add(object);
-    return object;
-  }
-
-  _geometry(positions, owners) {
-    const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
-    geometry.setAttribute("owner", new THREE.BufferAttribute(Float32Array.from(owners), 1));
-    const colours = new Uint8Array(4 * owners.length);
-    const attribute = new THREE.BufferAttribute(colours, 4, true);
-    attribute.setUsage(THREE.DynamicDrawUsage);
-    geometry.setAttribute("colour", attribute);
-    return geometry;
+  /** Attributes of vertices that blocks carry along. */
+  _carried(positions, owners) {
+    const { gl } = this;
+    return {
+      position: new Attribute(gl, positions, 3),
+      owner: new Attribute(gl, Float32Array.from(owners), 1),
+      colour: new Attribute(gl, new Uint8Array(4 * owners.length), 4, { normalized: true }),
+    };
   }
 
   _bodies() {
+    const { gl } = this;
     const { vertices, owner, triangles, edges } = this.record;
-    const flat = this.record.dimension === 2;
-    const geometry = this._geometry(vertices, owner);
-    geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
-    this.colours = geometry.getAttribute("colour");
-    this.bodyMaterial = this._material(BODY_VERTEX, BODY_FRAGMENT, {
-      polygonOffset: true,
-      polygonOffsetFactor: 1,
-      polygonOffsetUnits: 1,
-      depthTest: !flat,
-      transparent: true,
-    });
-    this._add(new THREE.Mesh(geometry, this.bodyMaterial), 0);
-    const lines = new THREE.BufferGeometry();
-    for (const name of ["position", "owner", "colour"]) {
-      lines.setAttribute(name, geometry.getAttribute(name));
-    }
-    lines.setIndex(new THREE.BufferAttribute(edges, 1));
-    const material = this._material(LINE_VERTEX, LINE_FRAGMENT, {
-      transparent: true,
-      depthTest: !flat,
-    });
-    this._add(new THREE.LineSegments(lines, material), 1);
+    const carried = this._carried(vertices, owner);
+    this.colours = carried.colour;
+    this.bodies = new Layer(gl, BODY_VERTEX, BODY_FRAGMENT, carried, { index: triangles });
+    this.lines = new Layer(gl, LINE_VERTEX, LINE_FRAGMENT, carried, { index: edges, lines: true });
   }
 
   /** Faces of the joints of solids, carried along by their first blocks. */
@@ -200,79 +156,58 @@ export class WebScene {
       owners.fill(joints.a[j], first, last);
       for (let c = first + 1; c + 1 < last; c++) index.push(first, c, c + 1);
     });
-    const geometry = this._geometry(joints.corners, owners);
-    geometry.setIndex(new THREE.BufferAttribute(Uint32Array.from(index), 1));
-    this.jointColours = geometry.getAttribute("colour");
-    const material = this._material(BODY_VERTEX, BODY_FRAGMENT, {
-      uniforms: { lit: { value: 0 }, opacity: { value: 1 } },
-      transparent: true,
-      depthTest: false,
-    });
-    this.jointFaces = this._add(new THREE.Mesh(geometry, material), 2);
+    const carried = this._carried(joints.corners, owners);
+    this.jointColours = carried.colour;
+    const triangles = { index: Uint32Array.from(index) };
+    this.joints = new Layer(this.gl, BODY_VERTEX, BODY_FRAGMENT, carried, triangles);
   }
 
   _ribbons() {
-    const material = this._material(RIBBON_VERTEX, RIBBON_FRAGMENT, {
-      depthTest: this.record.dimension === 3,
-      transparent: true,
-    });
-    this.ribbons = this._add(new THREE.Mesh(new THREE.InstancedBufferGeometry(), material), 3);
-  }
-
-  /** Take ribbons over.  Where they have grown the geometry is a new one: three.js draws no more
-   *  instances than a geometry had when it was first drawn. */
-  _fill(ribbons) {
-    if (this.capacity !== ribbons.capacity) {
-      this.capacity = ribbons.capacity;
-      this.ribbons.geometry.dispose();
-      const grown = new THREE.InstancedBufferGeometry();
-      grown.setAttribute("position", new THREE.BufferAttribute(new Float32Array(RIBBON), 3));
-      for (const name of ["start", "end", "colour", "style"]) {
-        const attribute = new THREE.InstancedBufferAttribute(ribbons[name], 3);
-        attribute.setUsage(THREE.DynamicDrawUsage);
-        grown.setAttribute(name, attribute);
-      }
-      this.ribbons.geometry = grown;
-    }
-    const { geometry } = this.ribbons;
-    for (const name of ["start", "end", "colour", "style"]) {
-      geometry.getAttribute(name).needsUpdate = true;
-    }
-    geometry.instanceCount = ribbons.count;
-    this.ribbons.visible = ribbons.count > 0;
+    const { gl } = this;
+    const position = new Attribute(gl, new Float32Array(RIBBON), 3);
+    this.lengths = Object.fromEntries(
+      LENGTHS.map((name) => [name, new Attribute(gl, new Float32Array(3), 3, { perInstance: true })]),
+    );
+    this.ribbons = new Layer(gl, RIBBON_VERTEX, RIBBON_FRAGMENT, { position, ...this.lengths });
   }
 
   resize(width, height, ratio) {
-    this.renderer.setPixelRatio(ratio);
-    this.renderer.setSize(width, height, false);
+    this.canvas.width = Math.floor(width * ratio);
+    this.canvas.height = Math.floor(height * ratio);
   }
 
   /** Draw: poses of the blocks, their colours, ribbons over them, as a camera sees it. */
   draw({ poses, colours, jointColours, ribbons, camera, section, opacity }) {
-    for (let i = 0; i < this.record.n; i++) {
+    const { gl, record } = this;
+    for (let i = 0; i < record.n; i++) {
       this.texels.set(poses.subarray(i * POSE, (i + 1) * POSE), 8 * i);
     }
-    this.texture.needsUpdate = true;
-    this.colours.array.set(colours);
-    this.colours.needsUpdate = true;
-    if (this.jointFaces) {
-      this.jointFaces.visible = Boolean(jointColours);
-      if (jointColours) {
-        this.jointColours.array.set(jointColours);
-        this.jointColours.needsUpdate = true;
-      }
-    }
-    this._fill(ribbons);
-    const { uniforms } = this;
+    this.texture.write(this.texels);
+    this.colours.write(colours);
     const { right, up, towards } = camera.axes;
-    uniforms.clip.value.set(camera.matrix);
-    uniforms.towards.value = towards;
     const light = [0, 1, 2].map((k) => 0.75 * towards[k] + 0.55 * up[k] - 0.35 * right[k]);
-    uniforms.light.value = light.map((value) => value / Math.hypot(...light));
-    uniforms.pixels.value = [camera.width, camera.height];
-    uniforms.plane.value = section.plane || [0, 0, 0, 1];
-    uniforms.opacity.value = opacity;
-    this.bodyMaterial.depthWrite = opacity >= 1;
-    this.renderer.render(this.scene, this.camera);
+    const solid = record.dimension === 3;
+    const values = {
+      poses: this.texture,
+      clip: camera.matrix,
+      plane: section.plane || [0, 0, 0, 1],
+      light: light.map((value) => value / Math.hypot(...light)),
+      pixels: [camera.width, camera.height],
+      lit: solid ? 1 : 0,
+      ink: [0.12, 0.12, 0.12],
+      opacity,
+    };
+    gl.viewport(0, 0, this.canvas.width, this.canvas.height);
+    gl.depthMask(true);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    this.bodies.draw(values, { test: solid, write: opacity >= 1, back: 1 });
+    this.lines.draw(values, { test: solid });
+    if (this.joints && jointColours) {
+      this.jointColours.write(jointColours);
+      this.joints.draw({ ...values, lit: 0, opacity: 1 }, { test: false });
+    }
+    for (const name of LENGTHS) this.lengths[name].write(ribbons[name]);
+    const many = { count: RIBBON.length / 3, instances: ribbons.count };
+    this.ribbons.draw(values, { test: solid, ...many });
   }
 }
