@@ -187,9 +187,11 @@ class TestReading:
         own = {field.name for field in fields(Analysis)} - {"options"}
         assert set(AnalysisSection.model_fields) - own == set(OPTION_NAMES)
 
-    def test_engines_can_be_added(self, tmp_path):
+    def test_an_engine_that_is_not_there_is_an_error_where_one_is_needed(self, tmp_path):
         text = changed('"equilibrium"', '"mine"')
-        assert read(tmp_path, text, engines=("mine",)).analysis.engine == "mine"
+        assert read(tmp_path, text, need_engine=False).analysis.engine == "mine"
+        with pytest.raises(ModelError, match=r'analysis\.engine: there is no engine "mine"'):
+            read(tmp_path, text)
 
 
 class TestJointBetween:

@@ -500,6 +500,7 @@ def test_a_wall_is_run_by_an_engine(add, wall, tmp_path):
     assert summary["reason"].endswith("its joints do not open")
     # One piece that turns carries its half width over the height of its centroid.
     assert summary["peak_multiplier"] == pytest.approx(0.3 / 0.8, rel=0.01)
+    assert peak_of(path) == summary["peak_multiplier"]  # in Python
 
 
 @pytest.mark.parametrize(

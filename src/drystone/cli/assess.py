@@ -163,10 +163,9 @@ def with_tables(model: Model, overlay: Mapping[str, Any], model_file: Path | Non
 
     site, assessment = model.site, model.assessment
     if model_file is not None:
-        from drystone.engines import engine_names
         from drystone.io.modelfile import read_model
 
-        other = read_model(model_file, need_stiffness=False, engines=engine_names())
+        other = read_model(model_file, need_stiffness=False)
         site, assessment = other.site or site, other.assessment or assessment
     if not overlay:
         return replace(model, site=site, assessment=assessment)

@@ -246,7 +246,6 @@ def _check_blocks(blocks: Sequence[Block], source: Path, file: Path) -> None:
 
 def _from_model(source: Path, kind: str, file: Path, to: str | None) -> dict[str, Any]:
     """Write a model, read from a model file or from what `convert` wrote."""
-    from drystone.engines import engine_names
     from drystone.io.convert import convert as write
     from drystone.io.convert import read, target_of
     from drystone.io.modelfile import read_model, write_model
@@ -254,7 +253,7 @@ def _from_model(source: Path, kind: str, file: Path, to: str | None) -> dict[str
     as_model = to == MODEL or (to is None and file.suffix.lower() == ".toml")
     target = None if as_model else target_of(file, to)
     if kind == MODEL:
-        model = read_model(source, need_stiffness=False, engines=engine_names())
+        model = read_model(source, need_stiffness=False)
     else:
         model = read(source, kind)
     if target is None:

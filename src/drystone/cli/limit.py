@@ -80,7 +80,7 @@ def limit(
         from drystone.report.folder.limit import collapse_to_dict, write_collapse
 
         try:
-            model = read_model(model_file, need_stiffness=False, engines=None)
+            model = read_model(model_file, need_stiffness=False, need_engine=False)
         except ModelError as error:
             fail(WRONG, error.problems, as_json=as_json, extra=_empty(flow))
         if out is not None:

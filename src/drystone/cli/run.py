@@ -104,7 +104,6 @@ def run(
     with outcome(as_json=as_json, begun=lambda: begun):
         from drystone.cli.compiler import compiling
         from drystone.common.progress import progress_for
-        from drystone.engines import engine_names
         from drystone.io.modelfile import read_model
         from drystone.io.results.folder import check_apart, check_writable
         from drystone.limit import limits_beside, on_what_moves
@@ -112,7 +111,7 @@ def run(
         from drystone.model.inspection import inspect
         from drystone.report.folder.directory import ResultsDirectory, files_of
 
-        model = read_model(model_file, engines=engine_names())
+        model = read_model(model_file)
         check_writable(folder)  # better known before the work
         check_apart(model_file, files_of(folder))
         tell([f"warning: {problem}" for problem in inspect(model).problems])

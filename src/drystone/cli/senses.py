@@ -77,10 +77,9 @@ def _of_model(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
     """The senses of a model file, traced."""
     source = ask.source
     from drystone.assessment.request import check_request, request_of
-    from drystone.engines import engine_names
     from drystone.io.modelfile import read_model
 
-    model = amended(read_model(source, engines=engine_names()))
+    model = amended(read_model(source))
     check_request(request_of(model.site, model.assessment))  # better known before the work
     folder = ask.out or Path(f"{source.stem}-results")
     first = _traced_one(FORWARD, model, folder, ask)

@@ -29,7 +29,6 @@ def model_or_sketch(path: Path) -> tuple[Model | Sketch, list[str]]:
 
     Raises `ModelError` where it has no blocks that could be shown.
     """
-    from drystone.engines import engine_names
     from drystone.io.modelfile import ModelError, read_model
     from drystone.io.modelfile.sketch import sketch_of_drawing, sketch_of_model
 
@@ -37,7 +36,7 @@ def model_or_sketch(path: Path) -> tuple[Model | Sketch, list[str]]:
     if settings is not None:
         return sketch_of_drawing(settings), []
     try:
-        return read_model(path, need_stiffness=False, engines=engine_names()), []
+        return read_model(path, need_stiffness=False), []
     except ModelError as error:
         try:
             return sketch_of_model(path), error.problems

@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from drystone.common.ranges import too_many
-from drystone.engines import BUILT_IN
+from drystone.engines import BUILT_IN, engine_names
 from drystone.geometry import GeometryError
 from drystone.io.modelfile.assessing import assessment_of, site_of
 from drystone.io.modelfile.builds import BuildSection
@@ -48,7 +48,7 @@ def read_model(
     path: str | PathLike[str],
     *,
     need_stiffness: bool = True,
-    engines: Sequence[str] | None = BUILT_IN,
+    need_engine: bool = True,
 ) -> Model:
     """Read a model file, TOML or JSON.
 
@@ -58,8 +58,8 @@ def read_model(
         Of the file; JSON if it ends in .json or begins with a brace.
     need_stiffness
         Whether joints must have stiffnesses.  Limit analysis does without.
-    engines
-        Names that [analysis] may give as its engine; None where no engine will be asked.
+    need_engine
+        Whether there must be the engine that [analysis] names, of ours or of another package.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def read_model(
         return _model(
             data,
             need_stiffness=need_stiffness,
-            engines=engines,
+            need_engine=need_engine,
             title=path.stem,
             source=str(path),
             sha256=hashlib.sha256(contents).hexdigest(),
@@ -87,7 +87,7 @@ def model_from_text(
     *,
     source: str | None,
     sha256: str,
-    engines: Sequence[str] = BUILT_IN,
+    need_engine: bool = True,
     folder: str | None = None,
 ) -> Model:
     """A model from the text of a file that was read before, such as results hold.
@@ -96,8 +96,8 @@ def model_from_text(
     ----------
     source, sha256
         Path of the file and digest of its bytes; without a path it is a model made in Python.
-    engines
-        Names that [analysis] may give as its engine.
+    need_engine
+        As of `read_model`.
     folder
         From where files go that [site] and [assessment] name; that of the source where it is None.
 
@@ -109,7 +109,7 @@ def model_from_text(
     return _model(
         parse(text.encode(), is_json=False),
         need_stiffness=False,
-        engines=engines,
+        need_engine=need_engine,
         title=Path(source).stem if source else "",
         source=source,
         sha256=sha256,
@@ -121,7 +121,7 @@ def _model(
     data: dict[str, Any],
     *,
     need_stiffness: bool,
-    engines: Sequence[str] | None,
+    need_engine: bool,
     title: str,
     source: str | None,
     sha256: str,
@@ -138,9 +138,9 @@ def _model(
     joint, between = _laws(section, blocks, need_stiffness, problems)
     section = with_holders(section, blocks, problems)
     engine = section.analysis.engine
-    if engines is not None and engine not in engines:
+    if need_engine and engine not in BUILT_IN and engine not in (known := engine_names()):
         problems.append(
-            f"analysis.engine: there is no engine {quoted(engine)}: {suggestion(engine, engines)}"
+            f"analysis.engine: there is no engine {quoted(engine)}: {suggestion(engine, known)}"
         )
     if problems:
         raise ModelError(problems)

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from drystone.common.names import Named
 from drystone.contact.forces import ContactForces
-from drystone.engines import BUILT_IN
 from drystone.io.modelfile.read import model_from_text
 from drystone.io.results.folder import OutputError
 from drystone.io.results.hdf5 import RUNNING, Array, ResultsReader
@@ -188,7 +187,7 @@ def _model_of(stored: ResultsReader) -> Model | None:
             stored.attribute("model"),
             source=stored.attribute("model_source") or None,
             sha256=stored.attribute("model_sha256"),
-            engines=(*BUILT_IN, stored.attribute("engine")),
+            need_engine=False,
             folder=stored.folder_of_model(),
         )
     except ModelError:
