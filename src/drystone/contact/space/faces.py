@@ -102,8 +102,8 @@ def _on_face(ring, corner, local, face, incident, m, x, y, value, k):
     dx, dy = x - incident[0, 0], y - incident[0, 1]
     det = ux * vy - uy * vx
     s, t = (dx * vy - dy * vx) / det, (ux * dy - uy * dx) / det
-    v0, v1 = _vertex(ring, corner, face, 0, True), _vertex(ring, corner, face, i, True)
-    v2 = _vertex(ring, corner, face, j, True)
+    first = ring[face + 1] - 1  # the incident face is listed backwards
+    v0, v1, v2 = corner[first, 0], corner[first - i, 0], corner[first - j, 0]
     for c in range(3):
         along = s * (local[v1, c] - local[v0, c]) + t * (local[v2, c] - local[v0, c])
         value[k, POINT_3 + c] = local[v0, c] + along
