@@ -10,7 +10,7 @@ import pytest
 from builders import contacts_of, stack
 from drystone.analysis.driver import pushover
 from drystone.contact.contacts import PART_A, PART_B
-from drystone.contact.detection import predecessor_slots
+from drystone.contact.histories import predecessor_slots
 from drystone.model.assembly import Assembly, Shapes
 from drystone.model.model import Model
 from drystone.statics.linear import numeric as lu_numeric

@@ -25,7 +25,7 @@ from builders import (
     with_corner,
 )
 from drystone.contact.contacts import NONE, SIZE, VERTEX_A, VERTEX_B, VERTICES, Contacts, Slots
-from drystone.contact.detection import predecessor_pairs
+from drystone.contact.histories import predecessor_pairs
 from drystone.contact.plane import narrow, rows
 from drystone.geometry import GeometryError, broad
 from drystone.geometry.broad import candidate_pairs

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact import measures as kernels
-from drystone.contact.contacts import FIRST, PART_A, PART_B, A, B, Contacts, Pairs, Slots
+from drystone.contact.contacts import A, B, Contacts, Pairs, Slots
 from drystone.contact.forces import ContactForces
 from drystone.contact.plane.detection import PlaneNarrowPhase
 from drystone.geometry.broad import candidate_pairs
@@ -56,8 +56,8 @@ class NarrowPhase(Protocol):
         """The slot that each one goes on with."""
         ...
 
-    def carried(self, before: Slots, now: Slots, source: IntArray, shear: Array) -> Array:
-        """Tangential reactions taken along."""
+    def turn(self, before: Slots, now: Slots, source: IntArray, had: Array, shear: Array) -> None:
+        """Tangential reactions taken along, along the new tangents."""
         ...
 
     def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array, to: Contacts) -> int:
@@ -159,22 +159,6 @@ class Detector:
         """The contacts in ``known``, by their features, in the given poses, into ``slots``."""
         self.narrow.follow(pairs, pose, known, slots)
 
-    def predecessors(self, pairs: Pairs, before: Slots, now: Slots) -> IntArray:
-        """The slot of the same pair whose history each one goes on with, or -1, (n_slots,)."""
-        return self.narrow.predecessors(pairs, before, now)
-
-    def carried(self, before: Slots, now: Slots, source: IntArray, shear: Array) -> Array:
-        """Tangential reactions (n_slots, dim - 1) [N] of the slots in ``source``, along the
-        tangents of ``now``.
-
-        Both slots are those of one and the same pose.
-        """
-        return self.narrow.carried(before, now, source, shear)
-
-    def lost(self, source: IntArray, shear: Array) -> float:
-        """Sum of the sizes of the tangential reactions that no slot goes on with [N]."""
-        return float(kernels.left_behind(source, np.ascontiguousarray(shear)))
-
     def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array) -> Contacts:
         """The slots in use, found in ``pose``, as contacts with gradients and stiffnesses."""
         assembly = self.assembly
@@ -199,23 +183,3 @@ class Detector:
             tangential_reaction=reaction[used, 1:],
             status=status[used],
         )
-
-
-def predecessor_pairs(previous: Pairs, current: Pairs) -> IntArray:
-    """Row of each current pair in the previous list, or -1, (n_pairs,)."""
-    n = int(max(pairs.which[:, PART_B].max(initial=0) for pairs in (previous, current))) + 1
-    old, new = (p.which[:, PART_A] * n + p.which[:, PART_B] for p in (previous, current))
-    if len(old) == 0:
-        return np.full(len(new), -1, np.int64)
-    row = np.minimum(np.searchsorted(old, new), len(old) - 1)
-    return np.where(old[row] == new, row, -1).astype(np.int64)
-
-
-def predecessor_slots(previous: Pairs, current: Pairs) -> IntArray:
-    """Slot of each current slot in the previous list, or -1, (n_slots,)."""
-    if previous.n_pairs == 0:
-        return np.full(current.n_slots, -1, np.int64)
-    row = predecessor_pairs(previous, current)
-    later = previous.which[row, FIRST] - current.which[:, FIRST]
-    of_slot = current.of_slot
-    return np.where(row[of_slot] >= 0, np.arange(len(of_slot)) + later[of_slot], -1)

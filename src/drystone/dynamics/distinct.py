@@ -32,8 +32,8 @@ from drystone.contact.contacts import (
     Pairs,
     Slots,
 )
-from drystone.contact.detection import predecessor_slots
 from drystone.contact.forces import ContactForces
+from drystone.contact.histories import Histories, handed_on
 from drystone.contact.rows import OF_GAP, dof_of
 from drystone.dynamics import explicit
 from drystone.dynamics.explicit import Drive, FrozenContacts, Loads, Motion
@@ -476,12 +476,10 @@ class Workspace:
             self._new_pairs(detector.pairs(pose, self.lost))
         slots = detector.find(self.pairs, pose, self.slots)
         old = self.slots
-        source = detector.predecessors(self.pairs, old, slots)
-        history = np.where(source[:, None] >= 0, self.history[source], 0.0)
-        shear = self.history[:, SHEAR:]
-        history[:, SHEAR:] = detector.carried(old, slots, source, shear)
-        self.lost_shear += detector.lost(source, shear)
-        history[source < 0, BROKEN] = 1.0  # what comes to touch later is not bonded
+        past = self._past()
+        heirs = handed_on(detector.narrow, past, self.pairs, slots)
+        history = heirs.history
+        self.lost_shear += heirs.lost(past)
         self.slots, self.history, self.searched = slots, history, pose.copy()
         if self.real_masses:
             self.search_work -= self.engine.elastic_energy(
@@ -495,15 +493,13 @@ class Workspace:
 
     def _new_pairs(self, pairs: Pairs) -> None:
         """Go over to another list of pairs, with the slots and histories of those that stay."""
-        source = predecessor_slots(self.pairs, pairs)
-        known = source >= 0
-        slots = Slots.empty(pairs.n_slots, self.slots.dim)
-        for new, old in zip(slots, self.slots, strict=True):
-            new[known] = old[source[known]]
-        self.pairs, self.slots = pairs, slots
-        self.history = _gone_on_with(self.history, source)
-        self.reaction = _gone_on_with(self.reaction, source)
-        self.status = _gone_on_with(self.status, source)
+        narrow = self.prepared.detector.narrow
+        heirs = handed_on(narrow, self._past(), pairs, former=self.pairs)
+        self.pairs, self.slots, self.history = pairs, heirs.slots, heirs.history
+        self.reaction, self.status = heirs.reaction, heirs.branch
+
+    def _past(self) -> Histories:
+        return Histories.own(self.slots, self.history, self.reaction, self.status)
 
     def unpack(self) -> None:
         """Bring slots, histories and reactions up to date."""
@@ -1110,13 +1106,6 @@ class DistinctEngine(Engine[DistinctState]):
         return state.prepared.detector.forces(
             state.pairs, state.pose, state.slots, state.reaction, state.status
         )
-
-
-def _gone_on_with(array: NDArray[Number], source: IntArray) -> NDArray[Number]:
-    """Rows of what slots had, for slots that go on with them; zero where ``source`` is -1."""
-    after = np.zeros((len(source), *array.shape[1:]), array.dtype)
-    after[source >= 0] = array[source[source >= 0]]
-    return after
 
 
 def _failed(reason: str, work: Workspace, *, runs_away: bool = False) -> StepReport:

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.contacts import Pairs, Slots
-from drystone.contact.detection import predecessor_slots
 from drystone.contact.forces import ActedContacts, ContactForces
+from drystone.contact.histories import Histories, handed_on
 from drystone.dynamics import nlgs
 from drystone.dynamics.nlgs import NlgsResult, NlgsSettings
 from drystone.dynamics.sweeps import ContactProblem
@@ -323,12 +323,11 @@ class NscdEngine(Engine[NscdState]):
     def _paired(self, state: NscdState, gone: BoolArray) -> NscdState:
         """The state with new pairs, without the blocks that are ``gone``."""
         pairs = state.prepared.detector.pairs(state.pose, gone)
-        source = predecessor_slots(state.pairs, pairs)
-        before, reaction = state.slots.at(source), np.zeros((len(source), state.slots.dim))
-        known = source >= 0
-        reaction[known] = state.reaction[source[known]]
-        slots = state.prepared.detector.find(pairs, state.pose, before)
-        reaction, status = self._carried(state.prepared, pairs, before, slots, reaction)
+        detector = state.prepared.detector
+        past = self._past(state.slots, state.reaction)
+        past = handed_on(detector.narrow, past, pairs, former=state.pairs)
+        slots = detector.find(pairs, state.pose, past.slots)
+        reaction = handed_on(detector.narrow, past, pairs, slots).reaction
         return replace(
             state,
             velocity=np.where(gone[:, None], 0.0, state.velocity),
@@ -336,7 +335,7 @@ class NscdEngine(Engine[NscdState]):
             pairs=pairs,
             slots=slots,
             reaction=reaction,
-            status=status,
+            status=self._status(state.prepared, pairs, reaction),
             gone=gone,
         )
 
@@ -354,7 +353,8 @@ class NscdEngine(Engine[NscdState]):
         followed.frame[:] = state.slots.frame
         slots = state.prepared.detector.find(state.pairs, pose, state.slots)
         # Tangents where the step starts are near enough: the next one only begins with these.
-        carried, status = self._carried(state.prepared, state.pairs, state.slots, slots, reaction)
+        past, narrow = self._past(state.slots, reaction), state.prepared.detector.narrow
+        carried = handed_on(narrow, past, state.pairs, slots).reaction
         new = NscdState(
             prepared=state.prepared,
             stage=state.stage,
@@ -364,7 +364,7 @@ class NscdEngine(Engine[NscdState]):
             pairs=state.pairs,
             slots=slots,
             reaction=carried,
-            status=status,
+            status=self._status(state.prepared, state.pairs, carried),
             gone=state.gone,
             ties=state.ties,
             acted=ActedContacts(
@@ -376,16 +376,10 @@ class NscdEngine(Engine[NscdState]):
         )
         return new, reaction
 
-    def _carried(
-        self, prepared: Prepared, pairs: Pairs, before: Slots, now: Slots, reaction: Array
-    ) -> tuple[Array, IntArray]:
-        """Reactions (n_slots, dim) [N] of slots ``before``, by those that go on with them, and
-        what these do."""
-        source = prepared.detector.predecessors(pairs, before, now)
-        carried = np.empty_like(reaction)
-        carried[:, 0] = np.where(source >= 0, reaction[source, 0], 0.0)
-        carried[:, 1:] = prepared.detector.carried(before, now, source, reaction[:, 1:])
-        return carried, self._status(prepared, pairs, carried)
+    def _past(self, slots: Slots, reaction: Array) -> Histories:
+        """Contacts with these reactions (n_slots, dim) [N]: all that this engine hands on."""
+        n = len(reaction)
+        return Histories.own(slots, np.zeros((n, 0)), reaction, np.zeros(n, np.int64))
 
     def _status(self, prepared: Prepared, pairs: Pairs, reaction: Array) -> IntArray:
         """What contacts with these reactions do, (n_slots,)."""

@@ -43,7 +43,7 @@ from drystone.law.branches import (
     along_joint,
     sense,
 )
-from drystone.law.columns import BROKEN, DILATION, NN, NT, RN, RT, SHEAR, SLID, TN, TT
+from drystone.law.columns import DILATION, NN, NT, RN, RT, SHEAR, SLID, TN, TT
 from drystone.law.limits import crushing, held_normal
 from drystone.law.return_map import branch_for, derivatives_in, reactions_in
 
@@ -123,18 +123,3 @@ def remember(which, table, count, history_before):
         table[c, ADD_N] = 0.0
         table[c, ADD_T] = 0.0
         table[c, PLASTIC] = 0.0
-
-
-@njit(cache=True, error_model="numpy")
-def inherit(source, history, reaction, branch, new_history, new_reaction, new_branch):
-    """Fill what slots have from those that they go on in, ``source``; -1 marks contacts that are
-    new: open, without shear, and never bonded."""
-    for k in range(source.shape[0]):
-        j = source[k]
-        for i in range(history.shape[1]):
-            new_history[k, i] = history[j, i] if j >= 0 else 0.0
-        if j < 0:
-            new_history[k, BROKEN] = 1.0
-        for i in range(reaction.shape[1]):
-            new_reaction[k, i] = reaction[j, i] if j >= 0 else 0.0
-        new_branch[k] = branch[j] if j >= 0 else OPEN

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from drystone.common.records import changed
 from drystone.contact.contacts import Pairs, Slots
-from drystone.contact.detection import predecessor_pairs, predecessor_slots
 from drystone.contact.forces import ActedContacts, ContactForces
+from drystone.contact.histories import Histories, handed_on, predecessor_pairs
 from drystone.engines.base import (
     Capabilities,
     Demand,
@@ -43,10 +43,9 @@ from drystone.engines.measures import (
 )
 from drystone.engines.prepared import Prepared
 from drystone.geometry import motion
-from drystone.law import plane as plane_law
 from drystone.law.bonds import margins, yielded
 from drystone.law.certificate import Forces, JudgedContacts, certify
-from drystone.law.columns import BROKEN, SHEAR
+from drystone.law.columns import BROKEN
 from drystone.law.status import STATUS_OF
 from drystone.model.assembly import Assembly
 from drystone.model.joint_law import Yielding
@@ -271,6 +270,10 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     def ties_of(self, state: EquilibriumState) -> TieState:
         """What the ties of a state carry."""
         return state.ties
+
+    @staticmethod
+    def _past(state: EquilibriumState) -> Histories:
+        return Histories.own(state.slots, state.history, state.reaction, state.branch)
 
     @staticmethod
     def _acted(state: EquilibriumState) -> ActedContacts:
@@ -536,28 +539,25 @@ class EquilibriumEngine(Engine[EquilibriumState]):
 
     def _paired(self, state: EquilibriumState, gone: BoolArray) -> EquilibriumState:
         """The state with new pairs, without the blocks that are ``gone``."""
-        pairs = state.prepared.detector.pairs(state.pose, gone)
-        source = predecessor_slots(state.pairs, pairs)
-        before = state.slots.at(source)
-        slots = state.prepared.detector.find(pairs, state.pose, before if before.dim == 3 else None)
-        if before.dim == 3:
-            same = state.prepared.detector.predecessors(pairs, before, slots)
-            source = np.where(same >= 0, source[same], -1)
-        history, reaction, branch = self._inherited(source, state, slots)
-        margin, known = np.full(len(source), np.inf), source >= 0
-        margin[known] = state.margin[source[known]]
-        margin = np.concatenate((margin, state.ties.margin))
-        n_before, n_after = len(state.reaction), len(source)
+        detector = state.prepared.detector
+        pairs = detector.pairs(state.pose, gone)
+        heirs = handed_on(detector.narrow, self._past(state), pairs, former=state.pairs)
+        in_space = state.slots.dim == 3  # in the plane the same contacts are found in this place
+        slots = detector.find(pairs, state.pose, heirs.slots if in_space else None)
+        if in_space:
+            heirs = handed_on(detector.narrow, heirs, pairs, slots)
+        margin = np.concatenate((heirs.of(state.margin, np.inf), state.ties.margin))
+        n_before, n_after = len(state.reaction), len(heirs.source)
         of_ties = state.due[state.due >= n_before] + (n_after - n_before)
         return replace(
             state,
             pairs=pairs,
             slots=slots,
-            history=history,
-            reaction=reaction,
-            branch=branch,
+            history=heirs.history,
+            reaction=heirs.reaction,
+            branch=heirs.branch,
             margin=margin,
-            due=np.concatenate((np.flatnonzero(np.isin(source, state.due)), of_ties)),
+            due=np.concatenate((np.flatnonzero(np.isin(heirs.source, state.due)), of_ties)),
             last_increment=np.where(gone[:, None], 0.0, state.last_increment),
             tangent=None if gone.any() else state.tangent,
             gone=gone,
@@ -646,12 +646,13 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         flat = own.step if isinstance(own.step, StaticStep) else None
         increment = demand.settlement if demand.increment is None else demand.increment
         slots = own.step.found.copied()
-        source = state.prepared.detector.predecessors(state.pairs, own.step.known, slots)
-        history, reaction, branch = self._inherited(source, then, slots)
-        margin = np.full(len(source), np.inf)
+        past = self._past(then)
+        narrow = state.prepared.detector.narrow
+        heirs = handed_on(narrow, past, state.pairs, slots, known=own.step.known)
+        margin = np.full(len(heirs.source), np.inf)
         if state.prepared.gives_way:
             margin[judged.contacts.slot] = margins(judged, 0.0)
-            margin = np.where(source >= 0, margin[source], np.inf)
+            margin = heirs.of(margin, np.inf)
         pose, ties = state.prepared.assembly.moved(state.pose, solved.increment), state.ties
         if own.ties:
             own.ties.act(pose)
@@ -664,9 +665,9 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             multiplier=solved.multiplier,
             pairs=state.pairs,
             slots=slots,
-            history=history,
-            reaction=reaction,
-            branch=branch,
+            history=heirs.history,
+            reaction=heirs.reaction,
+            branch=heirs.branch,
             last_increment=solved.increment,
             margin=margin,
             due=np.zeros(0, np.int64),
@@ -686,13 +687,15 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         outcome = self._report(own, new, judged, solved.n_iterations, h)
         if solved.held and outcome.motion < 2.0 * abs(increment or 0.0):
             new = replace(new, held=False)
-        return new, self._told(outcome, solved, demand, self._lost(source, then))
+        lost = heirs.lost(past) if slots.dim == 3 else 0.0
+        lost /= state.prepared.assembly.heaviest_weight
+        return new, self._told(outcome, solved, demand, lost)
 
     def _told(
         self, outcome: StepReport, solved: StepSolution, demand: Demand, lost_shear: float
     ) -> StepReport:
-        """The report of a step with what its solution says of the path, and the shear [N] of
-        contacts that were lost."""
+        """The report of a step with what its solution says of the path, and the shear of contacts
+        that were lost, over the heaviest weight."""
         given = demand.increment is None
         return changed(
             outcome,
@@ -729,13 +732,6 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         )
         return equations.judged(history), changed(ended, acted=self._acted(ended))
 
-    def _lost(self, source: IntArray, then: EquilibriumState) -> float:
-        """Shear that no contact goes on with, over the heaviest weight; in space."""
-        if then.slots.dim == 2:
-            return 0.0
-        shear = then.history[:, SHEAR:]
-        return then.prepared.detector.lost(source, shear) / then.prepared.assembly.heaviest_weight
-
     def _report(
         self,
         own: Equations,
@@ -769,22 +765,3 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             n_iterations=n_iterations,
         )
         return report(new.prepared.problem, loads, outcome)
-
-    def _inherited(
-        self, source: IntArray, then: EquilibriumState, now: Slots
-    ) -> tuple[Array, Array, IntArray]:
-        """History, reactions and branch of the slots ``now``, from those that they go on in of
-        ``then``, where the blocks are in the same place; -1 marks contacts that are new."""
-        n = len(source)
-        history = np.empty((n, then.history.shape[1]))
-        reaction, branch = np.empty((n, then.reaction.shape[1])), np.empty(n, np.int64)
-        plane_law.inherit(
-            source, then.history, then.reaction, then.branch, history, reaction, branch
-        )
-        if now.dim == 3:
-            for values, first in ((history, SHEAR), (reaction, 1)):
-                was = then.history if values is history else then.reaction
-                values[:, first:] = then.prepared.detector.carried(
-                    then.slots, now, source, was[:, first:]
-                )
-        return history, reaction, branch

@@ -67,9 +67,8 @@ class PlaneNarrowPhase:
         narrow.find_predecessors(pairs, before, now, source)
         return source
 
-    def carried(self, before: Slots, now: Slots, source: IntArray, shear: Array) -> Array:
-        """Tangential reactions (n_slots, 1) [N] of those, along the tangents of ``now``."""
-        return np.where(source[:, None] >= 0, shear[source], 0.0)
+    def turn(self, before: Slots, now: Slots, source: IntArray, had: Array, shear: Array) -> None:
+        """Nothing: tangents of the plane turn with the contacts, and reactions with them."""
 
     def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array, to: Contacts) -> int:
         """Fill contacts from the slots in use, with their gradients; returns how many."""

@@ -60,11 +60,10 @@ class SpaceNarrowPhase:
         succession.find_predecessors(pairs, before, now, source)
         return source
 
-    def carried(self, before: Slots, now: Slots, source: IntArray, shear: Array) -> Array:
-        """Tangential reactions (n_slots, 2) [N] of those, along the tangents of ``now``."""
-        carried = np.zeros((len(source), 2))
-        succession.carried(before, now, source, np.ascontiguousarray(shear), carried)
-        return carried
+    def turn(self, before: Slots, now: Slots, source: IntArray, had: Array, shear: Array) -> None:
+        """Tangential reactions (n_slots, 2) [N] of those, into ``shear``, along the tangents of
+        ``now``."""
+        succession.carried(before, now, source, had, shear)
 
     def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array, to: Contacts) -> int:
         """Fill contacts from the slots in use, with their gradients; returns how many."""

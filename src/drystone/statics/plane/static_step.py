@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 
 from drystone.contact.contacts import NONE, STIFF_N, TRIAL_T, Pairs, Slots
 from drystone.contact.detection import Detector
+from drystone.contact.histories import Histories, handed_on
 from drystone.contact.plane import rows
 from drystone.geometry import motion
 from drystone.law import plane as plane_law
 from drystone.law import softening
 from drystone.law.branches import OPEN
 from drystone.law.certificate import JudgedContacts
-from drystone.law.columns import BROKEN, N_HELD, N_HISTORY, NN, NT, RN, RT, TN, TT
+from drystone.law.columns import N_HELD, N_HISTORY, NN, NT, RN, RT, TN, TT
 from drystone.law.strengths import Strengths
 from drystone.statics.linear_step import BENDS, LinearStep, Loads
 from drystone.statics.plane import forces, path
@@ -67,7 +68,6 @@ class StaticStep(LinearStep):
         self.constants = constants
         self.known = Slots.empty(n_slots, dim)  # contacts by the features that the step follows
         self.found = Slots.empty(n_slots, dim)  # contacts as they are found where the step ends
-        self.source = np.arange(n_slots)
         self.history_before = np.zeros((n_slots, N_HISTORY))
         self.history = np.zeros((n_slots, N_HISTORY))
         self.start = Start(
@@ -118,19 +118,15 @@ class StaticStep(LinearStep):
 
     def follow(self, slots: Slots) -> None:
         """Go on with the features of these contacts; each brings along what its forerunner had."""
-        known, source = self.known, self.source
-        source[:] = self.constants.detector.predecessors(self.pairs, known, slots)
-        new = source < 0
-        for array in (self.history_before, *self.start[:3], self.branch):
-            array[:] = array[source]
-            array[new] = 0
-        self.origin[:] = np.where(new, -1, self.origin[source])
+        past = Histories.own(self.known, self.history_before, self.reaction, self.branch)
+        heirs = handed_on(self.constants.detector.narrow, past, self.pairs, slots)
+        self.history_before[:], self.branch[:] = heirs.history, heirs.branch
+        size, lines, closed, _ = self.start
+        size[:], lines[:], closed[:] = heirs.of(size), heirs.of(lines), heirs.of(closed)
+        self.origin[:] = heirs.of(self.origin, -1)
         if len(self.start.held):
-            held = self.start.held
-            held[:] = np.where(new[:, None], self.fresh, held[source])
-        # Blocks that come to touch later are not bonded.
-        self.history_before[new, BROKEN] = 1.0
-        for mine, theirs in zip(known, slots, strict=True):
+            self.start.held[:] = heirs.of(self.start.held, self.fresh)
+        for mine, theirs in zip(self.known, slots, strict=True):
             mine[:] = theirs
 
     def evaluate(self, x: Array, multiplier: float) -> None:
