@@ -288,7 +288,7 @@ def main() -> None:
     parser.add_argument("--kinds", default=",".join(KINDS), help=f"of {', '.join(KINDS)}")
     parser.add_argument("--seeds", default="0:20:2", help="first:end or first:end:step")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes")
-    parser.add_argument("--limit", type=int, default=120, help="seconds of the processor for a curve")
+    parser.add_argument("--limit", type=int, default=120, help="process time of a curve [s]")
     parser.add_argument("--out", type=Path, help="where the run is stored, as JSON")
     parser.add_argument("--against", type=Path, help="a stored run to compare with")
     given = parser.parse_args()
