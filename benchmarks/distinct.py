@@ -13,7 +13,9 @@ from dataclasses import dataclass
 import harness  # first: it holds the libraries' threads to one
 
 import drystone as ds
-from drystone.dynamics.distinct import DistinctEngine, Workspace
+from drystone.dynamics.distinct.cycles import run
+from drystone.dynamics.distinct.engine import DistinctEngine
+from drystone.dynamics.distinct.workspace import Workspace
 from drystone.engines.base import Demand, Problem
 
 CYCLES = 20_000
@@ -37,8 +39,8 @@ def time_cycles(name: str, model: ds.Model, repeats: int) -> CycleTiming:
     state, _ = engine.start(problem)
     for increment in 5 * [1e-4] + 5 * [9e-4]:
         state, _ = engine.step(state, Demand(increment=increment))
-    work = Workspace(engine, state, real_masses=False)
-    seconds = harness.median_seconds(lambda: work.run(CYCLES, guided=True), repeats)
+    work = Workspace(engine.settings, state, real_masses=False)
+    seconds = harness.median_seconds(lambda: run(work, CYCLES, guided=True), repeats)
     return CycleTiming(
         model=name,
         n_contacts=work.n_contacts,

@@ -10,7 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from drystone.dynamics.distinct import DistinctEngine, DistinctState
+from drystone.dynamics.distinct.engine import DistinctEngine
+from drystone.dynamics.distinct.state import DistinctState
 from drystone.dynamics.nscd import NscdEngine, NscdState
 from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING
 from drystone.law.columns import BROKEN, MU, SHEAR

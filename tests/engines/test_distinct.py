@@ -10,7 +10,12 @@ import pytest
 from builders import UNIT_WEIGHT, problem_of, rectangle, stack, stiff_joint
 from drystone.analysis.driver import pushover
 from drystone.dynamics import explicit
-from drystone.dynamics.distinct import DistinctEngine, DistinctSettings, Workspace
+from drystone.dynamics.distinct.cycles import relax, run
+from drystone.dynamics.distinct.engine import DistinctEngine
+from drystone.dynamics.distinct.masses import masses
+from drystone.dynamics.distinct.search import search
+from drystone.dynamics.distinct.state import DistinctSettings, DistinctState
+from drystone.dynamics.distinct.workspace import Workspace
 from drystone.engines.base import Demand, EngineError, UnstableError
 from drystone.law.columns import BROKEN
 from drystone.limit import ASSOCIATIVE, collapse_load
@@ -35,6 +40,14 @@ def small_wall() -> Model:
     )
 
 
+def masses_of(engine: DistinctEngine, state: DistinctState, *, real: bool):
+    """Masses and time step of a state's contacts."""
+    return masses(
+        engine.settings, state.prepared, state.pairs, state.slots, state.pose, state.history,
+        real=real,
+    )  # fmt: skip
+
+
 def walked(engine: DistinctEngine, n_steps: int = 6, increment: float = 5e-4):
     state, _ = engine.start(problem_of(small_wall()))
     report = None
@@ -52,11 +65,11 @@ class TestTimeStep:
         engine = DistinctEngine()
         state, _ = engine.start(problem_of(stack((0.4, 0.4), (0.4, 0.2), (0.3, 0.3), joint=law)))
         engine.settings = DistinctSettings(safety=0.95, local_damping=0.0)
-        work = Workspace(engine, state, real_masses=real)
+        work = Workspace(engine.settings, state, real_masses=real)
         random = np.random.default_rng(1)
         work.motion.velocity[1:] = random.choice([-1.0, 1.0], (3, 3)) * 1e-9 / work.dt
         first = np.sum(work.mass * work.motion.velocity**2)
-        work.run(20_000)
+        run(work, 20_000)
         # Bounded: velocity and force of the highest waves share 1 / (1 - 0.95^2) times the energy.
         assert np.sum(work.mass * work.motion.velocity**2) < 10.0 * first
 
@@ -69,8 +82,8 @@ class TestTimeStep:
         pose = problem.assembly.rest_pose()
         for i, block in enumerate(problem.assembly.blocks[1:], start=1):
             pose[i, 1] = -2e-4 * round(block.vertices[:, 1].max() / 0.175)
-        work = Workspace(engine, engine.release(problem, pose), real_masses=real)
-        work.run(20_000)
+        work = Workspace(engine.settings, engine.release(problem, pose), real_masses=real)
+        run(work, 20_000)
         assert np.abs(work.motion.pose).max() < 5e-3
 
     def test_limit_is_not_far_from_the_edge(self):
@@ -78,7 +91,7 @@ class TestTimeStep:
         engine = DistinctEngine(DistinctSettings(safety=1.0, local_damping=0.0))
         law = JointLaw(friction_coefficient=0.65, normal_stiffness=1e9, shear_stiffness=1e6)
         state = engine.release(problem_of(stack((0.4, 0.4), joint=law)))
-        work = Workspace(engine, state, real_masses=True)
+        work = Workspace(engine.settings, state, real_masses=True)
         mass, stiffness = work.mass[1, 1], 1e9 * 0.4
         assert work.dt < 2.0 / np.sqrt(stiffness / mass)
         # Twice the stiffness, and the rotation: corners 0.2 m out, k d^2 over m d^2 / 1.5.
@@ -87,14 +100,10 @@ class TestTimeStep:
     def test_mass_scaling_lengthens_it(self):
         engine = DistinctEngine()
         state = engine.release(problem_of(small_wall()))
-        real, dt = engine.masses(
-            state.prepared, state.slots, state.pairs, state.pose, state.history, real=True
-        )
+        real, dt = masses_of(engine, state, real=True)
         np.testing.assert_array_equal(real, state.prepared.assembly.mass)
         engine.settings = replace(engine.settings, mass_scaling=100.0)
-        scaled, longer = engine.masses(
-            state.prepared, state.slots, state.pairs, state.pose, state.history, real=True
-        )
+        scaled, longer = masses_of(engine, state, real=True)
         assert longer == pytest.approx(10.0 * dt)
         assert (scaled >= real).all()
 
@@ -116,12 +125,10 @@ class TestMasses:
         lifted = model.assembly.rest_pose()
         lifted[2, 1] = 0.05  # out of the reach within which contacts count
         state = engine.release(problem_of(model), lifted)
-        mass, _ = engine.masses(
-            state.prepared, state.slots, state.pairs, state.pose, state.history, real=False
-        )
+        mass, _ = masses_of(engine, state, real=False)
         assert (mass[1:] > 0.0).all()
-        work = Workspace(engine, state, real_masses=False)
-        assert work.relax(guided=False)
+        work = Workspace(engine.settings, state, real_masses=False)
+        assert relax(work, guided=False)
         # Closed by the weight of one block under b2, of both under b1: 5 and 15 um at 1e8 Pa/m.
         closing = np.array([0.6, 0.2]) * UNIT_WEIGHT / JOINT.normal_stiffness
         expected = -np.array([closing[0], closing.sum()])
@@ -148,9 +155,7 @@ class TestMasses:
             pose[-1, 1] = lift
             state = engine.release(problem, pose)
             state.history[:, BROKEN] = np.where(state.slots.gap > 0.0, broken, 0.0)
-            mass, _ = engine.masses(
-                state.prepared, state.slots, state.pairs, pose, state.history, real=False
-            )
+            mass, _ = masses_of(engine, state, real=False)
             return mass[1]
 
         # Far beyond what may close before the next search; arms are longer by a fiftieth, too.
@@ -163,11 +168,9 @@ class TestMasses:
         pose = problem.assembly.rest_pose()
         pose[1, 1] = 0.3
         state = engine.release(problem, pose)
-        mass, dt = engine.masses(
-            state.prepared, state.slots, state.pairs, state.pose, state.history, real=False
-        )
-        work = Workspace(engine, state, real_masses=False)
-        work.run(50)
+        mass, dt = masses_of(engine, state, real=False)
+        work = Workspace(engine.settings, state, real_masses=False)
+        run(work, 50)
         np.testing.assert_array_equal(mass, state.prepared.assembly.mass)
         # Local damping takes half of the weight off a block that moves: from the second cycle on.
         fallen = 9.81 * dt**2 * (50 + 50 * 49 / 4)
@@ -180,8 +183,8 @@ class TestSearch:
         for tolerance in (2e-3, 0.0):
             engine = DistinctEngine(DistinctSettings(search_tolerance=tolerance))
             state, _ = engine.start(problem_of(small_wall()))
-            work = Workspace(engine, replace(state, multiplier=0.3), real_masses=True)
-            work.run(200)
+            work = Workspace(engine.settings, replace(state, multiplier=0.3), real_masses=True)
+            run(work, 200)
             searches.append(work.n_searches)
         assert searches == [0, 200]
 
@@ -199,8 +202,8 @@ class TestSearch:
         """A search where nothing has changed changes nothing."""
         engine = DistinctEngine()
         state, _ = walked(engine)
-        work = Workspace(engine, state, real_masses=False)
-        work.search()
+        work = Workspace(engine.settings, state, real_masses=False)
+        search(work)
         np.testing.assert_array_equal(work.slots.feature, state.slots.feature)
         np.testing.assert_allclose(work.slots.gap, state.slots.gap, atol=1e-12)
         np.testing.assert_array_equal(work.history, state.history)

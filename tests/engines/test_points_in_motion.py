@@ -11,7 +11,7 @@ import pytest
 
 import drystone as ds
 from builders import rectangle
-from drystone.dynamics.distinct import BETWEEN_POINTS
+from drystone.dynamics.distinct.cycles import BETWEEN_POINTS
 from drystone.geometry.motion import translations
 from drystone.model.assembly import Block
 from drystone.model.builders import make_model
@@ -113,7 +113,7 @@ class TestDistinct:
             return static, [column[static] for column in (*columns, curve.poses)]
 
         some, seen = at_rest(followed("distinct"))
-        monkeypatch.setattr("drystone.dynamics.distinct.BETWEEN_POINTS", np.inf)
+        monkeypatch.setattr("drystone.dynamics.distinct.cycles.BETWEEN_POINTS", np.inf)
         followed.cache_clear()
         none, unseen = at_rest(followed("distinct"))
         followed.cache_clear()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drystone.common.workers import WorkerError, _message, in_processes
-from drystone.dynamics.distinct import RunAwayError
+from drystone.dynamics.distinct.state import RunAwayError
 from drystone.model.builders import ModelError
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import drystone as ds
-from drystone.dynamics.distinct import DistinctEngine
+from drystone.dynamics.distinct.engine import DistinctEngine
 from drystone.engines.base import Demand
 from drystone.engines.frame import Frame
 from drystone.statics.equilibrium import EquilibriumEngine

@@ -17,7 +17,7 @@ import pytest
 import drystone as ds
 from bonded_walls import KINDS, bonded_wall
 from builders import rectangle
-from drystone.dynamics.distinct import DistinctEngine
+from drystone.dynamics.distinct.engine import DistinctEngine
 from drystone.law.columns import H_CRUSH, H_MU, H_ROOM
 from drystone.law.strengths import Strengths
 from drystone.model.joint_law import JointLaw

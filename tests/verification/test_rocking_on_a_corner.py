@@ -14,7 +14,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from drystone.dynamics.distinct import DistinctEngine, DistinctSettings
+from drystone.dynamics.distinct.engine import DistinctEngine
+from drystone.dynamics.distinct.state import DistinctSettings
 from drystone.engines.base import Demand, Problem
 from drystone.model.assembly import GRAVITY
 from solids import one_block

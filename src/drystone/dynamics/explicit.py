@@ -44,7 +44,8 @@ from drystone.dynamics.explicit_space import (
 )
 from drystone.law.branches import OPEN
 from drystone.law.columns import N_HISTORY, N_LAW, PER_AREA
-from drystone.model.tie_kernels import add_forces, age, locate
+from drystone.model.tie_kernels import add_forces, age
+from drystone.model.tie_kernels import locate as locate_ties
 
 #: Entries of the meter, see `cycle`.
 MULTIPLIER, FRICTION_WORK, DAMPING_WORK, LOAD_WORK, RESIDUAL, CYCLES = 0, 1, 2, 3, 4, 5
@@ -177,9 +178,14 @@ def pack(slots, bodies, pairs, laws, thickness, history, contacts):
     return n_contacts
 
 
+def locate(contacts, n_contacts, loads, motion, slots, pairs):
+    """Write the geometry of the contacts in the present poses to their slots."""
+    write = locate_in_plane if slots.dim == 2 else locate_in_space
+    write(contacts, n_contacts, loads, motion, slots, pairs)
+
+
 def unpack(contacts, n_contacts, loads, motion, slots, pairs, history, reaction, status):
     """Write what the cycles made of the contacts back to the slots: geometry, history, reaction."""
-    locate = locate_in_plane if slots.dim == 2 else locate_in_space
     locate(contacts, n_contacts, loads, motion, slots, pairs)
     _unpack(contacts, n_contacts, history, reaction, status)
 
@@ -363,7 +369,7 @@ def cycle(dof, contacts, n_contacts, motion, loads, origin, drive, n_cycles, met
                 contacts, n_contacts, motion, loads, drive.dt, drive.bonds_hold, friction_work
             )
         if n_ties > 0:
-            locate(ties.body, ties.value, motion.pose, ties.now)
+            locate_ties(ties.body, ties.value, motion.pose, ties.now)
             if len(dof) == 3:
                 add_forces(ties.body, ties.now, no_axes, force)
             else:

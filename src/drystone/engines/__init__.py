@@ -21,7 +21,7 @@ ENGINES: Registry[Callable[[], object]] = Registry(
     ours={
         "equilibrium": "drystone.statics.equilibrium:EquilibriumEngine",
         "nscd": "drystone.dynamics.nscd:NscdEngine",
-        "distinct": "drystone.dynamics.distinct:DistinctEngine",
+        "distinct": "drystone.dynamics.distinct.engine:DistinctEngine",
     },
 )
 #: Engines of ours in packages of their own, found like those of others: what installs each, in the

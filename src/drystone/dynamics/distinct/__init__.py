@@ -1,0 +1,1 @@
+"""The distinct element method of Cundall for rigid blocks: see `dynamics.distinct.engine`."""

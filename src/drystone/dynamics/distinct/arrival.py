@@ -1,0 +1,183 @@
+"""What cycles have led to: a state and its report, at rest, in real motion, and on the way."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.contacts import BODY_A, BODY_B, SHIFT, SLOT
+from drystone.contact.rows import OF_GAP
+from drystone.dynamics import explicit
+from drystone.dynamics.distinct.state import TIES_NEARER, DistinctState
+from drystone.dynamics.distinct.workspace import Workspace
+from drystone.engines.base import StepPath, StepReport
+from drystone.engines.measures import StepOutcome, not_crushed, report
+from drystone.law.bonds import margins
+from drystone.law.certificate import Forces, JudgedContacts, certify
+from drystone.law.residual import add_contact_forces
+
+Array = NDArray[np.float64]
+
+#: How well a reaction is known at rest, over the unbalanced force: blocks in a row lean on each
+#: other with what is left of several.
+NOISE = 5.0
+
+
+def at_rest(state: DistinctState, work: Workspace) -> tuple[DistinctState, StepReport]:
+    """The state where all is balanced and has been stopped."""
+    work.unpack()
+    still = np.zeros_like(state.velocity)
+    contacts, contact_force = _judged(work)
+    loads = work.now
+    load = loads.dead + work.multiplier * loads.pattern
+    forces = Forces(contact=contact_force, load=load, inertia=still)
+    new, figures = _arrive(state, work, contacts, forces, work.motion.force, still)
+    # What little is unbalanced accelerates nothing: the blocks are at rest.
+    return new, replace(
+        figures,
+        static_multiplier=work.multiplier,
+        inertia_ratio=0.0,
+        path=StepPath(way=tuple(work.way)),
+        dynamic=False,
+    )
+
+
+def in_real_motion(
+    state: DistinctState, work: Workspace, n_cycles: int
+) -> tuple[DistinctState, StepReport]:
+    """The state in motion, with the means over the last ``n_cycles`` of what the supports carry
+    and of what is unbalanced: no snapshot of a vibrating wall."""
+    work.unpack()
+    motion, loads = work.motion, work.now
+    load = loads.dead + work.multiplier * loads.pattern
+    unbalanced = motion.mean / n_cycles
+    forces = Forces(contact=unbalanced - load, load=load, inertia=motion.opposed / n_cycles)
+    contacts, _ = _judged(work)
+    return _arrive(state, work, contacts, forces, unbalanced, motion.velocity)
+
+
+def on_the_way(work: Workspace) -> tuple[DistinctState, StepReport]:
+    """A copy of the state after a cycle on the way to rest, and its figures.
+
+    What is unbalanced in the cycle is inertia and damping.  Masses are scaled: velocities, and
+    energies of motion, mean nothing.  The multiplier is a mean over the way since the last such
+    state, for impacts shake that of one cycle.
+    """
+    work.unpack()
+    motion, loads, still = work.motion, work.now, np.zeros_like(work.motion.velocity)
+    contacts, _ = _judged(work, work.gaps_before())
+    load = loads.dead + work.multiplier * loads.pattern
+    forces = Forces(contact=motion.force - load, load=load, inertia=motion.force)
+    new, figures = _arrive(work.state, work, contacts, forces, motion.force, still)
+    since = work.prepared.assembly.difference(motion.pose, work.noted)
+    moved = work.prepared.detector.farthest(np.where(work.lost[:, None], 0.0, since))
+    arrays = ("pose", "searched", "history", "reaction", "status")
+    own = {name: getattr(new, name).copy() for name in arrays}
+    new = replace(new, slots=new.slots.copied(), **own)
+    multiplier = float(np.mean(work.on_the_way))
+    return new, replace(figures, static_multiplier=multiplier, motion=moved, dynamic=True)
+
+
+def failed(reason: str, work: Workspace, *, runs_away: bool = False) -> StepReport:
+    """The report of a step that comes to nothing."""
+    return StepReport(
+        converged=False,
+        reason=reason,
+        n_iterations=work.n_cycles,
+        path=StepPath(way=tuple(work.way)),
+        dynamic=runs_away,
+    )
+
+
+def _judged(work: Workspace, gaps: Array | None = None) -> tuple[JudgedContacts, Array]:
+    """Contacts with the reactions of the last cycle, and the forces of these on the bodies.
+
+    The gaps are those of the poses that the cycle began with, where ``gaps`` (n_slots,) of all
+    slots are not given to the first order in what it has moved; all slips have entered the shear.
+    """
+    prepared, slots, pairs = work.prepared, work.slots, work.pairs
+    velocity = work.motion.velocity
+    contacts = prepared.detector.pack(pairs, work.motion.pose, slots, prepared.laws)
+    k, a, b = (contacts.which[:, i] for i in (SLOT, BODY_A, BODY_B))
+    force = np.zeros_like(velocity)
+    history, reaction = work.history[k], work.reaction[k]
+    add_contact_forces(contacts, reaction, force)
+    work.ties.turn(work.motion.pose)
+    work.ties.add_to(force)
+    moved = work.dt * np.column_stack((velocity[a], velocity[b]))
+    gap = slots.gap[k] - np.sum(contacts.rows[:, OF_GAP] * moved, axis=1)
+    if gaps is not None:
+        gap = gaps[k]
+    if prepared.strengths.any:
+        prepared.strengths.fill(pairs.law_of_slot[k], history, gap, slots.size[k], contacts.table)
+        contacts.table[:, SHIFT:] *= prepared.assembly.thickness
+    judged = JudgedContacts.with_history(contacts, gap, history, reaction, reaction[:, 1:])
+    return judged, force
+
+
+def _margin(work: Workspace, contacts: JudgedContacts, ties_margin: Array) -> Array:
+    """Of the bonds, by slots, and of the ties."""
+    margin = np.full(len(work.slots.kind), np.inf)
+    if work.prepared.brittle:
+        slack = NOISE * work.settings.tolerance * work.prepared.assembly.heaviest_weight
+        margin[contacts.contacts.slot] = margins(contacts, slack)
+    return np.concatenate((margin, TIES_NEARER * ties_margin))
+
+
+def _arrive(
+    state: DistinctState,
+    work: Workspace,
+    contacts: JudgedContacts,
+    forces: Forces,
+    unbalanced: Array,
+    velocity: Array,
+) -> tuple[DistinctState, StepReport]:
+    """The state at the end of the cycles, and its figures."""
+    prepared, meter, pose, acting = state.prepared, work.meter, work.motion.pose, work.now
+    assembly = prepared.assembly
+    ties = work.ties.ended(yields=not work.real_masses, aged=work.real_masses)
+    margin = _margin(work, contacts, work.ties.ended(yields=not work.real_masses).margin)
+    acceleration = np.where(acting.fixed[:, None], 0.0, unbalanced / assembly.mass)
+    increment = assembly.difference(pose, state.pose)
+    new = DistinctState(
+        prepared=prepared,
+        stage=state.stage,
+        pose=pose,
+        velocity=velocity,
+        multiplier=work.multiplier,
+        pairs=work.pairs,
+        slots=work.slots,
+        searched=work.searched,
+        history=work.history,
+        reaction=work.reaction,
+        status=work.status,
+        increment=np.where(work.lost[:, None], 0.0, increment),
+        margin=margin,
+        due=np.zeros(0, np.int64),
+        gone=work.lost,
+        ties=ties,
+        settled=state.settled,
+        friction_work=state.friction_work + float(meter[explicit.FRICTION_WORK]),
+        damping_work=state.damping_work + float(meter[explicit.DAMPING_WORK]),
+        load_work=state.load_work + float(meter[explicit.LOAD_WORK]),
+        search_work=state.search_work + work.search_work,
+    )
+    certificate = certify(contacts, forces, prepared.extent, acting.fixed)
+    outcome = StepOutcome(
+        multiplier=work.multiplier,
+        pose=pose,
+        increment=increment,
+        acceleration=acceleration,
+        velocity=velocity,
+        contact_force=forces.contact,
+        slots=not_crushed(work.slots, work.history) if prepared.strengths.any else work.slots,
+        status=work.status,
+        certificate=work.ties.marked(certificate),
+        motion=prepared.detector.farthest(increment),
+        n_iterations=work.n_cycles,
+        settled=state.settled,
+    )
+    figures = report(prepared.problem, acting, outcome)
+    return new, replace(figures, lost_shear=work.lost_shear / assembly.heaviest_weight)

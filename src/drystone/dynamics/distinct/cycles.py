@@ -1,0 +1,131 @@
+"""Cycles with searches between them: until all is balanced, a block runs away, or they are done."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.dynamics import explicit
+from drystone.dynamics.distinct.arrival import on_the_way
+from drystone.dynamics.distinct.search import let_go, others_separate, search
+from drystone.dynamics.distinct.state import RunAwayError
+from drystone.dynamics.distinct.workspace import Workspace
+from drystone.engines.base import CREST_PARTS
+from drystone.engines.measures import LoadArrays
+from drystone.model.tie_kernels import PRETENSION
+
+Array = NDArray[np.float64]
+
+#: Parts in which the dead load comes: each shakes the structure by as little.
+RAMP = 100
+
+#: Most cycles of one call, which nothing interrupts; and where loads change with places.
+ROUND, SHORT_ROUND = 1000, 100
+
+#: Motion of any point of a block, over that of the control point which a step asks for, from which
+#: on the increment does not measure it: the block moves by itself.
+BY_ITSELF = 3.0
+
+#: What a block moves by itself between two points, over its smallest extent.  Steps of the default
+#: length are jumps from there on (`snap_motion` times `displacement_step`), and a block that
+#: collapses, by half of its extent, is seen to within a fifth of that.
+BETWEEN_POINTS = 0.1
+
+
+def run(
+    work: Workspace,
+    n_cycles: int,
+    *,
+    guided: bool = False,
+    rate: float = 0.0,
+    combined: bool = False,
+    tolerance: float = -1.0,
+) -> bool:
+    """Cycles with searches between them; whether they ended because all is balanced.
+
+    For how they are driven see `explicit.Drive`.  Raises `RunAwayError`.
+    """
+    last, steady = work.n_cycles + n_cycles, work.acting.acting.steady
+    drive = work.drive(
+        bonds_hold=not work.real_masses,
+        guided=guided,
+        rate=rate,
+        combined=combined,
+        tolerance=tolerance,
+        reach=work.search_reach,
+    )
+    while work.n_cycles < last:
+        if not steady:
+            now = work.now
+            work.loads = work.loads._replace(dead=now.dead, pattern=now.pattern)
+        why = work.cycle(min(last - work.n_cycles, ROUND if steady else SHORT_ROUND), drive)
+        if why == explicit.MOVED:
+            _note(work)
+            _stop_runaways(work)
+            search(work)
+        elif why == explicit.BALANCED:
+            return True
+    return False
+
+
+def _note(work: Workspace) -> None:
+    """Keep the state, in motion, where a block has gone far by itself since the last one."""
+    asked, assembly = work.bounds.asked, work.prepared.assembly
+    if asked is None:
+        return
+    work.on_the_way.append(work.multiplier)
+    far = np.maximum(BETWEEN_POINTS * assembly.extents, 0.0 if work.way else BY_ITSELF * asked)
+    gone = np.where(assembly.fixed, 0.0, work.gone(work.noted))
+    if (gone > far).any() and not np.isinf(gone).any():
+        work.way.append(on_the_way(work))
+        work.noted = work.motion.pose.copy()
+        work.on_the_way.clear()
+
+
+def _stop_runaways(work: Workspace) -> None:
+    gone, assembly, bounds = work.gone(), work.prepared.assembly, work.bounds
+    if bounds.may_lose and 0.5 * assembly.smallest_extent < gone.max() < np.inf:
+        let_go(work)
+        gone = work.gone()
+    if not gone.max() <= bounds.farthest or np.isinf(gone).any():
+        raise RunAwayError(assembly.ids[int(gone.argmax())], gone)
+
+
+def load_gradually(work: Workspace, before: LoadArrays | None) -> None:
+    """Bring up the dead load from what it was ``before``, if anything, each part of it in cycles
+    enough for a wave to pass.
+
+    Ties are drawn with the weight: before it, they would draw blocks along.
+    """
+    whole, drawn = work.acting, work.ties.value[:, PRETENSION].copy()
+    for part in range(1, RAMP):
+        if before is None:
+            work.ties.value[:, PRETENSION] = part / RAMP * drawn
+        work.acting = whole.scaled(part / RAMP, before)
+        work.loads = work.loads._replace(dead=work.acting.dead)
+        run(work, max(work.settings.drive_cycles // CREST_PARTS, 1))
+    work.acting, work.ties.value[:, PRETENSION] = whole, drawn
+    work.loads = work.loads._replace(dead=whole.dead)
+
+
+def relax(work: Workspace, *, guided: bool) -> bool:
+    """Cycles until all is balanced; whether they got there.  Raises `RunAwayError`.
+
+    What does not come to rest soon moves on: it jumps to another shape, slowly at first, and what
+    vibrates upon this would have local damping hold it back.  Where what presses there does so on
+    faces that do not separate the blocks most any more, they come to rest again.
+    """
+    if not _relaxed(work, guided=guided):
+        return False
+    if not others_separate(work):
+        return True
+    search(work)
+    return _relaxed(work, guided=guided)
+
+
+def _relaxed(work: Workspace, *, guided: bool) -> bool:
+    s = work.settings
+    tolerance = s.tolerance * work.prepared.assembly.heaviest_weight
+    if run(work, s.hold_cycles, guided=guided, tolerance=tolerance):
+        return True
+    return run(work, s.jump_cycles, guided=guided, combined=True, tolerance=tolerance)

@@ -1,0 +1,80 @@
+"""The control displacement of a structure at rest driven on at a constant rate, and stopped."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.dynamics import explicit
+from drystone.dynamics.distinct.cycles import BY_ITSELF, run
+from drystone.dynamics.distinct.state import DistinctState
+from drystone.dynamics.distinct.workspace import Workspace
+from drystone.engines.base import CREST_PARTS
+
+#: Stages in which a driven increment ends, and the rate of each over that of the one before.
+STAGES, SLOWER = 4, 0.25
+
+
+def drive_on(state: DistinctState, work: Workspace, increment: float) -> float:
+    """Move on at a constant rate of F.x until the control displacement is reached, then stop.
+
+    Returns the highest multiplier on the way, of the means over its parts.
+
+    The motion of the last step goes on at the pace of this one, so that nothing is shaken.  It
+    ends in stages, each slower than the one before: joints that slide go on sliding while
+    vibrations fade, and come to rest with their friction fully used.
+    """
+    prepared, s, pose = state.prepared, work.settings, work.motion.pose
+    control, assembly = prepared.problem.control_point, prepared.assembly
+    begin = control.displacement(assembly, state.pose)
+    rate = _set_out(state, work, increment, begin)
+    # For the first stage, of the increment.
+    left = 1.0 - SLOWER / (1.0 - SLOWER) * s.stage_cycles / s.drive_cycles
+    crest = -np.inf
+    for _ in range(10 * CREST_PARTS):
+        crest = max(crest, _part(work, max(s.drive_cycles // CREST_PARTS, 1), rate))
+        gone = control.displacement(assembly, pose) - begin
+        if gone / increment > left - 0.5 / CREST_PARTS:
+            break
+        moved = prepared.detector.farthest(assembly.difference(pose, state.pose))
+        if moved > BY_ITSELF * abs(increment):
+            break  # something else moves, which the increment does not measure
+    for _ in range(STAGES):
+        work.motion.velocity[:] *= SLOWER
+        rate *= SLOWER
+        run(work, s.stage_cycles, guided=True, rate=rate, combined=True)
+    work.motion.velocity[:] = 0.0
+    return crest
+
+
+def _set_out(state: DistinctState, work: Workspace, increment: float, begin: float) -> float:
+    """Velocities to begin with, and the rate of F.x that goes with them [N m/s].
+
+    ``begin`` is the control displacement of the state [m].
+    """
+    prepared, s, acting, last = state.prepared, work.settings, work.now, state.increment
+    control, assembly = prepared.problem.control_point, prepared.assembly
+    duration = s.drive_cycles * work.dt
+    sense = 1.0 if acting.along @ control.direction >= 0.0 else -1.0
+    came = begin - control.displacement(assembly, assembly.moved(state.pose, -last))
+    pushed, farthest = float(np.sum(acting.pattern * last)), prepared.detector.farthest(last)
+    onwards = came * increment > 1e-9 * farthest * abs(increment)  # else it is rounding
+    if onwards and pushed * increment * sense > 0.0:
+        share = min(increment / came, 2.0 * abs(increment) / farthest) / duration
+        work.motion.velocity[:] = share * last
+        return share * pushed
+    rate = 0.5 * sense * acting.total * increment / duration
+    for stage in range(STAGES, 0, -1):  # from rest, begin as it will end
+        run(work, s.stage_cycles, guided=True, rate=rate * SLOWER**stage, combined=True)
+        work.motion.velocity[:] /= SLOWER
+    return rate
+
+
+def _part(work: Workspace, n_cycles: int, rate: float) -> float:
+    """Guided cycles; the mean multiplier over them, from the work that it did."""
+    pose, done = work.motion.pose.copy(), float(work.meter[explicit.LOAD_WORK])
+    run(work, n_cycles, guided=True, rate=rate, combined=True)
+    moved = work.prepared.assembly.difference(work.motion.pose, pose)
+    done = float(work.meter[explicit.LOAD_WORK]) - done
+    now = work.now
+    pushed = float(np.sum(now.pattern * moved))
+    return (done - float(np.sum(now.dead * moved))) / pushed if pushed else 0.0

@@ -1,0 +1,263 @@
+"""The distinct element method of Cundall for rigid blocks: UDEC's formulation.
+
+Explicit cycles (see `dynamics.explicit`): springs at the contacts give forces, these accelerations,
+these velocities and poses.  Contacts are searched for only when a block has moved by more than a
+tolerance since the last search; in between their features are frozen.
+
+Under a given multiplier a step is a piece of real motion, as long as the demanded time.  A step of
+a given displacement is quasi-static: the work-conjugate displacement F.x of the load pattern is
+driven on, the multiplier being the force that this takes, then held until all blocks are balanced.
+Motion and inertia on the way there mean nothing, so that masses are free: each degree of freedom
+gets one in proportion to the stiffness that it feels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.forces import ContactForces
+from drystone.dynamics import explicit
+from drystone.dynamics.distinct.arrival import at_rest, failed, in_real_motion
+from drystone.dynamics.distinct.cycles import load_gradually, relax, run
+from drystone.dynamics.distinct.driving import drive_on
+from drystone.dynamics.distinct.state import (
+    DistinctPrepared,
+    DistinctSettings,
+    DistinctState,
+    RunAwayError,
+    broken,
+    released,
+)
+from drystone.dynamics.distinct.workspace import Bounds, Workspace
+from drystone.engines.base import (
+    Capabilities,
+    Demand,
+    Engine,
+    Pacing,
+    Problem,
+    StepReport,
+    UnstableError,
+)
+from drystone.engines.bonds import SLIGHT, BondSteps
+from drystone.engines.measures import LoadArrays, unstable_sentence
+from drystone.law.bonds import weakest
+from drystone.model.assembly import Assembly
+from drystone.model.joint_law import Yielding
+from drystone.model.ties import TieState
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+#: Margin of a bond at which a step ends for it: each try is a relaxation.
+AT_STRENGTH = 1e-3
+
+#: A state and the report of the step to it.
+Step = tuple[DistinctState, StepReport]
+
+
+class DistinctEngine(Engine[DistinctState]):
+    """See the module's text."""
+
+    name = "distinct"
+    capabilities = Capabilities(
+        ties=True,
+        bonds=True,
+        yielding=frozenset({Yielding.SOFTEN, Yielding.LOSE_FRICTION, Yielding.CRUSH}),
+        prescribes_displacement=True,
+        moves_supports=True,
+        in_own_frame=True,
+        keeps_states=True,
+        # Rest is looked for with the forces of a cycle, its poses are those at the end of it.
+        residual_limit=1e-4,
+    )
+
+    def __init__(self, settings: DistinctSettings | None = None) -> None:
+        self.settings = settings or DistinctSettings()
+
+    def pacing(self, assembly: Assembly) -> Pacing:
+        """A step is easy or hard by its cycles."""
+        return Pacing(
+            displacement_step=0.01 * assembly.smallest_extent,
+            easy_iterations=20_000,
+            hard_iterations=100_000,
+        )
+
+    def start(self, problem: Problem) -> Step:
+        """Settle under the dead load; raises `UnstableError`."""
+        state, before = self.release(problem), None
+        for stage in problem.stages:
+            state = replace(state, stage=stage)
+            state, report = self._settle(state, gradually=True, before=before)
+            before = LoadArrays.of(problem, state.gone, stage)
+            while len(due := weakest(state.margin)):
+                state, report = self._settle(broken(state, due))
+        return state, report
+
+    def release(
+        self, problem: Problem, pose: Array | None = None, velocity: Array | None = None
+    ) -> DistinctState:
+        """A state in given poses (n, n_pose) and velocities (n, n_dof), as they are."""
+        assembly = problem.assembly
+        return released(
+            DistinctPrepared.of(problem, self),
+            assembly.rest_pose() if pose is None else np.array(pose, float),
+            assembly.no_motion() if velocity is None else np.array(velocity, float),
+        )
+
+    def _settle(
+        self, state: DistinctState, *, gradually: bool = False, before: LoadArrays | None = None
+    ) -> Step:
+        """Cycles under the dead load from rest to rest, all bonds holding.
+
+        Where nothing rests yet the load comes gradually: put on at once, it would be overshot, and
+        joints that slip in the overshoot would keep their friction.
+        """
+        problem = state.prepared.problem
+        bounds = Bounds(farthest=problem.assembly.smallest_extent)
+        work = Workspace(self.settings, state, real_masses=False, bounds=bounds)
+        try:
+            if gradually:
+                load_gradually(work, before)
+            if relax(work, guided=False):
+                return at_rest(state, work)
+            motion = work.gone()
+        except RunAwayError as error:
+            motion = error.motion
+        raise UnstableError(unstable_sentence(problem, problem.length * motion))
+
+    def step(self, state: DistinctState, demand: Demand) -> Step:
+        """Cycles from `state`; see `Engine.step`."""
+        if demand.settlement is not None:
+            return self._by_bonds(state, demand.settlement, self._follow_supports)
+        if demand.increment is not None:
+            return self._by_bonds(state, demand.increment, self._advance)
+        if demand.multiplier is None:
+            raise ValueError("a step needs an increment or a multiplier")
+        state = broken(state, state.due)
+        if demand.time_step > 0.0:
+            return self._move(state, demand)
+        work = self._quasi_static(replace(state, multiplier=demand.multiplier))
+        return self._balance(state, work, guided=False)
+
+    def _by_bonds(
+        self, state: DistinctState, amount: float, go: Callable[[DistinctState, float], Step]
+    ) -> Step:
+        """Go on by an amount, as far as bonds and ties allow."""
+        prepared = state.prepared
+        if not prepared.gives_way:
+            return go(state, amount)
+
+        def solve(state: DistinctState, share: float) -> Step:
+            new, report = go(state, share * amount)
+            if share == 0.0 and report.converged:  # what a break moves says nothing of what follows
+                new = replace(new, increment=state.increment)
+            return new, report
+
+        return BondSteps(
+            solve=solve,
+            broken=broken,
+            laws=prepared.laws,
+            slight=SLIGHT * prepared.assembly.heaviest_weight,
+            near=AT_STRENGTH,
+            bars=prepared.bars if prepared.bars.n_ties else None,
+        ).advance(state)
+
+    def _quasi_static(self, state: DistinctState, asked: float = 0.0) -> Workspace:
+        """A workspace of quasi-static cycles, in which blocks are ``asked`` to move so far [m]."""
+        state = replace(state, velocity=np.zeros_like(state.velocity))
+        farthest = self.settings.max_motion * state.prepared.span
+        bounds = Bounds(farthest=farthest, may_lose=True, asked=asked)
+        return Workspace(self.settings, state, real_masses=False, bounds=bounds)
+
+    def _follow_supports(self, state: DistinctState, amount: float) -> Step:
+        """Move supports on at a constant rate, then balance."""
+        settlement = state.prepared.problem.settlement
+        assert settlement is not None
+        assembly, n = state.prepared.assembly, self.settings.drive_cycles
+        given = settlement.increment(assembly, state.pose, state.settled + amount)
+        work = self._quasi_static(state, state.prepared.detector.farthest(given))
+        if amount:
+            rows = settlement.rows(assembly)
+            work.motion.velocity[rows] = given[rows] / (n * work.dt)
+            try:
+                run(work, n)
+            except RunAwayError as error:
+                return state, failed(str(error), work)
+            work.motion.velocity[rows] = 0.0
+        return self._balance(replace(state, settled=state.settled + amount), work, guided=False)
+
+    def _advance(self, state: DistinctState, increment: float) -> Step:
+        """Drive the control displacement on by an increment, then hold and balance."""
+        work = self._quasi_static(state, abs(increment))
+        crest = -np.inf
+        try:
+            if increment:
+                crest = drive_on(state, work, increment)
+        except RunAwayError as error:
+            return state, failed(str(error), work, runs_away=True)
+        new, figures = self._balance(state, work, guided=True)
+        excess = crest - max(state.multiplier, new.multiplier)
+        crest_of_step = max(excess, 0.0) if increment else None
+        return new, replace(figures, path=replace(figures.path, crest=crest_of_step))
+
+    def _balance(self, state: DistinctState, work: Workspace, *, guided: bool) -> Step:
+        """Cycles until all blocks rest, with F.x held where they are guided, else with the load."""
+        try:
+            if relax(work, guided=guided):
+                return at_rest(state, work)
+        except RunAwayError as error:
+            return state, failed(str(error), work, runs_away=True)
+        left = work.meter[explicit.RESIDUAL] / state.prepared.assembly.heaviest_weight
+        return state, failed(
+            f"an unbalanced force of {left:.1e} weights is left after {work.n_cycles} cycles", work
+        )
+
+    def _move(self, state: DistinctState, demand: Demand) -> Step:
+        """Real motion for a given time under a given multiplier.
+
+        The first half of it is for the first waves, the second is what the figures are means of.
+        """
+        assert demand.multiplier is not None
+        begin = replace(state, multiplier=demand.multiplier)
+        if demand.stop_blocks:
+            begin = replace(begin, velocity=np.zeros_like(state.velocity))
+        bounds = Bounds(farthest=self.settings.max_motion * state.prepared.span, may_lose=True)
+        work = Workspace(self.settings, begin, real_masses=True, bounds=bounds)
+        cycles, most = demand.time_step / work.dt, self.settings.max_cycles
+        n = max(round(min(cycles, most)), 2)
+        if cycles <= most:
+            try:
+                run(work, n // 2)
+                work.motion.mean[:], work.motion.opposed[:] = 0.0, 0.0
+                n -= n // 2
+                run(work, n)
+            except RunAwayError as error:
+                return state, failed(str(error), work)
+        if not 1.5 <= cycles <= most:
+            return state, failed(
+                f"a time step of {demand.time_step:.1e} s is {cycles:.1e} cycles of the distinct "
+                f"engine, which takes from 2 to {most} at a time: choose another time_step",
+                work,
+            )
+        if np.array_equal(work.searched, work.motion.pose):
+            work.cycle_once()  # contacts just found anew have no reactions yet
+            n += 1
+        return in_real_motion(state, work, n)
+
+    def gone_of(self, state: DistinctState) -> BoolArray:
+        """Blocks (n,) that have left."""
+        return state.gone
+
+    def ties_of(self, state: DistinctState) -> TieState:
+        """What the ties of a state carry."""
+        return state.ties
+
+    def contacts(self, state: DistinctState) -> ContactForces:
+        """Contact points and reactions of a state."""
+        return state.prepared.detector.forces(
+            state.pairs, state.pose, state.slots, state.reaction, state.status
+        )

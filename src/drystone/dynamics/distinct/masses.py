@@ -1,0 +1,113 @@
+"""Masses of explicit cycles, and the time step for which they are stable.
+
+A contact's stiffness k (h_a.x_a + h_b.x_b)^2 is at most 2 k (h_a.x_a)^2 + 2 k (h_b.x_b)^2.
+With B = 2 sum k h h^T over the contacts of one block, no frequency of the assembly is hence above
+omega^2 = max eig(M^-1/2 B M^-1/2), the highest of any block's own.  Undamped cycles are stable for
+dt < 2 / omega.  Where a velocity changes its sign at every cycle, local damping alpha makes every
+force (1 + alpha) times as large, and so
+
+    dt < 2 / (omega sqrt(1 + alpha))
+
+A block that meets another and leaves it within one cycle takes energy from nowhere beyond
+sqrt(2) / omega: undamped motion with impacts wants a safety factor below 0.7.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.contacts import Pairs, Slots
+from drystone.dynamics import explicit
+from drystone.dynamics.distinct.state import DistinctPrepared, DistinctSettings
+from drystone.law.columns import BROKEN, COHESION, COHESIVE, DILATION, PULLS, TENSION
+from drystone.statics.tie_forces import TieForces
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+#: Time step [s] of blocks that nothing is near to.
+FREE_TIME_STEP = 1e-3
+
+#: Open joints count for the time step of quasi-static cycles up to three times this share of the
+#: smallest block size, or of what blocks may move between two searches.
+WATCHED = 1e-3
+
+
+def search_reach(settings: DistinctSettings, prepared: DistinctPrepared) -> float:
+    """Motion of a block between two searches [m]."""
+    return settings.search_tolerance * prepared.assembly.smallest_extent
+
+
+def masses(
+    settings: DistinctSettings,
+    prepared: DistinctPrepared,
+    pairs: Pairs,
+    slots: Slots,
+    pose: Array,
+    history: Array,
+    *,
+    real: bool,
+    ties: TieForces | None = None,
+) -> tuple[Array, float]:
+    """Masses (n, n_dof) and the stable time step [s] that goes with them, of slots in a pose.
+
+    Contacts that are open count where they may close before the next search, and those whose bond
+    is not lost wherever they are: what was torn pulls along its elastic line, k_n, and sticks with
+    k_s, however far it has opened.
+    """
+    assembly, s = prepared.assembly, settings
+    blocks = np.zeros((assembly.n_bodies, assembly.n_dof, assembly.n_dof))
+    contacts = prepared.detector.pack(pairs, pose, slots, prepared.laws)
+    between = max(search_reach(s, prepared), WATCHED * assembly.smallest_extent)
+    watched = np.inf if real else 3.0 * between
+    known = history[contacts.slot]
+    away = slots.gap[contacts.slot] - known[:, DILATION]
+    acts = (away <= watched) | _bonded(prepared, pairs.law_of_slot[contacts.slot], known)
+    explicit.stiffness_blocks(prepared.dof, contacts, acts, blocks)
+    if ties is not None and prepared.bars.n_ties:
+        ties.act(pose)
+        ties.add_twice(blocks)
+    blocks *= 0.25 * (1.0 + s.local_damping) / s.safety**2
+    scaling = s.mass_scaling or (1.0 if real else np.inf)
+    needed = _needed(blocks, assembly.fixed)
+    if needed is None:
+        return assembly.mass, FREE_TIME_STEP
+    if np.isinf(scaling):
+        return needed, 1.0
+    highest = _highest(blocks, assembly.mass)[~assembly.fixed].max()
+    dt = float(np.sqrt(scaling / highest))
+    if scaling == 1.0:
+        return assembly.mass, dt
+    return np.maximum(assembly.mass, needed * dt**2), dt
+
+
+def _bonded(prepared: DistinctPrepared, law: IntArray, history: Array) -> BoolArray:
+    """Contacts (n,) whose bond is not lost, by the rows of their laws and their histories."""
+    strengths = [COHESION, TENSION, COHESIVE, PULLS]
+    has_bond = np.asarray((prepared.laws[:, strengths] > 0.0).any(axis=1))
+    return np.asarray(has_bond[law] & (history[:, BROKEN] == 0.0))
+
+
+def _needed(blocks: Array, fixed: BoolArray) -> Array | None:
+    """Masses for which a time step of one is stable, (n, n_dof); None where no block is touched.
+
+    A block that touches nothing gets the largest: it falls as slowly as the stiffest block moves,
+    and is caught where it lands.
+    """
+    stiffness = np.einsum("nii->ni", blocks)
+    touched = stiffness.any(axis=1) & ~fixed
+    if not touched.any():
+        return None
+    needed = np.maximum(stiffness, 1e-3 * stiffness[~fixed].max(axis=0) + 1e-30)
+    needed *= _highest(blocks, needed)[:, None]
+    needed[~touched] = needed[touched].max(axis=0)
+    return np.asarray(needed, dtype=np.float64)
+
+
+def _highest(blocks: Array, mass: Array) -> Array:
+    """Highest eigenvalue of each M^-1/2 B M^-1/2, (n,) [1/s2]."""
+    root = 1.0 / np.sqrt(mass)
+    values = np.linalg.eigvalsh(blocks * root[:, :, None] * root[:, None, :])
+    return np.asarray(values[:, -1], dtype=np.float64)

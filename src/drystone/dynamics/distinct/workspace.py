@@ -1,0 +1,172 @@
+"""Memory of the cycles of one step: contacts, motion, masses and loads, and one call of cycles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.dynamics import explicit
+from drystone.dynamics.distinct.masses import masses, search_reach
+from drystone.dynamics.distinct.state import DistinctSettings, DistinctState
+from drystone.dynamics.explicit import Drive, FrozenContacts, Loads, Motion
+from drystone.engines.base import StepReport
+from drystone.engines.measures import LoadArrays
+from drystone.statics.tie_forces import TieForces
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bounds:
+    """How far blocks may go in the cycles of a step."""
+
+    farthest: float = np.inf  # m from where the step starts; beyond, a block runs away
+    may_lose: bool = False  # the structure blocks that have left it
+    asked: float | None = None
+    """Motion that is asked for [m].  What blocks move by beyond it is noted on the way; None: in
+    a step that is no step."""
+
+
+#: Of motion that nothing bounds.
+UNBOUNDED = Bounds()
+
+
+class Workspace:
+    """Contacts, motion and masses while the cycles of one step run."""
+
+    def __init__(
+        self,
+        settings: DistinctSettings,
+        state: DistinctState,
+        *,
+        real_masses: bool,
+        bounds: Bounds = UNBOUNDED,
+    ) -> None:
+        self.settings, self.real_masses, self.bounds = settings, real_masses, bounds
+        self.prepared, self.state = state.prepared, state
+        self.search_reach = search_reach(settings, state.prepared)
+        #: States in motion where blocks have gone far by themselves, and their reports.
+        self.way: list[tuple[DistinctState, StepReport]] = []
+        self.noted = state.pose  # of the last of them
+        self.on_the_way: list[float] = []  # multipliers at the searches since
+        self.pairs = state.pairs
+        self.slots = state.slots.copied()
+        self.history = state.history.copy()
+        self.reaction = state.reaction.copy()
+        self.status = state.status.copy()
+        self.searched = state.searched.copy()
+        self.motion = Motion.of(state.pose, state.velocity, self.prepared.assembly.axes)
+        self.meter = np.zeros(explicit.N_METER)
+        self.meter[explicit.MULTIPLIER] = state.multiplier
+        self.acting = LoadArrays.of(self.prepared.problem, state.gone, state.stage)
+        self.lost = state.gone
+        self.ties = TieForces(self.prepared.bars, self.prepared.assembly, state.gone)
+        self.ties.begin(state.ties)
+        self.search_work = 0.0
+        self.lost_shear = 0.0
+        self.loads: Loads
+        self.n_cycles = 0
+        self.n_searches = 0
+        self.pack(weigh=True)
+
+    @property
+    def multiplier(self) -> float:
+        """Load multiplier of the last cycle."""
+        return float(self.meter[explicit.MULTIPLIER])
+
+    @property
+    def now(self) -> LoadArrays:
+        """The loads near the present poses and multiplier."""
+        return self.acting.near(self.motion.pose, self.multiplier)
+
+    def gone(self, since: Array | None = None) -> Array:
+        """How far each block has moved since the step began, or since a pose [m], (n,)."""
+        pose, begin = self.motion.pose, self.state.pose if since is None else since
+        finite = np.asarray(np.isfinite(pose).all(axis=1))
+        known = np.where(finite[:, None], pose, begin)
+        moved = self.prepared.detector.motion(self.prepared.assembly.difference(known, begin))
+        return np.where(self.lost, 0.0, np.where(finite, moved, np.inf))
+
+    def drive(
+        self,
+        *,
+        bonds_hold: bool = False,
+        guided: bool = False,
+        rate: float = 0.0,
+        combined: bool = False,
+        tolerance: float = -1.0,
+        reach: float = np.inf,
+    ) -> Drive:
+        """How cycles are driven, see `dynamics.explicit`."""
+        s = self.settings
+        return Drive(
+            dt=self.dt,
+            multiplier=self.multiplier,
+            bonds_hold=bonds_hold,
+            guided=guided,
+            rate=float(rate),
+            combined=combined,
+            local_damping=float(s.local_damping),
+            viscous_damping=float(s.viscous_damping),
+            tolerance=float(tolerance),
+            reach=float(reach),
+            gyroscopic=self.real_masses and (s.mass_scaling or 1.0) == 1.0,
+        )
+
+    def cycle(self, n_cycles: int, drive: Drive) -> int:
+        """Run cycles with the present time step and multiplier; why they ended."""
+        drive = drive._replace(dt=self.dt, multiplier=self.multiplier)
+        why, used = explicit.cycle(
+            self.prepared.dof, self.contacts, self.n_contacts, self.motion, self.loads,
+            self.searched, drive, n_cycles, self.meter, self.ties.arrays,
+        )  # fmt: skip
+        self.n_cycles += used
+        return int(why)
+
+    def cycle_once(self) -> None:
+        """One cycle at the present multiplier, without a search after it."""
+        self.cycle(1, self.drive())
+
+    def unpack(self) -> None:
+        """Bring slots, histories and reactions up to date."""
+        explicit.unpack(
+            self.contacts, self.n_contacts, self.loads, self.motion, self.slots, self.pairs,
+            self.history, self.reaction, self.status,
+        )  # fmt: skip
+
+    def gaps_before(self) -> Array:
+        """Gaps of all slots where the last cycle began [m], (n_slots,)."""
+        motion, assembly = self.motion, self.prepared.assembly
+        pose = assembly.moved(motion.pose, -self.dt * motion.velocity)
+        before, slots = Motion.of(pose, motion.velocity, assembly.axes), self.slots.copied()
+        explicit.place(before)
+        explicit.locate(self.contacts, self.n_contacts, self.loads, before, slots, self.pairs)
+        return np.asarray(slots.gap)
+
+    def pack(self, *, weigh: bool) -> None:
+        """Contacts of the slots as the cycles take them, and masses where they may have changed."""
+        assembly, acting = self.prepared.assembly, self.acting
+        self.contacts = FrozenContacts.empty(*self.reaction.shape)
+        self.n_contacts = explicit.pack(
+            self.slots, self.prepared.detector.narrow.bodies, self.pairs, self.prepared.laws,
+            assembly.thickness, self.history, self.contacts,
+        )  # fmt: skip
+        explicit.place(self.motion)
+        if not weigh:
+            return
+        self.weighed = self.motion.pose.copy()
+        self.mass, self.dt = masses(
+            self.settings, self.prepared, self.pairs, self.slots, self.weighed, self.history,
+            real=self.real_masses, ties=self.ties,
+        )  # fmt: skip
+        moves = np.broadcast_to(~acting.fixed[:, None], self.mass.shape)
+        inverse = np.divide(1.0, self.mass, out=np.zeros_like(self.mass), where=moves)
+        self.loads = Loads(
+            centroid=assembly.centroid,
+            dead=acting.dead,
+            pattern=acting.pattern,
+            inverse_mass=inverse,
+            extent=self.prepared.extent,
+        )
