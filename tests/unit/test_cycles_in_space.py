@@ -26,6 +26,7 @@ from drystone.contact.contacts import (
 from drystone.contact.rows import IN_SPACE
 from drystone.dynamics import explicit
 from drystone.dynamics.explicit import Drive, FrozenContacts, Loads, Motion
+from drystone.dynamics.space import explicit as space
 from drystone.geometry import motion as poses
 from drystone.law.columns import (
     BROKEN,
@@ -70,7 +71,7 @@ class Bench:
         self.mass = np.array(mass, float)
         inverse = 1.0 / self.mass
         inverse[list(fixed)] = 0.0
-        self.motion = Motion.of(poses.rest(n, 3), np.zeros((n, 6)), np.array(axes))
+        self.motion = Motion.of(poses.rest(n, 3), np.zeros((n, 6)), space.Turns.of(np.array(axes)))
         self.loads = Loads(
             centroid=self.centroid,
             dead=np.zeros((n, 6)),
@@ -103,11 +104,18 @@ class Bench:
         self.pack()
 
     def pack(self):
-        self.contacts = FrozenContacts.empty(len(self.history), 3)
+        self.contacts = FrozenContacts.empty(len(self.history), 3, space.N_SHAPE)
         self.n_contacts = explicit.pack(
-            self.slots, self.bodies, self.pairs, self.laws, 1.0, self.history, self.contacts
+            space,
+            self.slots,
+            self.bodies,
+            self.pairs,
+            self.laws,
+            1.0,
+            self.history,
+            self.contacts,
         )
-        explicit.place(self.motion)
+        space.place(self.motion)
 
     def cycle(self, n, dt, **drive):
         settings = {
@@ -129,10 +137,9 @@ class Bench:
         )  # fmt: skip
 
     def unpack(self):
-        explicit.unpack(
-            self.contacts, self.n_contacts, self.loads, self.motion, self.slots, self.pairs,
-            self.history, self.reaction, self.status,
-        )  # fmt: skip
+        found = self.contacts, self.n_contacts
+        space.locate(*found, self.loads, self.motion, self.slots, self.pairs)
+        explicit.unpack(*found, self.history, self.reaction, self.status)
 
 
 def rotation(bench, i=0) -> Rotation:
@@ -289,7 +296,7 @@ class TestForces:
         for sign in (-1.0, 1.0):
             moved = poses.moved(start, sign * small * move, bench.motion.turn.designed)
             bench.motion.pose[:] = moved
-            explicit.place(bench.motion)
+            space.place(bench.motion)
             bench.unpack()
             gaps.append(bench.slots.gap[0])
         expected = 1e6 * 1e-3 * (gaps[1] - gaps[0]) / (2.0 * small)

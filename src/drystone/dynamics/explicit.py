@@ -11,13 +11,14 @@ alone, and the shear force grows with the sliding velocity,
     r_n = k_n (d - g)          r_t <- r_t - k_s dt (grad slip . v)
 
 with dilation d; it is kept in the axes of the contact and turns with them.  The joint law is that
-of `law.return_map`.  What the dimension makes of it, contacts and poses, is in `explicit_plane` and
-`explicit_space`; compiled cycles hold the one or the other, chosen by the length of
-``dof``.
+of `law.return_map`.  What the dimension makes of it, contacts and poses, is in `plane.explicit` and
+`space.explicit`, which have the same functions; a run takes the one or the other by `form_of`,
+compiled cycles by the length of ``dof``.
 """
 
 from __future__ import annotations
 
+from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
@@ -26,26 +27,11 @@ from numpy.typing import NDArray
 from drystone.common.compiled import njit
 from drystone.contact.contacts import BODY_A, BODY_B, KIND, LAW, NONE, SIZE, STIFF_N, STIFF_T
 from drystone.contact.rows import OF_GAP, OF_SLIP
-from drystone.dynamics import explicit_plane, explicit_space
-from drystone.dynamics.explicit_plane import (
-    act_in_plane,
-    freeze_in_plane,
-    locate_in_plane,
-    move_in_plane,
-    place_in_plane,
-)
-from drystone.dynamics.explicit_space import (
-    Turns,
-    act_in_space,
-    freeze_in_space,
-    locate_in_space,
-    move_in_space,
-    place_in_space,
-)
+from drystone.dynamics.plane import explicit as plane
+from drystone.dynamics.space import explicit as space
 from drystone.law.branches import OPEN
 from drystone.law.columns import N_HISTORY, N_LAW, PER_AREA
-from drystone.model.tie_kernels import add_forces, age
-from drystone.model.tie_kernels import locate as locate_ties
+from drystone.model.tie_kernels import add_forces, age, locate
 
 #: Entries of the meter, see `cycle`.
 MULTIPLIER, FRICTION_WORK, DAMPING_WORK, LOAD_WORK, RESIDUAL, CYCLES = 0, 1, 2, 3, 4, 5
@@ -61,22 +47,26 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
+def form_of(dof: tuple[int, ...]) -> ModuleType:
+    """What the dimension makes of cycles: `plane.explicit` or `space.explicit`."""
+    return plane if len(dof) == 3 else space
+
+
 class FrozenContacts(NamedTuple):
     """Contacts that are watched between two searches, packed; row c belongs to ``slot[c]``."""
 
     slot: IntArray  # (n_contacts,)
     edge: IntArray  # (n_contacts,) body that owns the normal
     other: IntArray  # (n_contacts,)
-    shape: Array  # (n_contacts, N_SHAPE), of `explicit_plane` or `explicit_space`
+    shape: Array  # (n_contacts, N_SHAPE), of `form_of`
     law: Array  # (n_contacts, N_LAW), as the table of laws; see `PER_AREA`
     history: Array  # (n_contacts, N_HISTORY + dim - 2)
     reaction: Array  # (n_contacts, dim) N
     status: IntArray  # (n_contacts,)
 
     @classmethod
-    def empty(cls, n: int, dim: int) -> FrozenContacts:
+    def empty(cls, n: int, dim: int, n_shape: int) -> FrozenContacts:
         """Memory for a number of contacts."""
-        n_shape = explicit_plane.N_SHAPE if dim == 2 else explicit_space.N_SHAPE
         return cls(
             slot=np.zeros(n, np.int64),
             edge=np.zeros(n, np.int64),
@@ -94,25 +84,17 @@ class Motion(NamedTuple):
 
     pose: Array  # (n, n_pose) m, rad
     velocity: Array  # (n, n_dof) m/s, rad/s, half a step behind the pose
-    turn: Array | Turns  # in the plane (n, 2) cosine and sine of the rotation
+    turn: plane.Turns | space.Turns
     force: Array  # (n, n_dof) N, N m, unbalanced, of the last cycle
     last: Array  # (n, n_dof) N, N m, unbalanced, of the last cycle with combined damping
     mean: Array  # (n, n_dof) sum of the unbalanced forces over the cycles
     opposed: Array  # (n, n_dof) sum over the cycles of what opposes them: inertia and damping
 
     @classmethod
-    def of(cls, pose: Array, velocity: Array, axes: Array) -> Motion:
-        """Copies of poses and velocities; ``axes`` (n, dim, dim) as designed, see `Assembly`."""
-        n, n_dof = velocity.shape
-        return cls(
-            pose=pose.copy(),
-            velocity=velocity.copy(),
-            turn=np.zeros((n, 2)) if n_dof == 3 else Turns.of(axes),
-            force=np.zeros((n, n_dof)),
-            last=np.zeros((n, n_dof)),
-            mean=np.zeros((n, n_dof)),
-            opposed=np.zeros((n, n_dof)),
-        )
+    def of(cls, pose: Array, velocity: Array, turn: plane.Turns | space.Turns) -> Motion:
+        """Copies of poses and velocities, and the rotations that go with them."""
+        sums = (np.zeros_like(velocity) for _ in range(4))
+        return cls(pose.copy(), velocity.copy(), turn, *sums)
 
 
 class Loads(NamedTuple):
@@ -153,7 +135,7 @@ def _pack(slots, pairs, laws, thickness, history, contacts):
 
 
 @njit(cache=True)
-def _unpack(contacts, n_contacts, history, reaction, status):
+def unpack(contacts, n_contacts, history, reaction, status):
     """Histories, reactions and status of the contacts, to their slots."""
     slot = contacts.slot
     history[:] = 0.0
@@ -168,31 +150,11 @@ def _unpack(contacts, n_contacts, history, reaction, status):
         status[k] = contacts.status[c]
 
 
-def pack(slots, bodies, pairs, laws, thickness, history, contacts):
+def pack(form, slots, bodies, pairs, laws, thickness, history, contacts):
     """Fill ``contacts`` from the slots in use and return their number."""
     n_contacts = _pack(slots, pairs, laws, thickness, history, contacts)
-    if slots.dim == 2:
-        freeze_in_plane(slots, bodies, pairs, contacts, n_contacts)
-    else:
-        freeze_in_space(slots, bodies.centroid, bodies.radius, pairs, contacts, n_contacts)
+    form.freeze(slots, bodies, pairs, contacts, n_contacts)
     return n_contacts
-
-
-def locate(contacts, n_contacts, loads, motion, slots, pairs):
-    """Write the geometry of the contacts in the present poses to their slots."""
-    write = locate_in_plane if slots.dim == 2 else locate_in_space
-    write(contacts, n_contacts, loads, motion, slots, pairs)
-
-
-def unpack(contacts, n_contacts, loads, motion, slots, pairs, history, reaction, status):
-    """Write what the cycles made of the contacts back to the slots: geometry, history, reaction."""
-    locate(contacts, n_contacts, loads, motion, slots, pairs)
-    _unpack(contacts, n_contacts, history, reaction, status)
-
-
-def place(motion):
-    """Bring what is known of the bodies' rotations up to date with the poses."""
-    (place_in_plane if motion.velocity.shape[1] == 3 else place_in_space)(motion)
 
 
 @njit(cache=True)
@@ -201,8 +163,9 @@ def stiffness_blocks(dof, contacts, acts, blocks):
 
     Contacts that do not ``act`` (n_contacts,) are left out.
     """
-    n_dof, n_rows = len(dof), 2 if len(dof) == 3 else 3
+    n_dof = len(dof)
     which, rows, table = contacts
+    n_rows = (rows.shape[1] + 1) // 2  # of gap and slips
     for c in range(which.shape[0]):
         if not acts[c]:
             continue
@@ -252,7 +215,7 @@ def _accelerate(n_dof, motion, loads, drive, applied, look, damping_work):
     local_damping, combined = drive.local_damping, drive.combined
     keep = (1.0 - 0.5 * viscous_damping * dt) / (1.0 + 0.5 * viscous_damping * dt)
     push = dt / (1.0 + 0.5 * viscous_damping * dt)
-    dim = 2 if n_dof == 3 else 3
+    dim = loads.centroid.shape[1]
     worst, course = 0.0, 0.0
     for i in range(force.shape[0]):
         for d in range(n_dof):
@@ -348,7 +311,6 @@ def cycle(dof, contacts, n_contacts, motion, loads, origin, drive, n_cycles, met
     n_dof = len(dof)
     force, dead, pattern, inverse_mass = motion.force, loads.dead, loads.pattern, loads.inverse_mass
     n, guided, n_ties = force.shape[0], drive.guided, ties.body.shape[0]
-    no_axes = np.zeros((1, 3, 3))
     flexibility = 0.0
     for i in range(n):
         for d in range(n_dof):
@@ -361,19 +323,16 @@ def cycle(dof, contacts, n_contacts, motion, loads, origin, drive, n_cycles, met
             for d in range(n_dof):
                 force[i, d] = dead[i, d]
         if len(dof) == 3:
-            friction_work = act_in_plane(
+            friction_work = plane.act(
                 contacts, n_contacts, motion, loads, drive.dt, drive.bonds_hold, friction_work
             )
         else:
-            friction_work = act_in_space(
+            friction_work = space.act(
                 contacts, n_contacts, motion, loads, drive.dt, drive.bonds_hold, friction_work
             )
         if n_ties > 0:
-            locate_ties(ties.body, ties.value, motion.pose, ties.now)
-            if len(dof) == 3:
-                add_forces(ties.body, ties.now, no_axes, force)
-            else:
-                add_forces(ties.body, ties.now, motion.turn.axes, force)
+            locate(ties.body, ties.value, motion.pose, ties.now)
+            add_forces(ties.body, ties.now, motion.turn.axes, force)
             if not drive.bonds_hold:
                 friction_work += age(ties.value, ties.now)
         if guided:
@@ -389,9 +348,9 @@ def cycle(dof, contacts, n_contacts, motion, loads, origin, drive, n_cycles, met
         steer = (drive.rate - course) / flexibility if guided else 0.0
         load_work = _steer(n_dof, motion, loads, drive, applied, steer, load_work)
         if len(dof) == 3:
-            moved = move_in_plane(motion, loads, origin, drive.dt, drive.reach)
+            moved = plane.move(motion, loads, origin, drive.dt, drive.reach, drive.gyroscopic)
         else:
-            moved = move_in_space(motion, loads, origin, drive.dt, drive.reach, drive.gyroscopic)
+            moved = space.move(motion, loads, origin, drive.dt, drive.reach, drive.gyroscopic)
         if look:
             meter[RESIDUAL] = np.sqrt(worst)
         balanced = look and worst <= drive.tolerance**2 and drive.tolerance > 0.0

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from drystone.contact.contacts import STIFF_N, STIFF_T
 from drystone.contact.rows import IN_SPACE, contact_velocities, dof_of
 from drystone.dynamics import sweeps as kernels
-from drystone.dynamics.cones import Interior
+from drystone.dynamics.space.interior import Interior
 from drystone.dynamics.sweeps import ContactProblem
 from drystone.law.branches import BACKWARD, FORWARD
 from drystone.law.residual import unbalanced_force
@@ -268,7 +268,7 @@ class _Accelerator:
     def from_within(
         self, impulse: Array, velocity: Array, known: Array
     ) -> Iterator[tuple[Array, Array]]:
-        """`trials` from where the interior of the law leads, see `dynamics.cones`, the springs held
+        """`trials` from where the interior of the law leads, see `space.interior`, the springs held
         about ``impulse`` first; ``known`` impulses are of the usual size."""
         pressed = known[known[:, 0] > 0.0, 0]
         if len(pressed) == 0:

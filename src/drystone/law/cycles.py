@@ -28,6 +28,7 @@ from drystone.law.columns import (
     OPENED,
     PER_SLIP,
     PULLS,
+    SHEAR,
     SLID,
     SOFTENED,
     TAN_PSI,
@@ -84,6 +85,19 @@ def opens_in_cycle(law, history, c, rn, gap, held):
     if bonded and not whole:
         history[c, BROKEN] = 1.0
     return is_open
+
+
+@njit(cache=True)
+def let_go_in_cycle(law, history, reaction, status, c):
+    """A contact is open from this cycle on; the work [J] of the shear that it loses."""
+    square = 0.0
+    for d in range(SHEAR, history.shape[1]):
+        square += history[c, d] * history[c, d]
+        history[c, d] = 0.0
+    for d in range(reaction.shape[1]):
+        reaction[c, d] = 0.0
+    status[c] = OPEN
+    return 0.5 * square / law[c, KS]
 
 
 @njit(cache=True)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.contacts import Pairs, Slots
 from drystone.contact.rows import dof_of
+from drystone.dynamics.explicit import form_of
 from drystone.engines.base import EngineError
 from drystone.engines.prepared import Prepared
 from drystone.law.bonds import apart
@@ -56,6 +58,11 @@ class DistinctPrepared(Prepared):
         """See `contact.rows`."""
         dof: tuple[int, ...] = dof_of(self.assembly.mass)
         return dof
+
+    @cached_property
+    def form(self) -> ModuleType:
+        """What the dimension makes of cycles, see `dynamics.explicit`."""
+        return form_of(self.dof)
 
     @cached_property
     def span(self) -> float:

@@ -57,7 +57,8 @@ class Workspace:
         self.reaction = state.reaction.copy()
         self.status = state.status.copy()
         self.searched = state.searched.copy()
-        self.motion = Motion.of(state.pose, state.velocity, self.prepared.assembly.axes)
+        self.form = state.prepared.form
+        self.motion = self._motion(state.pose, state.velocity)
         self.meter = np.zeros(explicit.N_METER)
         self.meter[explicit.MULTIPLIER] = state.multiplier
         self.acting = LoadArrays.of(self.prepared.problem, state.gone, state.stage)
@@ -131,29 +132,32 @@ class Workspace:
 
     def unpack(self) -> None:
         """Bring slots, histories and reactions up to date."""
-        explicit.unpack(
-            self.contacts, self.n_contacts, self.loads, self.motion, self.slots, self.pairs,
-            self.history, self.reaction, self.status,
-        )  # fmt: skip
+        found = self.contacts, self.n_contacts
+        self.form.locate(*found, self.loads, self.motion, self.slots, self.pairs)
+        explicit.unpack(*found, self.history, self.reaction, self.status)
 
     def gaps_before(self) -> Array:
         """Gaps of all slots where the last cycle began [m], (n_slots,)."""
         motion, assembly = self.motion, self.prepared.assembly
         pose = assembly.moved(motion.pose, -self.dt * motion.velocity)
-        before, slots = Motion.of(pose, motion.velocity, assembly.axes), self.slots.copied()
-        explicit.place(before)
-        explicit.locate(self.contacts, self.n_contacts, self.loads, before, slots, self.pairs)
+        before, slots = self._motion(pose, motion.velocity), self.slots.copied()
+        self.form.place(before)
+        self.form.locate(self.contacts, self.n_contacts, self.loads, before, slots, self.pairs)
         return np.asarray(slots.gap)
+
+    def _motion(self, pose: Array, velocity: Array) -> Motion:
+        return Motion.of(pose, velocity, self.form.Turns.of(self.prepared.assembly.axes))
 
     def pack(self, *, weigh: bool) -> None:
         """Contacts of the slots as the cycles take them, and masses where they may have changed."""
         assembly, acting = self.prepared.assembly, self.acting
-        self.contacts = FrozenContacts.empty(*self.reaction.shape)
+        n_slots, dim = self.reaction.shape
+        self.contacts = FrozenContacts.empty(n_slots, dim, self.form.N_SHAPE)
         self.n_contacts = explicit.pack(
-            self.slots, self.prepared.detector.narrow.bodies, self.pairs, self.prepared.laws,
-            assembly.thickness, self.history, self.contacts,
+            self.form, self.slots, self.prepared.detector.narrow.bodies, self.pairs,
+            self.prepared.laws, assembly.thickness, self.history, self.contacts,
         )  # fmt: skip
-        explicit.place(self.motion)
+        self.form.place(self.motion)
         if not weigh:
             return
         self.weighed = self.motion.pose.copy()

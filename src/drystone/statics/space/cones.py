@@ -1,6 +1,7 @@
 """Contacts in space from the interior of their law.
 
-Static steps (`statics.space.cone_search`) and implicit steps in time (`dynamics.cones`) use them.
+Static steps (`statics.space.cone_search`) and implicit steps in time
+(`dynamics.space.interior`) use them.
 
 With the trial reactions T of a contact, its stiffnesses k_n, k_s and a barrier e [J],
 

@@ -10,7 +10,10 @@ between two vertices, and rolling terms as in `contact.plane.narrow`,
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from drystone.common.compiled import njit
 from drystone.contact.contacts import (
@@ -32,7 +35,9 @@ from drystone.contact.contacts import (
 )
 from drystone.law.branches import OPEN
 from drystone.law.columns import DILATION, KN, KS, SHEAR
-from drystone.law.cycles import holds_in_cycle, opens_in_cycle, react_in_cycle
+from drystone.law.cycles import holds_in_cycle, let_go_in_cycle, opens_in_cycle, react_in_cycle
+
+Array = NDArray[np.float64]
 
 #: Columns of `explicit.FrozenContacts.shape`: local vertex of the other body, local vertex and
 #: tangent of the edge body [m], radius of the other body, sum of both, 1 where two vertices meet
@@ -41,8 +46,20 @@ OX, OY, EX, EY, TX, TY, R_O, R_SUM, ROUND = 0, 1, 2, 3, 4, 5, 6, 7, 8
 N_SHAPE = 9
 
 
+class Turns(NamedTuple):
+    """Rotations of all bodies in their present poses."""
+
+    direction: Array  # (n, 2) cosine and sine
+    axes: Array  # (n, 2, 2) principal axes as designed, which nothing asks for
+
+    @classmethod
+    def of(cls, axes: Array) -> Turns:
+        """Memory for bodies with these principal axes."""
+        return cls(direction=np.zeros((len(axes), 2)), axes=np.ascontiguousarray(axes))
+
+
 @njit(cache=True)
-def freeze_in_plane(slots, bodies, pairs, contacts, n_contacts):
+def freeze(slots, bodies, pairs, contacts, n_contacts):
     """Fill bodies and shape of ``contacts``, whose slots are known."""
     meets, value = slots
     local, local_tangent, radius = bodies.local, bodies.local_tangent, bodies.radius
@@ -71,9 +88,9 @@ def freeze_in_plane(slots, bodies, pairs, contacts, n_contacts):
 
 
 @njit(cache=True)
-def locate_in_plane(contacts, n_contacts, loads, motion, slots, pairs):
+def locate(contacts, n_contacts, loads, motion, slots, pairs):
     """Geometry of the contacts in the present poses, to their slots."""
-    turn, pose, centroid = motion.turn, motion.pose, loads.centroid
+    turn, pose, centroid = motion.turn.direction, motion.pose, loads.centroid
     shape, pair, of_pair, value = contacts.shape, pairs.of_slot, pairs.which, slots.value
     for c in range(n_contacts):
         k, e, o = contacts.slot[c], contacts.edge[c], contacts.other[c]
@@ -109,12 +126,12 @@ def locate_in_plane(contacts, n_contacts, loads, motion, slots, pairs):
 
 
 @njit(cache=True, inline="always")
-def act_in_plane(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
+def act(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
     """Add the contacts' forces on the bodies, with their law; returns the friction's work [J],
     which is added to what it was."""
     edge, other, shape, law = contacts.edge, contacts.other, contacts.shape, contacts.law
     history, reaction, status = contacts.history, contacts.reaction, contacts.status
-    pose, velocity, turn, force = motion.pose, motion.velocity, motion.turn, motion.force
+    pose, velocity, force, turn = motion.pose, motion.velocity, motion.force, motion.turn.direction
     centroid = loads.centroid
     for c in range(n_contacts):
         e = edge[c]
@@ -149,13 +166,8 @@ def act_in_plane(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_w
         rn = law[c, KN] * (history[c, DILATION] - gap)
         held = holds_in_cycle(law, history, c, bonds_hold)
         if opens_in_cycle(law, history, c, rn, gap, held):
-            rt = history[c, SHEAR]
-            if rt != 0.0 or status[c] != OPEN:
-                friction_work += 0.5 * rt * rt / law[c, KS]
-                history[c, SHEAR] = 0.0
-                reaction[c, 0] = 0.0
-                reaction[c, 1] = 0.0
-                status[c] = OPEN
+            if history[c, SHEAR] != 0.0 or status[c] != OPEN:
+                friction_work += let_go_in_cycle(law, history, reaction, status, c)
             continue
         # Moments per unit of normal and of tangential reaction.
         me_n = nx * ey - ny * ex
@@ -185,17 +197,20 @@ def act_in_plane(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_w
     return friction_work
 
 
-def place_in_plane(motion):
+def place(motion):
     """Bring cosines and sines of all bodies' rotations up to date."""
     rotation = motion.pose[:, 2]
-    motion.turn[:, 0] = np.cos(rotation)
-    motion.turn[:, 1] = np.sin(rotation)
+    motion.turn.direction[:, 0] = np.cos(rotation)
+    motion.turn.direction[:, 1] = np.sin(rotation)
 
 
 @njit(cache=True, inline="always")
-def move_in_plane(motion, loads, origin, dt, reach):
-    """Bring poses on by the velocities; whether a body is too far from its ``origin``, or lost."""
-    pose, velocity, turn = motion.pose, motion.velocity, motion.turn
+def move(motion, loads, origin, dt, reach, gyroscopic):
+    """Bring poses on by the velocities; whether a body is too far from its ``origin``, or lost.
+
+    ``gyroscopic`` is for space.
+    """
+    pose, velocity, turn = motion.pose, motion.velocity, motion.turn.direction
     inverse_mass, extent = loads.inverse_mass, loads.extent
     moved = False
     for i in range(pose.shape[0]):

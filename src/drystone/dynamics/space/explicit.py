@@ -53,7 +53,7 @@ from drystone.contact.contacts import (
 from drystone.geometry.rotation import fill_turn, spin, turned
 from drystone.law.branches import OPEN, STICKING
 from drystone.law.columns import DILATION, KN, KS, SHEAR
-from drystone.law.cycles import holds_in_cycle, opens_in_cycle, react_in_cycle
+from drystone.law.cycles import holds_in_cycle, let_go_in_cycle, opens_in_cycle, react_in_cycle
 
 Array = NDArray[np.float64]
 
@@ -90,12 +90,14 @@ class Turns(NamedTuple):
         )
 
 
-@njit(cache=True)
-def freeze_in_space(slots, centroid, radius, pairs, contacts, n_contacts):
-    """Fill bodies and shape of ``contacts``, whose slots are known.
+def freeze(slots, bodies, pairs, contacts, n_contacts):
+    """Fill bodies and shape of ``contacts``, whose slots are known."""
+    _freeze(slots, bodies.centroid, bodies.radius, pairs, contacts, n_contacts)
 
-    ``centroid`` (n, 3) is that of the bodies as designed, ``radius`` (n_parts,) of their parts [m].
-    """
+
+@njit(cache=True)
+def _freeze(slots, centroid, radius, pairs, contacts, n_contacts):
+    """See `freeze`; ``centroid`` (n, 3) that of the bodies, ``radius`` (n_parts,) of parts [m]."""
     meets, value = slots
     pair, of_pair = pairs.of_slot, pairs.which
     slot, edge, other, shape = contacts.slot, contacts.edge, contacts.other, contacts.shape
@@ -133,7 +135,7 @@ def _turned(added, body, x, y, z):
 
 
 @njit(cache=True)
-def locate_in_space(contacts, n_contacts, loads, motion, slots, pairs):
+def locate(contacts, n_contacts, loads, motion, slots, pairs):
     """Geometry of the contacts in the present poses, to their slots."""
     pose, centroid, added = motion.pose, loads.centroid, motion.turn.added
     slot, edge, other, shape = contacts.slot, contacts.edge, contacts.other, contacts.shape
@@ -160,7 +162,7 @@ def locate_in_space(contacts, n_contacts, loads, motion, slots, pairs):
 
 
 @njit(cache=True)
-def place_in_space(motion):
+def place(motion):
     """Bring what is known of the bodies' rotations up to date with the poses."""
     for i in range(motion.pose.shape[0]):
         _place(motion.pose, i, motion.turn.added, motion.turn.axes, motion.turn.designed)
@@ -178,7 +180,7 @@ def _place(pose, i, added, axes, designed):
 
 # Long: one pass over a contact's geometry, law and forces, without what calls would cost.
 @njit(cache=True)
-def act_in_space(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
+def act(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
     """Add the contacts' forces on the bodies, with their law; returns the friction's work [J],
     which is added to what it was."""
     edge, other, shape, law = contacts.edge, contacts.other, contacts.shape, contacts.law
@@ -206,10 +208,7 @@ def act_in_space(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_w
         r1, r2 = history[c, SHEAR], history[c, SHEAR + 1]
         if opens_in_cycle(law, history, c, rn, gap, held):
             if r1 != 0.0 or r2 != 0.0 or status[c] != OPEN:
-                friction_work += 0.5 * (r1 * r1 + r2 * r2) / law[c, KS]
-                history[c, SHEAR], history[c, SHEAR + 1] = 0.0, 0.0
-                reaction[c, 0], reaction[c, 1], reaction[c, 2] = 0.0, 0.0, 0.0
-                status[c] = OPEN
+                friction_work += let_go_in_cycle(law, history, reaction, status, c)
             continue
         nx, ny, nz = hx + nx, hy + ny, hz + nz
         ox, oy, oz = ox + px - ball * nx, oy + py - ball * ny, oz + pz - ball * nz
@@ -309,7 +308,7 @@ def _bring(velocity, inverse_mass, i, wx, wy, wz, dt):
 
 
 @njit(cache=True)
-def move_in_space(motion, loads, origin, dt, reach, gyroscopic):
+def move(motion, loads, origin, dt, reach, gyroscopic):
     """Bring poses on by the velocities; whether a body is too far from its ``origin``, or lost."""
     pose, velocity = motion.pose, motion.velocity
     added, axes, designed = motion.turn.added, motion.turn.axes, motion.turn.designed

@@ -1,0 +1,1 @@
+"""Dynamics in the plane: contacts and motion of explicit cycles."""

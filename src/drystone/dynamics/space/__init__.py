@@ -1,0 +1,1 @@
+"""Dynamics in space: contacts and motion of explicit cycles, and the interior of implicit steps."""
