@@ -24,9 +24,10 @@ from drystone.assessment.mechanism import (
     static_envelope,
     tangent_shape,
 )
-from drystone.assessment.mechanism.field import VelocityField, across, chord
+from drystone.assessment.mechanism.field import VelocityField, chord
 from drystone.assessment.mechanism.orientation import share_out_of_plane
 from drystone.assessment.mechanism.overturning import stands_on_its_axis
+from drystone.geometry.motion import across
 from rigid_walls import HEIGHT, WIDTH, curve_of, evenly, point_at, turning, wall_in_courses
 from solids import box, joint, model_of
 

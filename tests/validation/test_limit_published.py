@@ -130,7 +130,7 @@ def test_wall_of_a_thousand_blocks_by_both_methods(monkeypatch):
     )
     model = make_model(blocks, joint=JOINT, thickness=1.0, load_direction=(1.0, 0.0))
     inside = collapse_load(model, flow="associative")
-    monkeypatch.setattr(method, "INTERIOR_POINT_FROM", 10**9)
+    monkeypatch.setitem(method.INTERIOR_FROM, 2, 10**9)
     simplex = collapse_load(model, flow="associative")
     assert inside.load_multiplier == pytest.approx(simplex.load_multiplier, abs=1e-6)
     assert inside.duality_gap < 1e-6 and simplex.duality_gap < 1e-9

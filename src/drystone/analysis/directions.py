@@ -100,7 +100,7 @@ def around(model: Model, angles: Sequence[float]) -> list[Model]:
     models = [towards(model, angle) for angle in angles]
     given = control_beside_default(model)
     if (
-        model.assembly.dimension == 2
+        model.assembly.kind.angles is not None
         or len(angles) == 2
         or any(v is not None for v in given.values())
     ):
@@ -124,7 +124,7 @@ def evenly(model: Model, n: int) -> tuple[float, ...]:
     """Angles [degrees] of so many directions; raises `EngineError`."""
     if not 2 <= n <= MOST:
         raise EngineError(f"directions: must be from 2 to {MOST}, it is {n}")
-    if n > 2 and model.assembly.dimension == 2:
+    if n > len(model.assembly.kind.angles or range(MOST)):
         raise EngineError(f"directions: a plane model has two, both senses, and not {n}")
     return tuple(360.0 * k / n for k in range(n))
 
@@ -139,7 +139,7 @@ def towards(model: Model, angle: float) -> Model:
     """
     if angle == 0.0:
         return model
-    if model.assembly.dimension == 2 and angle != 180.0:
+    if angle not in (model.assembly.kind.angles or (angle,)):
         raise EngineError(f"directions: a plane model has 0 and 180 degrees, and not {angle:g}")
     turn = _turn(model.assembly.up, angle)
     if angle == 180.0:

@@ -139,9 +139,9 @@ def mode_rows(found: Inspection) -> list[tuple[str, str]]:
 def statics(model: Model) -> tuple[list[str], float | None, str | None]:
     """What limit analysis says against a model: it falls, or no load brings it down; and the
     reaction of the supports at rest [N], or why there is none."""
-    from drystone.common.ranges import MOST_BLOCKS
+    from drystone.common.ranges import most_blocks
 
-    most = MOST_BLOCKS[model.assembly.dimension]
+    most = most_blocks(model.assembly.dimension)
     if model.assembly.n_blocks > most:
         return [], None, f"not looked for in more than {most} blocks, nor whether they stand"
     from drystone.limit import at_rest, is_locked  # takes long to import

@@ -102,6 +102,11 @@ RANGES = {
 MOST_BLOCKS = {2: 2000, 3: 500}
 
 
+def most_blocks(dimension: int) -> int:
+    """See `MOST_BLOCKS`."""
+    return MOST_BLOCKS[dimension]
+
+
 #: What is counted before any work on it, so that what nobody means is refused at once.  Twice the
 #: largest wall that was traced (benchmarks/results/scale.md), and drawings of as many solids with
 #: ten vertices and faces each; files have some 300 bytes for each of these.

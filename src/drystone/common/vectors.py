@@ -36,7 +36,8 @@ def direction_of(values: ArrayLike, key: str) -> Array:
 
 def unit_vector(direction: Sequence[float] | Array, key: str, dimension: int) -> Array:
     """Direction scaled to length one; ``key`` names it in the error if it has none."""
-    words, example = ("three", "[1.0, 0.0, 0.0]") if dimension == 3 else ("two", "[1.0, 0.0]")
+    words = ("no", "one", "two", "three")[dimension]
+    example = [1.0] + (dimension - 1) * [0.0]
     vector = np.array(direction, dtype=np.float64)
     if vector.shape != (dimension,) or not np.all(np.isfinite(vector)):
         raise ModelError([f"{key}: must be {words} finite numbers, as in {example}"])

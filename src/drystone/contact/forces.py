@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.contacts import Pairs, Slots
+from drystone.geometry.motion import tangents, tangents_kept
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -40,11 +41,7 @@ class ContactForces:
 
     def __post_init__(self) -> None:
         """Tangents that follow from the normals take no memory."""
-        width = 3 if self.normal.shape[-1] == 3 else 0
-        if self.tangent.shape != (self.n_contacts, width):
-            if width and self.n_contacts:
-                raise ValueError("contacts in space have a tangent each: (n_contacts, 3)")
-            object.__setattr__(self, "tangent", np.zeros((self.n_contacts, width)))
+        object.__setattr__(self, "tangent", tangents_kept(self.normal, self.tangent))
 
     @property
     def n_contacts(self) -> int:
@@ -55,9 +52,7 @@ class ContactForces:
     def tangents(self) -> Array:
         """Along which tangential reactions are counted, (n_contacts, dim - 1, dim); in space the
         second is normal x first."""
-        if self.normal.shape[1] == 2:
-            return np.column_stack((self.normal[:, 1], -self.normal[:, 0]))[:, None]
-        return np.stack((self.tangent, np.cross(self.normal, self.tangent)), axis=1)
+        return tangents(self.normal, self.tangent)
 
     def vectors(self) -> Array:
         """Reaction on block ``b`` as vectors, (n_contacts, dim) [N]."""

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from drystone.common.records import changed
 from drystone.contact.forces import ContactForces
+from drystone.geometry import motion
 from drystone.model.assembly import Assembly
 from drystone.model.joint_law import JointLaw
 from drystone.model.monitor import ControlPoint
@@ -58,18 +59,16 @@ class Frame:
         movable = [block for block in assembly.blocks if not block.support]
         if not scaled or not movable:
             return cls(origin=origin, place_noise=noise, length=1.0, depth=1.0, unit_weight=1.0)
-        if assembly.dimension == 2:
-            outline = np.vstack([block.vertices for block in movable])
-            first = np.cumsum([0] + [len(block.vertices) for block in movable[:-1]])
-            sides = np.maximum.reduceat(outline, first) - np.minimum.reduceat(outline, first)
-        else:
-            sides = np.array([assembly.smallest_extent])
+        figures = [
+            f for f, b in zip(assembly.figures, assembly.blocks, strict=True) if not b.support
+        ]
+        sides = assembly.kind.sides([block.vertices for block in movable], figures)
         length = float(typed(sides, noise).min()) / SIZE
         return cls(
             origin=origin,
             place_noise=noise,
             length=length,
-            depth=assembly.thickness if assembly.dimension == 2 else length,
+            depth=length if assembly.depth is None else assembly.depth,
             unit_weight=plain(max(block.unit_weight for block in movable) / UNIT_WEIGHT),
         )
 
@@ -110,8 +109,7 @@ class Frame:
         """
         up, forward = own.up, control.direction
         keys = [own.centroid @ up, own.centroid @ forward]
-        if own.dimension == 3:
-            keys.append(own.centroid @ np.cross(forward, up))
+        keys += [own.centroid @ across for across in motion.across_both(forward, up)]
         keys += [np.linalg.norm(own.centroid - control.point, axis=1), *own.centroid.T]
         return np.lexsort([_ranks(key) for key in reversed(keys)])
 
@@ -135,7 +133,7 @@ class Frame:
                 radius=corner.radius and plain(corner.radius / self.length),
                 chamfer=corner.chamfer and plain(corner.chamfer / self.length),
             ),
-            thickness=plain(drawn.thickness / self.depth) if drawn.dimension == 2 else 1.0,
+            thickness=1.0 if drawn.depth is None else plain(drawn.depth / self.depth),
             joint_between={names: self._law(law) for names, law in drawn.joint_between.items()},
         )
 

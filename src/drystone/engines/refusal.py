@@ -27,9 +27,8 @@ def refuse_joints(assembly: Assembly, engine: Engine[Any]) -> None:
     can = engine.capabilities
     for part in Yielding:
         if part not in can.yielding and any(map(part.of, assembly.laws)):
-            where = " in space" if assembly.dimension == 3 else ""
             raise EngineError(
-                f"the {engine.name} engine has no joints that {part.value}{where}: "
+                f"the {engine.name} engine has no joints that {part.value}{assembly.kind.where}: "
                 f"{others(partial(_yields, part))}"
             )
     if not can.bonds and any(

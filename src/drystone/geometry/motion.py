@@ -188,6 +188,161 @@ def moments(arm: Array, force: Array) -> Array:
     return (arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0])[..., None]
 
 
+def across(spin: Array, arm: Array) -> Array:
+    """Velocities (k, dim) by spins (k, 1 or 3) at arms (k, dim)."""
+    if arm.shape[1] == 3:
+        return np.cross(spin, arm)
+    return spin * np.column_stack((-arm[:, 1], arm[:, 0]))
+
+
+def axial(tensor: Array) -> Array:
+    """Moments sum a x P of tensors sum a P^T, (n, 1) in the plane, (n, 3) in space."""
+    if tensor.shape[1] == 2:
+        return (tensor[:, 0, 1] - tensor[:, 1, 0])[:, None]
+    t = tensor
+    return np.column_stack(
+        (t[:, 1, 2] - t[:, 2, 1], t[:, 2, 0] - t[:, 0, 2], t[:, 0, 1] - t[:, 1, 0])
+    )
+
+
+def rotation_matrices(pose: Array) -> Array:
+    """By which blocks have turned in poses (n, n_pose), (n, dim, dim)."""
+    if pose.shape[1] == 3:
+        c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+        return np.stack((np.column_stack((c, -s)), np.column_stack((s, c))), axis=1)
+    w, v = pose[:, 3], pose[:, 4:]
+    cross = np.zeros((len(pose), 3, 3))
+    cross[:, 2, 1], cross[:, 0, 2], cross[:, 1, 0] = v.T
+    cross -= cross.transpose(0, 2, 1)
+    return np.eye(3) + 2.0 * (w[:, None, None] * cross + cross @ cross)
+
+
+def about_own_axes(turning: Array, axes: Array) -> Array:
+    """Moments or spins (n, n_rot) about the axes of the world as those about the bodies' own, in
+    the columns of ``axes`` (n, dim, dim); in the plane they are the same."""
+    return turning if turning.shape[1] == 1 else np.einsum("nij,ni->nj", axes, turning)
+
+
+def about_the_world(turning: Array, axes: Array) -> Array:
+    """The reverse of `about_own_axes`."""
+    return turning if turning.shape[1] == 1 else np.einsum("nij,nj->ni", axes, turning)
+
+
+def moments_falling(tensor: Array, axes: Array) -> Array:
+    """By how much the moments of tensors B (n, dim, dim) fall as bodies turn on, (n, n_rot, n_rot).
+
+    From d(a x P) = (B - tr B) omega for a rotation omega, in space about the axes in the columns of
+    ``axes``.
+    """
+    trace = np.einsum("nii->n", tensor)[:, None, None]
+    if tensor.shape[1] == 2:
+        return trace
+    world = trace * np.eye(3) - tensor
+    return np.asarray(np.einsum("nki,nkl,nlj->nij", axes, world, axes))
+
+
+def inertia_about_the_world(moments_of_inertia: Array, axes: Array) -> Array:
+    """Of bodies (n, n_rot) about their own axes, (n, n_rot, n_rot)."""
+    if axes.shape[1] == 2:
+        return moments_of_inertia[:, :, None]
+    return np.asarray(axes @ (moments_of_inertia[:, :, None] * axes.transpose(0, 2, 1)))
+
+
+def orbits(arm: Array) -> Array:
+    """Moment of inertia of unit masses at arms (n, dim), (n, n_rot, n_rot) [m2]."""
+    square = np.einsum("ni,ni->n", arm, arm)[:, None, None]
+    if arm.shape[1] == 2:
+        return square
+    return square * np.eye(3) - arm[:, :, None] * arm[:, None, :]
+
+
+def chord_spin(before: Array, after: Array) -> Array:
+    """2 tan(theta / 2) along the axis of the rotations between poses, (n, 1 or 3)."""
+    if after.shape[1] == 3:
+        return np.asarray(2.0 * np.tan(0.5 * (after[:, 2] - before[:, 2]))[:, None])
+    relative = _product(after[:, 3:], before[:, 3:] * np.array([1.0, -1.0, -1.0, -1.0]))
+    return np.asarray(2.0 * relative[:, 1:] / relative[:, :1])
+
+
+def rotated_by(pose: Array, angle: float, axis: Array | None) -> None:
+    """Turn poses as designed (n, n_pose) by an angle [rad], in space about a unit vector."""
+    if axis is None:
+        pose[:, 2] = angle
+        return
+    pose[:, 3] = math.cos(0.5 * angle)
+    pose[:, 4:] = math.sin(0.5 * angle) * axis
+
+
+def in_space(vectors: Array) -> Array:
+    """Vectors of two components (..., 2) with a third, zero; those of three as they are."""
+    if vectors.shape[-1] == 3:
+        return vectors
+    return np.concatenate((vectors, np.zeros((*vectors.shape[:-1], 1))), axis=-1)
+
+
+def spin_in_space(spin: Array) -> Array:
+    """A spin (1,) of the plane as a vector (3,); one of space as it is."""
+    return np.array([0.0, 0.0, spin[0]]) if len(spin) == 1 else spin
+
+
+def tangents(normal: Array, first: Array) -> Array:
+    """Along which tangential reactions are counted, (n, dim - 1, dim): in the plane the normal
+    (n, 2) turned clockwise, in space the first tangent (n, 3) and normal x first."""
+    if normal.shape[1] == 2:
+        return np.stack((normal[:, 1], -normal[:, 0]), axis=1)[:, None]
+    return np.stack((first, np.cross(normal, first)), axis=1)
+
+
+def tangents_kept(normal: Array, first: Array) -> Array:
+    """First tangents (n, 3), where there are normals of space; (n, 0) of those of the plane, which
+    tell them.  Raises `ValueError` where there are none."""
+    n, width = len(normal), 3 if normal.shape[-1] == 3 else 0
+    if not width or not n:
+        return np.zeros((n, width))
+    if first.shape != (n, width):
+        raise ValueError("contacts in space have a tangent each: (n_contacts, 3)")
+    return first
+
+
+def beside(way: Array) -> list[Array]:
+    """Tangential directions (n, dim - 1) a quarter turn on, as far as there are any."""
+    return [] if way.shape[1] == 1 else [np.column_stack((-way[:, 1], way[:, 0]))]
+
+
+def couple_about(k: int, dim: int) -> tuple[Array, Array]:
+    """Direction of a force, and of its arm, whose moment is the k-th of a body."""
+    force, arm = np.zeros(dim), np.zeros(dim)
+    first = 0 if dim == 2 else 2
+    force[(k + 1) % dim], arm[(k + first) % dim] = 1.0, 1.0
+    return force, arm
+
+
+def any_tangent(normal: Array) -> Array:
+    """A unit vector normal to each (n, dim), in the plane the normal turned clockwise."""
+    if normal.shape[1] == 2:
+        return np.column_stack((normal[:, 1], -normal[:, 0]))
+    axis = np.eye(3)[np.abs(normal).argmin(axis=1)]
+    found = np.cross(normal, axis)
+    return np.asarray(found / np.linalg.norm(found, axis=1)[:, None])
+
+
+def across_both(first: Array, second: Array) -> list[Array]:
+    """Vectors across two others: in the plane none, in space one, first x second."""
+    return [] if len(first) == 2 else [np.cross(first, second)]
+
+
+def angles_of(turned_by: Array) -> Array:
+    """Sizes of rotations as `turns` tells them, (n,) [rad]."""
+    return np.abs(turned_by) if turned_by.ndim == 1 else np.linalg.norm(turned_by, axis=1)
+
+
+def _product(p: Array, q: Array) -> Array:
+    """Quaternions (n, 4): first ``q``, then ``p``."""
+    w = p[:, :1] * q[:, :1] - np.sum(p[:, 1:] * q[:, 1:], axis=1, keepdims=True)
+    v = p[:, :1] * q[:, 1:] + q[:, :1] * p[:, 1:] + np.cross(p[:, 1:], q[:, 1:])
+    return np.concatenate((w, v), axis=1)
+
+
 def _turn(quaternion: Array, vectors: Array) -> Array:
     """What rotations (n, 4) add to vectors (n, 3): as precise as the rotations are small."""
     w, v = quaternion[:, :1], quaternion[:, 1:]

@@ -40,6 +40,44 @@ def place_axes(pose, i, designed, turn, axes):
 
 
 @njit(cache=True)
+def translation(pose, i):
+    """That of body i in the poses (n, n_pose), of three numbers."""
+    return pose[i, 0], pose[i, 1], 0.0 if pose.shape[1] == 3 else pose[i, 2]
+
+
+@njit(cache=True)
+def turn_adds(pose, i, x, y, z):
+    """What the rotation of body i in the poses (n, n_pose) adds to an arm."""
+    if pose.shape[1] == 3:
+        s, half = np.sin(pose[i, 2]), np.sin(0.5 * pose[i, 2])
+        versine = 2.0 * half * half
+        return -versine * x - s * y, s * x - versine * y, 0.0
+    w, p, q, r = pose[i, 3], pose[i, 4], pose[i, 5], pose[i, 6]
+    cx, cy, cz = q * z - r * y, r * x - p * z, p * y - q * x
+    return (
+        2.0 * (w * cx + q * cz - r * cy),
+        2.0 * (w * cy + r * cx - p * cz),
+        2.0 * (w * cz + p * cy - q * cx),
+    )
+
+
+@njit(cache=True)
+def add_force_at(rx, ry, rz, fx, fy, fz, i, axes, force):
+    """Add a force at an arm to those of body i, ``force`` (n, n_dof); moments in space are about
+    the principal axes in the columns of ``axes`` (n, 3, 3) there."""
+    force[i, 0] += fx
+    force[i, 1] += fy
+    if force.shape[1] == 3:
+        force[i, 2] += rx * fy - ry * fx
+        return
+    force[i, 2] += fz
+    mx, my, mz = ry * fz - rz * fy, rz * fx - rx * fz, rx * fy - ry * fx
+    for d in range(3):
+        turned = axes[i, 0, d] * mx + axes[i, 1, d] * my + axes[i, 2, d] * mz
+        force[i, 3 + d] += turned
+
+
+@njit(cache=True)
 def turn_by(w, x, y, z, vx, vy, vz):
     """What a rotation adds to a vector, as precise as the rotation is small."""
     cx, cy, cz = y * vz - z * vy, z * vx - x * vz, x * vy - y * vx

@@ -34,9 +34,10 @@ from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer
 
 Array = NDArray[np.float64]
 
-#: From this many contact points on the interior-point method is asked first in the plane.  On dry
-#: walls it is as fast as the simplex method at 340, twice as fast at 550, five times at 1,100.
-INTERIOR_POINT_FROM = 600
+#: From this many contact points on the interior-point method is asked first, by the dimension.  On
+#: dry walls it is as fast as the simplex method at 340, twice as fast at 550, five times at 1,100;
+#: cones in space are round, and the simplex method has none of these.
+INTERIOR_FROM = {2: 600, 3: 0}
 #: A motion that goes less than this share along the load does not go along it.
 SLIGHT = 1e-6
 
@@ -46,7 +47,7 @@ def collapse(equilibrium: Equilibrium) -> Answer:
 
     Unbounded where friction locks the structure.
     """
-    large = _is_inside(equilibrium)
+    large = is_large(equilibrium)
     answer = None
     if large:
         regions = Regions.of(equilibrium)
@@ -182,7 +183,7 @@ def _strongest(
     equilibrium: Equilibrium, column: Array, right: Array, *, recession: bool = False
 ) -> Answer:
     """Maximise s, at most 1, with B f + s column = right and the strength of the contacts."""
-    if _is_inside(equilibrium):
+    if is_large(equilibrium):
         regions = Regions.of(equilibrium, recession=recession)
         answer = from_inside(equilibrium, regions, column, right, largest=1.0)
         if answer is not None:
@@ -190,10 +191,9 @@ def _strongest(
     return _by_program(equilibrium, column, right, largest=1.0, recession=recession)
 
 
-def _is_inside(equilibrium: Equilibrium) -> bool:
-    """Whether the interior-point method is asked first: in space, and in the plane where there are
-    so many contact points that the simplex method would be slow."""
-    return equilibrium.points.dimension == 3 or equilibrium.n_contacts >= INTERIOR_POINT_FROM
+def is_large(equilibrium: Equilibrium) -> bool:
+    """Whether methods from within are asked first, here and by the non-associative flow."""
+    return equilibrium.n_contacts >= INTERIOR_FROM[equilibrium.points.dimension]
 
 
 def _by_program(

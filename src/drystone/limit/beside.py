@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.common.ranges import MOST_BLOCKS
+from drystone.common.ranges import most_blocks
 from drystone.limit.collapse import (
     ASSOCIATIVE,
     FLOWS,
@@ -73,7 +73,7 @@ def limits_beside(model: Model) -> Beside:
     n_blocks, dimension = model.assembly.n_blocks, model.assembly.dimension
     if model.settlement is not None:
         return Beside(note="supports move, and no load grows")
-    if n_blocks > MOST_BLOCKS[dimension]:
+    if n_blocks > most_blocks(dimension):
         return Beside(note=f"{n_blocks} blocks are left to the command `limit`")
     flows = FLOWS if n_blocks <= MOST_NON_ASSOCIATIVE[dimension] else (ASSOCIATIVE,)
     results = collapse_loads(model, flows=flows)  # as `drystone limit` has them
@@ -124,7 +124,7 @@ def on_what_moves(model: Model, beside: Beside | None = None) -> Model:
 
 def _fastest(model: Model) -> ControlPoint | None:
     """As `Beside.fastest`, by the associative mechanism alone."""
-    if model.assembly.n_blocks > MOST_BLOCKS[model.assembly.dimension]:
+    if model.assembly.n_blocks > most_blocks(model.assembly.dimension):
         return None
     collapse = collapse_load(model, flow=ASSOCIATIVE)
     return _mechanism(model, collapse if collapse.status == "finished" else None)[1]

@@ -509,7 +509,7 @@ def _contacts(equilibrium: Equilibrium, forces: Array, velocity: Array) -> Conta
         area=points.area[:n],
         normal_reaction=forces[:, 0] * equilibrium.force,
         tangential_reaction=forces[:, 1:] * equilibrium.force,
-        tangent=points.frame[:n, 1] if points.dimension == 3 else np.zeros((n, 0)),
+        tangent=points.frame[:n, 1],
         status=np.where(none, OPEN, np.where(sliding, SLIDING, STICKING)),
     )
 

@@ -15,12 +15,14 @@ what blocks high up press on those below.
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, csc_matrix, hstack, vstack
 
+from drystone.geometry.motion import beside
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.program import FAILED, INFEASIBLE, OPTIMAL, UNBOUNDED, Answer, ForceProgram
 
@@ -168,10 +170,10 @@ class ConeProgram:
         rows = [self._columns(needed, 0, -np.ones(len(needed)))]
         right = [-np.maximum(self._least, tip)[needed] / self._force]
         aside = np.flatnonzero(slides)
-        for sign in (-1.0, 1.0) if self._dim == 3 else ():
+        for sign, across in product((-1.0, 1.0), beside(self._way[aside])):
             row = self._columns(aside, 0, -ASIDE * self._slope[aside])
-            for k, across in ((0, -self._way[aside, 1]), (1, self._way[aside, 0])):
-                row = row + self._columns(aside, 1 + k, sign * across)
+            for k in range(self._dim - 1):
+                row = row + self._columns(aside, 1 + k, sign * across[:, k])
             rows.append(csc_array(row))
             right.append(ASIDE * self._intercept[aside] / self._force)
         for bound, sign in zip(self._bounds, (-1.0, 1.0), strict=True):

@@ -24,22 +24,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
+from drystone.geometry.patches import spread_over
 from drystone.limit.joints import ContactPoints, joined
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: Points of a joint of the plane that may be crushed: its resultant is known to length^2 / 8192 a.
-POINTS = 33
-#: Points along the side of a rectangle in space, two to a corner and one in the middle: the
-#: resultant is known to 1/208 of the side.
-ALONG = 17
-
 #: Strength of a point over the heaviest weight from which its rest has a unit of its own.
 LARGE = 100.0
-
-#: Of bilinear functions on a square, by its corners: integrals of the product of two.
-PRODUCTS = np.array([[4, 2, 1, 2], [2, 4, 2, 1], [1, 2, 4, 2], [2, 1, 2, 4]]) / 36.0
 
 
 def spread(points: ContactPoints) -> ContactPoints:
@@ -50,8 +42,7 @@ def spread(points: ContactPoints) -> ContactPoints:
     among = np.flatnonzero(crushed)
     begins = np.flatnonzero(np.diff(points.joint[among], prepend=-1))
     joints = np.split(among, begins[1:])
-    within = _row if points.dimension == 2 else _grid
-    found = [within(points.position[corners]) for corners in joints]
+    found = [spread_over(points.position[corners]) for corners in joints]
     first = np.repeat(among[begins], [len(share) for _, share in found])
     own = {key.name: getattr(points, key.name)[first] for key in fields(ContactPoints)}
     own["position"] = np.concatenate([place for place, _ in found])
@@ -63,42 +54,6 @@ def spread(points: ContactPoints) -> ContactPoints:
     return ContactPoints(
         **{name: np.concatenate((getattr(points, name)[~crushed], own[name])) for name in own}
     )
-
-
-def _row(ends: Array) -> tuple[Array, Array]:
-    """Points between two ends, and their shares of the length."""
-    begin, end = ends
-    place = begin + np.linspace(0.0, 1.0, POINTS)[:, None] * (end - begin)
-    share = np.full(POINTS, 1.0 / (POINTS - 1))
-    share[[0, -1]] *= 0.5
-    return place, share
-
-
-def _grid(corners: Array) -> tuple[Array, Array]:
-    """Points on a convex polygon with corners (n, 3), and their shares of its area."""
-    n, m = len(corners), ALONG // 2
-    along = 1.0 - np.cos(0.5 * np.pi * np.arange(m + 1) / m)
-    u, w = along[:, None, None], along[None, :, None]
-    after = 0.5 * (corners + np.roll(corners, -1, axis=0))
-    before, middle = np.roll(after, 1, axis=0), corners.mean(axis=0)
-    place = np.zeros((n * m * (m + 1) + 1, 3))
-    area = np.zeros(len(place))
-    i, j = np.meshgrid(np.arange(m + 1), np.arange(m + 1), indexing="ij")
-    for k in range(n):
-        # What lies on the line to the middle of the next side belongs to the next corner.
-        name = np.where(i < m, (k * m + i) * (m + 1) + j, (((k + 1) % n) * m + j) * (m + 1) + m)
-        name[m, m] = len(place) - 1
-        here = (1.0 - u) * (1.0 - w) * corners[k] + u * (1.0 - w) * after[k]
-        here = here + u * w * middle + (1.0 - u) * w * before[k]
-        place[name] = here
-        cell = [(slice(None, -1), slice(None, -1)), (slice(1, None), slice(None, -1))]
-        cell += [(slice(1, None), slice(1, None)), (slice(None, -1), slice(1, None))]
-        at = np.stack([here[part] for part in cell])
-        sides = np.roll(at, -1, axis=0) - at, np.roll(at, 1, axis=0) - at
-        size = np.linalg.norm(np.cross(*sides), axis=-1)
-        for part, value in zip(cell, np.einsum("ab,bij->aij", PRODUCTS, size), strict=True):
-            np.add.at(area, name[part], value)
-    return place, area / area.sum()
 
 
 def with_rests(points: ContactPoints, still: int) -> tuple[ContactPoints, IntArray]:

@@ -31,6 +31,7 @@ from scipy.optimize import nnls
 from drystone.contact.contacts import PART_A, PART_B
 from drystone.contact.detection import Detector
 from drystone.contact.forces import ContactForces
+from drystone.geometry.patches import is_on
 from drystone.geometry.plane.outlines import TOUCHING
 from drystone.model.assembly import Assembly
 
@@ -117,8 +118,7 @@ def _touching(assembly: Assembly) -> tuple[ContactForces, IntArray, IntArray]:
 def _parts_of_faces(assembly: Assembly) -> IntArray:
     """Part that each face belongs to; faces of the plane are edges, by their first vertex."""
     packed = assembly.packed
-    first = assembly.outlines.offset if assembly.dimension == 2 else assembly.polyhedra.part_faces
-    return np.repeat(np.arange(len(packed.body)), np.diff(first))
+    return np.repeat(np.arange(len(packed.body)), np.diff(packed.first_faces))
 
 
 def _directions(
@@ -132,7 +132,7 @@ def _directions(
     packed = assembly.packed
     for p, q, sign in ((a, b, 1.0), (b, a, -1.0)):
         others = packed.vertices[packed.offset[q] : packed.offset[q + 1]]
-        place, normals, faces = _faces(assembly, p)
+        place, normals, faces = packed.faces_of_part(p)
         least = np.min((others[None] - place[:, None]) @ normals[:, :, None], axis=(1, 2))
         for k in np.flatnonzero((least >= -near) & ~seam[faces]):
             normal = sign * normals[k]
@@ -161,28 +161,13 @@ def _in_notches(
         faces = [
             sense * joints.normal[j]
             for j in np.flatnonzero((joints.block_a == low) & (joints.block_b == high))
-            if _is_on(joints.corners[joints.offset[j] : joints.offset[j + 1]], place, near[i])
+            if is_on(joints.corners[joints.offset[j] : joints.offset[j + 1]], place, near[i])
         ]
         others = [options[k] for k in np.flatnonzero(same).tolist()]
         normal = _widest([options[i], *others], faces)
         if normal is not None:
             chosen[i] = [normal]
     return chosen
-
-
-def _is_on(corners: Array, place: Array, near: float) -> bool:
-    """Whether a place lies on a joint, a segment or a convex polygon by its corners (n, dim)."""
-    edge = np.roll(corners, -1, axis=0) - corners
-    arm = place - corners
-    if corners.shape[1] == 2:
-        along = float(arm[0] @ edge[0]) / float(edge[0] @ edge[0])
-        return bool(np.linalg.norm(arm[0] - np.clip(along, 0.0, 1.0) * edge[0]) <= near)
-    normal = np.cross(edge, np.roll(edge, -1, axis=0)).sum(axis=0)
-    normal /= np.linalg.norm(normal)
-    inwards = np.cross(normal, edge)
-    inwards /= np.linalg.norm(inwards, axis=1)[:, None]
-    inside = np.sum(arm * inwards, axis=1).min() >= -near
-    return bool(inside and abs(arm[0] @ normal) <= near)
 
 
 def _widest(options: Sequence[Sequence[Array]], always: Sequence[Array]) -> Array | None:
@@ -204,16 +189,3 @@ def _widest(options: Sequence[Sequence[Array]], always: Sequence[Array]) -> Arra
 def _is_sum(normal: Array, of: Sequence[Array]) -> bool:
     """Whether a unit vector is a sum of multiples of others, none of them negative."""
     return bool(nnls(np.array(of).T, normal)[1] <= ALIKE)
-
-
-def _faces(assembly: Assembly, part: int) -> tuple[Array, Array, slice]:
-    """A place on each face of a part, the normals outwards, and the faces' rows."""
-    if assembly.dimension == 2:
-        outlines = assembly.outlines
-        rows = slice(outlines.offset[part], outlines.offset[part + 1])
-        tangent = outlines.edges[0][rows]
-        return outlines.vertices[rows], np.column_stack((tangent[:, 1], -tangent[:, 0])), rows
-    solids = assembly.polyhedra
-    rows = slice(solids.part_faces[part], solids.part_faces[part + 1])
-    first = solids.rows[solids.face_offset[:-1][rows]]
-    return solids.vertices[first], solids.normals[rows], rows

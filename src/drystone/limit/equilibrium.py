@@ -155,8 +155,6 @@ class Equilibrium:
 
     def slip(self, relative: Array) -> Array:
         """Size of the tangential part of relative velocities (n_contacts, dim), (n_contacts,)."""
-        if relative.shape[1] == 2:
-            return np.abs(relative[:, 1])
         return np.asarray(np.linalg.norm(relative[:, 1:], axis=1))
 
     def block_velocities(self, velocity: Array) -> Array:

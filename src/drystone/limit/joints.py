@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.geometry.interfaces import corner_shares
+from drystone.geometry.motion import any_tangent, tangents
 from drystone.geometry.plane.outlines import Outlines
 from drystone.geometry.space.parts import touched_edges
 from drystone.geometry.space.polyhedra import Polyhedra
@@ -121,12 +122,11 @@ def points_at(
     ]
     of_joint = np.array(laws)[assembly.law_index(*blocks)].T
     friction, dilatancy, cohesion, tension, crushing = of_joint
-    across = [np.cross(normal, tangent)] if assembly.dimension == 3 else []
     return ContactPoints(
         block_a=blocks[0],
         block_b=blocks[1],
         position=position,
-        frame=np.stack((normal, tangent, *across), axis=1),
+        frame=np.concatenate((normal[:, None], tangents(normal, tangent)), axis=1),
         area=area,
         friction=friction,
         dilatancy=np.minimum(dilatancy, friction),
@@ -156,19 +156,10 @@ def _of_edges(assembly: Assembly, edges: Edges, corners: bool) -> ContactPoints:
         blocks=(edges.block_a[rows], edges.block_b[rows]),
         position=edges.position[rows],
         normal=normal,
-        tangent=_across(normal),
+        tangent=any_tangent(normal),
         area=edges.area[rows],
         joint=np.full(len(rows), -1),
     )
-
-
-def _across(normal: Array) -> Array:
-    """A unit vector normal to each (n, dim): any one, as friction is alike in all directions."""
-    if normal.shape[1] == 2:
-        return np.column_stack((normal[:, 1], -normal[:, 0]))
-    axis = np.eye(3)[np.abs(normal).argmin(axis=1)]
-    across = np.cross(normal, axis)
-    return np.asarray(across / np.linalg.norm(across, axis=1)[:, None])
 
 
 def _setbacks(assembly: Assembly, set_back: float | None) -> tuple[Outlines | Polyhedra, Array]:

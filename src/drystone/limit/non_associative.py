@@ -40,7 +40,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.limit.associative import INTERIOR_POINT_FROM
+from drystone.limit.associative import is_large
 from drystone.limit.cone_program import ConeProgram, force_program
 from drystone.limit.cones import Regions, least_normal, shear_strength
 from drystone.limit.coulomb_path import follow
@@ -53,9 +53,6 @@ Array = NDArray[np.float64]
 #: Relative velocities below this share of the largest are none, in the plane and in space: where
 #: cones are round, the power of a mechanism differs by the square of what its velocities do.
 STILL = {2: 1e-7, 3: 1e-5}
-#: From this many contact points on in the plane, and always in space, curves of `coulomb_path` come
-#: first.
-SMOOTH_FROM = {2: INTERIOR_POINT_FROM, 3: 0}
 #: Factorisations that one curve of `coulomb_path` may take, all together, and from where on no
 #: further one is begun.  Random structures of up to 40 blocks took 35 to 180, facades of 125 from
 #: 120 to more than 700.
@@ -137,7 +134,7 @@ def follow_paths(
     """
     slope = flow_tangent(equilibrium, settings.alpha)
     n_paths = settings.n_paths
-    if not _is_large(equilibrium):
+    if not is_large(equilibrium):
         starts = _starts(associative, resting, settings)
         paths = _by_programs(equilibrium, slope, starts, settings)
         found = paths.states or paths.n_unbounded
@@ -207,10 +204,6 @@ def _from_smooth(
     return Paths(states=tuple(states), n_unbounded=unbounded, n_failed=failed, n_iterations=work)
 
 
-def _is_large(equilibrium: Equilibrium) -> bool:
-    return equilibrium.n_contacts >= SMOOTH_FROM[equilibrium.points.dimension]
-
-
 def flow_tangent(equilibrium: Equilibrium, alpha: float) -> Array:
     """Opening over slip of every contact, (n_contacts,)."""
     points = equilibrium.points
@@ -242,9 +235,8 @@ def _follow(
     """One path of the scheme: its last answer, failed where it is not at rest, and the passes."""
     friction, low = equilibrium.points.friction, least_normal(equilibrium)
     column, right = equilibrium.live, -equilibrium.dead
-    normal, before, plane = np.maximum(start, low), np.inf, equilibrium.points.dimension == 2
-    program = None
-    if plane:
+    normal, before, program = np.maximum(start, low), np.inf, None
+    if equilibrium.points.dimension == 2:
         program = ForceProgram(equilibrium, column=column, right=right, slope=slope, least=low)
     for k in range(1, settings.max_iterations + 1):
         intercept = equilibrium.cohesion + (friction - slope) * normal
@@ -263,7 +255,7 @@ def _follow(
         before = answer.factor
         normal = beta * answer.forces[:, 0] + (1.0 - beta) * normal
     # In space forces lie amid all equally good ones: a mechanism may be a state's before they rest.
-    if answer is None or plane:
+    if answer is None or program is not None:
         nothing = np.zeros(0)
         return Answer(
             status=FAILED, factor=before, forces=nothing, velocity=nothing, n_iterations=0
@@ -304,7 +296,7 @@ def compatible_forces(
     slip = equilibrium.slip(relative)
     slides = slip > still
     opens = relative[:, 0] > slope * slip + still
-    program = (ConeProgram if _is_large(equilibrium) else ForceProgram)(
+    program = (ConeProgram if is_large(equilibrium) else ForceProgram)(
         equilibrium,
         column=equilibrium.live,
         right=-equilibrium.dead,

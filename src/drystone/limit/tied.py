@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
+from drystone.geometry.motion import couple_about
 from drystone.limit.joints import ContactPoints, joined
 from drystone.model.assembly import Assembly
 from drystone.model.ties import Tie, TieEnd
@@ -71,11 +72,10 @@ def rollers(assembly: Assembly) -> tuple[tuple[Tie, ...], Array]:
     dim = assembly.dimension
     found, levers = [], []
     for i, k in np.argwhere(assembly.held).tolist():
-        axis, arm = np.zeros(dim), np.zeros(dim)
-        if k < dim:
-            axis[k] = 1.0
-        else:
-            axis[(k - dim + 1) % dim], arm[(k - dim + (2 if dim == 3 else 0)) % dim] = 1.0, FAR
+        axis, arm = np.eye(dim)[k % dim], np.zeros(dim)
+        if k >= dim:
+            axis, arm = couple_about(k - dim, dim)
+            arm = FAR * arm
         at = assembly.centroid[i] + arm * np.sqrt(assembly.mass[i, dim] / assembly.mass[i, 0])
         block = assembly.ids[i]
         found.append(

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from drystone.common.language import say
 from drystone.common.names import Named
 from drystone.geometry import GeometryError, motion
 from drystone.geometry.cores import SolidCore
+from drystone.geometry.dimension import Dimension, dimension_of
 from drystone.geometry.figure import Figure
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.plane.outlines import Outlines
@@ -35,11 +36,6 @@ BoolArray = NDArray[np.bool_]
 
 #: Who is in the first group of a pair, (n,), who in the second, and the number of the law.
 _OfGroups = tuple[BoolArray, BoolArray, int]
-
-#: Contact points that a quadrilateral joint in space may have; of the plane, where points between
-#: the ends matter to joints that are crushed; and what there are where nothing is said.
-POINTS_KNOWN = {2: tuple(range(2, 65)), 3: (4, 9, 16, *(n * n for n in range(5, 34, 2)))}
-POINTS = {2: 2, 3: 4}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,20 +57,17 @@ class Corner:
         return figure.cores(radius=self.radius, chamfer=self.chamfer)
 
 
-#: Parts of a block's motion that can be held by themselves: along the axes, and turning.
-MOTIONS = {2: ("x", "y", "turn"), 3: ("x", "y", "z", "turn")}
-
 #: Mass of what is held over the block's own: a step of 30 s moves it by 1e-10 m under a hundred
 #: weights.
 HELD = 1e14
 
 
-def _held(blocks: Sequence[Block], dimension: int) -> NDArray[np.bool_]:
+def _held(blocks: Sequence[Block], dimension: Dimension) -> NDArray[np.bool_]:
     """What rollers hold, (n, n_dof)."""
-    held = np.zeros((len(blocks), motion.n_dof(dimension)), np.bool_)
+    held = np.zeros((len(blocks), motion.n_dof(dimension.number)), np.bool_)
     for row, block in zip(held, blocks, strict=True):
         for name in () if block.support else block.held:
-            at = MOTIONS[dimension].index(name)
+            at = dimension.motions.index(name)
             row[at : None if name == "turn" else at + 1] = True
     return held
 
@@ -95,7 +88,9 @@ class Block:
     faces: Faces = ()  # of space: rows of vertices, counter-clockwise from outside; none: the hull
     parts: tuple[Part, ...] = ()  # convex, where they are given
     groups: tuple[str, ...] = ()  # names of what it belongs to: a wall, a storey, a layer
-    held: tuple[str, ...] = ()  # of a movable block: what of its motion rollers hold, see `MOTIONS`
+    held: tuple[
+        str, ...
+    ] = ()  # of a movable block: what of its motion rollers hold: `Dimension.motions`
 
     def __post_init__(self) -> None:
         if not isinstance(self.vertices, np.ndarray):
@@ -230,7 +225,7 @@ class Assembly:
         along = np.eye(dimension)[-1] if up is None else np.asarray(up, np.float64)
         return cls(
             dimension=dimension,
-            points=POINTS[dimension] if points is None else points,
+            points=dimension_of(dimension).points if points is None else points,
             up=along,
             thickness=thickness,
             blocks=tuple(blocks),
@@ -263,7 +258,7 @@ class Assembly:
             mass=np.column_stack((*along, unit_weight[:, None] * moments)) / GRAVITY,
             axes=np.array([figure.axes for figure in figures]),
             fixed=np.array([block.support for block in self.blocks], dtype=bool),
-            held=_held(self.blocks, self.dimension),
+            held=_held(self.blocks, self.kind),
             laws=(self.joint, *dict.fromkeys(self.joint_between.values())),
         )
 
@@ -309,6 +304,16 @@ class Assembly:
         return bool(self.held.any())
 
     @property
+    def kind(self) -> Dimension:
+        """What goes with its dimension: words, units, numbers."""
+        return dimension_of(self.dimension)
+
+    @property
+    def depth(self) -> float | None:
+        """Thickness out of plane [m]; None of solids."""
+        return self.kind.thickness(self.thickness)
+
+    @property
     def n_dof(self) -> int:
         """Degrees of freedom of one block."""
         return motion.n_dof(self.dimension)
@@ -322,12 +327,7 @@ class Assembly:
     def extents(self) -> Array:
         """Smallest side of each block's bounding box [m], (n,); in space, however it is turned, the
         least distance of a face from what lies farthest behind it."""
-        if self.dimension == 3:
-            return np.array([figure.least_depth for figure in self.figures])
-        first = np.cumsum([0, *(len(block.vertices) for block in self.blocks[:-1])])
-        vertices = np.vstack([block.vertices for block in self.blocks])
-        sides = np.maximum.reduceat(vertices, first) - np.minimum.reduceat(vertices, first)
-        return sides.min(axis=1)
+        return self.kind.extents([block.vertices for block in self.blocks], self.figures)
 
     @cached_property
     def smallest_extent(self) -> float:
@@ -434,21 +434,20 @@ class Assembly:
         found[self.groups[name] if name in self.groups else self._row[name]] = True
         return found
 
-    @cached_property
+    @property
     def outlines(self) -> Outlines:
         """Outlines of the parts of plane blocks as designed."""
-        return Outlines.pack([[p.vertices for p in figure.parts] for figure in self.figures])
-
-    @cached_property
-    def polyhedra(self) -> Polyhedra:
-        """Parts of blocks in space as designed."""
-        parts = [[(p.vertices, p.faces) for p in figure.parts] for figure in self.figures]
-        return Polyhedra.pack(parts)
+        return cast(Outlines, self.packed)
 
     @property
+    def polyhedra(self) -> Polyhedra:
+        """Parts of blocks in space as designed."""
+        return cast(Polyhedra, self.packed)
+
+    @cached_property
     def packed(self) -> Outlines | Polyhedra:
         """Parts of all blocks as designed, of either dimension."""
-        return self.outlines if self.dimension == 2 else self.polyhedra
+        return self.kind.packed(self.figures)
 
     @cached_property
     def interfaces(self) -> Interfaces:

@@ -200,7 +200,7 @@ def _missed(assembly: Assembly) -> list[str]:
     """Faces that lie near each other without a joint: the first few, and how many more."""
     found = Missed.of(assembly)
     rows = np.argsort(-found.gap, kind="stable")
-    unit = "m2" if assembly.dimension == 3 else "m"
+    unit = assembly.kind.joint_unit
     pairs: dict[tuple[str, str], str] = {}
     for k in rows.tolist():
         a, b = (assembly.ids[block[k]] for block in (found.joints.block_a, found.joints.block_b))

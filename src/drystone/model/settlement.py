@@ -117,14 +117,10 @@ class Settlement:
         if self.direction is not None:
             motion.translations(pose)[:] = amount * self.direction
             return pose
-        if assembly.dimension == 2:
-            pose[:, 2] = -amount if self.clockwise else amount
-        else:
-            pose[:, 3] = math.cos(0.5 * amount)
-            pose[:, 4:] = math.sin(0.5 * amount) * np.asarray(self.axis)
+        angle = -amount if self.clockwise else amount
+        motion.rotated_by(pose, angle, None if self.axis is None else np.asarray(self.axis))
         arm = assembly.centroid[rows] - np.asarray(self.centre)
-        dim = assembly.dimension
-        pose[:, :dim] = motion.turned(arm, pose) - arm
+        motion.translations(pose)[:] = motion.turned(arm, pose) - arm
         return pose
 
     def increment(self, assembly: Assembly, pose: Array, amount: float) -> Array:
@@ -136,20 +132,21 @@ class Settlement:
 
     def reaction(self, assembly: Assembly, pose: Array, force: Array) -> float:
         """Of forces (n, n_dof) on the bodies in poses (n, n_pose) [N, or N m]."""
-        rows, dim = self.rows(assembly), assembly.dimension
-        pushed = force[rows, :dim]
+        rows = self.rows(assembly)
+        pushed = motion.translations(force[rows])
         if self.direction is not None:
             return float((pushed @ self.direction).sum())
         arm = motion.places(assembly.centroid, pose)[rows] - np.asarray(self.centre)
         about = motion.moments(arm, pushed)
-        if dim == 2:
-            total = float((about[:, 0] + force[rows, 2]).sum())
-            return -total if self.clockwise else total
+        n_axes = assembly.axes.shape[2]
         axes = np.stack(
-            [motion.turned(assembly.axes[rows][:, :, k], pose[rows]) for k in range(3)], axis=2
+            [motion.turned(assembly.axes[rows][:, :, k], pose[rows]) for k in range(n_axes)], axis=2
         )
-        about = about + np.einsum("nij,nj->ni", axes, force[rows, 3:])
-        return float((about @ np.asarray(self.axis)).sum())
+        about = about + motion.about_the_world(motion.rotations(force[rows]), axes)
+        if self.axis is not None:
+            return float((about @ np.asarray(self.axis)).sum())
+        total = float(about[:, 0].sum())
+        return -total if self.clockwise else total
 
     def in_frame(self, scale: Scale) -> Self:
         """The settlement in other coordinates and units."""

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.compiled import njit
+from drystone.geometry.rotation import add_force_at, translation, turn_adds
 
 Array = NDArray[np.float64]
 
@@ -50,33 +51,14 @@ class Ties(NamedTuple):
 
 
 @njit(cache=True)
-def _added(value, k, first, pose, i):
-    """What its body's rotation adds to an arm, (x, y, z)."""
-    x, y, z = value[k, first], value[k, first + 1], value[k, first + 2]
-    if pose.shape[1] == 3:
-        s, half = np.sin(pose[i, 2]), np.sin(0.5 * pose[i, 2])
-        versine = 2.0 * half * half
-        return -versine * x - s * y, s * x - versine * y, 0.0
-    w, p, q, r = pose[i, 3], pose[i, 4], pose[i, 5], pose[i, 6]
-    cx, cy, cz = q * z - r * y, r * x - p * z, p * y - q * x
-    return (
-        2.0 * (w * cx + q * cz - r * cy),
-        2.0 * (w * cy + r * cx - p * cz),
-        2.0 * (w * cz + p * cy - q * cx),
-    )
-
-
-@njit(cache=True)
 def locate(body, value, pose, now):
     """Fill ``now`` in the poses (n, n_pose)."""
-    space = pose.shape[1] == 7
     for k in range(body.shape[0]):
         a, b = body[k, 0], body[k, 1]
-        ax, ay, az = _added(value, k, ARM_A, pose, a)
-        bx, by, bz = _added(value, k, ARM_B, pose, b)
-        dx = pose[b, 0] - pose[a, 0] + (bx - ax)
-        dy = pose[b, 1] - pose[a, 1] + (by - ay)
-        dz = pose[b, 2] - pose[a, 2] + (bz - az) if space else 0.0
+        ax, ay, az = turn_adds(pose, a, value[k, ARM_A], value[k, ARM_A + 1], value[k, ARM_A + 2])
+        bx, by, bz = turn_adds(pose, b, value[k, ARM_B], value[k, ARM_B + 1], value[k, ARM_B + 2])
+        (fx, fy, fz), (tx, ty, tz) = translation(pose, a), translation(pose, b)
+        dx, dy, dz = tx - fx + (bx - ax), ty - fy + (by - ay), tz - fz + (bz - az)
         sx, sy, sz = value[k, SPAN], value[k, SPAN + 1], value[k, SPAN + 2]
         lx, ly, lz = sx + dx, sy + dy, sz + dz
         length = np.sqrt(lx * lx + ly * ly + lz * lz)
@@ -131,7 +113,6 @@ def age(value, now):
 def add_forces(body, now, axes, force):
     """Add what the ties do to the bodies to ``force`` (n, n_dof); moments in space are about the
     principal axes in the columns of ``axes`` (n, 3, 3) there."""
-    space = force.shape[1] == 6
     for k in range(body.shape[0]):
         for side in range(2):
             i = body[k, side]
@@ -141,13 +122,4 @@ def add_forces(body, now, axes, force):
             fy = pulled * now[k, ALONG + 1]
             fz = pulled * now[k, ALONG + 2]
             rx, ry, rz = now[k, arm], now[k, arm + 1], now[k, arm + 2]
-            force[i, 0] += fx
-            force[i, 1] += fy
-            if not space:
-                force[i, 2] += rx * fy - ry * fx
-                continue
-            force[i, 2] += fz
-            mx, my, mz = ry * fz - rz * fy, rz * fx - rx * fz, rx * fy - ry * fx
-            for d in range(3):
-                turned = axes[i, 0, d] * mx + axes[i, 1, d] * my + axes[i, 2, d] * mz
-                force[i, 3 + d] += turned
+            add_force_at(rx, ry, rz, fx, fy, fz, i, axes, force)

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.geometry.motion import moved_points
-from drystone.geometry.plane.outlines import Outlines
 from drystone.model.assembly import Assembly
 
 Array = NDArray[np.float64]
@@ -38,14 +37,9 @@ class MovingShapes:
     @classmethod
     def of(cls, assembly: Assembly, *, linear: bool = False) -> MovingShapes:
         """The shapes of an assembly."""
-        if assembly.dimension == 3:
-            designed = assembly.polyhedra
-            vertices, offset, body = designed.vertices, designed.offset, designed.body
-        else:
-            outlines = Outlines.pack(
-                [[shape.vertices for shape in block.parts or (block,)] for block in assembly.blocks]
-            )
-            vertices, offset, body = outlines.vertices, outlines.offset, outlines.body
+        own = [[part.vertices for part in block.parts or (block,)] for block in assembly.blocks]
+        shapes = assembly.kind.drawn(own, assembly.packed)
+        vertices, offset, body = shapes.vertices, shapes.offset, shapes.body
         return cls(
             vertices=vertices, offset=offset, body=body, centroid=assembly.centroid, linear=linear
         )

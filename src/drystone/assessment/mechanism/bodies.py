@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assessment.mechanism.field import VelocityField, across
+from drystone.assessment.mechanism.field import VelocityField
 from drystone.geometry import motion
 from drystone.geometry.links import components
 from drystone.model.assembly import Assembly
@@ -93,11 +93,7 @@ class _Bodies:
         reach = np.linalg.norm(shapes.vertices - assembly.centroid[owner], axis=1)
         np.maximum.at(radius, owner, reach)
         moments = motion.rotations(assembly.mass)
-        if assembly.dimension == 2:
-            inertia = moments[:, :, None]
-        else:
-            axes = assembly.axes
-            inertia = axes @ (moments[:, :, None] * axes.transpose(0, 2, 1))
+        inertia = motion.inertia_about_the_world(moments, assembly.axes)
         return cls(field=field, radius=radius, mass=assembly.mass[:, 0], inertia=inertia)
 
     @property
@@ -128,14 +124,9 @@ class _Bodies:
         arm = place - centre
         turning = np.einsum("nij,nj->ni", self.inertia[members], spin)
         momentum = (motion.moments(arm, mass[:, None] * (velocity - mean)) + turning).sum(axis=0)
-        square = np.einsum("ni,ni->n", arm, arm)
-        if arm.shape[1] == 3:
-            orbit = square[:, None, None] * np.eye(3) - arm[:, :, None] * arm[:, None, :]
-        else:
-            orbit = square[:, None, None]
-        inertia = (self.inertia[members] + mass[:, None, None] * orbit).sum(axis=0)
+        inertia = (self.inertia[members] + mass[:, None, None] * motion.orbits(arm)).sum(axis=0)
         common = np.linalg.solve(inertia, momentum)
-        off = velocity - mean - across(np.broadcast_to(common, spin.shape), arm)
+        off = velocity - mean - motion.across(np.broadcast_to(common, spin.shape), arm)
         turned = np.linalg.norm(spin - common, axis=1) * self.radius[members]
         return float((np.linalg.norm(off, axis=1) + turned).max())
 

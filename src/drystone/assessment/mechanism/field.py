@@ -34,7 +34,7 @@ class VelocityField:
 
     def at(self, points: Array, owner: IntArray) -> Array:
         """Velocities (k, dim) of points (k, dim) [m] of blocks ``owner`` (k,)."""
-        return self.velocity[owner] + across(self.spin[owner], points - self.place[owner])
+        return self.velocity[owner] + motion.across(self.spin[owner], points - self.place[owner])
 
     def carried_to(self, place: Array) -> VelocityField:
         """The same motions in space, read at other centroids (n, dim) [m]."""
@@ -60,7 +60,7 @@ def chord(assembly: Assembly, before: Array, after: Array) -> VelocityField:
     velocity = motion.translations(after) - motion.translations(before)
     place = assembly.centroid + 0.5 * (motion.translations(after) + motion.translations(before))
     return VelocityField(
-        place=np.ascontiguousarray(place), velocity=velocity, spin=_spin(assembly, before, after)
+        place=np.ascontiguousarray(place), velocity=velocity, spin=motion.chord_spin(before, after)
     )
 
 
@@ -71,25 +71,3 @@ def less(field: VelocityField, other: VelocityField, share: float) -> VelocityFi
         velocity=field.velocity - share * other.velocity,
         spin=field.spin - share * other.spin,
     )
-
-
-def across(spin: Array, arm: Array) -> Array:
-    """Velocities (k, dim) by spins (k, 1 or 3) at arms (k, dim)."""
-    if arm.shape[1] == 3:
-        return np.cross(spin, arm)
-    return spin * np.column_stack((-arm[:, 1], arm[:, 0]))
-
-
-def _spin(assembly: Assembly, before: Array, after: Array) -> Array:
-    """2 tan(theta / 2) along the axis of the rotations between two states, (n, 1 or 3)."""
-    if assembly.dimension == 2:
-        return np.asarray(2.0 * np.tan(0.5 * (after[:, 2] - before[:, 2]))[:, None])
-    relative = _product(after[:, 3:], before[:, 3:] * np.array([1.0, -1.0, -1.0, -1.0]))
-    return np.asarray(2.0 * relative[:, 1:] / relative[:, :1])
-
-
-def _product(p: Array, q: Array) -> Array:
-    """Quaternions (n, 4): first ``q``, then ``p``."""
-    w = p[:, :1] * q[:, :1] - np.sum(p[:, 1:] * q[:, 1:], axis=1, keepdims=True)
-    v = p[:, :1] * q[:, 1:] + q[:, :1] * p[:, 1:] + np.cross(p[:, 1:], q[:, 1:])
-    return np.concatenate((w, v), axis=1)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assessment.mechanism.shapes import MechanismShape
+from drystone.geometry.motion import across_both
 from drystone.model.assembly import Assembly
 
 Array = NDArray[np.float64]
@@ -41,8 +42,8 @@ def share_out_of_plane(assembly: Assembly, shape: MechanismShape, direction: Arr
     if not weight.sum() > 0.0:
         return 0.0
     boxes = {"along": _reach(assembly, along), "up": _reach(assembly, up)}
-    if assembly.dimension == 3:
-        boxes["across"] = _reach(assembly, np.cross(up, along))
+    for across in across_both(up, along):
+        boxes["across"] = _reach(assembly, across)
     thin = np.zeros(len(moving), np.bool_)
     for k, i in enumerate(moving.tolist()):
         own = _length(boxes, "along", i, moving)

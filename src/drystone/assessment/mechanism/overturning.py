@@ -36,10 +36,9 @@ def stands_on_its_axis(curve: CapacityCurve, model: Model) -> float | None:
         return None
     moving = shape.labels >= 0
     share = shape.mass[moving] / shape.mass[moving].sum()
-    field, control, up = shape.field, model.control_point, _in_space(model.assembly.up)
-    velocity = _in_space(share @ field.velocity[moving])
-    spin = share @ field.spin[moving]
-    spin = np.array([0.0, 0.0, spin[0]]) if len(spin) == 1 else spin
+    field, control, up = shape.field, model.control_point, motion.in_space(model.assembly.up)
+    velocity = motion.in_space(share @ field.velocity[moving])
+    spin = motion.spin_in_space(share @ field.spin[moving])
     turning, speed = float(np.linalg.norm(spin)), float(np.linalg.norm(velocity))
     if not turning > 0.0 or not speed > 0.0:
         return None
@@ -47,23 +46,18 @@ def stands_on_its_axis(curve: CapacityCurve, model: Model) -> float | None:
     if abs(axis @ up) > SAME or abs(velocity @ axis) > SAME * speed:
         return None
     # The chord of the last points is a turn about the axis, read off halfway: see `field`.
-    on_axis = _in_space(share @ field.place[moving]) + np.cross(spin, velocity) / turning**2
+    on_axis = motion.in_space(share @ field.place[moving]) + np.cross(spin, velocity) / turning**2
     assert curve.poses is not None  # or there were no tangent
     pose = curve.poses[row]
     centre = share @ (model.assembly.centroid + motion.translations(pose))[moving]
-    arm = _in_space(centre) - on_axis
+    arm = motion.in_space(centre) - on_axis
     upright = up - (up @ axis) * axis
     angle = float(np.arctan2(np.cross(arm, upright) @ axis, arm @ upright))
     if not 0.0 < angle < 0.5 * np.pi:
         return None
     moved = model.assembly.displacement_at(control.block, control.point, pose)
-    lever = _in_space(control.point + moved) - on_axis
+    lever = motion.in_space(control.point + moved) - on_axis
     across = np.cross(axis, lever)
     turned = np.sin(angle) * across + (1.0 - np.cos(angle)) * np.cross(axis, across)
     along = control.direction @ moved - curve.settlement
-    return float(along + turned @ _in_space(control.direction))
-
-
-def _in_space(vector: Array) -> Array:
-    """A vector (2,) or (3,) as one of space; the plane is x, y."""
-    return np.append(vector, 0.0) if len(vector) == 2 else np.asarray(vector)
+    return float(along + turned @ motion.in_space(control.direction))

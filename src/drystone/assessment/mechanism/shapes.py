@@ -241,11 +241,11 @@ def _kinetic_mass(
 ) -> float:
     """sum (m |v|^2 + w J w) [kg] of blocks (n,); what blocks carry moves as their centroids do."""
     assembly, spin = model.assembly, field.spin
-    if assembly.dimension == 3:
-        axes = assembly.axes
-        if pose is not None:
-            axes = np.stack([motion.turned(axes[:, :, k], pose) for k in range(3)], axis=2)
-        spin = np.einsum("nij,ni->nj", axes, spin)  # about the principal axes
+    axes = assembly.axes
+    if pose is not None:
+        n_axes = axes.shape[2]
+        axes = np.stack([motion.turned(axes[:, :, k], pose) for k in range(n_axes)], axis=2)
+    spin = motion.about_own_axes(spin, axes)
     straight = _masses(model)[:, None] * field.velocity**2
     turning = motion.rotations(assembly.mass) * spin**2
     return float(straight[which].sum() + turning[which].sum())
@@ -255,16 +255,16 @@ def _torsion(
     assembly: Assembly, field: VelocityField, direction: Array, moving: NDArray[np.bool_]
 ) -> float:
     """Velocity of the fastest point by rotations about other axes than that across the load."""
-    if assembly.dimension == 2:
-        return 0.0
-    axis = np.cross(assembly.up, direction)
-    length = float(np.linalg.norm(axis))
-    axis = axis / length if length > 0.0 else axis
-    out = field.spin - np.outer(field.spin @ axis, axis)
-    shapes = assembly.packed
-    owner = np.repeat(shapes.body, np.diff(shapes.offset))
-    speed = np.linalg.norm(np.cross(out[owner], shapes.vertices - field.place[owner]), axis=1)
-    return float(speed[moving[owner]].max(initial=0.0))
+    for axis in motion.across_both(assembly.up, direction):
+        length = float(np.linalg.norm(axis))
+        axis = axis / length if length > 0.0 else axis
+        out = field.spin - np.outer(field.spin @ axis, axis)
+        shapes = assembly.packed
+        owner = np.repeat(shapes.body, np.diff(shapes.offset))
+        arm = shapes.vertices - field.place[owner]
+        speed = np.linalg.norm(motion.across(out[owner], arm), axis=1)
+        return float(speed[moving[owner]].max(initial=0.0))
+    return 0.0
 
 
 def _present(curve: CapacityCurve, model: Model, row: int) -> NDArray[np.bool_]:

@@ -83,6 +83,22 @@ class Outlines:
         """Larger side of each part's bounding box, (n_parts,) [m]."""
         return (self.upper - self.lower).max(axis=1)
 
+    @property
+    def face_arrays(self) -> dict[str, IntArray]:
+        """Which vertices faces have, as files keep it: an outline tells it by itself."""
+        return {}
+
+    @property
+    def first_faces(self) -> IntArray:
+        """First face of each part, (n_parts + 1,); faces of the plane are edges."""
+        return self.offset
+
+    def faces_of_part(self, part: int) -> tuple[Array, Array, slice]:
+        """A place on each face of a part, the normals outwards, and the faces' rows."""
+        rows = slice(self.offset[part], self.offset[part + 1])
+        tangent = self.edges[0][rows]
+        return self.vertices[rows], np.column_stack((tangent[:, 1], -tangent[:, 0])), rows
+
     def pair_size(self, a: IntArray, b: IntArray) -> Array:
         """Size [m] of the smaller part of each pair, the measure of what counts as small."""
         return np.minimum(self.sizes[a], self.sizes[b])

@@ -124,6 +124,23 @@ class Polyhedra:
         arm = np.linalg.norm(self.vertices - np.repeat(mean, counts, axis=0), axis=1)
         return np.asarray(2.0 * np.maximum.reduceat(arm, self.offset[:-1]))
 
+    @property
+    def face_arrays(self) -> dict[str, IntArray]:
+        """Which vertices faces have, as files keep it."""
+        names = ("rows", "face_offset", "part_faces")
+        return {name: getattr(self, name) for name in names}
+
+    @property
+    def first_faces(self) -> IntArray:
+        """First face of each part, (n_parts + 1,)."""
+        return self.part_faces
+
+    def faces_of_part(self, part: int) -> tuple[Array, Array, slice]:
+        """A place on each face of a part, the normals outwards, and the faces' rows."""
+        rows = slice(self.part_faces[part], self.part_faces[part + 1])
+        first = self.rows[self.face_offset[:-1][rows]]
+        return self.vertices[first], self.normals[rows], rows
+
     def pair_size(self, a: IntArray, b: IntArray) -> Array:
         """Size [m] of the smaller part of each pair, the measure of what counts as small."""
         return np.minimum(self.sizes[a], self.sizes[b])

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.geometry.motion import in_space
 from drystone.io.convert.common import Written, materials, number
 from drystone.io.results import vtu
 from drystone.model.model import Model
@@ -34,7 +35,7 @@ def write(model: Model, name: str = "") -> Written:
         "weight": assembly.weight,
     }
     shapes = MovingShapes.of(assembly)
-    points = vtu.in_space(shapes.vertices)
+    points = in_space(shapes.vertices)
     xml = name.lower().endswith(".vtu")
     if assembly.dimension == 3:
         solids = assembly.polyhedra

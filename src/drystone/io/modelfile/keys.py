@@ -90,8 +90,8 @@ def point_of(value: Any, info: ValidationInfo) -> str | list[float]:
     numbers = [x for x in numbers if isinstance(x, int | float) and not isinstance(x, bool)]
     wrong = [x for x in numbers if RANGES["coordinate"].problem(x)]
     if len(numbers) != dimension or numbers != value or wrong:
-        place = "[x, y, z]" if dimension == 3 else "[x, y]"
-        raise sentence(f'must be {place} in metres, or one of "' + '", "'.join(known) + '"')
+        place = ", ".join("xyz"[:dimension])
+        raise sentence(f'must be [{place}] in metres, or one of "' + '", "'.join(known) + '"')
     return [float(x) for x in numbers]
 
 

@@ -82,7 +82,6 @@ UNITS = {
     "reaction": "N, N m",
     "elongation": "m",
 }
-POSE_UNITS = {2: "m, m, rad", 3: "m, m, m, 1, 1, 1, 1"}
 STORED_AS = {"block_a": "i4", "block_b": "i4", "status": "i1"}
 LEFT_TYPES = {"block": h5py.string_dtype(), "step": "i8", "control_displacement": "f8"}
 #: Of ties: names in the file, fields of `TieState`, how they are stored.
@@ -268,7 +267,7 @@ class ResultsWriter:
         shape = assembly.rest_pose().shape
         rows = int(np.clip(1_000_000 // (8 * shape[0] * shape[1]), 1, 64))
         self._growing(self._file, "poses", shape, np.dtype("f8"), rows=rows)
-        self._file["poses"].attrs["unit"] = POSE_UNITS[assembly.dimension]
+        self._file["poses"].attrs["unit"] = assembly.kind.pose_units
 
         if model.ties:
             ties, names = self._file.create_group("ties"), names_of(model.ties)
@@ -281,7 +280,7 @@ class ResultsWriter:
         widths["tangential_reaction"] = assembly.dimension - 1
         widths["tangent"] = assembly.dimension
         for name in CONTACT_FIELDS:
-            if name in OF_SPACE and assembly.dimension == 2:
+            if name in OF_SPACE and assembly.depth is not None:
                 continue
             width = (widths[name],) if name in widths else ()
             self._growing(contacts, name, width, np.dtype(STORED_AS.get(name, "f8")), rows=16384)
@@ -320,13 +319,11 @@ def _shapes(assembly: Assembly) -> Iterator[tuple[str, NDArray[Any]]]:
     shapes = MovingShapes.of(assembly)
     yield "offset", shapes.offset
     yield "vertices", shapes.vertices
-    if assembly.dimension == 3:
-        solids = assembly.polyhedra
-        yield "rows", solids.rows
-        yield "face_offset", solids.face_offset
-        yield "part_faces", solids.part_faces
+    faces = assembly.packed.face_arrays
+    yield from faces.items()
+    if faces:
         yield "axes", assembly.axes
-    if assembly.dimension == 3 or len(shapes.body) != assembly.n_bodies:
+    if faces or len(shapes.body) != assembly.n_bodies:
         yield "body", shapes.body
 
 

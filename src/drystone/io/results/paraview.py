@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from drystone.contact.forces import ContactForces
 from drystone.geometry import motion
+from drystone.geometry.motion import in_space
 from drystone.io.results import vtu
 from drystone.io.results.names import PARAVIEW
 from drystone.io.results.outputs import Finished, Output
@@ -110,10 +111,8 @@ class BlockFrames:
         self._settled = settled
         self._fixed = assembly.fixed
         self._compliance = compliance(shapes, settled, assembly.fixed)
-        if assembly.dimension == 3:
-            solids = assembly.polyhedra
-            faces = (solids.rows, solids.face_offset, solids.part_faces)
-            self._cells = vtu.polyhedra(solids.offset, *faces)
+        if faces := assembly.packed.face_arrays:
+            self._cells = vtu.polyhedra(shapes.offset, *faces.values())
         else:
             rows = np.arange(len(shapes.vertices))
             self._cells = vtu.cells(rows, shapes.offset[1:], vtu.POLYGON)
@@ -137,10 +136,10 @@ class BlockFrames:
             points=points,
             n_cells=len(shapes.body),
             cells=self._cells,
-            point_data=[vtu.data_array("vertex_displacement", vtu.in_space(away))],
+            point_data=[vtu.data_array("vertex_displacement", in_space(away))],
             cell_data=[
                 *self._constant,
-                vtu.data_array("displacement", vtu.in_space(displacement)),
+                vtu.data_array("displacement", in_space(displacement)),
                 vtu.data_array("rotation", motion.turns(pose)[shapes.body]),
                 vtu.data_array("moving", moving.astype(np.uint8)[shapes.body]),
             ],
@@ -157,8 +156,8 @@ def write_contacts(path: Path, contacts: ContactForces, field_data: Iterable[str
         n_cells=len(rows),
         cells=vtu.cells(rows, rows + 1, vtu.VERTEX),
         point_data=[
-            vtu.data_array("reaction", vtu.in_space(contacts.vectors())),
-            vtu.data_array("normal", vtu.in_space(contacts.normal)),
+            vtu.data_array("reaction", in_space(contacts.vectors())),
+            vtu.data_array("normal", in_space(contacts.normal)),
             vtu.data_array("normal_reaction", contacts.normal_reaction),
             vtu.data_array("gap", contacts.gap),
             vtu.data_array("status", contacts.status.astype(np.int8)),

@@ -17,6 +17,8 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.geometry.motion import in_space
+
 #: Cell types of VTK.
 VERTEX, POLYGON, POLYHEDRON = 1, 7, 42
 #: Bytes compressed at a time.
@@ -49,13 +51,6 @@ def field_value(name: str, value: float) -> str:
         f'<DataArray type="Float64" Name={quoteattr(name)} NumberOfTuples="1" format="binary">'
         f"{_encode(struct.pack('=d', value))}</DataArray>\n"
     )
-
-
-def in_space(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Vectors of two components with a third, zero; those of three as they are."""
-    if vectors.shape[1] == 3:
-        return vectors
-    return np.column_stack((vectors, np.zeros(len(vectors))))
 
 
 def cells(connectivity: NDArray[np.int64], offsets: NDArray[np.int64], kind: int) -> str:

@@ -10,10 +10,10 @@ import numpy as np
 
 from drystone.common.ranges import problem
 from drystone.geometry import GeometryError
+from drystone.geometry.dimension import dimension_of
 from drystone.geometry.plane.outlines import TOUCHING, Outlines
 from drystone.geometry.space.polyhedra import Polyhedra
 from drystone.model.assembly import (
-    MOTIONS,
     Assembly,
     Block,
     Corner,
@@ -50,7 +50,7 @@ def held_problems(blocks: Sequence[Block], place: Place) -> list[str]:
     """Of motions that rollers cannot hold."""
     problems = []
     for i, block in enumerate(blocks):
-        known = MOTIONS[block.dimension]
+        known = dimension_of(block.dimension).motions
         if unknown := [name for name in block.held if name not in known]:
             listed = ", ".join(known)
             problems.append(f'{place(i)} held: there is no motion "{unknown[0]}": take of {listed}')

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 from typing import Any
 
-from drystone.model.assembly import POINTS, Assembly, Block
+from drystone.model.assembly import Assembly, Block
 from drystone.model.construction.errors import ModelError
 from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis, Model
@@ -26,14 +26,14 @@ def model_to_dict(model: Model) -> dict[str, Any]:
     data: dict[str, Any] = {
         "title": model.title,
         "dimension": assembly.dimension,
-        **({"thickness": float(assembly.thickness)} if assembly.dimension == 2 else {}),
+        **({} if assembly.depth is None else {"thickness": float(assembly.depth)}),
         "material": {name: {"unit_weight": weight} for (_, weight), name in names.items()},
         "joint": _joint(assembly),
     }
     corner = {key: float(v) for key, v in vars(assembly.corner).items() if v}
     if corner:
         data["corner"] = corner
-    if assembly.dimension == 3 or assembly.points != POINTS[2]:
+    if assembly.depth is None or assembly.points != assembly.kind.points:
         data["contact"] = {"points": assembly.points}
     data["block"] = [
         {

@@ -33,9 +33,9 @@ def extruded(model: Model, *, points: int = 4) -> Model:
         The model is one of space already.
     """
     plane = model.assembly
-    if plane.dimension != 2:
+    depth = plane.depth
+    if depth is None:
         raise ValueError("the model is one of space already: only plane ones can be extruded")
-    depth = plane.thickness
     control = model.control_point
 
     def into(vector: Array, *, point: bool = False) -> Array:

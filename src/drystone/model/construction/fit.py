@@ -18,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.geometry.dimension import dimension_of
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.links import components
 from drystone.geometry.plane import polygon
@@ -44,13 +45,8 @@ def turned_round(blocks: Sequence[Block]) -> tuple[list[Block], tuple[str, ...]]
     ids = [block.id for block, before in zip(turned, blocks, strict=True) if block is not before]
     if not ids:
         return turned, ()
-    if all(block.dimension == 2 for block in blocks):
-        what = "an outline ran" if len(ids) == 1 else f"{len(ids)} outlines ran"
-        was = "was" if len(ids) == 1 else "were"
-    else:
-        what = "the faces of one ran" if len(ids) == 1 else f"the faces of {len(ids)} ran"
-        was = "were"
-    return turned, (f"block: {what} clockwise and {was} turned round: {listed(ids)}",)
+    what, was = dimension_of(max(block.dimension for block in blocks)).run_round(len(ids))
+    return turned, (f"block: {what} ran clockwise and {was} turned round: {listed(ids)}",)
 
 
 def _turned_round(block: Block) -> Block:

@@ -13,8 +13,9 @@ from drystone.common.names import quoted, there_is_no
 from drystone.common.ranges import LARGEST, problem, too_many
 from drystone.common.vectors import unit_vector
 from drystone.geometry import GeometryError
+from drystone.geometry.dimension import dimension_of
 from drystone.geometry.mended import Mended
-from drystone.model.assembly import POINTS_KNOWN, Assembly, Block, Corner
+from drystone.model.assembly import Assembly, Block, Corner
 from drystone.model.construction.checks import (
     Place,
     block_problems,
@@ -118,7 +119,7 @@ def make_model(
     _raise(_too_large(blocks))
     dimension = blocks[0].dimension if blocks else len(load_direction or (0.0, 0.0))
     if settlement is not None and load is None and load_direction is None:
-        load = NoPattern(direction=np.eye(dimension)[min(1, dimension - 2)])
+        load = NoPattern(direction=dimension_of(dimension).idle_direction)
     pattern = _pattern(load, load_direction, dimension)
     assembly, amended = assembly_of(
         blocks,
@@ -270,12 +271,10 @@ def _depth_problems(
 ) -> list[str]:
     """Of a thickness that is missing or too much, and of numbers of contact points."""
     found = []
-    dimension = blocks[0].dimension if blocks else 2
-    if points is not None and points not in POINTS_KNOWN[dimension]:
-        in_space = "4, 9, 16 or the square of an odd number from 5 to 33"
-        known = "from 2 to 64 in the plane" if dimension == 2 else in_space
-        found.append(f"contact.points: must be {known}, it is {points}")
-    if blocks and blocks[0].dimension == 3:
+    of = dimension_of(blocks[0].dimension if blocks else 2)
+    if points is not None and points not in of.points_known:
+        found.append(f"contact.points: must be {of.points_text}, it is {points}")
+    if of.thickness(1.0) is None:
         if thickness is not None:
             found.append("thickness: is of two dimensions: take it out")
     elif thickness is None:

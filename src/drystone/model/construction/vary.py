@@ -27,7 +27,7 @@ def remade(model: Model, **changes: Any) -> Model:
         "joint": assembly.joint,
         "joint_between": assembly.joint_between,
         "corner": assembly.corner,
-        "thickness": assembly.thickness if assembly.dimension == 2 else None,
+        "thickness": assembly.depth,
         "points": assembly.points,
         "load": model.load,
         "dead_loads": model.dead_loads,

@@ -12,7 +12,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.geometry.motion import translations
+from drystone.geometry.motion import (
+    about_own_axes,
+    axial,
+    moments,
+    moments_falling,
+    rotation_matrices,
+    rotations,
+    translations,
+)
 from drystone.model.assembly import Assembly
 
 Array = NDArray[np.float64]
@@ -81,59 +89,25 @@ class DeadForces:
             return found
         if pose is None:
             pose = assembly.rest_pose()
-        about = _axial(self.tensor(pose))
-        if assembly.dimension == 3:
-            about = np.einsum("nij,ni->nj", principal_axes(assembly, pose), about)
-        found[:, assembly.dimension :] = about
+        about = axial(self.tensor(pose))
+        rotations(found)[:] = about_own_axes(about, principal_axes(assembly, pose))
         return found
 
     def moments(self) -> Array:
         """Moments as designed about the axes of the world, (n, 1) in the plane, (n, 3) [N m]."""
-        dim = self.force.shape[1]
         if self.lever is None:
-            return np.zeros((len(self.force), 1 if dim == 2 else 3))
-        return _axial(self.lever)
+            return np.zeros_like(moments(self.force, self.force))
+        return axial(self.lever)
 
     def stiffness(self, assembly: Assembly, pose: Array) -> Array:
-        """By how much moments fall as blocks turn on, (n, n_rot, n_rot) [N m].
-
-        From d(a x P) = (B - tr B) omega for a rotation omega, in space about the principal axes.
-        """
-        if assembly.dimension == 2:
-            found = np.zeros((assembly.n_bodies, 1, 1))
-            if self.lever is not None:
-                found[:, 0, 0] = np.einsum("nii->n", self.tensor(pose))
-            return found
-        found = np.zeros((assembly.n_bodies, 3, 3))
-        if self.lever is not None:
-            tensor, axes = self.tensor(pose), principal_axes(assembly, pose)
-            world = np.einsum("nii->n", tensor)[:, None, None] * np.eye(3) - tensor
-            found = np.einsum("nki,nkl,nlj->nij", axes, world, axes)
-        return found
+        """By how much moments fall as blocks turn on, (n, n_rot, n_rot) [N m], in space about the
+        principal axes."""
+        if self.lever is None:
+            n, n_rot = rotations(assembly.no_motion()).shape
+            return np.zeros((n, n_rot, n_rot))
+        return moments_falling(self.tensor(pose), principal_axes(assembly, pose))
 
 
 def principal_axes(assembly: Assembly, pose: Array) -> Array:
-    """Principal axes of blocks in space in poses (n, 7), (n, 3, 3) in columns."""
+    """Principal axes of blocks in poses (n, n_pose), (n, dim, dim) in columns."""
     return rotation_matrices(pose) @ assembly.axes
-
-
-def rotation_matrices(pose: Array) -> Array:
-    """By which blocks have turned in poses (n, n_pose), (n, dim, dim)."""
-    if pose.shape[1] == 3:
-        c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
-        return np.stack((np.column_stack((c, -s)), np.column_stack((s, c))), axis=1)
-    w, v = pose[:, 3], pose[:, 4:]
-    cross = np.zeros((len(pose), 3, 3))
-    cross[:, 2, 1], cross[:, 0, 2], cross[:, 1, 0] = v.T
-    cross -= cross.transpose(0, 2, 1)
-    return np.eye(3) + 2.0 * (w[:, None, None] * cross + cross @ cross)
-
-
-def _axial(tensor: Array) -> Array:
-    """Moments sum a x P of tensors sum a P^T, (n, 1) in the plane, (n, 3) in space."""
-    if tensor.shape[1] == 2:
-        return (tensor[:, 0, 1] - tensor[:, 1, 0])[:, None]
-    t = tensor
-    return np.column_stack(
-        (t[:, 1, 2] - t[:, 2, 1], t[:, 2, 0] - t[:, 0, 2], t[:, 0, 1] - t[:, 1, 0])
-    )
