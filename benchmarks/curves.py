@@ -19,6 +19,7 @@ from drystone.contact.rows import IN_PLANE
 from drystone.dynamics import nlgs
 from drystone.dynamics import sweeps as kernels
 from drystone.dynamics.nscd import NscdEngine
+from drystone.dynamics.plane.sweeps import sweep
 from drystone.engines import engine_names
 from drystone.engines.base import EngineError
 
@@ -57,7 +58,7 @@ def time_sweep(name: str, model: ds.Model) -> SweepTiming:
     def sweeps() -> None:
         p, v = impulse.copy(), free_velocity.copy()
         kernels.apply_impulses(IN_PLANE, problem, p, v)
-        kernels.sweep(IN_PLANE, problem, blocks, h, order, SWEEPS, p, v)
+        sweep(IN_PLANE, problem, blocks, h, order, SWEEPS, p, v)
 
     seconds = harness.median_seconds(sweeps)
     n = len(problem.gap)

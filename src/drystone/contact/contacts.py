@@ -12,6 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.geometry.motion import tangents
+
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
@@ -95,6 +97,26 @@ POINT_3, PLACE_3, PLANE_NORMAL_3, PLANE_TANGENT_3, BALL_3 = 14, 17, 20, 23, 26
 N_VALUES_3 = 27
 
 
+class Layout(NamedTuple):
+    """Where the vectors of `Slots.value` begin, of the plane or of space."""
+
+    dim: int
+    n_values: int
+    normal: int
+    tangent: int  # the first; in the plane the normal, which tells it
+    arm_a: int
+    arm_b: int
+    ones: slice  # columns that are one where nothing meets
+
+
+#: By the dimension.
+LAYOUTS = {
+    2: Layout(2, N_VALUES, NORMAL, NORMAL, ARM_A, ARM_B, slice(RATIO, RATIO + 1)),
+    3: Layout(3, N_VALUES_3, NORMAL_3, TANGENT_3, ARM_A_3, ARM_B_3, slice(0, 0)),
+}
+_OF_WIDTH = {layout.n_values: layout for layout in LAYOUTS.values()}
+
+
 class Slots(NamedTuple):
     """Contacts of all candidate pairs; see `contact.plane.narrow`."""
 
@@ -104,10 +126,9 @@ class Slots(NamedTuple):
     @classmethod
     def empty(cls, n: int, dim: int) -> Slots:
         """Slots of which none is in use."""
-        which, value = np.full((n, 5), -1), np.zeros((n, N_VALUES if dim == 2 else N_VALUES_3))
-        which[:, KIND], value[:, GAP] = NONE, np.inf
-        if dim == 2:
-            value[:, RATIO] = 1.0
+        layout = LAYOUTS[dim]
+        which, value = np.full((n, 5), -1), np.zeros((n, layout.n_values))
+        which[:, KIND], value[:, GAP], value[:, layout.ones] = NONE, np.inf, 1.0
         return cls(which, value)
 
     def copied(self) -> Slots:
@@ -151,41 +172,40 @@ class Slots(NamedTuple):
     @property
     def dim(self) -> int:
         """2 or 3."""
-        return 2 if self.value.shape[1] == N_VALUES else 3
+        return self.layout.dim
+
+    @property
+    def layout(self) -> Layout:
+        """Where vectors begin."""
+        return _OF_WIDTH[self.value.shape[1]]
 
     @property
     def normal(self) -> Array:
         """(n_slots, dim) from a to b."""
-        return self._vector(NORMAL, NORMAL_3)
+        return self._vector(self.layout.normal)
 
     @property
     def tangents(self) -> Array:
         """(n_slots, dim - 1, dim), along which tangential reactions are counted."""
-        normal = self.normal
-        if self.dim == 2:
-            return np.stack((normal[:, 1], -normal[:, 0]), axis=1)[:, None]
-        first = self._vector(NORMAL, TANGENT_3)
-        return np.stack((first, np.cross(normal, first)), axis=1)
+        return tangents(self.normal, self._vector(self.layout.tangent))
 
     @property
     def frame(self) -> Array:
         """(n_slots, dim or 6) normal and, in space, first tangent."""
-        first, end = (NORMAL, ARM_A) if self.dim == 2 else (NORMAL_3, ARM_A_3)
-        return self.value[:, first:end]
+        return self.value[:, self.layout.normal : self.layout.arm_a]
 
     @property
     def arm_a(self) -> Array:
         """(n_slots, dim) m"""
-        return self._vector(ARM_A, ARM_A_3)
+        return self._vector(self.layout.arm_a)
 
     @property
     def arm_b(self) -> Array:
         """(n_slots, dim) m"""
-        return self._vector(ARM_B, ARM_B_3)
+        return self._vector(self.layout.arm_b)
 
-    def _vector(self, in_plane: int, in_space: int) -> Array:
-        first, dim = (in_plane, 2) if self.dim == 2 else (in_space, 3)
-        return self.value[:, first : first + dim]
+    def _vector(self, first: int) -> Array:
+        return self.value[:, first : first + self.layout.dim]
 
 
 #: Columns of the table of packed contacts: k_n, k_s [N/m], mu, k_n tan psi [N/m], c A, f_t A [N],

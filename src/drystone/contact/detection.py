@@ -18,6 +18,7 @@ from drystone.contact.forces import ContactForces
 from drystone.contact.plane.detection import PlaneNarrowPhase
 from drystone.geometry.broad import candidate_pairs
 from drystone.geometry.motion import bound
+from drystone.geometry.rotation import farthest
 from drystone.model.assembly import Assembly
 
 Array = NDArray[np.float64]
@@ -137,7 +138,7 @@ class Detector:
 
     def farthest(self, increment: Array) -> float:
         """The largest of these bounds [m]; not a number where an increment is none."""
-        return kernels.farthest(increment, self.extent)
+        return farthest(increment, self.extent)
 
     def find(self, pairs: Pairs, pose: Array, before: Slots | None = None) -> Slots:
         """All contacts of the pairs in the given poses.

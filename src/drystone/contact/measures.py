@@ -7,7 +7,6 @@ import numpy as np
 from drystone.common.compiled import njit
 from drystone.contact.contacts import (
     ARM_A,
-    ARM_A_3,
     GAP,
     KIND,
     NONE,
@@ -99,39 +98,18 @@ def count_contacts(slots, status, counts):
 
 @njit(cache=True, error_model="numpy")
 def contact_points(slots, pairs, centroid, radius, pose, used, position):
-    """Fill ``position`` (n_contacts, dim) [m] of the slots ``used``, in the poses (n, n_pose)."""
+    """Fill ``position`` (n_contacts, 2) [m] of the slots ``used``, in the poses (n, 3), of the
+    plane."""
     (which, value), pair, of_pair = slots, pairs.of_slot, pairs.which
     for row in range(used.shape[0]):
         k = used[row]
         p = pair[k]
         a = of_pair[p, A]
-        if position.shape[1] == 3:  # arms reach to the surface
-            for d in range(3):
-                position[row, d] = centroid[a, d] + pose[a, d] + value[k, ARM_A_3 + d]
-            continue
         on_b = which[k, KIND] == VERTEX_B
         reach = -radius[of_pair[p, PART_B]] if on_b else radius[of_pair[p, PART_A]]
         for d in range(2):
             place = centroid[a, d] + pose[a, d] + value[k, ARM_A + d]
             position[row, d] = place + reach * value[k, NORMAL + d]
-
-
-@njit(cache=True, error_model="numpy")
-def farthest(increment, extent):
-    """Largest bound on the displacement of any point of a block [m] for increments (n, n_dof)."""
-    most = 0.0
-    for i in range(increment.shape[0]):
-        x, y, turn = increment[i, 0], increment[i, 1], abs(increment[i, 2])
-        straight = x * x + y * y
-        if increment.shape[1] == 6:
-            straight += increment[i, 2] ** 2
-            turn = np.sqrt(increment[i, 3] ** 2 + increment[i, 4] ** 2 + increment[i, 5] ** 2)
-        moved = np.sqrt(straight) + extent[i] * turn
-        if not moved <= most:  # also where it is not a number
-            most = moved
-            if np.isnan(moved):
-                break
-    return most
 
 
 @njit(cache=True, error_model="numpy")

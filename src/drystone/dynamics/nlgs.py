@@ -12,16 +12,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.contacts import STIFF_N, STIFF_T
-from drystone.contact.rows import IN_SPACE, contact_velocities, dof_of
+from drystone.contact.rows import contact_velocities, dof_of
 from drystone.dynamics import sweeps as kernels
-from drystone.dynamics.space.interior import Interior
+from drystone.dynamics.plane import sweeps as plane
+from drystone.dynamics.space import sweeps as space
 from drystone.dynamics.sweeps import ContactProblem
-from drystone.law.branches import BACKWARD, FORWARD
 from drystone.law.residual import unbalanced_force
 from drystone.law.violation import joint_law_violation
 from drystone.statics.linear.block_system import BlockSystem, SingularMatrixError
@@ -76,6 +77,11 @@ MOST_TRIED = 4
 WITHIN = 30.0
 
 
+def form_of(dof: tuple[int, ...]) -> ModuleType:
+    """What the dimension makes of sweeps and of the law: `plane.sweeps` or `space.sweeps`."""
+    return plane if len(dof) == 3 else space
+
+
 def natural_map(problem: ContactProblem, dim: int, h: float) -> Array:
     """Delassus blocks (n_contacts, dim, dim) [1/kg] of contacts, which enter their shear stiffness:
     the force that would move a contact by its slip in a step of size ``h`` [s]."""
@@ -124,12 +130,12 @@ def solve(
     order, n_sweeps, chunk = np.arange(n), 0, settings.first_sweeps
     residual = step.residual(impulse, velocity)
     most = settings.max_sweeps
-    if dim == 3:
+    if accelerator.form.WITHIN is not None:
         most = min(most, settings.max_sweeps_in_space)
     while residual > settings.tolerance and n_sweeps < most:
         chunk = min(chunk, most - n_sweeps)
         velocity = step.velocity_of(impulse)
-        kernels.sweep(step.dof, problem, blocks, h, order, chunk, impulse, velocity)
+        accelerator.form.sweep(step.dof, problem, blocks, h, order, chunk, impulse, velocity)
         n_sweeps += chunk
         velocity = step.velocity_of(impulse)  # rounding of the running sums does not pile up
         residual = step.residual(impulse, velocity)
@@ -234,7 +240,8 @@ class _Accelerator:
         # Momentum defect at which the branches count as settled, from the tolerance on forces.
         self.enough = 0.1 * settings.tolerance * h * np.sqrt(problem.inverse_mass.max(initial=0.0))
         self.defect = np.zeros_like(free_velocity)
-        self.turn = np.zeros((len(problem.gap), len(self.dof) - 3))  # see `kernels.held_law`
+        self.form = form_of(self.dof)
+        self.turn = np.zeros((len(problem.gap), self.form.N_TURN))  # see `space.sweeps`
         self.n_solved = 0
 
     def ways(
@@ -249,7 +256,7 @@ class _Accelerator:
         impulse, velocity
             Where the sweeps have come to.
         """
-        if len(self.dof) == len(IN_SPACE):
+        if self.form.WITHIN is not None:
             if guess is not None:
                 yield partial(self.at_once, velocity=self.predicted(before, guess))
             held, moving = (impulse, velocity) if guess is None else (before, guess)
@@ -275,7 +282,7 @@ class _Accelerator:
             return
         self.penalty = WITHIN * self.stiffest
         centre = impulse[:, 1:].copy()
-        search = Interior(
+        search = self.form.WITHIN(
             self.problem, self.system, self.free_velocity, self.h, self.penalty, centre, self.ties
         )
         search.start(velocity, float(pressed.mean()))
@@ -311,10 +318,10 @@ class _Accelerator:
         many times as much: velocities of the step before are on other branches than its impulses.
         """
         piece, centre = np.zeros(len(impulse), np.int64), impulse[:, 1:].copy()
-        kernels.branches(self.dof, self.problem, impulse, piece)
+        self.form.branches(self.problem, impulse, piece)
         self.penalty = self.holds[0][0] * self.stiffest
         found = np.zeros_like(impulse)
-        kernels.branch_law(
+        self.form.branch_law(
             self.dof, self.problem, self.h, self.penalty, centre, piece, velocity, found, self.turn
         )
         self._defect(velocity, found)
@@ -335,7 +342,7 @@ class _Accelerator:
             yield impulse, velocity
 
     def _law(self, centre, held, velocity, impulse, piece) -> float:
-        kernels.held_law(
+        self.form.held_law(
             self.dof, self.problem, self.h, self.penalty, centre, held, velocity, impulse, piece,
             self.turn,
         )  # fmt: skip
@@ -358,7 +365,7 @@ class _Accelerator:
             block[:] = 0.0
         diagonal = np.einsum("kii->ki", tangent.diagonal)
         diagonal += self.mass
-        kernels.held_law_tangent(
+        self.form.held_law_tangent(
             self.dof, self.problem, self.h, self.penalty, piece, self.turn, *tangent
         )
         if self.ties:
@@ -393,7 +400,7 @@ class _Accelerator:
                 for _ in range(8):
                     if trial <= merit:
                         break
-                    sense = self._sense(was, turned) * self._sense(piece, self.turn)
+                    sense = self.form.sense(was, turned) * self.form.sense(piece, self.turn)
                     skipped = (sense.sum(axis=1) < 0) & ~held
                     if not skipped.any():
                         break
@@ -412,11 +419,3 @@ class _Accelerator:
             merit = trial
         good: bool = merit <= self.enough
         return good
-
-    def _sense(self, piece: IntArray, turn: Array) -> Array:
-        """Directions in which contacts slide, in the plane +1 and -1; else 0, (n_contacts, k)."""
-        if len(self.dof) == len(IN_SPACE):
-            return np.where(piece[:, None] == FORWARD, turn[:, :2], 0.0)
-        return (np.where(piece == FORWARD, 1.0, 0.0) - np.where(piece == BACKWARD, 1.0, 0.0))[
-            :, None
-        ]

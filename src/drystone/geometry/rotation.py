@@ -77,6 +77,24 @@ def add_force_at(rx, ry, rz, fx, fy, fz, i, axes, force):
         force[i, 3 + d] += turned
 
 
+@njit(cache=True, error_model="numpy")
+def farthest(increment, extent):
+    """Largest bound on the displacement of any point of a block [m] for increments (n, n_dof)."""
+    most = 0.0
+    for i in range(increment.shape[0]):
+        x, y, turn = increment[i, 0], increment[i, 1], abs(increment[i, 2])
+        straight = x * x + y * y
+        if increment.shape[1] == 6:
+            straight += increment[i, 2] ** 2
+            turn = np.sqrt(increment[i, 3] ** 2 + increment[i, 4] ** 2 + increment[i, 5] ** 2)
+        moved = np.sqrt(straight) + extent[i] * turn
+        if not moved <= most:  # also where it is not a number
+            most = moved
+            if np.isnan(moved):
+                break
+    return most
+
+
 @njit(cache=True)
 def turn_by(w, x, y, z, vx, vy, vz):
     """What a rotation adds to a vector, as precise as the rotation is small."""

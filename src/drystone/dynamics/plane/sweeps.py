@@ -1,0 +1,133 @@
+"""Gauss-Seidel and the held law of implicit steps in the plane: see `dynamics.sweeps`."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.common.compiled import njit
+from drystone.contact.contacts import BODY_A, BODY_B, FRICTION, STIFF_N
+from drystone.contact.rows import OF_GAP, OF_SLIP, contact_velocities
+from drystone.dynamics.sweeps import add_block, push, relative
+from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING
+from drystone.law.impulse import branch_of_impulse, held_impulse, impulse_in, local_impulse
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: How many numbers say how a contact slides: its branch does.
+N_TURN = 0
+
+#: What finds velocities through the interior of the law: nothing, Newton's method does by itself.
+WITHIN = None
+
+
+def sense(piece: IntArray, turn: Array) -> Array:
+    """Directions in which contacts slide, +1 and -1, else 0, (n_contacts, 1)."""
+    found = np.where(piece == FORWARD, 1.0, 0.0) - np.where(piece == BACKWARD, 1.0, 0.0)
+    return np.asarray(found[:, None])
+
+
+@njit(cache=True)
+def sweep(dof, problem, blocks, h, order, n_sweeps, impulse, velocity):
+    """Gauss-Seidel sweeps forth and back over the contacts, in place.
+
+    Parameters
+    ----------
+    problem, blocks
+        See `ContactProblem` and `delassus_blocks`.
+    h
+        Time step [s].
+    order
+        (n_contacts,) the order of a forward sweep.
+    n_sweeps
+        Number of sweeps, forward and backward ones in turn.
+    impulse
+        (n_contacts, dim) [N s], normal and tangential.
+    velocity
+        (n, n_dof), kept consistent with the impulses.
+    """
+    contacts, inverse_mass, gap = problem.contacts, problem.inverse_mass, problem.gap
+    which, rows, table = contacts
+    n = gap.shape[0]
+    change = np.zeros((1, 2))
+    for s in range(n_sweeps):
+        for i in range(n):
+            c = order[i] if s % 2 == 0 else order[n - 1 - i]
+            a, b = which[c, BODY_A], which[c, BODY_B]
+            wnn, wnt, wtt = blocks[c, 0, 0], blocks[c, 0, 1], blocks[c, 1, 1]
+            bn = relative(dof, rows, c, OF_GAP, velocity, a, b)
+            bn = bn - wnn * impulse[c, 0] - wnt * impulse[c, 1]
+            bt = relative(dof, rows, c, OF_SLIP, velocity, a, b)
+            bt = bt - wnt * impulse[c, 0] - wtt * impulse[c, 1]
+            cnn = wnn + 1.0 / (table[c, STIFF_N] * h * h)
+            bn += gap[c] / h
+            pn, pt = local_impulse(bn, bt, cnn, wnt, wtt, table[c, FRICTION])
+            change[0, 0], change[0, 1] = pn - impulse[c, 0], pt - impulse[c, 1]
+            impulse[c, 0], impulse[c, 1] = pn, pt
+            if change[0, 0] != 0.0 or change[0, 1] != 0.0:
+                push(dof, rows, c, change, 0, a, b, inverse_mass, velocity)
+
+
+@njit(cache=True)
+def held_law(dof, problem, h, penalty, centre, held, velocity, impulse, piece, turn):
+    """Impulses of the joint law at given velocities, with sticking as a stiff hold.
+
+        p_n = <-h k_n (g + h u_n)>,    p_t = centre - P u_t, drawn back to mu p_n
+
+    where P is ``penalty`` [kg] and ``centre`` (n_contacts, dim - 1) [N s] the tangential impulse
+    that is reached without slip.  Contacts that are ``held`` stick whatever the cone says.
+    ``piece`` (n_contacts,) tells the branch, see `law.branches`; ``turn`` is of space.
+    """
+    table, gap = problem.contacts.table, problem.gap
+    contact_velocities(dof, problem.contacts, velocity, impulse)
+    for c in range(gap.shape[0]):
+        pn = -h * table[c, STIFF_N] * (gap[c] + h * impulse[c, 0])
+        pt = centre[c, 0] - penalty * impulse[c, 1]
+        found = held_impulse(pn, pt, table[c, FRICTION], held[c])
+        impulse[c, 0], impulse[c, 1], piece[c] = found
+
+
+@njit(cache=True)
+def branch_law(dof, problem, h, penalty, centre, piece, velocity, impulse, turn):
+    """Impulses of the branches in ``piece``, whether or not velocities lie on them: see `held_law`.
+
+    On known branches the law is linear, and one linear solution finds the velocities; in space this
+    slides along ``centre``, and ``turn`` is filled.
+    """
+    table, gap = problem.contacts.table, problem.gap
+    contact_velocities(dof, problem.contacts, velocity, impulse)
+    for c in range(gap.shape[0]):
+        pn = -h * table[c, STIFF_N] * (gap[c] + h * impulse[c, 0])
+        pt = centre[c, 0] - penalty * impulse[c, 1]
+        impulse[c, 0], impulse[c, 1] = impulse_in(piece[c], pn, pt, table[c, FRICTION])
+
+
+@njit(cache=True)
+def branches(problem, impulse, piece):
+    """The branches that impulses lie on, in place: see `held_law`."""
+    table = problem.contacts.table
+    for c in range(impulse.shape[0]):
+        piece[c] = branch_of_impulse(impulse[c, 0], impulse[c, 1], table[c, FRICTION])
+
+
+@njit(cache=True)
+def held_law_tangent(dof, problem, h, penalty, piece, turn, diagonal, upper, lower):
+    """Add -d(H^T p)/dv of the branches in ``piece`` to the block matrix [kg]; see `held_law`."""
+    nd = len(dof)
+    which, rows, table = problem.contacts
+    block = np.zeros((2 * nd, 2 * nd))
+    for c in range(which.shape[0]):
+        if piece[c] == OPEN:
+            continue
+        stiffness = h * h * table[c, STIFF_N]
+        slope, hold = 0.0, penalty
+        if piece[c] != STICKING:
+            slope = table[c, FRICTION] if piece[c] == FORWARD else -table[c, FRICTION]
+            hold = 0.0
+        for i in range(2 * nd):
+            gn = (rows[c, OF_GAP, i] + slope * rows[c, OF_SLIP, i]) * stiffness
+            gt = rows[c, OF_SLIP, i] * hold
+            for j in range(2 * nd):
+                block[i, j] = gn * rows[c, OF_GAP, j] + gt * rows[c, OF_SLIP, j]
+        add_block(nd, block, which, c, diagonal, upper, lower)

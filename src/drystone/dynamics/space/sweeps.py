@@ -1,0 +1,141 @@
+"""Gauss-Seidel and the held law of implicit steps in space: see `dynamics.sweeps`."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.common.compiled import njit
+from drystone.contact.contacts import BODY_A, BODY_B, FRICTION, STIFF_N
+from drystone.contact.rows import OF_GAP, OF_SLIP, contact_velocities
+from drystone.dynamics.space.interior import Interior
+from drystone.dynamics.sweeps import add_block, push, relative
+from drystone.law.branches import FORWARD, OPEN, STICKING
+from drystone.law.impulse import branch_of_impulse, held_impulse_in_space, local_impulse_in_space
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: Columns of how a contact slides: direction of its friction, and what of a change of the trial
+#: impulse across it is one of the impulse.
+ALONG_1, ALONG_2, ACROSS = 0, 1, 2
+N_TURN = 3
+
+#: What finds velocities through the interior of the law.
+WITHIN = Interior
+
+
+def sense(piece: IntArray, turn: Array) -> Array:
+    """Directions in which contacts slide, else 0, (n_contacts, 2)."""
+    return np.where(piece[:, None] == FORWARD, turn[:, :ACROSS], 0.0)
+
+
+@njit(cache=True)
+def sweep(dof, problem, blocks, h, order, n_sweeps, impulse, velocity):
+    """As `plane.sweeps.sweep`, with two tangential impulses."""
+    contacts, inverse_mass, gap = problem.contacts, problem.inverse_mass, problem.gap
+    which, rows, table = contacts
+    n = gap.shape[0]
+    found, change = np.zeros(3), np.zeros((1, 3))
+    for s in range(n_sweeps):
+        for i in range(n):
+            c = order[i] if s % 2 == 0 else order[n - 1 - i]
+            a, b = which[c, BODY_A], which[c, BODY_B]
+            wnn, wnt, wtt = blocks[c, 0, 0], blocks[c, 0, 1], blocks[c, 1, 1]
+            wn2, wt2, w22 = blocks[c, 0, 2], blocks[c, 1, 2], blocks[c, 2, 2]
+            bn = relative(dof, rows, c, OF_GAP, velocity, a, b)
+            bn = bn - wnn * impulse[c, 0] - wnt * impulse[c, 1]
+            bt = relative(dof, rows, c, OF_SLIP, velocity, a, b)
+            bt = bt - wnt * impulse[c, 0] - wtt * impulse[c, 1]
+            b2 = relative(dof, rows, c, OF_SLIP + 1, velocity, a, b)
+            b2 -= wn2 * impulse[c, 0] + wt2 * impulse[c, 1] + w22 * impulse[c, 2]
+            bt -= wt2 * impulse[c, 2]
+            bn += gap[c] / h - wn2 * impulse[c, 2]
+            cnn = wnn + 1.0 / (table[c, STIFF_N] * h * h)
+            local_impulse_in_space(bn, bt, b2, blocks[c], cnn, table[c, FRICTION], found)
+            moves = False
+            for d in range(3):
+                change[0, d] = found[d] - impulse[c, d]
+                impulse[c, d] = found[d]
+                moves = moves or change[0, d] != 0.0
+            if moves:
+                push(dof, rows, c, change, 0, a, b, inverse_mass, velocity)
+
+
+@njit(cache=True)
+def held_law(dof, problem, h, penalty, centre, held, velocity, impulse, piece, turn):
+    """As `plane.sweeps.held_law`; ``turn`` (n_contacts, 3) tells how contacts slide, see
+    `ALONG_1`."""
+    table, gap = problem.contacts.table, problem.gap
+    contact_velocities(dof, problem.contacts, velocity, impulse)
+    for c in range(gap.shape[0]):
+        mu = table[c, FRICTION]
+        pn = -h * table[c, STIFF_N] * (gap[c] + h * impulse[c, 0])
+        pt = centre[c, 0] - penalty * impulse[c, 1]
+        p2 = centre[c, 1] - penalty * impulse[c, 2]
+        now = held_impulse_in_space(pn, pt, p2, mu, held[c])
+        impulse[c, 0], impulse[c, 1], impulse[c, 2], piece[c] = now
+        size = np.sqrt(pt * pt + p2 * p2)
+        if piece[c] > STICKING:
+            turn[c, ALONG_1], turn[c, ALONG_2] = pt / size, p2 / size
+            turn[c, ACROSS] = mu * pn / size
+
+
+@njit(cache=True)
+def branch_law(dof, problem, h, penalty, centre, piece, velocity, impulse, turn):
+    """As `plane.sweeps.branch_law`; what slides does so along ``centre``, ``turn`` is filled."""
+    table, gap = problem.contacts.table, problem.gap
+    contact_velocities(dof, problem.contacts, velocity, impulse)
+    for c in range(gap.shape[0]):
+        mu = table[c, FRICTION]
+        pn = -h * table[c, STIFF_N] * (gap[c] + h * impulse[c, 0])
+        pt = centre[c, 0] - penalty * impulse[c, 1]
+        p2 = centre[c, 1] - penalty * impulse[c, 2]
+        if piece[c] > STICKING:
+            size = np.sqrt(centre[c, 0] ** 2 + centre[c, 1] ** 2)
+            along, across = centre[c, 0] / size, centre[c, 1] / size
+            trial = np.sqrt(pt * pt + p2 * p2)
+            share = size / trial if trial > size else 1.0
+            turn[c, ALONG_1], turn[c, ALONG_2], turn[c, ACROSS] = along, across, share
+            aside = share * (along * p2 - across * pt)
+            pt, p2 = mu * pn * along - aside * across, mu * pn * across + aside * along
+        elif piece[c] == OPEN:
+            pn, pt, p2 = 0.0, 0.0, 0.0
+        impulse[c, 0], impulse[c, 1], impulse[c, 2] = pn, pt, p2
+
+
+@njit(cache=True)
+def branches(problem, impulse, piece):
+    """The branches that impulses lie on, in place: see `held_law`."""
+    table = problem.contacts.table
+    for c in range(impulse.shape[0]):
+        size = np.sqrt(impulse[c, 1] * impulse[c, 1] + impulse[c, 2] ** 2)
+        piece[c] = branch_of_impulse(impulse[c, 0], size, table[c, FRICTION])
+
+
+@njit(cache=True)
+def held_law_tangent(dof, problem, h, penalty, piece, turn, diagonal, upper, lower):
+    """Add -d(H^T p)/dv of the branches in ``piece`` to the block matrix [kg]; see `held_law`."""
+    nd = len(dof)
+    which, rows, table = problem.contacts
+    block = np.zeros((2 * nd, 2 * nd))
+    for c in range(which.shape[0]):
+        if piece[c] == OPEN:
+            continue
+        stiffness = h * h * table[c, STIFF_N]
+        sliding = piece[c] != STICKING
+        along, across = (turn[c, ALONG_1], turn[c, ALONG_2]) if sliding else (1.0, 0.0)
+        slope = table[c, FRICTION] if sliding else 0.0
+        hold = 0.0 if sliding else penalty
+        aside = penalty * turn[c, ACROSS] if sliding else penalty
+        for i in range(2 * nd):
+            with_it = along * rows[c, OF_SLIP, i] + across * rows[c, OF_SLIP + 1, i]
+            beside = along * rows[c, OF_SLIP + 1, i] - across * rows[c, OF_SLIP, i]
+            gn = (rows[c, OF_GAP, i] + slope * with_it) * stiffness
+            g1 = hold * with_it * along - aside * beside * across
+            g2 = hold * with_it * across + aside * beside * along
+            for j in range(2 * nd):
+                block[i, j] = gn * rows[c, OF_GAP, j] + (
+                    g1 * rows[c, OF_SLIP, j] + g2 * rows[c, OF_SLIP + 1, j]
+                )
+        add_block(nd, block, which, c, diagonal, upper, lower)
