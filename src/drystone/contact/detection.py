@@ -12,7 +12,6 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.contact import measures as kernels
 from drystone.contact.contacts import A, B, Contacts, Pairs, Slots
 from drystone.contact.forces import ContactForces
 from drystone.contact.plane.detection import PlaneNarrowPhase
