@@ -273,6 +273,16 @@ def rotated_by(pose: Array, angle: float, axis: Array | None) -> None:
     pose[:, 4:] = math.sin(0.5 * angle) * axis
 
 
+def turned_back(pose: Array) -> Array:
+    """Poses (n, n_pose) without translation, turned by as much the other way round."""
+    back = np.zeros_like(pose)
+    if pose.shape[1] == 3:
+        back[:, 2] = -pose[:, 2]
+    else:
+        back[:, 3], back[:, 4:] = pose[:, 3], -pose[:, 4:]
+    return back
+
+
 def in_space(vectors: Array) -> Array:
     """Vectors of two components (..., 2) with a third, zero; those of three as they are."""
     if vectors.shape[-1] == 3:

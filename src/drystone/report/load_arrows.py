@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.geometry.motion import moved_points
+from drystone.geometry.motion import across, moved_points
 from drystone.model.assembly import Assembly
 from drystone.model.loading import Acting, DeadForces, DeadLoad
 from drystone.model.model import Model
@@ -114,8 +114,5 @@ def acting_points(assembly: Assembly, loads: DeadForces) -> Array:
     """Points (n, dim) [m] at which the sum of forces has the same moment, nearest the centroid."""
     force, moment = loads.force, loads.moments()
     square = np.maximum((force**2).sum(axis=1, keepdims=True), 1e-300)
-    if force.shape[1] == 2:
-        arm = moment * np.column_stack((force[:, 1], -force[:, 0])) / square
-    else:
-        arm = np.cross(force, moment) / square
+    arm = -across(moment, force) / square
     return np.asarray(assembly.centroid + arm)

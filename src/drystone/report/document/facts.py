@@ -59,8 +59,8 @@ def of_model(model: Model, words: Words) -> list[Row]:
         on = words["on_block"].format(point=point, block=a.ids[control.block])
         rows += [(words["load"], spoken(model.load.words)), (words["control"], on)]
     rows.append((words["corner"], spoken(a.corner.words)))
-    if a.dimension == 2:
-        rows.insert(1, (words["thickness"], number(a.thickness, "m")))
+    if a.depth is not None:
+        rows.insert(1, (words["thickness"], number(a.depth, "m")))
     return rows
 
 

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from drystone.common.language import Saying, say
 from drystone.contact.forces import ContactForces
+from drystone.geometry import motion
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.motion import turns
 from drystone.geometry.plane.outlines import Outlines
@@ -291,13 +292,10 @@ class _Blocks:
     @property
     def n_numbers(self) -> int:
         """Of the state of the blocks at one point."""
-        return len(self.names) * (3 if self.dimension == 2 else 6)
+        return len(self.names) * motion.n_dof(self.dimension)
 
     def rest(self) -> Array:
-        pose = np.zeros((len(self.names), 3 if self.dimension == 2 else 7))
-        if self.dimension == 3:
-            pose[:, 3] = 1.0
-        return pose
+        return motion.rest(len(self.names), self.dimension)
 
     def joints(self) -> Joints:
         return Joints.designed(Interfaces.of(self.packed)) if self.packed is not None else Joints()

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.geometry.interfaces import Interfaces
-from drystone.geometry.motion import moved_points, places
+from drystone.geometry.motion import moved_points, places, tangents, turned_back
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -92,9 +92,7 @@ class Joints:
 
 def _frame(normal: Array, tangent: Array) -> Array:
     """Rows: normal, tangent and, in space, their product."""
-    if len(normal) == 2:
-        return np.array([normal, [normal[1], -normal[0]]])
-    return np.array([normal, tangent, np.cross(normal, tangent)])
+    return np.array([normal, *tangents(normal[None], tangent[None])[0]])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,11 +188,7 @@ class Assigner:
 
 def _turned_back(pose: Array, vectors: Array) -> Array:
     """Vectors (m, dim) of the world in the axes that blocks had as designed."""
-    back = np.zeros_like(pose)
-    if pose.shape[1] == 3:
-        back[:, 2] = -pose[:, 2]
-    else:
-        back[:, 3], back[:, 4:] = pose[:, 3], -pose[:, 4:]
+    back = turned_back(pose)
     rows = np.arange(len(vectors))
     return moved_points(vectors, rows, np.zeros_like(vectors), back)
 
@@ -239,7 +233,7 @@ def _sums(part: Assigned, n_joints: int, dimension: int) -> tuple[Array, Array, 
         total((part.status == status).astype(np.float64)) for status in (OPEN, STICKING, SLIDING)
     )
     closed = n_stick + n_slide
-    few = closed < (2 if dimension == 2 else 3)  # those that were left behind are watched no more
+    few = closed < dimension  # those that were left behind are watched no more
     state = np.where(
         closed == 0,
         JOINT_OPEN,
