@@ -80,9 +80,10 @@ def read(contents: bytes, dimension: int | None = None) -> Drawing:
         meshes += _components(layer, faces)
     if dimension is None:
         dimension = 3 if meshes else 2
-    shapes, unused = (meshes, outlines) if dimension == 3 else (outlines, meshes)
+    (shapes, up), (unused, what) = (outlines, ""), (meshes, "faces and meshes")
+    if dimension == 3:
+        (shapes, up), (unused, what) = (meshes, "z"), (outlines, "closed polylines")
     if unused:
-        what = "closed polylines" if dimension == 3 else "faces and meshes"
         others[f"{what}, as the model has {dimension} dimensions"] = len(unused)
     if not shapes:
         raise ModelError([_nothing(dimension, others)])
@@ -92,7 +93,7 @@ def read(contents: bytes, dimension: int | None = None) -> Drawing:
     return Drawing(
         shapes=tuple(shapes),
         unit=_UNITS.get(int(document.header.get("$INSUNITS", 0) or 0)),
-        up="z" if dimension == 3 else "",
+        up=up,
         control=on_control[0][:dimension] if on_control else None,
         notes=(*guesses, *(f"{n} left out: {what}" for what, n in sorted(others.items()))),
     )

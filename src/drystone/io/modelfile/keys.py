@@ -21,7 +21,7 @@ from pydantic_core import PydanticCustomError
 
 from drystone.common.ranges import LARGEST, RANGES, Range
 from drystone.model.builders.wall import course_problem
-from drystone.model.construction.control import NAMED_POINTS
+from drystone.model.construction.control import named_points
 from drystone.model.construction.words import quoted, suggestion
 
 
@@ -81,7 +81,7 @@ def _course(value: str) -> str:
 
 def point_of(value: Any, info: ValidationInfo) -> str | list[float]:
     dimension = dimension_of(info) or 2
-    known = NAMED_POINTS[dimension]
+    known = named_points(dimension)
     if isinstance(value, str):
         if value not in known:
             raise sentence(f"there is no point {quoted(value)}: {suggestion(value, list(known))}")

@@ -43,15 +43,15 @@ def shape_problems(data: dict[str, Any], dimension: int | None) -> list[str]:
     blocks = data.get("block")
     if dimension is None or not isinstance(blocks, list):
         return []
-    found = []
+    found, known = [], SHAPES[dimension]
     for i, block in enumerate(blocks):
         if not isinstance(block, dict):
             continue
-        found += _problems(block, ("block", i), data, SHAPES[dimension])
+        found += _problems(block, ("block", i), data, known)
         parts = block.get("parts")
         for k, part in enumerate(parts if isinstance(parts, list) else ()):
             if isinstance(part, dict):
-                found += _problems(part, ("block", i, "parts", k), data, SHAPES[dimension][:-1])
+                found += _problems(part, ("block", i, "parts", k), data, known[:-1])
     return found
 
 

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.geometry.dimension import dimension_of
 from drystone.geometry.mended import Mended
 from drystone.io.drawings.settings import ImportSettings
 from drystone.io.modelfile.parse import parse
@@ -75,7 +76,7 @@ class Sketch:
             LAW,
             {},
             corner=corner or Corner(),
-            thickness=1.0 if blocks and blocks[0].dimension == 2 else None,
+            thickness=dimension_of(blocks[0].dimension).thickness(1.0) if blocks else None,
             points=None,
             drawing_tolerance=drawing_tolerance,
             place=lambda i: places[i],
@@ -126,12 +127,12 @@ def sketch_of_drawing(settings: ImportSettings) -> Sketch:
     )
 
     made = imported(settings, lambda layer: (layer or "stone", 1.0))
-    flat = made.blocks[0].dimension == 2
+    thickness = dimension_of(made.blocks[0].dimension).thickness(1.0)
     return Sketch.of(
         made.blocks,
         title=settings.file.stem,
         places=[f'import[1] block "{block.id}"' for block in made.blocks],
-        missing=(*(("thickness",) if flat else ()), "[material]", "[joint]", "[load]"),
+        missing=(*(() if thickness is None else ("thickness",)), "[material]", "[joint]", "[load]"),
         notes=made.notes,
         mended=made.mended,
     )

@@ -30,6 +30,11 @@ CORNERS = {
 NAMED_POINTS = {2: (*CORNERS, "centre"), 3: ("top", "centre")}
 
 
+def named_points(dimension: int) -> tuple[str, ...]:
+    """See `NAMED_POINTS`."""
+    return NAMED_POINTS[dimension]
+
+
 def choose_control_point(
     assembly: Assembly,
     load_direction: Array,
@@ -109,7 +114,7 @@ def _highest_furthest(height: Array, reach: Array, extent: Array) -> NDArray[np.
 
 def _named_point(name: str, vertices: Array, height: Array, centroid: Array) -> Array:
     """Centroid, middle of the top, or the vertex nearest to that corner of the bounding box."""
-    known = NAMED_POINTS[vertices.shape[1]]
+    known = named_points(vertices.shape[1])
     if name not in known:
         raise ModelError(
             [f'control.point: there is no point "{name}": {suggestion(name, list(known))}']
