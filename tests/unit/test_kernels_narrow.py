@@ -24,7 +24,16 @@ from builders import (
     turned,
     with_corner,
 )
-from drystone.contact.contacts import NONE, SIZE, VERTEX_A, VERTEX_B, VERTICES, Contacts, Slots
+from drystone.contact.contacts import (
+    N_HELD,
+    NONE,
+    SIZE,
+    VERTEX_A,
+    VERTEX_B,
+    VERTICES,
+    Contacts,
+    Slots,
+)
 from drystone.contact.histories import predecessor_pairs
 from drystone.contact.plane import narrow, rows
 from drystone.geometry import GeometryError, broad
@@ -34,7 +43,6 @@ from drystone.law.branches import BACKWARD, BONDED, FORWARD, OPEN, STICKING
 from drystone.law.columns import (
     COHESION,
     DILATANCY_END,
-    N_HELD,
     N_HISTORY,
     N_LAW,
     N_RESPONSE,

@@ -17,8 +17,8 @@ import pytest
 import drystone as ds
 from bonded_walls import KINDS, bonded_wall
 from builders import rectangle
+from drystone.contact.contacts import CRUSH, FRICTION, ROOM
 from drystone.dynamics.distinct.engine import DistinctEngine
-from drystone.law.columns import H_CRUSH, H_MU, H_ROOM
 from drystone.law.strengths import Strengths
 from drystone.model.joint_law import JointLaw
 from joint_energy import energy_of
@@ -137,6 +137,6 @@ def test_contacts_made_on_the_way_are_crushed_and_have_residual_friction():
     base = ds.Block(id="a", vertices=rectangle(-1.0, -1.0, 3.0, 1.0), unit_weight=2e4, support=True)
     model = ds.make_model([base, block], joint=law, thickness=1.0, load_direction=(1.0, 0.0))
     fresh = Strengths(model.assembly).fresh
-    assert np.allclose(fresh[:, H_CRUSH], 2e6)
-    assert np.allclose(fresh[:, H_MU], 0.5)
-    assert np.allclose(fresh[:, H_ROOM], 0.0)
+    assert np.allclose(fresh[:, CRUSH], 2e6)
+    assert np.allclose(fresh[:, FRICTION], 0.5)
+    assert np.allclose(fresh[:, ROOM], 0.0)

@@ -34,15 +34,6 @@ N_LAW = 17
 PER_AREA = (KN, KS, COHESION, TENSION, COHESIVE, PULLS, CRUSHES)
 
 
-#: Columns of what a contact that is not dry has in a step: k_n [Pa/m], what is added to its trial
-#: reaction, the tension that counts it from, room for shear without pressure [Pa], mu, and where it
-#: is crushed, from the tension on [Pa].  See `law.limits`, `law.strengths`.
-H_KN, H_SHIFT, H_PULL, H_ROOM, H_MU, H_CRUSH = 0, 1, 2, 3, 4, 5
-
-
-N_HELD = 6
-
-
 #: Columns of the response of a contact: reactions, and their derivatives by the trial reactions,
 #: the first by the normal one.
 RN, RT, NN, NT, TN, TT = 0, 1, 2, 3, 4, 5

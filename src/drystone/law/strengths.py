@@ -27,18 +27,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.contact.contacts import CRUSH, FRICTION, PULL, ROOM, SHIFT
+from drystone.contact.contacts import (
+    CRUSH,
+    FRICTION,
+    N_HELD,
+    PULL,
+    ROOM,
+    SHIFT,
+    STIFF_N,
+)
 from drystone.law import softening
 from drystone.law.columns import (
     BROKEN,
     DILATION,
-    H_CRUSH,
-    H_KN,
-    H_MU,
-    H_PULL,
-    H_ROOM,
-    H_SHIFT,
-    N_HELD,
     N_HISTORY,
     OPENED,
     SLID,
@@ -131,7 +132,7 @@ class Strengths:
         )
 
     def held(self, law: IntArray, history: Array, now: Reached) -> Array:
-        """What contacts hold (n_slots, N_HELD), see `law.columns`, once they have come so far."""
+        """What contacts hold (n_slots, N_HELD), see `contacts`, once they have come so far."""
         whole = (history[:, BROKEN] == 0.0) & self.bonded[law]
         left = np.where(whole, np.exp(-now.softened), 0.0)
         friction = np.where(self.softens[law], left, np.exp(-self.per_slip[law] * now.slid))
@@ -140,11 +141,11 @@ class Strengths:
         pulls = (now.opened == 0.0) | (now.gap > now.opened)
         kn = self.kn[law]
         pull = np.where(pulls, self.tension[law] * left, 0.0)
-        held[:, H_KN], held[:, H_MU], held[:, H_PULL] = kn, mu, pull
-        held[:, H_SHIFT] = pull + np.where(pulls & whole, kn * now.opened, 0.0)
-        held[:, H_ROOM] = np.maximum(self.cohesion[law] * left - mu * pull, 0.0)
+        held[:, STIFF_N], held[:, FRICTION], held[:, PULL] = kn, mu, pull
+        held[:, SHIFT] = pull + np.where(pulls & whole, kn * now.opened, 0.0)
+        held[:, ROOM] = np.maximum(self.cohesion[law] * left - mu * pull, 0.0)
         crush = np.exp(-np.minimum(self.by_crushing[law] * now.crushed, LOST))
-        held[:, H_CRUSH] = self.crush[law] * crush + pull
+        held[:, CRUSH] = self.crush[law] * crush + pull
         for length, carried in ((self.closure, _hyperbolic), (self.log_closure, _logarithmic)):
             curved = np.isfinite(length[law])
             if curved.any():
@@ -157,10 +158,10 @@ class Strengths:
         """Of joints that do not close linearly, ``curved`` (n_slots,), the tangent where they have
         come to by their ``gap`` [m], with the ``length`` [m] of their law."""
         closed = np.maximum(np.nan_to_num(-gap, posinf=0.0, neginf=0.0), 0.0)
-        kn = held[curved, H_KN]
+        kn = held[curved, STIFF_N]
         at, pressure, slope = carried(closed / length)
-        held[curved, H_KN] = kn * slope
-        held[curved, H_SHIFT] += kn * length * (pressure - slope * at)
+        held[curved, STIFF_N] = kn * slope
+        held[curved, SHIFT] += kn * length * (pressure - slope * at)
 
     def points(
         self, law: IntArray, start: Array, committed: Array, gap: Array, shear: Array
@@ -234,9 +235,9 @@ class Strengths:
         """What contacts (n_contacts,) hold, for their table; times the ``size`` of their joint."""
         now = self.first(history, gap)
         held = self.held(law, history, now)
-        table[:, FRICTION] = held[:, H_MU]
-        for column, own in ((SHIFT, H_SHIFT), (PULL, H_PULL), (ROOM, H_ROOM), (CRUSH, H_CRUSH)):
-            table[:, column] = held[:, own] * size
+        table[:, FRICTION] = held[:, FRICTION]
+        own = slice(SHIFT, CRUSH + 1)
+        table[:, own] = held[:, own] * size[:, None]
 
     def write(self, law: IntArray, now: Reached, history: Array) -> None:
         """Make what contacts have come to a part of their history."""
@@ -250,11 +251,11 @@ def difference(held: Array, other: Array, reaction: Array, area: Array) -> float
     ``reaction`` (n_slots,) is normal [N], which friction and stiffness count with.
     """
     pressed = np.maximum(reaction, 0.0)
-    force = np.abs(held[:, H_PULL] - other[:, H_PULL]) * area
-    force = np.maximum(force, np.abs(held[:, H_ROOM] - other[:, H_ROOM]) * area)
-    force = np.maximum(force, np.abs(held[:, H_MU] - other[:, H_MU]) * pressed)
-    capped = np.isfinite(held[:, H_CRUSH])
-    crush = np.abs(held[capped, H_CRUSH] - other[capped, H_CRUSH]) * area[capped]
+    force = np.abs(held[:, PULL] - other[:, PULL]) * area
+    force = np.maximum(force, np.abs(held[:, ROOM] - other[:, ROOM]) * area)
+    force = np.maximum(force, np.abs(held[:, FRICTION] - other[:, FRICTION]) * pressed)
+    capped = np.isfinite(held[:, CRUSH])
+    crush = np.abs(held[capped, CRUSH] - other[capped, CRUSH]) * area[capped]
     # Of a tangent that has moved on, to second order.
-    curved = np.abs(held[:, H_KN] / other[:, H_KN] - 1.0) * pressed
+    curved = np.abs(held[:, STIFF_N] / other[:, STIFF_N] - 1.0) * pressed
     return float(max(force.max(initial=0.0), crush.max(initial=0.0), curved.max(initial=0.0)))

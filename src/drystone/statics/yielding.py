@@ -21,10 +21,13 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.contact.contacts import Pairs
+from drystone.contact.contacts import (
+    PULL,
+    ROOM,
+    Pairs,
+)
 from drystone.law import softening
 from drystone.law.branches import ACROSS, OPEN, TORN, TORN_STICKING
-from drystone.law.columns import H_PULL, H_ROOM
 from drystone.law.strengths import Reached, Strengths, difference
 from drystone.statics.plane.piecewise import StepSolution
 from drystone.statics.plane.static_step import Ended
@@ -239,7 +242,7 @@ class _Come(NamedTuple):
         reached = strengths.reached(law, before, end.after, end.gap)
         held = strengths.held(law, before, reached)
         change = difference(held, end.held, end.normal, end.area)
-        holds = (end.held[:, H_PULL] + end.held[:, H_ROOM]) * end.area
+        holds = (end.held[:, PULL] + end.held[:, ROOM]) * end.area
         return cls(end.origin, before, end.after, reached, holds, change)
 
 
@@ -439,6 +442,6 @@ def _hidden(
 
 def _fitting(branch: IntArray, held: Array) -> IntArray:
     """Branches (n_slots,) that there are with what contacts hold: without room none is torn."""
-    room, torn = held[:, H_ROOM] > 0.0, ACROSS[branch] == TORN
+    room, torn = held[:, ROOM] > 0.0, ACROSS[branch] == TORN
     fitting = np.where((branch == OPEN) & room, TORN_STICKING, branch)
     return np.where(torn & ~room, OPEN, fitting)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.contact.contacts import BODY_A, BODY_B, SHIFT, SLOT
+from drystone.contact.contacts import BODY_A, BODY_B, CRUSH, SHIFT, SLOT
 from drystone.contact.rows import OF_GAP
 from drystone.dynamics import explicit
 from drystone.dynamics.distinct.state import TIES_NEARER, DistinctState
@@ -112,7 +112,7 @@ def _judged(work: Workspace, gaps: Array | None = None) -> tuple[JudgedContacts,
         gap = gaps[k]
     if prepared.strengths.any:
         prepared.strengths.fill(pairs.law_of_slot[k], history, gap, slots.size[k], contacts.table)
-        contacts.table[:, SHIFT:] *= prepared.assembly.thickness
+        contacts.table[:, SHIFT : CRUSH + 1] *= prepared.assembly.thickness
     judged = JudgedContacts.with_history(contacts, gap, history, reaction, reaction[:, 1:])
     return judged, force
 

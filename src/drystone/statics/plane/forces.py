@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.compiled import njit
-from drystone.contact.contacts import (  # fmt: skip
+from drystone.contact.contacts import (
     ADD_N,
     ADD_T,
     BODY_A,
@@ -50,12 +50,6 @@ from drystone.law.columns import (
     COHESION,
     DILATANCY_END,
     DILATION,
-    H_CRUSH,
-    H_KN,
-    H_MU,
-    H_PULL,
-    H_ROOM,
-    H_SHIFT,
     KN,
     KS,
     MU,
@@ -96,7 +90,7 @@ class Start(NamedTuple):
     rows: Array  # (n_slots, dim, 2 n_dof) of contacts that were there: gradients of the slip that
     # hold for the step; others slip by the exact distance
     closed: NDArray[np.bool_]  # (n_slots,) others do not dilate in the step
-    held: Array  # (n_slots, N_HELD), see `law.columns`; (0, N_HELD) where all joints are dry
+    held: Array  # (n_slots, N_HELD), see `contact.contacts`; (0, N_HELD) where all joints are dry
 
 
 @njit(cache=True, error_model="numpy")
@@ -180,10 +174,10 @@ def joint_forces(
         table[c, TRIAL_T] = shear - kt * slip
         table[c, ADD_N], table[c, ADD_T], table[c, PLASTIC] = 0.0, 0.0, 0.0
         if not dry:
-            kn = held[k, H_KN] * area
-            table[c, STIFF_N], table[c, FRICTION] = kn, held[k, H_MU]
-            table[c, SHIFT], table[c, PULL] = held[k, H_SHIFT] * area, held[k, H_PULL] * area
-            table[c, ROOM], table[c, CRUSH] = held[k, H_ROOM] * area, held[k, H_CRUSH] * area
+            kn = held[k, STIFF_N] * area
+            table[c, STIFF_N], table[c, FRICTION] = kn, held[k, FRICTION]
+            table[c, SHIFT], table[c, PULL] = held[k, SHIFT] * area, held[k, PULL] * area
+            table[c, ROOM], table[c, CRUSH] = held[k, ROOM] * area, held[k, CRUSH] * area
             closing = kn * (history[k, DILATION] - value[k, GAP])
             table[c, TRIAL_N] = closing + table[c, SHIFT]
         if history[k, BROKEN] == 0.0 and (bond > 0.0 or tensile > 0.0):

@@ -12,7 +12,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.contact.contacts import NONE, STIFF_N, TRIAL_T, Pairs, Slots
+from drystone.contact.contacts import (
+    N_HELD,
+    NONE,
+    STIFF_N,
+    TRIAL_T,
+    Pairs,
+    Slots,
+)
 from drystone.contact.detection import Detector
 from drystone.contact.histories import Histories, handed_on
 from drystone.contact.plane import rows
@@ -21,7 +28,15 @@ from drystone.law import plane as plane_law
 from drystone.law import softening
 from drystone.law.branches import OPEN
 from drystone.law.certificate import JudgedContacts
-from drystone.law.columns import N_HELD, N_HISTORY, NN, NT, RN, RT, TN, TT
+from drystone.law.columns import (
+    N_HISTORY,
+    NN,
+    NT,
+    RN,
+    RT,
+    TN,
+    TT,
+)
 from drystone.law.strengths import Strengths
 from drystone.statics.linear_step import BENDS, LinearStep, Loads
 from drystone.statics.plane import forces, path
@@ -98,7 +113,7 @@ class StaticStep(LinearStep):
         Slips are linear in the increments, by their gradients half way to the ``guess`` of these:
         of second order in the step, without straining the stiff shear springs of blocks that
         are held at several points and turn together.  ``held`` (n_slots, N_HELD) is what joints
-        hold in it that are not dry, see `law.columns`; ``fresh`` (n_slots, N_HELD) what contacts
+        hold in it that are not dry, see `contacts`; ``fresh`` (n_slots, N_HELD) what contacts
         do that are made in it.
         """
         self.pose = pose

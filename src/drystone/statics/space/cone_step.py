@@ -24,11 +24,11 @@ from drystone.contact.contacts import (
     FIRST,
     FRICTION,
     HELD,
+    N_HELD,
     N_TABLE,
     NONE,
     PAIR,
     PULL,
-    ROOM,
     SHIFT,
     STIFF_N,
     TRIAL_N,
@@ -46,14 +46,7 @@ from drystone.law.certificate import JudgedContacts
 from drystone.law.columns import (
     BROKEN,
     DILATION,
-    H_CRUSH,
-    H_KN,
-    H_MU,
-    H_PULL,
-    H_ROOM,
-    H_SHIFT,
     KN,
-    N_HELD,
     N_HISTORY,
     YIELDS,
 )
@@ -179,7 +172,7 @@ class ConeStep:
     ) -> None:
         """Start a step of size ``h`` [s] from rest in ``pose``, with contacts and their past.
 
-        ``held`` (n_slots, N_HELD) is what joints hold in it that are not dry, see `law.columns`;
+        ``held`` (n_slots, N_HELD) is what joints hold in it that are not dry, see `contacts`;
         ``fresh`` (n_slots, N_HELD) what contacts do that are made in it.
         """
         constants = self.constants
@@ -211,11 +204,10 @@ class ConeStep:
         rows = np.flatnonzero(yields)
         slot = used[rows]
         now, area = held[slot], self.known.size[slot]
-        table, crush = self.places.table, now[:, H_CRUSH] * area
-        table[rows, STIFF_N] = now[:, H_KN] * area
-        table[rows, FRICTION] = now[:, H_MU]
-        for column, own in ((SHIFT, H_SHIFT), (PULL, H_PULL), (ROOM, H_ROOM)):
-            table[rows, column] = now[:, own] * area
+        table, crush = self.places.table, now[:, CRUSH] * area
+        table[rows, STIFF_N] = now[:, STIFF_N] * area
+        table[rows, FRICTION] = now[:, FRICTION]
+        table[rows, SHIFT:CRUSH] = now[:, SHIFT:CRUSH] * area[:, None]
         table[rows, CRUSH] = np.where(np.isfinite(crush), crush, 0.0)
 
     def meet(self, slight: float) -> bool:
