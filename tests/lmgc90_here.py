@@ -5,9 +5,9 @@ from importlib.metadata import entry_points
 
 import pytest
 
-from drystone.engines import GROUP
+from drystone.engines import ENGINES
 
-PACKAGE = any(entry.name == "lmgc90" for entry in entry_points(group=GROUP))
+PACKAGE = any(entry.name == "lmgc90" for entry in entry_points(group=ENGINES.group))
 PROGRAM = importlib.util.find_spec("compas_lmgc90") is not None
 
 needs_lmgc90 = pytest.mark.skipif(
