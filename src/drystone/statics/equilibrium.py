@@ -137,7 +137,6 @@ class EquilibriumState:
     # Of space:
     tangent: Array | None = None  # (n, n_dof) per m of the control displacement
     unstable: bool = False  # whether the structure would not keep it
-    held: bool = False  # by more inertia, as blocks slid or turned without resistance
     calm: bool = False  # whether no contact has changed its state in the last step
     acted: ActedContacts | None = None
 
@@ -375,8 +374,6 @@ class EquilibriumEngine(Engine[EquilibriumState]):
                 n_iterations=solved.n_iterations,
                 path=StepPath(turn=solved.turn),
             )
-        if solved.held:
-            h = 1.0 / np.sqrt(1.0 / h**2 + solved.held)
         new, outcome = self._accept(own, state, solved, h, demand)
         if self._missed(new):
             return state, StepReport(
@@ -481,8 +478,6 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             self.settings.space,
             Before(
                 calm=state.calm or last is not None,
-                unstable=state.unstable,
-                held=state.held,
                 slope=np.nan if state.softened else state.slope,
             ),
             dynamic=demand.time_step > 0.0,
@@ -644,7 +639,6 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         """The state that a step has led to, and its figures."""
         judged, then = self._ended(own, state)
         flat = own.step if isinstance(own.step, StaticStep) else None
-        increment = demand.settlement if demand.increment is None else demand.increment
         slots = own.step.found.copied()
         past = self._past(then)
         narrow = state.prepared.detector.narrow
@@ -680,13 +674,10 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             tangent=solved.tangent,
             kept=flat.kept.copy() if flat else None,
             unstable=solved.unstable,
-            held=solved.held > 0.0,
             calm=flat is None and bool(np.array_equal(then.branch, state.branch)),
             acted=then.acted,
         )
         outcome = self._report(own, new, judged, solved.n_iterations, h)
-        if solved.held and outcome.motion < 2.0 * abs(increment or 0.0):
-            new = replace(new, held=False)
         lost = heirs.lost(past) if slots.dim == 3 else 0.0
         lost /= state.prepared.assembly.heaviest_weight
         return new, self._told(outcome, solved, demand, lost)

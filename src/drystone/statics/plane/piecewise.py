@@ -108,7 +108,6 @@ class StepSolution:
     swerve: float | None = None
     slope: float = np.nan  # 1/m, of the curve at the end; in space
     tangent: Array | None = None  # (n, n_dof) per m of the pacing displacement, in space
-    held: float = 0.0  # 1/s2, times the mass, by which inertia held the blocks more than asked for
     unstable: bool = False  # whether the structure would not keep it, and none was found beside it
     softened: bool = False  # whether joints soften where it is, and the slope is with that
     reason: str = ""

@@ -15,7 +15,7 @@ Where little changes, Newton's method alone goes from one equilibrium to the nex
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,6 @@ from drystone.contact.contacts import HELD, STIFF_N
 from drystone.geometry.motion import rotations, translations
 from drystone.statics.plane.piecewise import Accuracy
 from drystone.statics.space import cones
-from drystone.statics.space.cone_fall import FallSettings, come_to_rest
 from drystone.statics.space.cone_step import ConeStep
 
 Array = NDArray[np.float64]
@@ -94,7 +93,10 @@ class ConeSettings:
     most_damping: float = 1e9
     more: float = 4.0
     less: float = 0.25
-    fall: FallSettings = field(default_factory=FallSettings)
+    #: Damping that says that something has lost its hold: where a shorter step may be tried, it is.
+    lost: float = 3e3
+    #: By how much at least bodies are held that nothing holds, in the second attempt.
+    least_damping: float = 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,8 +109,7 @@ class Attempt:
     second: bool = True
     iterations: int = 60
     least_damping: float = 0.0  # see `lu_numeric.factorise`
-    falls: int = 0  # times that what nothing holds is let fall
-    soon: bool = False  # whether it is given up where that does not help
+    soon: bool = False  # whether it is given up where something has lost its hold
 
 
 class ConeSearch:
@@ -189,7 +190,7 @@ class ConeSearch:
         unit = self.block_weight**2 / float(joint[free, STIFF_N].mean())  # J
         step.damping[:] = 0.0
         self._centre(attempt, attempt.barrier, unit)
-        again, least, since, stalled, recentred, fallen = 0, math.inf, 0, 0, 0, 0
+        again, least, since, stalled, recentred = 0, math.inf, 0, 0, 0
         for k in range(1, attempt.iterations + 1):
             energy = cones.scale(joint, inner, step.scaling[:n])
             residual = step.balance(step.inside)
@@ -208,19 +209,8 @@ class ConeSearch:
                 return True
             again = k + settings.again if due and told else again
             held = float(step.damping.max())
-            if held >= settings.fall.damping or (told and held > 0.0):
-                if fallen < attempt.falls and self._fall():
-                    if told and self._probe():
-                        return True
-                    self._centre(attempt, settings.fall.barrier, unit)
-                    energy = cones.scale(joint, inner, step.scaling[:n])
-                    step.balance(step.inside)
-                    stalled, least, since = 0, math.inf, k
-                    fallen += 1
-                elif attempt.soon:
-                    return False
-                else:
-                    fallen = attempt.falls
+            if attempt.soon and (held >= settings.lost or (told and held > 0.0)):
+                return False
             if near and energy <= settings.least * unit:
                 return False
             if attempt.by_residual and not near and stalled >= settings.stalled:
@@ -268,29 +258,6 @@ class ConeSearch:
         step.damping[:] = damping
         step.balance(step.inside)
         return False
-
-    def _fall(self) -> bool:
-        """Let what nothing holds fall to where it rests on all else, which stands still meanwhile;
-        whether it does, with the step then being there."""
-        step, s = self.step, self.settings.fall
-        damping, force = step.damping.copy(), np.linalg.norm(translations(step.force), axis=1)
-        step.damping[:] = 0.0
-        part = None
-        if step.factorise(step.inside, 1.0):
-            loose = (step.damping > 0.0) | (force > s.loose * force.max())
-            part = step.part(loose, s.rings)
-        step.damping[:] = damping
-        if part is None:
-            return False
-        search = ConeSearch(part, self.accuracy, self.settings)
-        share = np.count_nonzero(~part.loads.fixed) / np.count_nonzero(~step.loads.fixed)
-        attempt = Attempt(barrier=s.barrier, iterations=s.interior)
-        rests = come_to_rest(search, attempt, s, s.hold * float(damping.max()), s.effort / share)
-        self.iterations += math.ceil(share * search.iterations)
-        if rests:
-            step.damping[:] = 0.0
-            step.set_out(part.x, step.multiplier)
-        return rests
 
     def _descend(self, attempt: Attempt, energy: float) -> float:
         """Predictor and corrector with one factorisation; how far along they went, at most 1, or

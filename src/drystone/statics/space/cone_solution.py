@@ -15,20 +15,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.contact.contacts import STIFF_N
-from drystone.geometry.motion import translations
 from drystone.statics.linear import numeric as lu_numeric
 from drystone.statics.plane import path
 from drystone.statics.plane.piecewise import Accuracy, StepSolution
 from drystone.statics.space.cone_search import Attempt, ConeSearch, ConeSettings
-from drystone.statics.space.cone_step import ConeStep, Place
+from drystone.statics.space.cone_step import ConeStep
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
 class StabilitySettings:
-    """Numbers of the search for the lowest modes, and of pushes along them."""
+    """Numbers of the search for the lowest modes."""
 
     #: Modes looked for, and inverse iterations.
     modes: int = 4
@@ -36,28 +34,6 @@ class StabilitySettings:
     #: Growth [1/s2] below which a mode is neutral, such as where a joint slides as a whole: gravity
     #: over the smallest block's size is 56 of them in the structure's own frame.
     neutral: float = 0.5
-    #: Push of the body that moves most, over what a mean block's weight closes a joint by, and no
-    #: more than so much [m]; the other way as well.
-    push: float = 0.3
-    most_push: float = 1e-5
-    #: Pushes at most, and where none was of use in the last step.
-    most_pushes: int = 12
-    few_pushes: int = 2
-    #: Barrier of a push, see `Attempt`, its iterations, and how hard bodies are held in it that
-    #: nothing holds.
-    barrier: float = 1e-4
-    max_iterations: int = 30
-    least_damping: float = 3.0
-    #: Where pushes find nothing the structure is let go: its blocks are held where they are by so
-    #: many times what the fastest growing mode asks for, and again where that leads, so often.
-    rest: float = 1.5
-    rests: int = 30
-    #: Motion over the smallest block below which they are at rest.
-    at_rest: float = 1e-6
-    #: Motion over the increment, and at least over the smallest block, beyond which what a push
-    #: finds is not the same place.
-    near: float = 20.0
-    near_least: float = 0.03
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,15 +56,10 @@ class Judgement:
 class SpaceSettings:
     """How steps in space are solved."""
 
-    #: Inertia [1/s2], times the mass, of a step tried again where none else is found, or where
-    #: blocks go far: what slides or turns without resistance then goes the shortest way.
-    hold: float = 0.1
     #: Times that a step is solved again as blocks meet in it, and the force over a block's weight
     #: with which they do.
     meetings: int = 3
     slight: float = 1e-2
-    #: Motion over the increment that is far.
-    far: float = 10.0
     cones: ConeSettings = field(default_factory=ConeSettings)
     stability: StabilitySettings = field(default_factory=StabilitySettings)
 
@@ -98,8 +69,6 @@ class Before:
     """What the last step tells the next."""
 
     calm: bool = False  # no contact changed its state, so that Newton's method is tried at once
-    unstable: bool = False  # it ended in an equilibrium that the structure would not keep
-    held: bool = False  # by more inertia than asked for
     slope: float = math.nan  # 1/m, of the curve where it ended, if known
 
 
@@ -107,9 +76,6 @@ class _Solver:
     def __init__(self, step: ConeStep, accuracy: Accuracy, settings: SpaceSettings) -> None:
         self.step, self.settings = step, settings
         self.search = ConeSearch(step, accuracy, settings.cones)
-        s, stiffness = settings.stability, step.table[: step.n, STIFF_N]
-        closing = self.search.block_weight / float(stiffness.mean()) if step.n else math.inf
-        self.shift = min(s.push * closing, s.most_push)  # m
 
     def nearest(self, guesses: Sequence[Array], multiplier: float) -> Array:
         """The guess, of several, that leaves least unbalanced."""
@@ -122,32 +88,6 @@ class _Solver:
             step.respond()
             left.append(step.balance(step.reaction))
         return guesses[int(np.argmin(left))]
-
-    def reach(
-        self,
-        guesses: Sequence[Array],
-        multiplier: float,
-        increment: float,
-        before: Before,
-        *,
-        follows: bool,
-        thorough: bool,
-    ) -> tuple[bool, float]:
-        """An equilibrium from the best of the guesses, with more inertia where the step ``follows``
-        a curve and needs it; whether there is one, and by how much more [1/s2] blocks are held.
-
-        One that is not ``thorough`` is given up soon.
-        """
-        step, hold = self.step, self.settings.hold
-        held = 0.0
-        if before.held and follows and step.inertia_factor < hold:
-            held = hold - step.inertia_factor
-            step.inertia_factor = hold
-        guess = self.nearest(guesses, multiplier)
-        found = self.find(guess, multiplier, warm=before.calm, thorough=thorough, follows=follows)
-        if follows and not held and (found or thorough):
-            return self.hold(guess, multiplier, abs(increment), found)
-        return found, held
 
     def find(
         self,
@@ -172,7 +112,6 @@ class _Solver:
             barrier=s.low,
             by_residual=True,
             iterations=most,
-            falls=s.fall.times,
             soon=not thorough,
         )
         step.set_out(guess, multiplier)
@@ -181,9 +120,7 @@ class _Solver:
         if follows or not thorough or step.pace is not None:
             return False  # what is not found so is tried in motion, or shorter
         step.set_out(guess, multiplier)
-        if self.search.interior(
-            replace(first, least_damping=self.settings.stability.least_damping)
-        ):
+        if self.search.interior(replace(first, least_damping=s.least_damping)):
             return True
         step.set_out(step.given.copy(), multiplier)
         return self.search.interior(
@@ -191,27 +128,6 @@ class _Solver:
                 barrier=s.high, by_increment=True, second=False, iterations=s.max_slow_iterations
             )
         )
-
-    def hold(
-        self, guess: Array, multiplier: float, increment: float, found: bool
-    ) -> tuple[bool, float]:
-        """Try again with more inertia where no equilibrium is ``found``, or a far one; whether
-        there is one then, and by how much more [1/s2] the blocks were held."""
-        step, hold = self.step, self.settings.hold
-        if step.inertia_factor >= hold:
-            return found, 0.0
-        farthest = step.constants.detector.farthest
-        moved = farthest(step.x) if found else math.inf
-        if moved <= self.settings.far * increment:
-            return found, 0.0
-        before, at = step.inertia_factor, step.place
-        step.inertia_factor = hold
-        if self.find(guess, multiplier, thorough=False) and farthest(step.x) < moved:
-            return True, hold - before
-        step.inertia_factor = before
-        if found:
-            self._return(at)
-        return found, 0.0
 
     def meet(self) -> bool:
         """Solve again where blocks have come to press each other elsewhere than followed; whether
@@ -246,6 +162,8 @@ class _Solver:
                 return np.zeros(0), x[:0]
         weighted = (x * mass).reshape(s.modes, -1)
         ritz, vectors = np.linalg.eig(weighted @ y.reshape(s.modes, -1).T)
+        real = ritz.imag == 0.0
+        ritz, vectors = ritz[real], vectors[:, real]
         shapes = np.tensordot(vectors.real.T, x, 1)
         with np.errstate(divide="ignore"):
             return 1.0 / ritz.real, shapes
@@ -278,87 +196,11 @@ class _Solver:
             unstable=n, modes=shapes[grow], growth=growth, slope=slope, tangent=tangent
         )
 
-    def settle(self, judged: Judgement, increment: float, *, few: bool) -> Judgement:
-        """Leave an equilibrium that the structure would not keep for one that it would, if there is
-        any beside; ``few`` pushes where those of the last step were of no use."""
-        judged = self.rest(judged, increment)
-        return judged if judged.stable else self.push(judged, increment, few=few)
-
-    def push(self, judged: Judgement, increment: float, *, few: bool) -> Judgement:
-        """Go to a stable equilibrium beside the present one, or to one with fewer modes that grow,
-        where pushes along these find it."""
-        step, s = self.step, self.settings.stability
-        start, at, room = step.x.copy(), step.place, self.room(increment)
-        attempt = Attempt(
-            barrier=s.barrier, least_damping=s.least_damping, iterations=s.max_iterations
-        )
-        left = s.few_pushes if few else s.most_pushes
-        ways = _ways(judged)
-        while ways and left:
-            left -= 1
-            step.come_back(at)
-            step.move(ways.pop(0), self.shift)
-            if not self.search.interior(attempt):
-                continue
-            if not step.constants.detector.farthest(step.x - start) < room:
-                continue
-            there = self.judge()
-            if there.unstable < judged.unstable:
-                judged, at, ways = there, step.place, _ways(there)
-        self._return(at)
-        return judged
-
-    def rest(self, judged: Judgement, increment: float) -> Judgement:
-        """Let the structure go to where it comes to rest with the pacing displacement held; what
-        was found there, or the present equilibrium where it does not come to rest nearby."""
-        step, s = self.step, self.settings.stability
-        at, start, room = step.place, step.x.copy(), self.room(increment)
-        farthest = step.constants.detector.farthest
-        size = step.constants.detector.assembly.smallest_extent
-        attempt = Attempt(barrier=s.barrier, iterations=2 * s.max_iterations)
-        ways = _ways(judged)
-        if not ways:
-            return judged
-        step.move(ways[0], self.shift)
-        for _ in range(s.rests):
-            step.anchor(s.rest * judged.growth)
-            before = step.x.copy()
-            found = self.search.newton(8) or self.search.interior(attempt)
-            step.anchor(0.0)
-            if not found or not farthest(step.x - start) < room:
-                break
-            if farthest(step.x - before) > s.at_rest * size:
-                continue
-            if not (self.search.newton(8) or self.search.interior(attempt)):
-                break
-            there = self.judge()
-            if there.stable:
-                return there
-            ways = _ways(there)
-            if not ways:
-                break
-            judged = replace(judged, growth=max(there.growth, judged.growth))
-            step.move(ways[0], self.shift)
-        step.anchor(0.0)
-        self._return(at)
-        return judged
-
     def swerve(self, guesses: Sequence[Array]) -> float | None:
         """See `StepSolution`; the second guess is along the tangent."""
         step, farthest = self.step, self.step.constants.detector.farthest
         moved = farthest(step.x)
         return farthest(step.x - guesses[1]) / moved if len(guesses) > 1 and moved > 0.0 else None
-
-    def room(self, increment: float) -> float:
-        """Motion [m] up to which an equilibrium is beside another."""
-        s, size = self.settings.stability, self.step.constants.detector.assembly.smallest_extent
-        return max(s.near * abs(increment), s.near_least * size)
-
-    def _return(self, at: Place) -> None:
-        step = self.step
-        step.come_back(at)
-        step.respond()
-        step.balance(step.reaction)
 
 
 def _orthonormal(x: Array, mass: Array) -> Array:
@@ -368,16 +210,6 @@ def _orthonormal(x: Array, mass: Array) -> Array:
     q, _ = np.linalg.qr((x.reshape(k, -1) * root).T)
     back = np.divide(1.0, root, out=np.zeros_like(root), where=root > 0.0)
     return np.ascontiguousarray((q * back[:, None]).T).reshape(x.shape)
-
-
-def _ways(judged: Judgement) -> list[Array]:
-    """Modes, of which the fastest body moves by one, one way and the other."""
-    ways = []
-    for mode in judged.modes:
-        most = float(np.linalg.norm(translations(mode), axis=1).max())
-        if most > 0.0:
-            ways += [mode / most, -mode / most]
-    return ways
 
 
 def solve(
@@ -412,9 +244,8 @@ def solve(
     driven = step.constants.detector.farthest(step.given)
     increment = step.pace.missing(np.zeros_like(guesses[0])) if step.pace else driven
     follows = (step.pace is not None or driven > 0.0) and not dynamic  # a curve of equilibria
-    found, held = solver.reach(
-        guesses, multiplier, increment, before, follows=follows, thorough=thorough
-    )
+    guess = solver.nearest(guesses, multiplier)
+    found = solver.find(guess, multiplier, warm=before.calm, thorough=thorough, follows=follows)
     found = found and solver.meet()
     n_iterations = solver.search.iterations
     turn, judged = None, None
@@ -422,7 +253,6 @@ def solve(
         judged = solver.judge()
         if not judged.stable:
             turn = (1.0, step.multiplier)
-            judged = solver.settle(judged, increment, few=before.unstable)
     end = judged.slope if judged else math.nan
     reason = _reason(found, n_iterations, step, accuracy)
     shape = _shape(multiplier, step.multiplier, before.slope, end, increment)
@@ -436,7 +266,6 @@ def solve(
         swerve=solver.swerve(guesses) if follows else None,
         slope=end,
         tangent=judged.tangent if judged else None,
-        held=held,
         unstable=judged is not None and not judged.stable,
         reason=reason,
     )

@@ -10,7 +10,6 @@ contacts, `statics.space.cones` for the joint law from its interior, and
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from typing import NamedTuple, TypeVar
@@ -21,7 +20,6 @@ from numpy.typing import NDArray
 from drystone.common.threads import team
 from drystone.contact.contacts import (
     CRUSH,
-    FIRST,
     FRICTION,
     HELD,
     N_HELD,
@@ -55,7 +53,7 @@ from drystone.statics import step
 from drystone.statics.linear import numeric as lu_numeric
 from drystone.statics.linear import symbolic as lu_symbolic
 from drystone.statics.linear.shared_lu import SharedLU
-from drystone.statics.linear_step import Pace, with_neighbours
+from drystone.statics.linear_step import Pace
 from drystone.statics.plane import path
 from drystone.statics.plane.forces import Tangent
 from drystone.statics.plane.static_step import Constants, Ended
@@ -147,7 +145,6 @@ class ConeStep:
             border=np.ones(1),
             sign=np.ones(1),
         )
-        self.dead, self.anchored = loads.dead, 0.0
         self.spring = 0.0
         self.n_due = 1  # columns of the frame that the next solution is to fill
         self.pace: Pace | None = None
@@ -179,7 +176,6 @@ class ConeStep:
         assembly = constants.detector.assembly
         self.pose, self.inertia_factor, self.pace = pose, 1.0 / h**2, pace
         self.found_at: Array | None = None  # poses that `found` is of, for the known contacts
-        self.dead, self.anchored = self.loads.dead, 0.0
         self.frame.axis[:] = 0.0
         for mine, theirs in zip(self.known, slots, strict=True):
             mine[:] = theirs
@@ -265,12 +261,6 @@ class ConeStep:
         self.multiplier = multiplier
         self.move(x, 1.0)
 
-    def anchor(self, hold: float) -> None:
-        """Hold the blocks where they are, by ``hold`` [1/s2] times their mass; zero lets go."""
-        self.inertia_factor += hold - self.anchored
-        self.anchored = hold
-        self.dead = self.loads.dead + hold * self.loads.mass * self.x if hold else self.loads.dead
-
     @property
     def place(self) -> Place:
         """Where the step is, to come back to."""
@@ -291,40 +281,6 @@ class ConeStep:
     def missing(self) -> float:
         """What is missing of the pacing displacement [m]."""
         return self.pace.missing(self.x) if self.pace else 0.0
-
-    def part(self, bodies: BoolArray, rings: int) -> ConeStep | None:
-        """The same step of some bodies (n,) and rings of their neighbours, from where it is, with
-        what is around them fixed; None where none of them moves.
-
-        The multiplier is given in it, and the body that paces the step stays where it is.
-        """
-        constants, pairs = self.constants, self.pairs
-        free = with_neighbours(bodies, pairs.a, pairs.b, rings) & ~self.loads.fixed
-        if self.pace is not None:
-            free[self.pace.body] = False
-        if not free.any() or self.anchored:
-            return None
-        chosen = np.flatnonzero(free[pairs.a] | free[pairs.b])
-        slots = np.flatnonzero(np.isin(pairs.of_slot, chosen))
-        n_slots = np.bincount(pairs.of_slot, minlength=pairs.n_pairs)[chosen]
-        loads = replace(self.loads, fixed=~free, mass=np.where(free[:, None], self.loads.mass, 0.0))
-        step = ConeStep(
-            replace(constants, loads=loads),
-            Pairs.of(pairs.which[chosen, :FIRST].T, n_slots, pairs.pose),
-        )
-        step.begin(
-            self.pose,
-            Slots._make(field[slots] for field in self.known),
-            self.history_before[slots],
-            self.by_slot(self.branch)[slots],
-            1.0,
-            None,
-            self.holding[slots] if len(self.holding) else None,
-            self.fresh[slots] if len(self.fresh) else None,
-        )
-        step.inertia_factor = self.inertia_factor
-        step.set_out(self.x, self.multiplier)
-        return step
 
     # Equations.
 
@@ -354,7 +310,7 @@ class ConeStep:
             self.begin_of, self.of_body, self.wrench, self.axes, self.contact_force
         )
         c = self.loads
-        dead = self.dead
+        dead = c.dead
         if c.ties:
             c.ties.act(self._pose_now())
             c.ties.add_to(self.contact_force)
