@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 import buildings
 import drystone as ds
-from drystone.contact.contacts import NONE, A, B
+from drystone.contact.contacts import NONE, STIFF_N, STIFF_T, A, B
 from drystone.contact.detection import Detector
 from drystone.engines.frame import Frame
 from drystone.geometry.space import solid
@@ -94,8 +94,8 @@ def test_packed_contacts_balance_and_weigh_by_their_area():
     assert contacts.rows.shape == (4, 5, 12)
     np.testing.assert_allclose(contacts.rows[:, :, :3], -contacts.rows[:, :, 6:9], atol=1e-15)
     np.testing.assert_allclose(contacts.rows[:, 1:3], contacts.rows[:, 3:5], atol=0.0)
-    assert contacts.table[:, 0].sum() == pytest.approx(1e9 * 0.24)
-    assert contacts.table[:, 1].sum() == pytest.approx(5e8 * 0.24)
+    assert contacts.table[:, STIFF_N].sum() == pytest.approx(1e9 * 0.24)
+    assert contacts.table[:, STIFF_T].sum() == pytest.approx(5e8 * 0.24)
 
 
 @pytest.mark.compiled

@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 
 import drystone as ds
 import solids
+from drystone.geometry import patches
 from drystone.geometry.space import solid
 from drystone.limit import collapse_load, crushing
 from drystone.model.assembly import Block
@@ -23,7 +24,7 @@ from drystone.model.joint_law import JointLaw
 B, D, H = 0.6, 0.4, 1.2  # m
 FLOWS = ["associative", "non-associative"]
 #: Of the side of a rectangle: the points' resultant is nearer to the edge by no more.
-NEARER = (np.pi / (crushing.ALONG - 1)) ** 2 / 8.0
+NEARER = (np.pi / (patches.ALONG - 1)) ** 2 / 8.0
 
 
 def law(crushed=np.inf, friction=0.9, **more):
@@ -154,7 +155,7 @@ def test_of_any_polygon_points_keep_force_and_moments_and_add_little():
         if np.diff(around, append=around[0] + 2.0 * np.pi).max() > 0.9 * np.pi:
             continue
         polygon = np.column_stack((random.uniform(0.5, 2.0) * np.cos(around), np.sin(around)))
-        place, share = crushing._grid(np.column_stack((polygon, np.zeros(len(polygon)))))
+        place, share = patches.spread_over(np.column_stack((polygon, np.zeros(len(polygon)))))
         assert share.min() > 0.0
         whole = beyond(polygon, np.array([1.0, 0.0]), -9.0)
         assert share.sum() == pytest.approx(1.0, abs=1e-14)
