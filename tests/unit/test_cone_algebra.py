@@ -111,7 +111,7 @@ def test_both_methods_agree_in_space(make, law, monkeypatch):
     equilibrium = Equilibrium.of(replace(model.assembly, joint=joint), model.load)
     one = associative.collapse(equilibrium)
     fraction = associative.dead_load_factor(equilibrium).factor
-    monkeypatch.setattr(associative, "_is_inside", lambda _: False)
+    monkeypatch.setattr(associative, "is_large", lambda _: False)
     other = associative.collapse(equilibrium)
     assert one.status == other.status == "optimal"
     assert one.factor == pytest.approx(other.factor, abs=1e-8)
@@ -131,7 +131,7 @@ def test_locked_and_unstable_by_both_methods(monkeypatch):
     )
     falling = Equilibrium.of(hanging.assembly, hanging.load)
     for inside_first in (True, False):
-        monkeypatch.setattr(associative, "_is_inside", lambda _, first=inside_first: first)
+        monkeypatch.setattr(associative, "is_large", lambda _, first=inside_first: first)
         assert associative.is_locked(down)
         assert associative.collapse(down).status == "unbounded"
         answer = associative.dead_load_factor(falling)

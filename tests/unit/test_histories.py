@@ -11,6 +11,8 @@ from drystone.law.branches import OPEN, STICKING
 from drystone.law.columns import BROKEN, SHEAR
 from drystone.model.builders import published_wall
 
+pytestmark = pytest.mark.kernels
+
 
 def of_wall(pose=None):
     """Detector, pairs and slots of a published wall, and a past without two like values."""

@@ -142,6 +142,7 @@ _UNSOLVED = StepSolution(
 Once = Callable[[Array, Array, IntArray, Array | None], StepSolution]
 
 
+# Long: Newton's method and falling strengths take turns, each from what the other has found.
 def solve(
     step: YieldingStep,
     strengths: Strengths,
