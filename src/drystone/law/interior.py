@@ -66,6 +66,18 @@ def central_normal(trial, crush, product):
 
 
 @njit(cache=True, error_model="numpy")
+def central_crushing(trial, crush, product):
+    """Normal variables of a contact that may be crushed, for a product: the reaction, its slack,
+    what crushes it and the room that is left until then."""
+    r = central_normal(trial, crush, product)
+    slack = product / r
+    if trial > 0.5 * crush:  # what is left is too little to be told from the reaction
+        beyond = max(trial - r + slack, product / crush)
+        return r, slack, beyond, product / beyond
+    return r, slack, product / (crush - r), crush - r
+
+
+@njit(cache=True, error_model="numpy")
 def centre(contacts, count, branch, barrier, inner):
     """Variables of every contact for its present trial reactions and a ``barrier`` [J].
 
@@ -84,13 +96,7 @@ def centre(contacts, count, branch, barrier, inner):
         v[RN] = larger if tn > 0.0 else product / larger
         v[W] = product / v[RN]
         if crushing(table, c) < np.inf:
-            v[RN] = central_normal(tn, row[CRUSH], product)
-            v[CAP], v[W] = row[CRUSH] - v[RN], product / v[RN]
-            v[V] = max(tn - v[RN] + v[W], product / row[CRUSH])
-            if tn > 0.5 * row[CRUSH]:
-                v[CAP] = product / v[V]
-            else:
-                v[V] = product / v[CAP]
+            v[RN], v[W], v[V], v[CAP] = central_crushing(tn, row[CRUSH], product)
         most = row[FRICTION] * v[RN] + row[ROOM]
         v[RT], v[NEAR], v[FAR], v[P], v[Q] = 0.0, 0.0, 0.0, 0.0, 0.0
         if most == 0.0:

@@ -41,7 +41,7 @@ from drystone.contact.contacts import (
     STIFF_T,
 )
 from drystone.contact.rows import IN_SPACE
-from drystone.law.interior import central_normal
+from drystone.law.interior import central_crushing
 
 #: Columns of a contact's variables, and of their changes: reactions, slacks, slack of crushing and
 #: what is left until then [N; N s].
@@ -129,19 +129,6 @@ def _room_of_friction(most, size, beta):
     return room
 
 
-@njit(cache=True, error_model="numpy")
-def _centre_crushing(crush, trial, product, inner, c):
-    """Normal variables of a contact that may be crushed, for a product."""
-    r = central_normal(trial, crush, product)
-    inner[c, PN], inner[c, W] = r, product / r
-    if trial > 0.5 * crush:  # what is left is too little to be told from the reaction
-        inner[c, V] = max(trial - r + inner[c, W], product / crush)
-        inner[c, CAP] = product / inner[c, V]
-    else:
-        inner[c, CAP] = crush - r
-        inner[c, V] = product / inner[c, CAP]
-
-
 @njit(cache=True, error_model="numpy", nogil=True)
 def centre_contacts(table, energy, everything, trial, inner):
     """Variables of contacts for their trial reactions and a barrier ``energy`` [J]: of those that
@@ -162,7 +149,9 @@ def centre_contacts(table, energy, everything, trial, inner):
             inner[c, W] = product / inner[c, PN]
             inner[c, V], inner[c, CAP] = 0.0, 0.0
             if table[c, CRUSH] > 0.0:
-                _centre_crushing(table[c, CRUSH], tn, product, inner, c)
+                inner[c, PN], inner[c, W], inner[c, V], inner[c, CAP] = central_crushing(
+                    tn, table[c, CRUSH], product
+                )
         most, size = table[c, FRICTION] * inner[c, PN] + table[c, ROOM], np.sqrt(t1 * t1 + t2 * t2)
         if not everything and _is_central(inner, c, most, beta + _floor(table, inner, c)):
             continue
