@@ -2,8 +2,7 @@
 
 Equilibria that a structure would not keep are found as well as others.  They show in the sign of
 the bordered determinant, where the number of their unstable modes is odd, or in the quotient of
-Rayleigh of the lowest mode.  Nearly always a stable one lies within micrometres, where a contact
-more is closed or slides: a push along the mode finds it.
+Rayleigh of the lowest mode, and are told.
 """
 
 from __future__ import annotations
@@ -41,8 +40,6 @@ class Judgement:
     """Whether a structure would keep an equilibrium."""
 
     unstable: int  # how many of the lowest modes grow
-    modes: Array  # (unstable, n, n_dof)
-    growth: float = 0.0  # 1/s2, of the fastest growing
     slope: float = math.nan  # 1/m, of the curve
     tangent: Array | None = None  # (n, n_dof) per m of the pacing displacement
 
@@ -142,9 +139,13 @@ class _Solver:
                 return False
         return True
 
-    def modes(self) -> tuple[Array, Array]:
-        """Quotients of Rayleigh (k,) [1/s2] and shapes (k, n, n_dof) of the lowest modes with the
-        pacing displacement held, at the equilibrium whose stiffness is factorised."""
+    def quotients(self) -> Array | None:
+        """Quotients of Rayleigh (k,) [1/s2] of the lowest real modes with the pacing displacement
+        held, at the equilibrium whose stiffness is factorised; None where that is singular.
+
+        Complex pairs move to and fro, and so back where joints slide, which they would not: they
+        are not of the stiffness that was linearised.
+        """
         step, s = self.step, self.settings.stability
         frame, mass = step.frame, step.loads.mass
         rng = np.random.default_rng(1)
@@ -159,14 +160,12 @@ class _Solver:
                 for column in y:
                     path.border(frame, column, 0.0)
             if not np.isfinite(y).all():
-                return np.zeros(0), x[:0]
+                return None
         weighted = (x * mass).reshape(s.modes, -1)
-        ritz, vectors = np.linalg.eig(weighted @ y.reshape(s.modes, -1).T)
-        real = ritz.imag == 0.0
-        ritz, vectors = ritz[real], vectors[:, real]
-        shapes = np.tensordot(vectors.real.T, x, 1)
+        ritz = np.linalg.eigvals(weighted @ y.reshape(s.modes, -1).T)
         with np.errstate(divide="ignore"):
-            return 1.0 / ritz.real, shapes
+            quotients: Array = 1.0 / ritz.real[ritz.imag == 0.0]
+        return quotients
 
     def linearise(self) -> bool:
         """Factorise the stiffness at the equilibrium; False if it is singular."""
@@ -180,21 +179,20 @@ class _Solver:
         """Whether the structure would keep the equilibrium last evaluated."""
         step = self.step
         if not self.linearise():
-            return Judgement(unstable=1, modes=np.zeros((0, *step.x.shape)))
+            return Judgement(unstable=1)
         slope, tangent = math.nan, None
         if step.pace is not None:
             step.frame.columns[0] = 0.0
             slope = step.solve(1.0)
             tangent = step.frame.columns[0].copy()
-        quotients, shapes = self.modes()
+        quotients = self.quotients()
+        if quotients is None:
+            quotients = np.zeros(0)
         grow = quotients < -self.settings.stability.neutral
         # One more, if the determinant says that there is another, which is none of the lowest.
         odd = np.count_nonzero(quotients < 0.0) % 2 == 1
         n = int(np.count_nonzero(grow)) + (1 if step.stable == odd else 0)
-        growth = -float(quotients[grow].min()) if grow.any() else 0.0
-        return Judgement(
-            unstable=n, modes=shapes[grow], growth=growth, slope=slope, tangent=tangent
-        )
+        return Judgement(unstable=n, slope=slope, tangent=tangent)
 
     def swerve(self, guesses: Sequence[Array]) -> float | None:
         """See `StepSolution`; the second guess is along the tangent."""
@@ -274,8 +272,8 @@ def solve(
 def grows(step: ConeStep, accuracy: Accuracy, settings: SpaceSettings) -> bool:
     """Whether a structure would leave where it is by one of its lowest modes, by the stiffness that
     is factorised and has been solved with."""
-    quotients, _ = _Solver(step, accuracy, settings).modes()
-    return not len(quotients) or bool((quotients < -settings.stability.neutral).any())
+    quotients = _Solver(step, accuracy, settings).quotients()
+    return quotients is None or bool((quotients < -settings.stability.neutral).any())
 
 
 def _reason(found: bool, n_iterations: int, step: ConeStep, accuracy: Accuracy) -> str:
