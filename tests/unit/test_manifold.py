@@ -9,9 +9,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.contact.contacts import BALL_3, GAP, KIND, NONE, VERTEX_B
+from drystone.contact.contacts import (
+    BALL_3,
+    GAP,
+    KIND,
+    NONE,
+    PLANE_TANGENT_3,
+    VERTEX_B,
+    Slots,
+)
 from drystone.contact.measures import left_behind
 from drystone.contact.space import facing, overlap
+from drystone.contact.space.edges import edge_on_edge
+from drystone.contact.space.shapes import place, scene_of
 from drystone.contact.space.succession import carried, find_predecessors
 from drystone.geometry.broad import candidate_pairs
 from drystone.geometry.motion import moved
@@ -508,3 +518,26 @@ class TestBroadPhase:
         meet = np.all(lower[:, None] <= upper, axis=2) & np.all(lower <= upper[:, None], axis=2)
         a, b = candidate_pairs(lower, upper)
         assert np.column_stack((a, b)).tolist() == np.argwhere(np.triu(meet, 1)).tolist()
+
+
+@pytest.mark.parametrize("across", ["edge", "tangent", "neither"])
+def test_tangent_of_edges_whatever_their_normal_lies_along(across):
+    # Where corners meet, the normal may lie along an edge of a, which then is no tangent.
+    scene = flush()
+    shapes, world = scene.shapes, scene.world
+    place(shapes, scene.pose, world)
+    kernel_scene, edge = scene_of(shapes, scene.pose, world), shapes.edge
+    a, b = 0, len(edge) // 2
+    along = shapes.local[edge[a, 1]] - shapes.local[edge[a, 0]]
+    face = next(f for f in edge[a, 2:4])
+    normal = {
+        "edge": along / np.linalg.norm(along),
+        "tangent": shapes.plane[face, 3:],
+        "neither": np.array([0.6, 0.48, 0.64]),
+    }[across]
+    slots, work = Slots.empty(scene.pairs.n_slots, 3), np.zeros((4, 4))
+    work[0, :3], work[1, :2] = normal, 0.5
+    edge_on_edge(kernel_scene, work, (0, 1, 0, 4), (a, b), (face, edge[b, 2]), *slots)
+    tangent = slots.value[0, PLANE_TANGENT_3 : PLANE_TANGENT_3 + 3]
+    assert np.linalg.norm(tangent) == pytest.approx(1.0, abs=1e-14)
+    assert tangent @ normal == pytest.approx(0.0, abs=1e-14)

@@ -62,6 +62,14 @@ def _flat_face(edge, normal, edge_p, edge_q, work):
 
 
 @njit(cache=True)
+def _candidate(local, plane, a0, a1, face, trial, c):
+    """Component c of what a tangent may be made from: an edge, its face's tangent, or its normal."""
+    if trial == 0:
+        return local[a1, c] - local[a0, c]
+    return plane[face, 3 + c] if trial == 1 else plane[face, c]
+
+
+@njit(cache=True)
 def edge_on_edge(scene, work, pair, edges, faces, which, value):
     """The point where edges of a and b cross, evaluated, into the first slot of their pair.
 
@@ -83,21 +91,27 @@ def edge_on_edge(scene, work, pair, edges, faces, which, value):
             back += turn[a, i, c] * work[0, i]
         value[k, PLANE_NORMAL_3 + c] = back
     # A tangent: of the edge of a and the first tangent of its face, what is farther off the normal.
-    best = -1.0
-    for trial in range(2):
+    # Where corners meet, both may lie along it: then the face's normal does not.
+    best, chosen = -1.0, 0
+    for trial in range(3):
         along, size = 0.0, 0.0
         for c in range(3):
-            t = local[a1, c] - local[a0, c] if trial == 0 else plane[face_a, 3 + c]
+            t = _candidate(local, plane, a0, a1, face_a, trial, c)
             along += t * value[k, PLANE_NORMAL_3 + c]
             size += t * t
         off = 1.0 - along * along / size
-        if off <= best:
-            continue
-        best = off
-        for c in range(3):
-            t = local[a1, c] - local[a0, c] if trial == 0 else plane[face_a, 3 + c]
-            t -= along * value[k, PLANE_NORMAL_3 + c]
-            value[k, PLANE_TANGENT_3 + c] = t / np.sqrt(size * off)
+        if off > best and (trial < 2 or best < 0.25):
+            best, chosen = off, trial
+    along, size = 0.0, 0.0
+    for c in range(3):
+        t = _candidate(local, plane, a0, a1, face_a, chosen, c)
+        along += t * value[k, PLANE_NORMAL_3 + c]
+        size += t * t
+    off = 1.0 - along * along / size
+    for c in range(3):
+        t = _candidate(local, plane, a0, a1, face_a, chosen, c)
+        t -= along * value[k, PLANE_NORMAL_3 + c]
+        value[k, PLANE_TANGENT_3 + c] = t / np.sqrt(size * off)
     value[k, BALL_3], radii = scene.radius[q], scene.radius[p] + scene.radius[q]
     evaluate(scene.centroid, radii, turn, scene.pose, which, value, k, a, b)
     return k + 1
