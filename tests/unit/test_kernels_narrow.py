@@ -25,9 +25,11 @@ from builders import (
     with_corner,
 )
 from drystone.contact.contacts import (
-    N_HELD,
+    HELD,
+    LIFT,
     NONE,
     SIZE,
+    STIFF_N,
     VERTEX_A,
     VERTEX_B,
     VERTICES,
@@ -38,14 +40,15 @@ from drystone.contact.histories import predecessor_pairs
 from drystone.contact.plane import narrow, rows
 from drystone.geometry import GeometryError, broad
 from drystone.geometry.broad import candidate_pairs
+from drystone.law import packing
 from drystone.law import plane as plane_law
 from drystone.law.branches import BACKWARD, BONDED, FORWARD, OPEN, STICKING
 from drystone.law.columns import (
+    BROKEN,
     COHESION,
     DILATANCY_END,
     N_HISTORY,
     N_LAW,
-    N_RESPONSE,
     SHEAR,
     TAN_PSI,
     TENSION,
@@ -53,8 +56,8 @@ from drystone.law.columns import (
 from drystone.model.assembly import Assembly, Block, Corner
 from drystone.model.builders import published_wall
 from drystone.model.joint_law import JointLaw
-from drystone.statics.plane import forces
-from drystone.statics.plane.forces import Start, Tangent
+from drystone.statics.linear.tangent import Tangent
+from drystone.statics.plane import contacts as step_contacts
 from interpreted import fewer
 
 pytestmark = pytest.mark.kernels
@@ -272,28 +275,34 @@ class JointOfPair:
         self.laws[0, DILATANCY_END] = np.inf
         self.history = np.zeros((n, N_HISTORY))
         self.history[:, SHEAR] = shear
-        self.start = Start(
-            size=np.zeros(n),
-            rows=np.zeros((n, 2, 6)),
-            closed=np.ones(n, np.bool_),
-            held=np.zeros((0, N_HELD)),
-        )
+        self.there, self.lines = np.zeros(n, np.bool_), np.zeros((n, 2, 6))
         if linear is not None:
-            self.start.size[:] = 0.1
+            self.there[:] = True
             half = Slots.empty(self.pairs.n_slots, 2)
             self.detector.follow(self.pairs, pose + 0.5 * linear, self.known, half)
-            rows.slot_rows(half, self.start.rows)
+            rows.slot_rows(half, self.lines)
 
     def at(self, increment):
         n = len(self.slots.kind)
         self.detector.follow(self.pairs, self.pose + increment, self.known, self.slots)
-        self.force, self.reaction = np.zeros((2, 3)), np.zeros((n, 2))
-        self.branch = np.full(n, -1)
+        self.force, carried = np.zeros((2, 3)), np.zeros((n, 3))
+        branch, response = np.full(n, -1), np.zeros((n, 3, 3))
         self.contacts = Contacts.empty(n, 2, 3)
-        self.count = forces.joint_forces(
-            self.slots, self.pairs, self.laws, 1.0, self.start, self.history, increment,
-            self.contacts, self.force, self.branch, self.reaction, np.zeros_like(self.history),
+        self.count = packing.pack_laws(self.known, self.pairs, self.laws, 1.0, self.contacts)
+        table, count = self.contacts.table, self.count
+        table[:count, LIFT] = table[:count, STIFF_N] * self.laws[0, TAN_PSI]
+        bonded = self.laws[0, COHESION] + self.laws[0, TENSION] > 0.0
+        table[:count, HELD] = bonded & (self.history[self.contacts.slot[:count], BROKEN] == 0.0)
+        step_contacts.locate(
+            self.slots, self.history, self.there, self.lines, self.contacts, count, increment,
+            np.zeros((n, 3)),
         )  # fmt: skip
+        plane_law.choose(table, 0, count, branch)
+        plane_law.respond(table, 0, count, branch, carried, response)
+        step_contacts.sum_forces(self.contacts, count, carried, self.force)
+        self.by_contact, used = (branch, carried), self.contacts.slot[:count]
+        self.branch, self.reaction = np.full(n, -1), np.zeros((n, 2))
+        self.branch[used], self.reaction[used] = branch[:count], carried[:count, :2]
         return self
 
     def linearised(self, motion):
@@ -304,11 +313,14 @@ class JointOfPair:
             Tangent(*(np.full((n, 3, 3), np.nan) for n in (2, n_pairs, n_pairs))) for _ in range(2)
         )
         every = contacts, self.count
-        forces.move_trial(*contacts, self.count, motion)
-        response = np.zeros((len(contacts.slot), N_RESPONSE))
-        plane_law.respond(contacts.which, contacts.table, self.count, self.branch, response)
-        forces.geometric_stiffness(self.slots, *every, self.reaction, bent)
-        forces.assemble(*every, self.pairs, response, bent, motion, force, blocks)
+        step_contacts.move_trial(*contacts, self.count, motion)
+        branch, carried = self.by_contact
+        reaction, response = np.zeros_like(carried), np.zeros((len(carried), 3, 3))
+        plane_law.respond(contacts.table, 0, self.count, branch, reaction, response)
+        step_contacts.geometric_stiffness(self.slots, *every, carried, bent)
+        step_contacts.assemble(
+            *every, self.pairs, reaction, response, bent, motion, force, blocks
+        )  # fmt: skip
         diagonal, upper, lower = blocks
         top, bottom = np.hstack((diagonal[0], upper[0])), np.hstack((lower[0], diagonal[1]))
         return force, np.vstack((top, bottom))

@@ -21,12 +21,13 @@ from drystone.model.assembly import Block, Corner
 from drystone.model.builders import make_model
 from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
+from drystone.statics import solution
+from drystone.statics.constants import Accuracy, PointPace
 from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumState
-from drystone.statics.linear_step import PointPace
-from drystone.statics.plane import path, piecewise
-from drystone.statics.plane.interior import InteriorPoint
-from drystone.statics.plane.piecewise import Accuracy, PathSettings, StepSolution
-from drystone.statics.plane.static_step import StaticStep
+from drystone.statics.plane import path
+from drystone.statics.plane.piecewise import PathSettings
+from drystone.statics.plane.plane_step import PlaneStep
+from drystone.statics.solution import Before, SolutionSettings, StepSolution
 from interpreted import fewer
 
 pytestmark = pytest.mark.kernels
@@ -34,12 +35,12 @@ pytestmark = pytest.mark.kernels
 TIME_STEP = 30.0  # s
 
 
-class Recorded(StaticStep):
+class Recorded(PlaneStep):
     """Notes how each part of the path ended."""
 
-    def begin(self, *args, **kwargs):
+    def __init__(self, *args):
+        super().__init__(*args)
         self.ends = []
-        super().begin(*args, **kwargs)
 
     def advance(self, *args, **kwargs):
         result = super().advance(*args, **kwargs)
@@ -58,6 +59,21 @@ class Taken:
     step: Recorded
     solved: StepSolution
     tolerance: float
+
+    @property
+    def reaction(self):
+        """By slot, (n_slots, 2) [N]."""
+        return self.step.by_slot(self.step.reaction)[:, :2]
+
+    @property
+    def branch(self):
+        """By slot, (n_slots,)."""
+        return self.step.by_slot(self.step.branch)
+
+    @property
+    def history(self):
+        """By slot, where the step ends."""
+        return self.step.finish()
 
 
 def settled(model):
@@ -84,27 +100,27 @@ def take(engine, state, increment, *, guess=None, whole=True, **options):
         increment=increment,
     )
     step = Recorded(engine.equations_of(state).constants, state.pairs)
-    step.begin(state.pose, state.slots, state.history, state.branch, TIME_STEP, guess)
+    step.begin(
+        state.pose, state.slots, state.history, state.branch, TIME_STEP, pace, guess
+    )  # fmt: skip
     accuracy = Accuracy(
         tolerance=tolerance,
         rounding=0.0,
         sliding_rounding=0.0,
         coarsest=tolerance,
         depth=1e-12,
-        slight=0.0,
+        pressed=0.0,
         farthest=0.3 * state.prepared.detector.reach,
     )
-    solved = piecewise.solve(
+    solved = solution.solve(
         step,
-        InteriorPoint(step),
-        pace,
-        guess,
+        [guess],
         state.multiplier,
-        state.branch,
         state.reaction,
         accuracy,
-        PathSettings(**options),
-        whole=whole,
+        SolutionSettings(path=PathSettings(**options)),
+        Before(),
+        beyond=whole,
     )
     return Taken(model, state, increment, guess, step, solved, tolerance)
 
@@ -202,10 +218,10 @@ def check(taken, *, whole):
     touching = np.flatnonzero(step.known.kind)
     laws = [assembly.laws[i] for i in state.pairs.law_of_slot]
     accuracy = 0.1 * taken.tolerance
-    assert step.reaction == pytest.approx(reaction, abs=accuracy)
+    assert taken.reaction == pytest.approx(reaction, abs=accuracy)
     shear, rest = SHEAR, slice(SHEAR)
-    assert step.history[touching, shear] == pytest.approx(history[touching, shear], abs=accuracy)
-    assert step.history[touching, rest] == pytest.approx(history[touching, rest], abs=1e-14)
+    assert taken.history[touching, shear] == pytest.approx(history[touching, shear], abs=accuracy)
+    assert taken.history[touching, rest] == pytest.approx(history[touching, rest], abs=1e-14)
 
     # Equilibrium, with the inertia of so long a step, and the increment that was asked for.
     down = np.column_stack((0.0 * assembly.weight, -assembly.weight, 0.0 * assembly.weight))
@@ -223,7 +239,7 @@ def check(taken, *, whole):
     normal, tangential = reaction.T
     friction = np.array([law.friction_coefficient for law in laws])
     stiffness = np.array([law.shear_stiffness for law in laws]) * state.slots.size
-    bonded = step.branch == BONDED
+    bonded = taken.branch == BONDED
     loose = ~bonded
     assert normal[loose].min(initial=0.0) >= 0.0
     assert (np.abs(tangential) - friction * normal)[loose].max(initial=0.0) <= accuracy
@@ -249,7 +265,7 @@ def check(taken, *, whole):
     lift = np.where(ended[touching], 0.0, np.tan(np.radians(angle)))
     raised = now[:, DILATION] - brought[:, DILATION]
     assert raised == pytest.approx(lift * slid, abs=1e-14)
-    return Counter(step.branch[touching].tolist())
+    return Counter(taken.branch[touching].tolist())
 
 
 FRICTIONS = (0.2, 0.5, 0.8, 1.5)
@@ -354,9 +370,7 @@ class TestRandomAssemblies:
         for seed in range(6):
             model = random_model(seed, n=36)
             for engine, state, increment, guess in states_of(model, seed, n=3):
-                taken = take(
-                    engine, state, increment, guess=guess, whole=whole, worth=0, many_blocks=0
-                )
+                taken = take(engine, state, increment, guess=guess, whole=whole, worth=0)
                 if taken.solved.reason == "" and same_contacts(taken):
                     check(taken, whole=whole)
                     together += path.MANY in taken.step.ends
@@ -590,8 +604,8 @@ class TestSliding:
             taken = take(engine, state, increment, whole=whole)
             check(taken, whole=whole)
             assert taken.solved.multiplier == pytest.approx(sense * 0.5, rel=1e-5)
-            assert taken.step.branch.tolist() == [branch, branch]
-            slid = taken.step.history[:, SLID] - taken.state.history[:, SLID]
+            assert taken.branch.tolist() == [branch, branch]
+            slid = taken.history[:, SLID] - taken.state.history[:, SLID]
             # Turning round, the springs first give back what they had taken.
             elastic = 2e3 * 0.5 / 1e9 * (1.0 - sense)
             assert slid == pytest.approx(1e-3 - elastic, abs=3e-7)  # and the block its tilt

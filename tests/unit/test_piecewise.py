@@ -1,5 +1,5 @@
 """Features of contacts that take turns from solution to solution;
-`drystone.statics.plane.piecewise`."""
+`drystone.statics.plane.plane_step`."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from drystone.contact.contacts import KIND, NONE, VERTEX_A, VERTEX_B, Pairs, Slots
-from drystone.statics.plane.piecewise import Accuracy, PathSettings, _Features
+from drystone.statics.constants import Accuracy
+from drystone.statics.plane.plane_step import KEEP_STEPS, PlaneStep
 
 pytestmark = pytest.mark.kernels
 
 #: Far more than `depth`, what may be told apart [m].
 PRESSED = -1e-3
-SLIGHT = 1e-7
 
 
 def slots(*kinds: int) -> Slots:
@@ -25,27 +25,33 @@ def slots(*kinds: int) -> Slots:
 
 
 class Step:
-    """As much of `StaticStep` as is asked for: what was followed, and what is found."""
+    """As much of `PlaneStep` as is asked for: what was followed, and what is found."""
 
-    def __init__(self, n_blocks: int, n_pairs: int) -> None:
+    meet = PlaneStep.meet
+
+    def __init__(self, n_pairs: int) -> None:
         columns = np.zeros((5, n_pairs), np.int64)
-        self.pairs = Pairs.of(columns, np.ones(n_pairs, np.int64), np.zeros((n_blocks, 3)))
-        self.pose = np.zeros((n_blocks, 3))
+        self.pairs = Pairs.of(columns, np.ones(n_pairs, np.int64), np.zeros((2, 3)))
         self.kept = np.zeros(n_pairs, np.int64)
+
+    def _find(self) -> None:
+        self.found = self.detect(self.slots).copied()
+
+    def _follow(self, slots: Slots) -> None:
+        self.slots, self.solutions = slots, self.solutions + 1
 
     def solve(self, start: Slots, detect) -> tuple[Slots, int]:
         """A step from these contacts: those that it ends with, and how often it was solved."""
         accuracy = Accuracy(
             tolerance=1e-6, rounding=0.0, sliding_rounding=0.0, coarsest=1.0, depth=1e-12,
-            slight=SLIGHT, farthest=1.0,
+            pressed=0.0, farthest=1.0,
         )  # fmt: skip
-        self.slots, solutions = start, 1
-        self.found = detect(start).copied()
-        features = _Features(self, accuracy, PathSettings())
-        while features.change():
-            self.slots, solutions = self.found, solutions + 1
-            self.found = detect(self.slots).copied()
-        return self.found, solutions
+        self.detect, self.slots, self.solutions = detect, start, 1
+        self.before, self.rounds = self.kept.copy(), 0
+        self.changes = np.where(self.kept > 0, 2, 0)
+        while self.meet(accuracy):
+            pass
+        return self.found, self.solutions
 
 
 def turns(followed: Slots) -> Slots:
@@ -53,41 +59,31 @@ def turns(followed: Slots) -> Slots:
     return slots(NONE if followed.kind[0] == VERTEX_B else VERTEX_B, VERTEX_A)
 
 
-FEW, MANY = PathSettings().keep_blocks - 1, PathSettings().keep_blocks
-
-
 def test_features_that_agree_are_solved_for_once():
-    step = Step(MANY, 2)
+    step = Step(2)
     ended, solutions = step.solve(slots(VERTEX_B, VERTEX_A), lambda _: slots(VERTEX_B, VERTEX_A))
     assert solutions == 1
     assert not step.kept.any()
     assert list(ended.kind) == [VERTEX_B, VERTEX_A]
 
 
-def test_of_few_blocks_every_round_is_solved_and_what_is_found_last_is_told():
-    # Three rounds after the first solution: A, B, A, B, and found is A.
-    ended, solutions = Step(FEW, 2).solve(slots(VERTEX_B, VERTEX_A), turns)
-    assert solutions == 1 + PathSettings().max_rounds
-    assert ended.kind[0] == VERTEX_B
-
-
-def test_of_many_blocks_features_change_and_change_back_and_then_stay():
-    step = Step(MANY, 2)
+def test_features_change_and_change_back_and_then_stay():
+    step = Step(2)
     ended, solutions = step.solve(slots(VERTEX_B, VERTEX_A), turns)
     assert solutions == 3  # as they were, the others, as they were
     assert list(ended.kind) == [VERTEX_B, VERTEX_A]
-    assert list(step.kept) == [PathSettings().keep_steps, 0]
+    assert list(step.kept) == [KEEP_STEPS, 0]
 
 
 def test_kept_features_cost_one_solution_a_step_and_are_tried_again_in_the_end():
-    step = Step(MANY, 2)
+    step = Step(2)
     ended, _ = step.solve(slots(VERTEX_B, VERTEX_A), turns)
     counts = []
-    for _ in range(PathSettings().keep_steps + 1):
+    for _ in range(KEEP_STEPS + 1):
         ended, solutions = step.solve(ended, turns)
         counts.append(solutions)
         assert list(ended.kind) == [VERTEX_B, VERTEX_A]
-    assert counts == [1] * PathSettings().keep_steps + [3]
+    assert counts == [1] * KEEP_STEPS + [3]
 
 
 def test_pairs_beside_one_that_takes_turns_change_as_ever():
@@ -98,24 +94,14 @@ def test_pairs_beside_one_that_takes_turns_change_as_ever():
         solved.append(followed)
         return slots(turns(followed).kind[0], VERTEX_A if len(solved) > 1 else NONE)
 
-    step = Step(MANY, 2)
+    step = Step(2)
     ended, _ = step.solve(slots(VERTEX_B, NONE), detect)
     assert list(ended.kind) == [VERTEX_B, VERTEX_A]
-    assert list(step.kept) == [PathSettings().keep_steps, 0]
+    assert list(step.kept) == [KEEP_STEPS, 0]
 
 
 def test_features_found_agree_again_and_are_not_kept_any_longer():
-    step = Step(MANY, 2)
+    step = Step(2)
     ended, _ = step.solve(slots(VERTEX_B, VERTEX_A), turns)
     step.solve(ended, lambda followed: followed)
     assert not step.kept.any()
-
-
-@pytest.mark.parametrize(("apart", "solutions"), [(0.5 * SLIGHT, 1), (2.0 * SLIGHT, 2)])
-def test_features_that_hardly_change_a_gap_stay(apart, solutions):
-    found = slots(VERTEX_A)
-    found.gap[:] -= apart
-    ended, n = Step(MANY, 1).solve(slots(VERTEX_B), lambda _: found)
-    assert n == solutions
-    assert ended.kind[0] == (VERTEX_B if solutions == 1 else VERTEX_A)
-    assert Step(FEW, 1).solve(slots(VERTEX_B), lambda _: found)[1] == 2

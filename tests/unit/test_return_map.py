@@ -12,15 +12,12 @@ from drystone.contact.contacts import (
     LIFT,
     N_TABLE,
     ROOM,
-    SLOT,
     STIFF_N,
     STIFF_T,
     TRIAL_N,
     TRIAL_T,
-    Contacts,
 )
-from drystone.law import cycles, impulse, softening
-from drystone.law import interior as interior_law
+from drystone.law import cones, cycles, impulse, softening
 from drystone.law import plane as plane_law
 from drystone.law import space as space_law
 from drystone.law.branches import (
@@ -49,7 +46,6 @@ from drystone.law.columns import (
     MU,
     N_HISTORY,
     N_LAW,
-    N_RESPONSE,
     OPENED,
     PER_SLIP,
     PULLS,
@@ -61,7 +57,6 @@ from drystone.law.columns import (
 )
 from drystone.law.return_map import branch_for, derivatives_in, reactions_in
 from drystone.law.status import SLIDING
-from drystone.statics.space import cones
 
 pytestmark = pytest.mark.kernels
 
@@ -149,11 +144,11 @@ def test_the_form_of_the_plane_is_the_map_with_a_sign(kind):
         assert plane_law.reactions(table, 0, now) == pytest.approx(
             (normal, sign * tangential, slid)
         )
-        which, response = np.zeros((1, 4), np.int64), np.zeros((1, N_RESPONSE))
-        assert which[0, SLOT] == 0
-        plane_law.respond(which, table, 1, np.array([now]), response)
+        reaction, response = np.zeros((1, 3)), np.zeros((1, 3, 3))
+        plane_law.respond(table, 0, 1, np.array([now]), reaction, response)
+        assert reaction[0] == pytest.approx([normal, sign * tangential, 0.0])
         nn, nt, tn, tt = derivatives_in(now, *joint[:3])
-        assert response[0, 2:] == pytest.approx([nn, sign * nt, sign * tn, tt])
+        assert response[0, :2, :2].ravel() == pytest.approx([nn, sign * nt, sign * tn, tt])
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -216,18 +211,16 @@ def test_the_form_of_impulses_is_the_map():
 @pytest.mark.parametrize("kind", ["dry", "bonded", "crushed", "both"])
 def test_the_interior_ends_on_the_map(kind):
     """Of a barrier of nearly nothing, in the plane and in space; dilation is left to iterations."""
-    energy, branch = 1e-16, np.zeros(1, np.int64)
+    energy = 1e-16
     for rn, shear, *joint in draws(kind):
         expected = reactions_in(branch_for(rn, shear, *joint, OPEN, FORWARD), rn, shear, *joint)
         table = packed(rn, -shear, *joint)
-        which, inner = np.zeros((1, 4), np.int64), np.zeros((1, interior_law.N_INNER))
-        contacts = Contacts(which, np.zeros((1, 3, 6)), table)
-        interior_law.centre(contacts, 1, branch, energy, inner)
-        assert inner[0, :2] == pytest.approx([expected[0], -expected[1]], abs=1e-7)
-        inner, trial = np.zeros((1, cones.N_INNER)), np.array([[rn, 0.6 * shear, -0.8 * shear]])
-        cones.centre_contacts(table, energy, True, trial, inner)
-        along = [0.6 * expected[1], -0.8 * expected[1]]
-        assert inner[0, :3] == pytest.approx([expected[0], *along], abs=1e-7)
+        for along in ((0.6, -0.8), (-1.0, 0.0)):  # in space, and in the plane
+            inner = np.zeros((1, cones.N_INNER))
+            trial = np.array([[rn, along[0] * shear, along[1] * shear]])
+            cones.centre_contacts(table, energy, True, trial, inner)
+            sheared = [share * expected[1] for share in along]
+            assert inner[0, :3] == pytest.approx([expected[0], *sheared], abs=1e-7)
 
 
 #: Of joints that soften: strengths c and f_t, how they fall by slip and opening, what friction

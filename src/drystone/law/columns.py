@@ -32,11 +32,3 @@ N_LAW = 17
 
 #: Those that contacts have times their area, in newtons.
 PER_AREA = (KN, KS, COHESION, TENSION, COHESIVE, PULLS, CRUSHES)
-
-
-#: Columns of the response of a contact: reactions, and their derivatives by the trial reactions,
-#: the first by the normal one.
-RN, RT, NN, NT, TN, TT = 0, 1, 2, 3, 4, 5
-
-
-N_RESPONSE = 6

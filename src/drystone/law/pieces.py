@@ -34,8 +34,7 @@ from drystone.law.branches import (
     both,
     sense,
 )
-from drystone.law.limits import crushing, friction_in, held_normal, yields
-from drystone.law.return_map import branch_for
+from drystone.law.limits import crushing, friction_in, held_normal
 
 
 @njit(cache=True, error_model="numpy")
@@ -102,26 +101,6 @@ def distance_of_dry(table, c, now, rate_n, rate_t, whole):
 
 
 @njit(cache=True, error_model="numpy")
-def landing(table, c, now):
-    """Branch of the law for trial reactions.
-
-    A contact that would slide the other way has passed the band in which it sticks, narrow where
-    the shear stiffness is high; it is taken to stick.
-    """
-    rn, rt, mu = table[c, TRIAL_N], table[c, TRIAL_T], table[c, FRICTION]
-    if now == BONDED:
-        return BONDED
-    if yields(table, c):
-        return landing_beyond(table, c, now)
-    if table[c, STIFF_T] * rn + table[c, LIFT] * abs(rt) <= 0.0:
-        return OPEN
-    if abs(rt) <= mu * rn:
-        return STICKING
-    sliding = FORWARD if rt > 0.0 else BACKWARD
-    return STICKING if sense(now) * rt < 0.0 else sliding
-
-
-@njit(cache=True, error_model="numpy")
 def change(table, rows, c, before, after, u, v, k):
     """Fill u (2 n_dof,) and v[k, 0] with the u and v by whose product the matrix changes with the
     branch of contact c."""
@@ -183,19 +162,6 @@ def distance_beyond(table, c, now, rate_n, rate_t, whole):
             if far < nearest:
                 nearest, following = far, both(across, sliding)
     return nearest, following
-
-
-@njit(cache=True, error_model="numpy")
-def landing_beyond(table, c, now):
-    """`landing` of a contact that `yields`."""
-    rt = table[c, TRIAL_T]
-    there = branch_for(
-        table[c, TRIAL_N], abs(rt), table[c, STIFF_T], table[c, FRICTION], 0.0, table[c, ROOM],
-        crushing(table, c), OPEN, FORWARD if rt > 0.0 else BACKWARD,
-    )  # fmt: skip
-    if sense(now) * sense(there) < 0.0:
-        return both(across_joint(there), STICKING)
-    return there
 
 
 @njit(cache=True, error_model="numpy")

@@ -23,6 +23,7 @@ from drystone.contact.contacts import (
     ADD_N,
     ADD_T,
     FRICTION,
+    HELD,
     LIFT,
     PLASTIC,
     PULL,
@@ -43,7 +44,7 @@ from drystone.law.branches import (
     along_joint,
     sense,
 )
-from drystone.law.columns import DILATION, NN, NT, RN, RT, SHEAR, SLID, TN, TT
+from drystone.law.columns import DILATION, SHEAR, SLID
 from drystone.law.limits import crushing, held_normal
 from drystone.law.return_map import branch_for, derivatives_in, reactions_in
 
@@ -78,15 +79,37 @@ def reactions(table, c, branch):
 
 
 @njit(cache=True, error_model="numpy")
-def respond(which, table, count, branch, response):
-    """Fill reactions and their derivatives by the trial reactions, (n_slots, N_RESPONSE)."""
-    for c in range(count):
-        now = branch[which[c, SLOT]]
+def choose(table, low, high, branch):
+    """Branches (n_contacts,) for the trial reactions of contacts from ``low`` to ``high``."""
+    for c in range(low, high):
+        branch[c] = branch_of(table, c, BONDED if table[c, HELD] != 0.0 else branch[c])
+
+
+@njit(cache=True, error_model="numpy")
+def respond(table, low, high, branch, reaction, response):
+    """Fill reactions (n_contacts, 3), and their derivatives by the trial reactions (n_contacts, 3,
+    3), of contacts from ``low`` to ``high`` in the branches they are in."""
+    for c in range(low, high):
+        now = branch[c]
         sign = -1.0 if along_joint(now) == BACKWARD else 1.0
-        response[c, RN], response[c, RT], _ = reactions(table, c, now)
+        reaction[c, 0], reaction[c, 1], _ = reactions(table, c, now)
         nn, nt, tn, tt = derivatives_in(now, table[c, STIFF_T], table[c, FRICTION], table[c, LIFT])
-        response[c, NN], response[c, NT] = nn, sign * nt
-        response[c, TN], response[c, TT] = sign * tn, tt
+        response[c, 0, 0], response[c, 0, 1] = nn, sign * nt
+        response[c, 1, 0], response[c, 1, 1] = sign * tn, tt
+
+
+@njit(cache=True, error_model="numpy")
+def age(which, table, branch, count, history):
+    """What contacts have at the end of a step, into ``history`` (n_slots, N_HISTORY) so far."""
+    for c in range(count):
+        k, now = which[c, SLOT], branch[c]
+        _, history[k, SHEAR], slid = reactions(table, c, now)
+        if across_joint(now) == CRUSHED:
+            beyond = table[c, TRIAL_N] - crushing(table, c)
+            history[k, DILATION] -= beyond / table[c, STIFF_N]
+        if table[c, LIFT] > 0.0:
+            history[k, DILATION] += table[c, LIFT] / table[c, STIFF_N] * slid
+        history[k, SLID] += slid
 
 
 @njit(cache=True, error_model="numpy")

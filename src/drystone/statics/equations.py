@@ -18,16 +18,19 @@ from drystone.geometry import motion
 from drystone.law.bonds import apart
 from drystone.law.branches import BONDED, OPEN, STICKING
 from drystone.law.columns import BROKEN, COHESION, KN, KS, N_HISTORY, TENSION
-from drystone.statics.linear_step import Loads
-from drystone.statics.plane.interior import InteriorPoint, InteriorSettings
-from drystone.statics.plane.piecewise import Accuracy
-from drystone.statics.plane.static_step import Constants, StaticStep
-from drystone.statics.space.cone_step import ConeStep
+from drystone.statics.constants import Accuracy, Constants, Loads
+from drystone.statics.plane.plane_step import PlaneStep
+from drystone.statics.space.space_step import SpaceStep
+from drystone.statics.static_step import StaticStep
 from drystone.statics.tie_forces import TieForces
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+
+
+#: Force over the heaviest weight by which blocks meet elsewhere than followed.
+PRESSED = 1e-2
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,27 +71,20 @@ class Loaded:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Equations:
-    """The equations of some pairs; `step` and `interior` are worked in."""
+    """The equations of some pairs; `step` is worked in."""
 
     loaded: Loaded
     pairs: Pairs
     accuracy: Accuracy
-    step: ConeStep | StaticStep
-    interior: InteriorPoint | None  # of the plane
+    step: StaticStep
 
     @classmethod
-    def of(
-        cls, loaded: Loaded, pairs: Pairs, accuracy: Accuracy, settings: InteriorSettings
-    ) -> Equations:
+    def of(cls, loaded: Loaded, pairs: Pairs, accuracy: Accuracy) -> Equations:
         """Those of some pairs, to be solved as accurately as said."""
-        step: ConeStep | StaticStep
-        interior = None
-        if loaded.prepared.assembly.dimension == 3:
-            step = ConeStep(loaded.constants, pairs)
-        else:
-            step = StaticStep(loaded.constants, pairs)
-            interior = InteriorPoint(step, settings)
-        return cls(loaded=loaded, pairs=pairs, accuracy=accuracy, step=step, interior=interior)
+        kind = SpaceStep if loaded.prepared.assembly.dimension == 3 else PlaneStep
+        return cls(
+            loaded=loaded, pairs=pairs, accuracy=accuracy, step=kind(loaded.constants, pairs)
+        )
 
     @property
     def loads(self) -> LoadArrays:
@@ -125,7 +121,7 @@ def accuracy_of(prepared: Prepared, tolerance: float, coarsest: float) -> Accura
         sliding_rounding=rounding * stiffest_in_shear,
         coarsest=coarsest * scale,
         depth=max(1e-3 * (tolerance * scale) / stiffest, of_gaps),
-        slight=1e-6 * assembly.smallest_extent,
+        pressed=PRESSED * scale,
         farthest=np.inf,
     )
 

@@ -50,7 +50,8 @@ from drystone.law.status import STATUS_OF
 from drystone.model.assembly import Assembly
 from drystone.model.joint_law import Yielding
 from drystone.model.ties import TieState
-from drystone.statics import yielding
+from drystone.statics import solution, yielding
+from drystone.statics.constants import TOO_STIFF, Accuracy, PointPace
 from drystone.statics.equations import (
     Equations,
     Loaded,
@@ -59,16 +60,9 @@ from drystone.statics.equations import (
     first_history,
     sinking,
 )
-from drystone.statics.linear_step import PointPace
-from drystone.statics.plane import piecewise
-from drystone.statics.plane.interior import InteriorSettings
-from drystone.statics.plane.piecewise import Accuracy, PathSettings, StepSolution
-from drystone.statics.plane.static_step import StaticStep
-from drystone.statics.space import cone_solution
-from drystone.statics.space.cone_solution import Before, SpaceSettings
-from drystone.statics.space.cone_step import ConeStep
-from drystone.statics.ways import WayInPlane, WayInSpace
-from drystone.statics.yielding import Way
+from drystone.statics.plane.plane_step import PlaneStep
+from drystone.statics.solution import Before, SolutionSettings, StepSolution
+from drystone.statics.ways import NewtonWay
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -106,9 +100,7 @@ class EquilibriumSettings:
     #: Inertia, -, above which a point is dynamic: of all blocks over the applied force, and of any
     #: block over its weight.
     inertia_limit: float = 1e-3
-    path: PathSettings = field(default_factory=PathSettings)
-    interior: InteriorSettings = field(default_factory=InteriorSettings)
-    space: SpaceSettings = field(default_factory=SpaceSettings)
+    solution: SolutionSettings = field(default_factory=SolutionSettings)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,11 +173,10 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         size = assembly.smallest_extent
         height = float(np.ptp(assembly.centroid[~assembly.fixed] @ assembly.up)) + size
         step = min(max(height / 500.0, 0.02 * size), 0.1 * size)
-        if assembly.dimension == 3:
-            return Pacing(
-                displacement_step=step, easy_iterations=60, hard_iterations=400, smooth=True
-            )
-        return Pacing(displacement_step=step)
+        smooth = assembly.dimension == 3 or self.settings.solution.path is None
+        return Pacing(
+            displacement_step=step, easy_iterations=60, hard_iterations=400, smooth=smooth
+        )
 
     def start(self, problem: Problem) -> tuple[EquilibriumState, StepReport]:
         """Settle under the dead load, stage by stage; raises `UnstableError`."""
@@ -365,7 +356,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             accuracy=changed(own.accuracy, farthest=farthest),
         )
         solved = self._solve(step)
-        if solved.reason == piecewise.TOO_STIFF:
+        if solved.reason == TOO_STIFF:
             raise EngineError(solved.reason)  # no smaller step would do
         if solved.reason:
             return state, StepReport(
@@ -386,7 +377,6 @@ class EquilibriumEngine(Engine[EquilibriumState]):
 
     def _solve(self, step: _Step) -> StepSolution:
         equations, state = step.equations.step, step.state
-        solve = self._once_in_space if isinstance(equations, ConeStep) else self._once_in_plane
         last: StepSolution | None = None
 
         def once(
@@ -395,7 +385,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             nonlocal last
             if step.equations.ties:
                 step.equations.ties.begin(state.ties)
-            last = solve(step, held, fresh, branch, near, last)
+            last = self._once(step, held, fresh, branch, near, last)
             return last
 
         if not step.state.prepared.strengths.any:
@@ -423,7 +413,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
 
     def _way(
         self, step: _Step, solved: StepSolution | None, held: Array, fresh: Array
-    ) -> Way | None:
+    ) -> NewtonWay | None:
         """Newton's method from a solution, or from where the step is expected to end; see
         `yielding.solve`."""
         equations, state, accuracy = step.equations.step, step.state, step.accuracy
@@ -432,26 +422,27 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             return None
         if solved is None and step.equations.ties:
             step.equations.ties.begin(state.ties)
-        at = state.pose, state.slots, state.history, state.branch, step.h
-        if isinstance(equations, ConeStep):
-            if solved is None:
-                x, demand = step.guess, step.demand
-                if state.tangent is not None and demand.increment is not None:
-                    x = demand.increment * state.tangent
-                equations.begin(*at, step.pace, held, fresh)
-                equations.set_out(x, step.multiplier)
-            space = self.settings.space
-            slight = space.slight * state.prepared.assembly.heaviest_weight
-            return WayInSpace(equations, strengths, accuracy, space, slight)
-        x, multiplier = step.guess, step.multiplier
-        if solved:
-            x, multiplier = solved.increment, solved.multiplier
-        else:
-            equations.begin(*at, x, held, fresh)
-            equations.branch[:] = state.branch
-        return WayInPlane(equations, strengths, step.pace, accuracy, x, multiplier)
+        if solved is None:
+            x, demand = step.guess, step.demand
+            if state.tangent is not None and demand.increment is not None:
+                x = demand.increment * state.tangent
+            self._begin(step, state.branch, x, held, fresh)
+            equations.set_out(x, step.multiplier)
+        return NewtonWay(equations, strengths, accuracy, self.settings.solution)
 
-    def _once_in_space(
+    @staticmethod
+    def _begin(
+        step: _Step, branch: IntArray, guess: Array, held: Array | None, fresh: Array | None
+    ) -> None:
+        """Begin a step from the branches of its contacts (n_slots,)."""
+        equations, state = step.equations.step, step.state
+        if isinstance(equations, PlaneStep):
+            equations.kept[:] = 0 if state.kept is None else state.kept
+        equations.begin(
+            state.pose, state.slots, state.history, branch, step.h, step.pace, guess, held, fresh
+        )
+
+    def _once(
         self,
         step: _Step,
         held: Array | None,
@@ -461,56 +452,28 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         last: StepSolution | None,
     ) -> StepSolution:
         """Solve a step with what joints hold, from the ``last`` solution of it, if any."""
-        equations, state, demand, pace = step.equations.step, step.state, step.demand, step.pace
-        assert isinstance(equations, ConeStep)
-        equations.begin(state.pose, state.slots, state.history, branch, step.h, pace, held, fresh)
+        state, demand, paced = step.state, step.demand, step.pace is not None
+        self._begin(step, branch, step.guess, held, fresh)
         guesses, multiplier = [step.guess], step.multiplier
         if state.tangent is not None and demand.increment is not None:
             guesses.append(demand.increment * state.tangent)
         if last is not None:
             guesses = [last.increment if near is None else near]
-            multiplier = multiplier if pace is None else last.multiplier
-        return cone_solution.solve(
-            equations,
+            multiplier = multiplier if not paced else last.multiplier
+        return solution.solve(
+            step.equations.step,
             guesses,
             multiplier,
+            state.reaction,
             step.accuracy,
-            self.settings.space,
+            self.settings.solution,
             Before(
                 calm=state.calm or last is not None,
                 slope=np.nan if state.softened else state.slope,
             ),
             dynamic=demand.time_step > 0.0,
             thorough=demand.thorough,
-        )
-
-    def _once_in_plane(
-        self,
-        step: _Step,
-        held: Array | None,
-        fresh: Array | None,
-        branch: IntArray,
-        near: Array | None,
-        last: StepSolution | None,
-    ) -> StepSolution:
-        """The same, always from where the step starts."""
-        equations, state, demand, pace = step.equations.step, step.state, step.demand, step.pace
-        interior = step.equations.interior
-        assert isinstance(equations, StaticStep) and interior is not None
-        x = step.guess
-        equations.begin(state.pose, state.slots, state.history, branch, step.h, x, held, fresh)
-        equations.kept[:] = 0 if state.kept is None else state.kept
-        return piecewise.solve(
-            equations,
-            interior,
-            pace,
-            x if near is None or pace is None else near,
-            step.multiplier,
-            branch,
-            state.reaction,
-            step.accuracy,
-            self.settings.path,
-            whole=pace is None or demand.time_step > 0.0 or demand.over_fold,
+            beyond=demand.over_fold,
         )
 
     def _refresh(self, state: EquilibriumState) -> EquilibriumState:
@@ -529,7 +492,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         if old is None or not same or old.gone is not state.gone:
             old = Loaded.of(prepared, state.stage, state.gone)
         accuracy = accuracy_of(prepared, self.settings.tolerance, COARSEST)
-        self.last = Equations.of(old, state.pairs, accuracy, self.settings.interior)
+        self.last = Equations.of(old, state.pairs, accuracy)
         return self.last
 
     def _paired(self, state: EquilibriumState, gone: BoolArray) -> EquilibriumState:
@@ -638,7 +601,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     ) -> tuple[EquilibriumState, StepReport]:
         """The state that a step has led to, and its figures."""
         judged, then = self._ended(own, state)
-        flat = own.step if isinstance(own.step, StaticStep) else None
+        flat = own.step if isinstance(own.step, PlaneStep) else None
         slots = own.step.found.copied()
         past = self._past(then)
         narrow = state.prepared.detector.narrow
@@ -674,7 +637,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             tangent=solved.tangent,
             kept=flat.kept.copy() if flat else None,
             unstable=solved.unstable,
-            calm=flat is None and bool(np.array_equal(then.branch, state.branch)),
+            calm=bool(np.array_equal(then.branch, state.branch)),
             acted=then.acted,
         )
         outcome = self._report(own, new, judged, solved.n_iterations, h)
@@ -705,20 +668,12 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         """The contacts that a step was solved with, where it has ended: as they are judged, and in
         the state that it started from."""
         equations = own.step
-        if not isinstance(equations, ConeStep):
-            return equations.judged(), changed(
-                state,
-                slots=equations.known,
-                history=equations.history,
-                reaction=equations.reaction,
-                branch=equations.branch,
-            )
         history = equations.finish()
         ended = changed(
             state,
             slots=equations.slots.copied(),
             history=history,
-            reaction=equations.by_slot(equations.reaction),
+            reaction=equations.by_slot(equations.reaction)[:, : equations.dim],
             branch=equations.by_slot(equations.branch),
         )
         return equations.judged(history), changed(ended, acted=self._acted(ended))

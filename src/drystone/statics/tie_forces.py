@@ -22,7 +22,7 @@ from drystone.model import tie_kernels as kernel
 from drystone.model.assembly import Assembly
 from drystone.model.loading.dead_forces import principal_axes
 from drystone.model.ties import BROKEN, Bars, TieState
-from drystone.statics.plane.forces import Tangent
+from drystone.statics.linear.tangent import Tangent
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

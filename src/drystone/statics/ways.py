@@ -10,13 +10,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.geometry.motion import rotations
 from drystone.law.strengths import Strengths
-from drystone.statics.linear_step import Pace
-from drystone.statics.plane import piecewise
-from drystone.statics.plane.piecewise import Accuracy, StepSolution
-from drystone.statics.plane.static_step import StaticStep
-from drystone.statics.space.cone_solution import SpaceSettings, grows
-from drystone.statics.space.cone_step import ConeStep
+from drystone.statics.constants import Accuracy
+from drystone.statics.solution import SolutionSettings, StepSolution, grows
+from drystone.statics.static_step import StaticStep
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -27,150 +25,72 @@ IntArray = NDArray[np.int64]
 FARTHEST_TURN = 0.2
 
 
-class WayInPlane:
-    """That of a `StaticStep` from increments (n, 3) and a multiplier."""
+class NewtonWay:
+    """A step on its way, from where it is, to an equilibrium with the strengths that joints have
+    there."""
 
     def __init__(
         self,
         step: StaticStep,
         strengths: Strengths,
-        pace: Pace | None,
         accuracy: Accuracy,
-        x: Array,
-        multiplier: float,
+        settings: SolutionSettings,
     ) -> None:
-        self.step, self.strengths, self.pace = step, strengths, pace
-        self.accuracy = accuracy
-        self.increment, self.multiplier = x.copy(), multiplier
-        self.by_multiplier = 0.0
-
-    @property
-    def residual(self) -> float:
-        """See `Way.residual`."""
-        return self.step.residual
-
-    @property
-    def missing(self) -> float:
-        """See `Way.missing`."""
-        return self.pace.missing(self.increment) if self.pace else 0.0
-
-    def soften(self, start: Array) -> tuple[IntArray, Array]:
-        """See `Way.soften`."""
-        return self.step.soften(self.strengths, start, self.increment, self.multiplier)
-
-    def gap(self, slot: IntArray) -> Array:
-        """See `Way.gap`."""
-        return self.step.slots.gap[slot]
-
-    def aim(self) -> bool:
-        """See `Way.aim`."""
-        step = self.step
-        if not self._factorise():
-            return False
-        self.by_multiplier = step.direction(self.missing, paced=self.pace is not None)
-        return bool(np.isfinite(self.by_multiplier))
-
-    def _factorise(self) -> bool:
-        step = self.step
-        gradient = self.pace.gradient(self.increment) if self.pace else step.force
-        step.damping[:] = 0.0
-        return step.factorise(self.pace, gradient, 0.0)
-
-    def move(self, length: float) -> None:
-        """See `Way.move`."""
-        self.increment += length * self.step.frame.columns[0]
-        self.multiplier += length * self.by_multiplier
-
-    def stand(self, held: Array, solved: StepSolution) -> StepSolution | None:
-        """See `Way.stand`."""
-        step, x = self.step, self.increment
-        step.start.held[:] = held
-        if not piecewise.stands(step, self.pace, x, self.multiplier, self.accuracy):
-            return None
-        return replace(
-            solved,
-            increment=x,
-            multiplier=self.multiplier,
-            excess=solved.excess or (0.0, 0.0),
-            bend=solved.bend or (0.0, 0.0),
-            reason="",
+        self.step, self.strengths, self.accuracy, self.settings = (
+            step,
+            strengths,
+            accuracy,
+            settings,
         )
-
-    def slope(self) -> float | None:
-        """See `Way.slope`."""
-        step = self.step
-        if not self._factorise():
-            return None
-        step.force[:] = 0.0
-        slope = step.direction(1.0, paced=self.pace is not None)
-        return slope if step.stable and np.isfinite(slope) else None
-
-
-class WayInSpace:
-    """That of a `ConeStep` from where it is; forces that blocks meet with are ``slight`` [N]."""
-
-    def __init__(
-        self,
-        step: ConeStep,
-        strengths: Strengths,
-        accuracy: Accuracy,
-        settings: SpaceSettings,
-        slight: float,
-    ) -> None:
-        self.step, self.strengths, self.accuracy, self.slight = step, strengths, accuracy, slight
-        self.settings = settings
         self.by_multiplier, self.tangent, self.at_end = 0.0, np.zeros_like(step.x), np.nan
 
     @property
     def residual(self) -> float:
-        """See `Way.residual`."""
+        """Largest unbalanced force [N]."""
         return self.step.residual
 
     @property
     def missing(self) -> float:
-        """See `Way.missing`."""
+        """What is missing of the pacing displacement [m]."""
         return self.step.missing
 
     @property
     def increment(self) -> Array:
-        """See `Way.increment`."""
+        """Where it has come to, (n, n_dof)."""
         return self.step.x.copy()
 
     def soften(self, start: Array) -> tuple[IntArray, Array]:
-        """See `Way.soften`."""
+        """Unbalanced forces, and tangent, where it is: slots (n,) of joints that yield and what
+        they come to (n, N_POINT), by their history ``start`` (n_slots, N_HISTORY + dim - 2)."""
         return self.step.soften(self.strengths, start)
 
     def gap(self, slot: IntArray) -> Array:
-        """See `Way.gap`."""
+        """Gaps of slots (n,) [m]."""
         return self.step.ended().gap[slot]
 
     def aim(self) -> bool:
-        """See `Way.aim`."""
+        """Find the direction of Newton's method; whether there is one."""
         step = self.step
         step.damping[:] = 0.0
         if not step.factorise(step.reaction, 0.0):
             return False
         step.frame.columns[0] = step.force
         self.by_multiplier = step.solve(step.missing)
-        most = float(np.abs(step.frame.columns[0][:, 3:]).max())
+        most = float(np.abs(rotations(step.frame.columns[0])).max())
         return bool(np.isfinite(self.by_multiplier) and most < FARTHEST_TURN)
 
     def move(self, length: float) -> None:
-        """See `Way.move`."""
+        """Go on by so much of it."""
         self.step.multiplier += length * self.by_multiplier
         self.step.move(self.step.frame.columns[0], length)
 
     def stand(self, held: Array, solved: StepSolution) -> StepSolution | None:
-        """See `Way.stand`."""
+        """The solution where it is, with what joints hold there (n_slots, N_HELD), if nothing is
+        unbalanced with that; but for its place as one ``solved`` before."""
         step, accuracy = self.step, self.accuracy
         step.take(held)
         moved = step.constants.detector.farthest(step.x)
-        rounding = max(accuracy.rounding, accuracy.sliding_rounding) * moved
-        enough = max(accuracy.tolerance, min(rounding, accuracy.coarsest))
-        short = abs(step.missing) <= accuracy.lag
-        if not (step.residual <= enough and short and moved <= accuracy.farthest):
-            return None
-        if step.meet(self.slight):
+        if not (step.balanced(accuracy) and moved <= accuracy.farthest) or step.meet(accuracy):
             return None
         return replace(
             solved,
@@ -186,7 +106,7 @@ class WayInSpace:
         )
 
     def slope(self) -> float | None:
-        """See `Way.slope`."""
+        """Of the curve [1/m], where it is; None where the structure would not keep it."""
         step = self.step
         step.damping[:] = 0.0
         if not step.factorise(step.reaction, 0.0):

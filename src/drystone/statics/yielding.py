@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,13 +24,13 @@ from numpy.typing import NDArray
 from drystone.contact.contacts import (
     PULL,
     ROOM,
-    Pairs,
 )
 from drystone.law import softening
 from drystone.law.branches import ACROSS, OPEN, TORN, TORN_STICKING
 from drystone.law.strengths import Reached, Strengths, difference
-from drystone.statics.plane.piecewise import StepSolution
-from drystone.statics.plane.static_step import Ended
+from drystone.statics.solution import StepSolution
+from drystone.statics.static_step import StaticStep
+from drystone.statics.ways import NewtonWay
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -67,64 +67,6 @@ FARTHEST = 0.7
 SHARES = np.linspace(0.05, 0.95, 19)
 
 
-class YieldingStep(Protocol):
-    """Equations of a step, of either dimension, as far as strengths follow from them."""
-
-    @property
-    def pairs(self) -> Pairs:
-        """Those of its slots."""
-        ...
-
-    def ended(self) -> Ended:
-        """What the solution last evaluated has led to; its `after` is the step's history."""
-        ...
-
-
-class Way(Protocol):
-    """A step on its way to an equilibrium with the strengths that joints have there."""
-
-    @property
-    def residual(self) -> float:
-        """Largest unbalanced force [N]."""
-        ...
-
-    @property
-    def missing(self) -> float:
-        """What is missing of the pacing displacement [m]."""
-        ...
-
-    @property
-    def increment(self) -> Array:
-        """Where it has come to, (n, n_dof)."""
-        ...
-
-    def soften(self, start: Array) -> tuple[IntArray, Array]:
-        """Unbalanced forces, and tangent, where it is: slots (n,) of joints that yield and what
-        they come to (n, N_POINT), by their history ``start`` (n_slots, N_HISTORY + dim - 2)."""
-        ...
-
-    def gap(self, slot: IntArray) -> Array:
-        """Gaps of slots (n,) [m]."""
-        ...
-
-    def aim(self) -> bool:
-        """Find the direction of Newton's method; whether there is one."""
-        ...
-
-    def move(self, length: float) -> None:
-        """Go on by so much of it."""
-        ...
-
-    def stand(self, held: Array, solved: StepSolution) -> StepSolution | None:
-        """The solution where it is, with what joints hold there (n_slots, N_HELD), if nothing is
-        unbalanced with that; but for its place as one ``solved`` before."""
-        ...
-
-    def slope(self) -> float | None:
-        """Of the curve [1/m], where it is; None where the structure would not keep it."""
-        ...
-
-
 class Beginning(NamedTuple):
     """Where a step starts."""
 
@@ -144,11 +86,11 @@ Once = Callable[[Array, Array, IntArray, Array | None], StepSolution]
 
 # Long: Newton's method and falling strengths take turns, each from what the other has found.
 def solve(
-    step: YieldingStep,
+    step: StaticStep,
     strengths: Strengths,
     start: Beginning,
     once: Once,
-    way: Callable[[StepSolution | None, Array, Array], Way | None],
+    way: Callable[[StepSolution | None, Array, Array], NewtonWay | None],
     tolerance: float,
     increment: float | None,
     *,
@@ -236,7 +178,7 @@ class _Come(NamedTuple):
     change: float  # N, by which what contacts hold follows from it anew
 
     @classmethod
-    def to(cls, step: YieldingStep, strengths: Strengths, history: Array) -> _Come:
+    def to(cls, step: StaticStep, strengths: Strengths, history: Array) -> _Come:
         """That of a step which starts with a ``history`` (n_slots, N_HISTORY + dim - 2)."""
         law, end = step.pairs.law_of_slot, step.ended()
         before = np.where((end.origin < 0)[:, None], end.before, history[end.origin])
@@ -248,10 +190,10 @@ class _Come(NamedTuple):
 
 
 def _stood(
-    step: YieldingStep,
+    step: StaticStep,
     strengths: Strengths,
     history: Array,
-    way: Way,
+    way: NewtonWay,
     held: Array,
     solved: StepSolution,
     tolerance: float,
@@ -281,7 +223,7 @@ class _Settled(NamedTuple):
     slope: float  # 1/m
 
 
-def _settled(way: Way | None, come: _Come, enough: float) -> _Settled | None:
+def _settled(way: NewtonWay | None, come: _Come, enough: float) -> _Settled | None:
     """Newton's method on a way, as contacts have come to it; None where that leads to no
     equilibrium that the structure would keep.  ``enough`` is the force that may be left [N]."""
     if way is None:

@@ -63,7 +63,7 @@ def _flat_face(edge, normal, edge_p, edge_q, work):
 
 @njit(cache=True)
 def _candidate(local, plane, a0, a1, face, trial, c):
-    """Component c of what a tangent may be made from: an edge, its face's tangent, or its normal."""
+    """Component c of what a tangent may be made from: an edge, a face's tangent, or its normal."""
     if trial == 0:
         return local[a1, c] - local[a0, c]
     return plane[face, 3 + c] if trial == 1 else plane[face, c]

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from drystone.contact.contacts import FRICTION, N_TABLE, STIFF_N, STIFF_T
 from drystone.contact.rows import IN_SPACE, contact_velocities
 from drystone.dynamics.sweeps import ContactProblem, momentum_defect
+from drystone.law import cones as kernels
 from drystone.statics.linear.block_system import BlockSystem, SingularMatrixError
-from drystone.statics.space import cones as kernels
 from drystone.statics.tie_forces import TieImpulses
 
 Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ class Interior:
     system: BlockSystem
     free_velocity: Array
     h: float
-    penalty: float  # kg, see `statics.space.cones`
+    penalty: float  # kg, see `law.cones`
     centre: Array  # (n_contacts, 2) N s
     ties: TieImpulses | None = None
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from drystone.statics.linear import numeric as lu_numeric
 from drystone.statics.linear import symbolic as lu_symbolic
-from drystone.statics.plane.forces import Tangent
+from drystone.statics.linear.tangent import Tangent
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from drystone.common.threads import Team
 from drystone.statics.linear import numeric as lu_numeric
 from drystone.statics.linear.symbolic import BORDER, CHILD, FIRST, SIBLING, UPDATE, Structure, cost
-from drystone.statics.plane.forces import Tangent
+from drystone.statics.linear.tangent import Tangent
 
 Array = NDArray[np.float64]
 

@@ -25,7 +25,6 @@ from drystone.contact.contacts import (
     BODY_B,
     FRICTION,
     ROOM,
-    SLOT,
     STIFF_N,
     STIFF_T,
     TRIAL_N,
@@ -35,13 +34,14 @@ from drystone.contact.plane.rows import along
 from drystone.contact.rows import MEASURED, OF_GAP
 from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING, across_joint, both, sense
 from drystone.law.limits import held_normal
-from drystone.law.pieces import all_dry, change, distance, distance_of_dry, landing
+from drystone.law.pieces import all_dry, change, distance, distance_of_dry
 from drystone.law.plane import commit
+from drystone.statics.balance import border
 from drystone.statics.linear.numeric import solve
 
 #: How a path ends: where it should; before it, as it turns back; at a change after which the
 #: matrix must be made anew; after too many changes; where there is no direction; with more
-#: changes ahead than are worth following, where it starts or after a leap.
+#: changes ahead than are worth following, where it starts.
 DONE, TURNED, RENEW, LOST, SINGULAR, MANY = 0, 1, 2, 3, 4, 5
 
 #: Sliding back by less than this share of the blocks' motion does not end sliding.
@@ -82,10 +82,8 @@ class Rules(NamedTuple):
     whole: bool
     #: Largest number of changes.
     patience: int
-    #: Number of changes ahead up to which they are followed, and whether to go all the way in one
-    #: where more are: one step of Newton's method.
+    #: Number of changes ahead up to which they are followed.
     worth: int
-    leap: bool
 
 
 class Way(NamedTuple):
@@ -95,37 +93,6 @@ class Way(NamedTuple):
     multiplier: float
     left: float
     changes: int
-
-
-@njit(cache=True, error_model="numpy")
-def _dot(first, second):
-    total = 0.0
-    for i in range(first.shape[0]):
-        for d in range(first.shape[1]):
-            total += first[i, d] * second[i, d]
-    return total
-
-
-@njit(cache=True, error_model="numpy")
-def border(frame, x, lag):
-    """From K'^-1 rhs to the solution of K dx - F dl = rhs, g . dx = lag, in place; returns dl.
-
-    With K' = K + k e e^T and s = e . dx:  dx = K'^-1 rhs + dl K'^-1 F + s k K'^-1 e.
-    """
-    by_load, by_spring = frame.columns[1], frame.columns[2]
-    g1, g2, g3 = _dot(frame.pace, x), _dot(frame.pace, by_load), _dot(frame.pace, by_spring)
-    e1, e2, e3 = _dot(frame.axis, x), _dot(frame.axis, by_load), _dot(frame.axis, by_spring)
-    determinant = g2 * (e3 - 1.0) - g3 * e2
-    frame.border[0] = determinant
-    if determinant == 0.0:
-        return np.nan
-    missing = lag - g1
-    change = (missing * (e3 - 1.0) + g3 * e1) / determinant
-    along = (-g2 * e1 - e2 * missing) / determinant
-    for i in range(x.shape[0]):
-        for d in range(x.shape[1]):
-            x[i, d] += change * by_load[i, d] + along * by_spring[i, d]
-    return change
 
 
 @njit(cache=True, error_model="numpy")
@@ -153,7 +120,7 @@ def _ahead(contacts, count, direction, branch, whole):
         a = which[c, BODY_A]
         b = which[c, BODY_B]
         rate_n, rate_t = _rates(table, rows, c, direction, a, b)
-        now = branch[which[c, SLOT]]
+        now = branch[c]
         far, _ = distance(table, c, now, rate_n, rate_t, whole)
         back = 0.0
         if not whole and now > STICKING:
@@ -164,24 +131,11 @@ def _ahead(contacts, count, direction, branch, whole):
 
 
 @njit(cache=True, error_model="numpy")
-def _leap(contacts, count, direction, branch):
-    """Take all contacts to the end of the direction and to the branches they have there."""
-    which, rows, table = contacts
-    for c in range(count):
-        a = which[c, BODY_A]
-        b = which[c, BODY_B]
-        rate_n, rate_t = _rates(table, rows, c, direction, a, b)
-        table[c, TRIAL_N] += rate_n
-        table[c, TRIAL_T] += rate_t
-        branch[which[c, SLOT]] = landing(table, c, branch[which[c, SLOT]])
-
-
-@njit(cache=True, error_model="numpy")
 def _keep_slow(contacts, count, branch):
     """Make sliding back that was too slow to end a part of the history."""
-    table, which = contacts.table, contacts.which
+    table = contacts.table
     for c in range(count):
-        now = branch[which[c, SLOT]]
+        now = branch[c]
         sign = sense(now)
         if sign != 0.0:
             most = table[c, FRICTION] * held_normal(table, c, now) + table[c, ROOM]
@@ -209,7 +163,7 @@ def _next_change(contacts, count, branch, direction, ahead, whole, dry, last, le
         rate_n *= ahead
         rate_t *= ahead
         rate[c, 0], rate[c, 1] = rate_n, rate_t
-        now = branch[which[c, SLOT]]
+        now = branch[c]
         if not whole and now > STICKING:
             speed = _sliding_back(table, c, now, rate_n, rate_t)
             if speed < slowest:
@@ -317,22 +271,15 @@ def follow_path(
     -------
     How the path ended, the multiplier, the share that is left and the number of changes.
     """
-    paced, whole, patience, worth, leap = rules
+    paced, whole, patience, worth = rules
     multiplier, left, changes = way
-    table, which, rate = contacts.table, contacts.which, frame.rate
+    table, rate = contacts.table, frame.rate
     direction = frame.columns[0]
     by_direction = _first_direction(structure, factors, frame, paced, force, lag, spring)
     if not np.isfinite(by_direction):
         return SINGULAR, multiplier, left, changes
-    if worth < count:
-        many = _ahead(contacts, count, direction, branch, whole)
-        astray = paced and frame.sign[0] * frame.border[0] > 0.0
-        if (many > worth or astray) and not leap:
-            return MANY, multiplier, left, changes
-        if many > worth:
-            _leap(contacts, count, direction, branch)
-            _go(direction, 1.0, x, rate, 0.0, table, 0)
-            return MANY, multiplier + by_direction, left, changes
+    if worth < count and _ahead(contacts, count, direction, branch, whole) > worth:
+        return MANY, multiplier, left, changes
     ahead, dry = frame.sense[0], all_dry(table, count)
     new, last = -1, -1  # change since the factorisation, and the contact that has changed
     before = OPEN
@@ -353,8 +300,8 @@ def follow_path(
         left *= 1.0 - ahead * length
         if left > 1.0 + 1e-3:
             return TURNED, multiplier, left, changes
-        last, before = chosen, branch[which[chosen, SLOT]]
-        branch[which[chosen, SLOT]] = following
+        last, before = chosen, branch[chosen]
+        branch[chosen] = following
         if changes < frame.bends.shape[0]:
             frame.bends[changes, 0], frame.bends[changes, 1] = 1.0 - left, multiplier
         changes += 1

@@ -1,4 +1,4 @@
-"""A static step in space as a whole: attempts, the equilibrium's stability, and its report.
+"""A static step as a whole: the ways that are tried, the equilibrium's stability, and its report.
 
 Equilibria that a structure would not keep are found as well as others.  They show in the sign of
 the bordered determinant, where the number of their unstable modes is odd, or in the quotient of
@@ -14,13 +14,39 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.statics.balance import border
+from drystone.statics.constants import TOO_STIFF, Accuracy
+from drystone.statics.interior import Attempt, InteriorPoint, InteriorSettings
 from drystone.statics.linear import numeric as lu_numeric
-from drystone.statics.plane import path
-from drystone.statics.plane.piecewise import Accuracy, StepSolution
-from drystone.statics.space.cone_search import Attempt, ConeSearch, ConeSettings
-from drystone.statics.space.cone_step import ConeStep
+from drystone.statics.plane import piecewise
+from drystone.statics.plane.piecewise import Followed, PathSettings
+from drystone.statics.plane.plane_step import PlaneStep
+from drystone.statics.static_step import StaticStep
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepSolution:
+    """Where the path led; with a `reason` where that is not an equilibrium."""
+
+    increment: Array  # (n, n_dof)
+    multiplier: float
+    n_iterations: int
+    #: Share of the step, and multiplier there, where the path of equilibria first turned back.
+    turn: tuple[float, float] | None = None
+    #: By how much the multiplier exceeds both its ends within the step, and how far it bends from
+    #: its chord, each with the share of the step where it does so most.
+    excess: tuple[float, float] | None = None
+    bend: tuple[float, float] | None = None
+    #: How far from the tangent at its start a step has taken the block that it took farthest, over
+    #: the farthest motion of all; in space.
+    swerve: float | None = None
+    slope: float = np.nan  # 1/m, of the curve at the end; in space
+    tangent: Array | None = None  # (n, n_dof) per m of the pacing displacement, in space
+    unstable: bool = False  # whether the structure would not keep it, and none was found beside it
+    softened: bool = False  # whether joints soften where it is, and the slope is with that
+    reason: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,14 +76,14 @@ class Judgement:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpaceSettings:
-    """How steps in space are solved."""
+class SolutionSettings:
+    """How steps are solved."""
 
-    #: Times that a step is solved again as blocks meet in it, and the force over a block's weight
-    #: with which they do.
+    #: Times that a step is solved again as blocks meet in it, or with other features.
     meetings: int = 3
-    slight: float = 1e-2
-    cones: ConeSettings = field(default_factory=ConeSettings)
+    #: Whether linear pieces are followed where there are any, and how long.
+    path: PathSettings | None = field(default_factory=PathSettings)
+    interior: InteriorSettings = field(default_factory=InteriorSettings)
     stability: StabilitySettings = field(default_factory=StabilitySettings)
 
 
@@ -70,9 +96,9 @@ class Before:
 
 
 class _Solver:
-    def __init__(self, step: ConeStep, accuracy: Accuracy, settings: SpaceSettings) -> None:
+    def __init__(self, step: StaticStep, accuracy: Accuracy, settings: SolutionSettings) -> None:
         self.step, self.settings = step, settings
-        self.search = ConeSearch(step, accuracy, settings.cones)
+        self.search = InteriorPoint(step, accuracy, settings.interior)
 
     def nearest(self, guesses: Sequence[Array], multiplier: float) -> Array:
         """The guess, of several, that leaves least unbalanced."""
@@ -99,7 +125,7 @@ class _Solver:
 
         There is one attempt where a step is paced, a short one where it is not ``thorough``.
         """
-        step, s = self.step, self.settings.cones
+        step, s = self.step, self.settings.interior
         if warm:
             step.set_out(guess, multiplier)
             if self.search.newton(s.warm_iterations, patience=s.warm_patience, gain=s.warm_gain):
@@ -132,7 +158,7 @@ class _Solver:
         step, settings = self.step, self.settings
         for _ in range(settings.meetings):
             x, multiplier = step.x.copy(), step.multiplier
-            if not step.meet(settings.slight * self.search.block_weight):
+            if not step.meet(self.search.accuracy):
                 return True
             step.set_out(x, multiplier)
             if not (self.search.newton(8) or self.find(x, multiplier)):
@@ -158,7 +184,7 @@ class _Solver:
             lu_numeric.solve(step.structure, step.factors, y)
             if step.pace is not None:
                 for column in y:
-                    path.border(frame, column, 0.0)
+                    border(frame, column, 0.0)
             if not np.isfinite(y).all():
                 return None
         weighted = (x * mass).reshape(s.modes, -1)
@@ -211,15 +237,17 @@ def _orthonormal(x: Array, mass: Array) -> Array:
 
 
 def solve(
-    step: ConeStep,
+    step: StaticStep,
     guesses: Sequence[Array],
     multiplier: float,
+    reaction: Array,
     accuracy: Accuracy,
-    settings: SpaceSettings,
+    settings: SolutionSettings,
     before: Before,
     *,
     dynamic: bool = False,
     thorough: bool = True,
+    beyond: bool = False,
 ) -> StepSolution:
     """Solve a step that has begun; its equations are left evaluated at the solution.
 
@@ -231,13 +259,69 @@ def solve(
         Increments (n, n_dof) near which the step may end; the second along the tangent, if any.
     multiplier
         Where the step starts; without a pace, the one that is asked for.
+    reaction
+        Of all contacts where it starts, (n_slots, dim) [N].
     accuracy, settings, before
         See there.
     dynamic
         Whether the step is one in time, in which inertia holds what is not stable.
     thorough
         Whether more than the first way is tried.
+    beyond
+        Whether an equilibrium is looked for beyond where the path of equilibria turns back, on that
+        of the implicit law.
     """
+    if step.pace is None and _stands(step, guesses[0], multiplier, accuracy):
+        return StepSolution(increment=step.x.copy(), multiplier=multiplier, n_iterations=0)
+    followed: Followed | None = None
+    if settings.path is not None and isinstance(step, PlaneStep):
+        followed = piecewise.follow(
+            step, guesses[0], multiplier, reaction, accuracy, settings.path,
+            whole=step.pace is None or dynamic or beyond,
+        )  # fmt: skip
+        # A path that turns back says that there is none ahead: what follows is motion.
+        turned = followed.turned and step.pace is not None
+        if not followed.reason or turned or followed.reason == TOO_STIFF:
+            return _as_followed(step, followed)
+        step.again()
+    return _from_inside(
+        step, guesses, multiplier, accuracy, settings, before, followed,
+        dynamic=dynamic, thorough=thorough,
+    )  # fmt: skip
+
+
+def _stands(step: StaticStep, guess: Array, multiplier: float, accuracy: Accuracy) -> bool:
+    """Whether a step with a given multiplier ends where it is expected, with nothing to be done."""
+    step.set_out(guess if step.given.any() else np.zeros_like(guess), multiplier)
+    step.respond()
+    return step.balance(step.reaction) <= accuracy.tolerance and not step.meet(accuracy)
+
+
+def _as_followed(step: PlaneStep, followed: Followed) -> StepSolution:
+    return StepSolution(
+        increment=step.x.copy(),
+        multiplier=step.multiplier,
+        n_iterations=followed.count,
+        turn=followed.turn,
+        excess=followed.excess,
+        bend=followed.bend,
+        reason=followed.reason,
+    )
+
+
+def _from_inside(
+    step: StaticStep,
+    guesses: Sequence[Array],
+    multiplier: float,
+    accuracy: Accuracy,
+    settings: SolutionSettings,
+    before: Before,
+    followed: Followed | None,
+    *,
+    dynamic: bool,
+    thorough: bool,
+) -> StepSolution:
+    """Solve a step from the interior of the law, or by Newton's method where it is calm."""
     solver = _Solver(step, accuracy, settings)
     driven = step.constants.detector.farthest(step.given)
     increment = step.pace.missing(np.zeros_like(guesses[0])) if step.pace else driven
@@ -246,11 +330,11 @@ def solve(
     found = solver.find(guess, multiplier, warm=before.calm, thorough=thorough, follows=follows)
     found = found and solver.meet()
     n_iterations = solver.search.iterations
-    turn, judged = None, None
+    turn, judged = followed.turn if followed else None, None
     if found and follows:
         judged = solver.judge()
         if not judged.stable:
-            turn = (1.0, step.multiplier)
+            turn = turn or (1.0, step.multiplier)
     end = judged.slope if judged else math.nan
     reason = _reason(found, n_iterations, step, accuracy)
     shape = _shape(multiplier, step.multiplier, before.slope, end, increment)
@@ -269,16 +353,19 @@ def solve(
     )
 
 
-def grows(step: ConeStep, accuracy: Accuracy, settings: SpaceSettings) -> bool:
+def grows(step: StaticStep, accuracy: Accuracy, settings: SolutionSettings) -> bool:
     """Whether a structure would leave where it is by one of its lowest modes, by the stiffness that
     is factorised and has been solved with."""
     quotients = _Solver(step, accuracy, settings).quotients()
     return quotients is None or bool((quotients < -settings.stability.neutral).any())
 
 
-def _reason(found: bool, n_iterations: int, step: ConeStep, accuracy: Accuracy) -> str:
+def _reason(found: bool, n_iterations: int, step: StaticStep, accuracy: Accuracy) -> str:
     """Why a step has failed; "" where it has not."""
     if not found:
+        moved = step.constants.detector.farthest(step.x)
+        if step.residual <= accuracy.coarsest < step.enough(accuracy, moved):
+            return TOO_STIFF
         return f"no equilibrium within {n_iterations} iterations"
     if not step.constants.detector.farthest(step.x) <= accuracy.farthest:
         return "a block moves too far in one step"

@@ -32,43 +32,20 @@ from drystone.contact.contacts import (
     BALL_3,
     BODY_A,
     BODY_B,
-    BOND,
-    CRUSH,
-    FRICTION,
     GAP,
-    HELD,
     KIND,
-    LAW,
-    LIFT,
-    NONE,
     NORMAL_3,
-    PAIR,
-    PULL,
-    ROOM,
     SHIFT,
-    SIZE,
     SLOT,
     STIFF_N,
     STIFF_T,
     TANGENT_3,
-    TENSILE,
     VERTEX_B,
-    A,
-    B,
 )
 from drystone.geometry.rotation import place_axes, spin
 from drystone.law.columns import (
-    BROKEN,
-    COHESION,
-    DILATANCY_END,
     DILATION,
-    KN,
-    KS,
-    MU,
     SHEAR,
-    SLID,
-    TAN_PSI,
-    TENSION,
 )
 
 Array = NDArray[np.float64]
@@ -101,26 +78,12 @@ class Places(NamedTuple):
 
 
 @njit(cache=True)
-def pack(slots, pairs, laws, history, closed, places):
-    """Fill ``places`` from the slots in use, as found where the step starts; their number.
-
-    ``closed`` (n_slots,) says which joints may dilate in the step.
-    """
+def pack_places(slots, history, count, places):
+    """Fill where contacts in use are, from the slots found where the step starts."""
     meets, value = slots
-    pair, of_pair = pairs.of_slot, pairs.which
-    which, start, table, first = places.which, places.start, places.table, places.first
-    count, last = 0, -1
-    for k in range(meets.shape[0]):
-        if meets[k, KIND] == NONE:
-            continue
-        c, p = count, pair[k]
-        count += 1
-        while last < p:
-            last += 1
-            first[last] = c
-        law = of_pair[p, LAW]
-        which[c, SLOT], which[c, PAIR] = k, p
-        which[c, BODY_A], which[c, BODY_B] = of_pair[p, A], of_pair[p, B]
+    which, start = places.which, places.start
+    for c in range(count):
+        k = which[c, SLOT]
         on_b = meets[k, KIND] == VERTEX_B
         side, of_v, of_f = (1.0, ARM_B_3, ARM_A_3) if on_b else (-1.0, ARM_A_3, ARM_B_3)
         ball = value[k, BALL_3]
@@ -136,20 +99,7 @@ def pack(slots, pairs, laws, history, closed, places):
             start[c, FROM_F + i] = value[k, of_f + i] + ball * side * n
         start[c, GAP_0] = value[k, GAP] - history[k, DILATION]
         start[c, BALL], start[c, SIDE] = ball, side
-        area = value[k, SIZE]
-        table[c, STIFF_N], table[c, STIFF_T] = laws[law, KN] * area, laws[law, KS] * area
-        table[c, FRICTION] = laws[law, MU]
-        dilates = closed[k] and history[k, SLID] < laws[law, DILATANCY_END]
-        table[c, LIFT] = table[c, STIFF_N] * laws[law, TAN_PSI] if dilates else 0.0
-        table[c, BOND], table[c, TENSILE] = laws[law, COHESION] * area, laws[law, TENSION] * area
-        bonded = table[c, BOND] > 0.0 or table[c, TENSILE] > 0.0
-        table[c, SHIFT], table[c, PULL], table[c, ROOM], table[c, CRUSH] = 0.0, 0.0, 0.0, 0.0
-        table[c, HELD] = 1.0 if bonded and history[k, BROKEN] == 0.0 else 0.0
         places.shear[c, 0], places.shear[c, 1] = history[k, SHEAR], history[k, SHEAR + 1]
-    while last < of_pair.shape[0]:
-        last += 1
-        first[last] = count
-    return count
 
 
 @njit(cache=True)

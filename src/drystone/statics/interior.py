@@ -1,13 +1,11 @@
-"""A static step in space: from the last equilibrium to the next, through the interior of the joint
-law.
+"""A static step from the last equilibrium to the next, through the interior of the joint law.
 
-In space contacts slide any way, so that there are no linear pieces to follow.  In the interior of
-the law (`statics.space.cones`) every contact is a little of everything; as the barrier falls it
-becomes what it is.  Gaps and gradients are renewed in every iteration.  A predictor without a
-barrier tells how low the next one can be; its second order counts where it gets far.  Slips that
-turn would stall a straight way: pairs may leave their cones where they can be put back, centred on
-the trial reactions of their new place.  Now and then, and at the end, Newton's method on the joint
-law itself is tried, which is exact where the branches are those of the solution.
+In the interior of the law (`law.cones`) every contact is a little of everything; as the barrier
+falls it becomes what it is.  Gaps and gradients are renewed in every iteration.  A predictor
+without a barrier tells how low the next one can be; its second order counts where it gets far.
+Slips that turn would stall a straight way: pairs may leave their cones where they can be put back,
+centred on the trial reactions of their new place.  Now and then, and at the end, Newton's method on
+the joint law itself is tried, which is exact where the branches are those of the solution.
 
 Where little changes, Newton's method alone goes from one equilibrium to the next.
 """
@@ -22,15 +20,15 @@ from numpy.typing import NDArray
 
 from drystone.contact.contacts import HELD, STIFF_N
 from drystone.geometry.motion import rotations, translations
-from drystone.statics.plane.piecewise import Accuracy
-from drystone.statics.space import cones
-from drystone.statics.space.cone_step import ConeStep
+from drystone.law import cones
+from drystone.statics.constants import Accuracy
+from drystone.statics.static_step import StaticStep
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class ConeSettings:
+class InteriorSettings:
     """Numbers of the iterations in space.
 
     Energies are those of a contact over what the weight of a mean block stores in one, forces over
@@ -61,7 +59,7 @@ class ConeSettings:
     recentred_barrier: float = 1e-3
     #: Leeway of the predictor, over the barrier that it sets out from, and of the step, over the
     #: one that it goes to: by what normal reactions may leave their cones, and what may turn; see
-    #: `statics.space.cones`.
+    #: `law.cones`.
     predictor_leeway: float = 0.1
     leeway: float = 1.0
     turning_leeway: float = 10.0
@@ -112,10 +110,10 @@ class Attempt:
     soon: bool = False  # whether it is given up where something has lost its hold
 
 
-class ConeSearch:
-    """Finds where a step of one `ConeStep` ends; state is all the step's."""
+class InteriorPoint:
+    """Finds where a step of one `StaticStep` ends; state is all the step's."""
 
-    def __init__(self, step: ConeStep, accuracy: Accuracy, settings: ConeSettings) -> None:
+    def __init__(self, step: StaticStep, accuracy: Accuracy, settings: InteriorSettings) -> None:
         self.step, self.accuracy, self.settings = step, accuracy, settings
         dead = np.linalg.norm(translations(step.loads.dead)[~step.loads.fixed], axis=1)
         self.block_weight = float(dead.mean())
@@ -132,8 +130,8 @@ class ConeSearch:
         first = best = math.inf
         for k in range(iterations + 1):
             step.respond()
-            residual, missing = step.balance(step.reaction), step.missing
-            if residual <= self._enough() and abs(missing) <= accuracy.lag:
+            residual = step.balance(step.reaction)
+            if step.balanced(accuracy):
                 return True
             if not residual < math.inf:
                 return False
@@ -141,7 +139,7 @@ class ConeSearch:
             best = min(best, residual)
             if k == iterations or (k >= patience and best * gain > first):
                 return False
-            if not self._newton_step(missing):
+            if not self._newton_step(step.missing):
                 return False
         return False
 
@@ -160,15 +158,6 @@ class ConeSearch:
         step.multiplier += length * by_multiplier
         step.move(columns[0], length)
         return True
-
-    def _enough(self) -> float:
-        """Unbalanced force [N] that may be left: the tolerance, or what is rounding."""
-        step, accuracy = self.step, self.accuracy
-        if step.residual <= accuracy.tolerance:
-            return accuracy.tolerance
-        moved = step.constants.detector.farthest(step.x)
-        rounding = max(accuracy.rounding, accuracy.sliding_rounding) * moved
-        return max(accuracy.tolerance, min(rounding, accuracy.coarsest))
 
     def _turning(self, length: float) -> float:
         """That much of the direction, or as much as no body turns too far in."""
@@ -264,7 +253,7 @@ class ConeSearch:
         not a number where there is no way on."""
         step, settings, n = self.step, self.settings, self.step.n
         joint, inner, change = step.table[:n], step.inner[:n], step.change[:n]
-        cones.responses(step.scaling[:n], step.response[:n])
+        step.respond_within()
         self.iterations += 1
         if not step.factorise(step.inside, attempt.least_damping):
             return math.nan

@@ -55,3 +55,34 @@ def stiffen(diagonal, mass, inertia_factor, damping, body, axis):
         for j in range(n_dof):
             diagonal[body, i, j] += spring * axis[body, i] * axis[body, j]
     return spring
+
+
+@njit(cache=True, error_model="numpy")
+def _dot(first, second):
+    total = 0.0
+    for i in range(first.shape[0]):
+        for d in range(first.shape[1]):
+            total += first[i, d] * second[i, d]
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def border(frame, x, lag):
+    """From K'^-1 rhs to the solution of K dx - F dl = rhs, g . dx = lag, in place; returns dl.
+
+    With K' = K + k e e^T and s = e . dx:  dx = K'^-1 rhs + dl K'^-1 F + s k K'^-1 e.
+    """
+    by_load, by_spring = frame.columns[1], frame.columns[2]
+    g1, g2, g3 = _dot(frame.pace, x), _dot(frame.pace, by_load), _dot(frame.pace, by_spring)
+    e1, e2, e3 = _dot(frame.axis, x), _dot(frame.axis, by_load), _dot(frame.axis, by_spring)
+    determinant = g2 * (e3 - 1.0) - g3 * e2
+    frame.border[0] = determinant
+    if determinant == 0.0:
+        return np.nan
+    missing = lag - g1
+    change = (missing * (e3 - 1.0) + g3 * e1) / determinant
+    along = (-g2 * e1 - e2 * missing) / determinant
+    for i in range(x.shape[0]):
+        for d in range(x.shape[1]):
+            x[i, d] += change * by_load[i, d] + along * by_spring[i, d]
+    return change

@@ -41,7 +41,6 @@ from drystone.contact.contacts import (
     STIFF_T,
 )
 from drystone.contact.rows import IN_SPACE
-from drystone.law.interior import central_crushing
 
 #: Columns of a contact's variables, and of their changes: reactions, slacks, slack of crushing and
 #: what is left until then [N; N s].
@@ -66,6 +65,39 @@ LEAST = 1e-10
 TURN = 0.5
 #: Friction over what keeps a contact open, below which it is open: it slides freely.
 OPENING = 1e-2
+
+
+@njit(cache=True, error_model="numpy")
+def central_normal(trial, crush, product):
+    """The normal reaction r in (0, C) with r - product (1 / r - 1 / (C - r)) = trial."""
+    low, high = 0.0, crush
+    r = min(max(trial, 0.25 * crush), 0.75 * crush)
+    for _ in range(80):
+        missing = trial - r + product / r - product / (crush - r)
+        if missing > 0.0:
+            low = r
+        else:
+            high = r
+        nearer = r + missing / (1.0 + product / r**2 + product / (crush - r) ** 2)
+        if not low < nearer < high:
+            nearer = 0.5 * (low + high)
+        done = abs(nearer - r) <= 1e-14 * r
+        r = nearer
+        if done:
+            break
+    return r
+
+
+@njit(cache=True, error_model="numpy")
+def central_crushing(trial, crush, product):
+    """Normal variables of a contact that may be crushed, for a product: the reaction, its slack,
+    what crushes it and the room that is left until then."""
+    r = central_normal(trial, crush, product)
+    slack = product / r
+    if trial > 0.5 * crush:  # what is left is too little to be told from the reaction
+        beyond = max(trial - r + slack, product / crush)
+        return r, slack, beyond, product / beyond
+    return r, slack, product / (crush - r), crush - r
 
 
 @njit(cache=True, error_model="numpy")

@@ -21,8 +21,8 @@ from drystone.contact.contacts import (
 from drystone.law import space as space_law
 from drystone.law.branches import BONDED, CRUSHED, FORWARD, OPEN, STICKING, TORN, both
 from drystone.law.columns import DILATION, N_HISTORY, SHEAR, SLID
-from drystone.statics.space import spatial_step
-from drystone.statics.space.spatial_step import (
+from drystone.statics.space import contacts
+from drystone.statics.space.contacts import (
     ARM_V,
     AXES,
     BALL,
@@ -61,7 +61,7 @@ class Heap:
         v = np.where(side > 0.0, self.which[:, 3], self.which[:, 2])
         f = self.which[:, 2] + self.which[:, 3] - v
         self.centroid, point = rng.normal(size=(N, 3)), rng.normal(size=(n, 3))
-        self.start = np.zeros((n, spatial_step.N_PLACE))
+        self.start = np.zeros((n, contacts.N_PLACE))
         self.start[:, POINT : POINT + 3] = point - self.centroid[v]
         self.start[:, FROM_F : FROM_F + 3] = point - self.centroid[f]
         self.start[:, AXES : AXES + 9] = [rotation(rng).ravel() for _ in range(n)]
@@ -73,7 +73,7 @@ class Heap:
         self.axes_0 = np.array([rotation(rng) for _ in range(N)])
         self.motion = np.tile((0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0), (N, 1))
         self.turn, self.axes = np.zeros((N, 3, 3)), self.axes_0.copy()
-        self.now, self.trial = np.zeros((n, spatial_step.N_NOW)), np.zeros((n, 3))
+        self.now, self.trial = np.zeros((n, contacts.N_NOW)), np.zeros((n, 3))
         self.reaction, self.response = np.zeros((n, 3)), np.zeros((n, 3, 3))
         self.branch = np.zeros(n, np.int64)
         body = self.pairs.ravel()
@@ -82,11 +82,11 @@ class Heap:
         self.begin = np.searchsorted(body[order], np.arange(N + 1)).astype(np.int64)
 
     def move(self, step, length=1.0):
-        spatial_step.turn_on(step, length, self.axes_0, self.motion, self.turn, self.axes)
+        contacts.turn_on(step, length, self.axes_0, self.motion, self.turn, self.axes)
         self.locate()
 
     def locate(self):
-        spatial_step.locate(
+        contacts.locate(
             self.which, self.start, self.law, self.shear, self.first, 0, 3, self.motion, self.turn,
             self.now, self.trial,
         )  # fmt: skip
@@ -97,23 +97,23 @@ class Heap:
     def wrenches(self):
         wrench = np.full((3, 2, 6), np.nan)
         args = self.which, self.start, self.now, self.first
-        spatial_step.wrenches(*args, 0, 3, self.reaction, wrench)
+        contacts.wrenches(*args, 0, 3, self.reaction, wrench)
         return wrench
 
     def force(self, axes):
         force = np.zeros((N, 6))
-        spatial_step.sum_wrenches(self.begin, self.of_body, self.wrenches(), axes, force)
+        contacts.sum_wrenches(self.begin, self.of_body, self.wrenches(), axes, force)
         return force
 
     def stiffness(self):
         """Dense, (18, 18)."""
         part, diagonal = np.full((3, 2, 6, 6), np.nan), np.zeros((N, 6, 6))
         upper, lower = np.full((3, 6, 6), np.nan), np.full((3, 6, 6), np.nan)
-        spatial_step.stiffness(
+        contacts.stiffness(
             self.which, self.start, self.now, self.law, self.first, 0, 3, self.reaction,
             self.response, self.axes, part, upper, lower,
         )  # fmt: skip
-        spatial_step.sum_diagonals(self.begin, self.of_body, part, self.axes, diagonal)
+        contacts.sum_diagonals(self.begin, self.of_body, part, self.axes, diagonal)
         whole = np.zeros((N, 6, N, 6))
         for i in range(N):
             whole[i, :, i] = diagonal[i]

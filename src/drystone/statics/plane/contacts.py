@@ -1,0 +1,211 @@
+"""Contacts of a static step in the plane: where they are, what they do, how stiff they are.
+
+The force on block b is r_n n + r_t t, on the blocks together r_n grad(g) + r_t grad(s), with the
+reactions of `law.return_map` and the gradients of `contact.plane.rows`; their tangent includes the
+second derivatives of g and s.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.common.compiled import njit
+from drystone.contact.contacts import (
+    ADD_N,
+    ADD_T,
+    BODY_A,
+    BODY_B,
+    GAP,
+    KIND,
+    PAIR,
+    PLASTIC,
+    SHIFT,
+    SLOT,
+    STIFF_N,
+    STIFF_T,
+    TRIAL_N,
+    TRIAL_T,
+    A,
+    B,
+)
+from drystone.contact.plane.rows import N_DOF, add_force, along, gradients, second_derivatives
+from drystone.contact.plane.rows import slip as slip_of
+from drystone.contact.rows import MEASURED, OF_GAP, OF_SLIP
+from drystone.law.columns import DILATION, SHEAR
+
+Array = NDArray[np.float64]
+
+
+@njit(cache=True, error_model="numpy")
+def locate(slots, history, known, lines, contacts, count, increment, trial):
+    """Gradients and trial reactions of contacts in the present poses.
+
+    Parameters
+    ----------
+    slots
+        Contacts there.
+    history
+        (n_slots, N_HISTORY), what contacts bring along; see `law.plane.remember`.
+    known
+        (n_slots,) those that were there when the step began.
+    lines
+        (n_slots, dim, 2 n_dof) of these: gradients of the slip that hold for the step.  Others slip
+        by the exact distance.
+    contacts, count
+        Their `rows` and trial reactions are filled.
+    increment
+        Motion since the start of the step, (n, n_dof) [m, rad].
+    trial
+        (n_slots, 3) filled [N].
+    """
+    meets, value = slots
+    which, rows, table = contacts
+    for c in range(count):
+        k, a, b = which[c, SLOT], which[c, BODY_A], which[c, BODY_B]
+        gradients(value, k, rows, c)
+        if known[k]:
+            slip = 0.0
+            for i in range(N_DOF):
+                rows[c, MEASURED, i] = lines[k, OF_SLIP, i]
+                rows[c, MEASURED, N_DOF + i] = lines[k, OF_SLIP, N_DOF + i]
+                slip += lines[k, OF_SLIP, i] * increment[a, i]
+                slip += lines[k, OF_SLIP, N_DOF + i] * increment[b, i]
+        else:
+            for i in range(2 * N_DOF):
+                rows[c, MEASURED, i] = rows[c, OF_SLIP, i]
+            slip = slip_of(meets[k, KIND], value, k, a, b, increment)
+        closing = table[c, STIFF_N] * (history[k, DILATION] - value[k, GAP])
+        table[c, TRIAL_N] = trial[c, 0] = closing + table[c, SHIFT]
+        table[c, TRIAL_T] = trial[c, 1] = history[k, SHEAR] - table[c, STIFF_T] * slip
+        table[c, ADD_N], table[c, ADD_T], table[c, PLASTIC] = 0.0, 0.0, 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def sum_forces(contacts, count, reaction, force):
+    """Fill ``force`` (n, n_dof) with what reactions (n_slots, 2 or more) do to the bodies."""
+    which, rows = contacts.which, contacts.rows
+    force[:, :] = 0.0
+    for c in range(count):
+        a, b = which[c, BODY_A], which[c, BODY_B]
+        add_force(rows, c, reaction[c, 0], reaction[c, 1], a, b, force)
+
+
+@njit(cache=True, error_model="numpy")
+def rates(contacts, count, direction, found):
+    """How gaps and slips go (n_slots, 3) along a direction of the bodies (n, n_dof)."""
+    which, rows = contacts.which, contacts.rows
+    for c in range(count):
+        a, b = which[c, BODY_A], which[c, BODY_B]
+        found[c, 0] = along(rows, c, OF_GAP, direction, a, b)
+        found[c, 1] = along(rows, c, MEASURED, direction, a, b)
+
+
+@njit(cache=True, error_model="numpy")
+def move_trial(which, rows, table, count, motion):
+    """Trial reactions where the blocks have moved on by ``motion`` (n, n_dof), to first order."""
+    for c in range(count):
+        a = which[c, BODY_A]
+        b = which[c, BODY_B]
+        table[c, TRIAL_N] -= table[c, STIFF_N] * along(rows, c, OF_GAP, motion, a, b)
+        table[c, TRIAL_T] -= table[c, STIFF_T] * along(rows, c, MEASURED, motion, a, b)
+
+
+@njit(cache=True, error_model="numpy")
+def geometric_stiffness(slots, contacts, count, reaction, tangent):
+    """Fill ``tangent`` with what turning contacts, at held reactions, add to that of minus forces.
+
+    Parameters
+    ----------
+    slots
+        Contacts in the present poses.
+    contacts, count
+        Packed, see `contact.contacts`.
+    reaction
+        (n_slots, 2 or more) [N].
+    tangent
+        `Tangent`.
+    """
+    # Fields read once, and no views of rows: in the loop each would count references.
+    meets, value = slots
+    which = contacts.which
+    diagonal, upper, lower = tangent.diagonal, tangent.upper, tangent.lower
+    diagonal[:, :, :] = 0.0
+    upper[:, :, :] = 0.0
+    lower[:, :, :] = 0.0
+    hess = np.zeros((2 * N_DOF, 2 * N_DOF))
+    for c in range(count):
+        k = which[c, SLOT]
+        if reaction[c, 0] == 0.0 and reaction[c, 1] == 0.0:
+            continue
+        hess[:, :] = 0.0
+        second_derivatives(meets[k, KIND], value, k, reaction[c, 0], reaction[c, 1], hess)
+        add_blocks(hess, which[c, BODY_A], which[c, BODY_B], which[c, PAIR], diagonal, upper, lower)
+
+
+@njit(cache=True, error_model="numpy")
+def add_blocks(hess, a, b, p, diagonal, upper, lower):
+    """Add a contact of pair p, by the motions of both bodies, to the blocks of a matrix."""
+    for i in range(N_DOF):
+        for j in range(N_DOF):
+            diagonal[a, i, j] += hess[i, j]
+            diagonal[b, i, j] += hess[N_DOF + i, N_DOF + j]
+            upper[p, i, j] += hess[i, N_DOF + j]
+            lower[p, i, j] += hess[N_DOF + i, j]
+
+
+@njit(cache=True, error_model="numpy")
+def assemble(contacts, count, pairs, reaction, response, geometric, motion, force, tangent):
+    """Forces of all contacts that respond as given, and the tangent of minus them.
+
+    Parameters
+    ----------
+    contacts, count
+        Packed, see `contact.contacts`.
+    pairs
+        All of them.
+    reaction, response
+        (n_slots, 3) and (n_slots, 3, 3), see `law.plane.respond`.
+    geometric
+        `Tangent`, see `geometric_stiffness`.
+    motion
+        (n, n_dof) from where the table was made to where the response belongs.
+    force
+        (n, n_dof) filled with the forces there, to first order.
+    tangent
+        `Tangent`, filled.
+    """
+    diagonal, upper, lower = tangent.diagonal, tangent.upper, tangent.lower
+    bent, above, below = geometric.diagonal, geometric.upper, geometric.lower
+    of_pair = pairs.which
+    which, rows, table = contacts
+    for body in range(motion.shape[0]):
+        for i in range(N_DOF):
+            force[body, i] = 0.0
+            for j in range(N_DOF):
+                force[body, i] -= bent[body, i, j] * motion[body, j]
+                diagonal[body, i, j] = bent[body, i, j]
+    for p in range(of_pair.shape[0]):
+        a = of_pair[p, A]
+        b = of_pair[p, B]
+        for i in range(N_DOF):
+            for j in range(N_DOF):
+                force[a, i] -= above[p, i, j] * motion[b, j]
+                force[b, i] -= below[p, i, j] * motion[a, j]
+                upper[p, i, j] = above[p, i, j]
+                lower[p, i, j] = below[p, i, j]
+    hess = np.zeros((2 * N_DOF, 2 * N_DOF))
+    for c in range(count):
+        a = which[c, BODY_A]
+        b = which[c, BODY_B]
+        rn, rt = reaction[c, 0], reaction[c, 1]
+        kn, kt = table[c, STIFF_N], table[c, STIFF_T]
+        nn, nt = kn * response[c, 0, 0], kt * response[c, 0, 1]
+        tn, tt = kn * response[c, 1, 0], kt * response[c, 1, 1]
+        for i in range(2 * N_DOF):
+            by_gap = rows[c, OF_GAP, i] * nn + rows[c, OF_SLIP, i] * tn
+            by_slip = rows[c, OF_GAP, i] * nt + rows[c, OF_SLIP, i] * tt
+            for j in range(2 * N_DOF):
+                hess[i, j] = by_gap * rows[c, OF_GAP, j] + by_slip * rows[c, MEASURED, j]
+        add_force(rows, c, rn, rt, a, b, force)
+        add_blocks(hess, a, b, which[c, PAIR], diagonal, upper, lower)

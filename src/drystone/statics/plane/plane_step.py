@@ -1,0 +1,259 @@
+"""Contacts of one static step in the plane; see `statics.static_step` and
+`statics.plane.contacts`."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.contacts import EDGE_A, NONE, SIZE, SLOT, Pairs, Slots
+from drystone.contact.histories import Histories, handed_on
+from drystone.contact.plane import narrow, rows
+from drystone.law import plane as plane_law
+from drystone.law.branches import OPEN
+from drystone.statics.constants import Accuracy, Constants
+from drystone.statics.linear.tangent import Tangent
+from drystone.statics.plane import contacts, path
+from drystone.statics.static_step import Border, StaticStep
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+#: Changes of contacts that are followed with one factorisation.
+CHANGES_PER_MATRIX = 32
+
+#: Smallest pivot of a block, over its largest entry, with which a direction is worth trying.
+SINGULAR = 1e-13
+
+#: Changes of a step at which its multiplier is kept.
+BENDS = 512
+
+#: Times that other features of contacts are taken on where a step ends, and it is solved again;
+#: steps for which a pair then keeps features that take turns with others.
+ROUNDS, KEEP_STEPS = 3, 8
+
+
+class PlaneStep(StaticStep):
+    """See `StaticStep`.
+
+    Slips are linear in the increments, by their gradients half way to where the step is expected to
+    end: of second order in the step, without straining the stiff shear springs of blocks that are
+    held at several points and turn together.
+    """
+
+    def __init__(self, constants: Constants, pairs: Pairs) -> None:
+        super().__init__(constants, pairs)
+        n, n_dof = self.loads.mass.shape
+        self.lines = np.zeros((pairs.n_slots, 2, 2 * n_dof))
+        #: Contacts that were there when the step began, (n_slots,), and those shut then.
+        self.there, self.closed = np.zeros((2, pairs.n_slots), np.bool_)
+        self.geometric = Tangent.zeros(n, pairs.n_pairs, n_dof)
+        self.nowhere, self.linear_force = np.zeros((2, n, n_dof))
+        #: Steps in which a pair yet keeps the features that it has, (n_pairs,).
+        self.kept = np.zeros(pairs.n_pairs, np.int64)
+
+    def _frame(self, border: Border) -> path.Frame:
+        n_slots = self.pairs.n_slots
+        n, n_dof = border.load.shape
+        return path.Frame(
+            **border._asdict(),
+            changes=np.zeros((CHANGES_PER_MATRIX, n, n_dof)),
+            change_of_multiplier=np.zeros(CHANGES_PER_MATRIX),
+            row=np.zeros((CHANGES_PER_MATRIX, 1, 2 * n_dof)),
+            bodies=np.zeros((CHANGES_PER_MATRIX, 2), np.int64),
+            pivot=np.zeros(CHANGES_PER_MATRIX),
+            rate=np.zeros((n_slots, 2)),
+            turn=np.full(2, np.nan),
+            sense=np.ones(1),
+            bends=np.zeros((BENDS, 2)),
+        )
+
+    def again(self) -> None:
+        """See `StaticStep.again`."""
+        self.kept[:] = self.before
+        super().again()
+
+    def _take_up(self, slots: Slots, branch: IntArray, guess: Array) -> None:
+        detector = self.constants.detector
+        for mine, theirs in zip(self.known, slots, strict=True):
+            mine[:] = theirs
+        half = detector.assembly.moved(self.pose, 0.5 * guess)
+        detector.follow(self.pairs, half, self.known, self.slots)
+        rows.slot_rows(self.slots, self.lines)
+        self.there[:] = slots.kind != NONE
+        self.closed[:] = branch != OPEN
+        self.before, self.rounds = self.kept.copy(), 0
+        #: Times that the features of a pair have changed, (n_pairs,).
+        self.changes = np.where(self.kept > 0, 2, 0)
+        self._pack(self.closed, branch)
+
+    def _restart(self) -> None:
+        self.x[:] = 0.0
+
+    def _go(self, step: Array, length: float) -> None:
+        self.x += length * step
+
+    def _from_design(self) -> float:
+        return self.constants.detector.farthest(self.pose)
+
+    def _locate_all(self) -> None:
+        pose = self._pose_now()
+        self.constants.detector.follow(self.pairs, pose, self.known, self.slots)
+        contacts.locate(
+            self.slots, self.history_before, self.there, self.lines, self.contacts, self.n, self.x,
+            self.trial,
+        )  # fmt: skip
+
+    def _respond(self, low: int, high: int) -> None:
+        first, last = self.first[low], self.first[high]
+        plane_law.choose(self.table, first, last, self.branch)
+        plane_law.respond(self.table, first, last, self.branch, self.reaction, self.response)
+
+    def _sum_forces(self, reaction: Array) -> None:
+        contacts.sum_forces(self.contacts, self.n, reaction, self.contact_force)
+
+    def _stiffen(self, reaction: Array) -> None:
+        self._bend(reaction)
+        self._linear_forces(reaction, self.nowhere)
+
+    def _bend(self, reaction: Array) -> None:
+        """Make the geometric stiffness that of reactions (n_slots, 3 or more)."""
+        contacts.geometric_stiffness(self.slots, self.contacts, self.n, reaction, self.geometric)
+
+    def _linear_forces(self, reaction: Array, away: Array) -> None:
+        """Stiffness, and forces of contacts where blocks have moved on by ``away`` (n, n_dof)."""
+        contacts.assemble(
+            self.contacts, self.n, self.pairs, reaction, self.response, self.geometric, away,
+            self.linear_force, self.tangent,
+        )  # fmt: skip
+
+    def _rates(self, direction: Array) -> None:
+        contacts.rates(self.contacts, self.n, direction, self.by_motion)
+
+    def gaps(self) -> Array:
+        """See `StaticStep.gaps`."""
+        return np.asarray(self.slots.gap[self.which[: self.n, SLOT]])
+
+    def _age(self, history: Array) -> None:
+        plane_law.age(self.which, self.table, self.branch, self.n, history)
+
+    # Pieces of the step that are linear, see `statics.plane.piecewise`.
+
+    def evaluate(self, x: Array, multiplier: float) -> None:
+        """Reactions, unbalanced forces and ``residual`` [N] at the increments ``x`` (n, n_dof)."""
+        self.set_out(x, multiplier)
+        self.respond()
+        self.balance(self.reaction)
+
+    def linearise_here(self) -> None:
+        """Make linear pieces those of where the step is: reactions are the law's, as evaluated."""
+        self._bend(self.reaction)
+        ties, acting = self.loads.ties, self.loads.acting
+        self.turning = acting.stiffness(self._pose_now(), self.multiplier) if acting else None
+        if ties:
+            self.pulls = np.zeros_like(self.force)
+            ties.add_to(self.pulls)
+            self.tie_stiffness = ties.stiffness()
+
+    def follow_from(self, x: Array, multiplier: float, away: Array, gradient: Array | None) -> bool:
+        """Factorise the tangent of the branches as they are; False if it is singular.
+
+        The unbalanced forces, and the ``residual``, are made those at ``x``, which is ``away`` (n,
+        n_dof) from where the pieces are linear.
+        """
+        plane_law.respond(self.table, 0, self.n, self.branch, self.reaction, self.response)
+        self._linear_forces(self.reaction, away)
+        self.contact_force[:] = self.linear_force
+        dead = self.dead
+        if self.joined is not None:
+            self.joined.clear(self.tangent, self.pairs.n_pairs)
+            self.joined.stiffen(self.tangent, self.tie_stiffness)
+            self.contact_force += self.pulls
+            self.joined.pull_on(self.tie_stiffness, away, self.contact_force)
+        if self.turning is not None:
+            self.tangent.diagonal[:, 2:, 2:] += self.turning
+            dead = dead.copy()
+            dead[:, 2] -= np.ravel(self.turning) * away[:, 2]
+        self.x[:], self.multiplier = x, multiplier
+        self.residual = self._unbalance(dead)
+        self.damping[:] = 0.0
+        self._factorise(gradient, 0.0)
+        return abs(self.pivot) > SINGULAR
+
+    def move_trial(self, motion: Array) -> None:
+        """Trial reactions where the blocks have moved on by ``motion`` (n, n_dof), linearly."""
+        contacts.move_trial(*self.contacts, self.n, motion)
+
+    def advance(
+        self, x: Array, lag: float, way: path.Way, rules: path.Rules
+    ) -> tuple[int, path.Way]:
+        """Follow the path from ``x``, which moves on in place; see
+        `statics.plane.path.follow_path`."""
+        end, multiplier, left, changes = path.follow_path(
+            self.structure, self.factors, self.frame, self.contacts, self.n, self.branch,
+            self.force, lag, self.spring, x, way, rules,
+        )  # fmt: skip
+        return end, path.Way(multiplier, left, changes)
+
+    def bends(self, changes: int) -> Array:
+        """Share of the step and multiplier at the changes of the path followed last, (n, 2)."""
+        bends: Array = self.frame.bends[: min(changes, BENDS)]
+        return bends
+
+    def remember(self) -> None:
+        """Make sliding that has ended on the path part of the step's history."""
+        plane_law.remember(self.which, self.table, self.n, self.history_before)
+
+    # The features of contacts.
+
+    def meet(self, accuracy: Accuracy) -> bool:
+        """Take on the features that contacts press with where the step is; whether they are others.
+
+        With either of two sets blocks may end where they have the other: two corners that hardly
+        pass each other have one contact or two.  The features of a pair therefore change once in a
+        step, and back once, and then stay for some steps: to try the others again costs a solution
+        each time, and moves blocks to and fro that would come to rest.
+        """
+        self._find()
+        if not narrow.changed_contacts(self.slots, self.found, accuracy.depth):
+            self.kept[:] = 0
+            return False
+        of_slot, was, now = self.pairs.of_slot, self.slots, self.found
+        others = (was.which[:, :EDGE_A] != now.which[:, :EDGE_A]).any(axis=1)
+        others &= np.minimum(was.gap, now.gap) <= -accuracy.depth
+        change = np.zeros(len(self.kept), np.bool_)
+        change[of_slot[others]] = True
+        keep = change & (self.changes >= 2)
+        steps = np.where(self.before > 0, self.before - 1, KEEP_STEPS)
+        self.kept[:] = np.where(keep, steps, 0)
+        slots = keep[of_slot]
+        for mine, theirs in zip(now, was, strict=True):
+            mine[slots] = theirs[slots]
+        change &= ~keep
+        self.changes[change] += 1
+        self.rounds += 1
+        if not change.any() or self.rounds > ROUNDS:
+            return False
+        self._follow(now)
+        return True
+
+    def _follow(self, slots: Slots) -> None:
+        """Go on with the features of these contacts; each brings along what its forerunner had."""
+        branch = self.by_slot(self.branch)
+        past = Histories.own(
+            self.known, self.history_before, self.by_slot(self.reaction)[:, :2], branch
+        )
+        heirs = handed_on(self.constants.detector.narrow, past, self.pairs, slots)
+        self.history_before[:] = heirs.history
+        size = np.where(self.there, self.known.size, 0.0)
+        self.lines[:], self.closed[:] = heirs.of(self.lines), heirs.of(self.closed)
+        self.there[:] = heirs.of(self.there)
+        self.origin[:] = heirs.of(self.origin, -1)
+        if len(self.holding):
+            self.holding[:] = heirs.of(self.holding, self.fresh)
+        for mine, theirs in zip(self.known, slots, strict=True):
+            mine[:] = theirs
+        self.known.value[:, SIZE] = np.where(self.there, heirs.of(size), slots.size)
+        self.found_at = None
+        self._pack(self.closed, heirs.branch)

@@ -1,0 +1,184 @@
+"""Contacts of one static step in space; see `statics.static_step` and `statics.space.contacts`."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.contact.contacts import HELD, NONE, PAIR, SLOT, Pairs, Slots
+from drystone.geometry.rotation import all_axes, difference
+from drystone.law import space as space_law
+from drystone.law.branches import OPEN
+from drystone.law.columns import BROKEN, DILATION, KN
+from drystone.statics.constants import Accuracy, Constants
+from drystone.statics.space import contacts
+from drystone.statics.space.contacts import Places, Y
+from drystone.statics.static_step import StaticStep
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+class SpaceStep(StaticStep):
+    """See `StaticStep`."""
+
+    def __init__(self, constants: Constants, pairs: Pairs) -> None:
+        super().__init__(constants, pairs)
+        n, n_pairs, n_slots = len(self.loads.mass), pairs.n_pairs, pairs.n_slots
+        self.places = Places(
+            which=self.which,
+            start=np.zeros((n_slots, contacts.N_PLACE)),
+            table=self.table,
+            shear=np.zeros((n_slots, 2)),
+            first=self.first,
+        )
+        self.now = np.zeros((n_slots, contacts.N_NOW))
+        assembly = constants.detector.assembly
+        self.motion, self.none = assembly.rest_pose(), assembly.rest_pose()
+        self.turn, self.axes_0, self.axes = (np.zeros((n, 3, 3)) for _ in range(3))
+        self.twist = np.zeros((n, 6))
+        self.wrench = np.zeros((n_pairs, 2, 6))
+        self.of_pairs = np.zeros((n_pairs, 2, 6, 6))
+        self.begin_of, self.of_body = _pairs_of_bodies(pairs, n)
+
+    def _take_up(self, slots: Slots, branch: IntArray, guess: Array) -> None:
+        all_axes(self.pose, self.constants.detector.assembly.axes, self.turn, self.axes_0)
+        self._begin_again(slots, branch)
+
+    def _begin_again(self, slots: Slots, branch: IntArray) -> None:
+        """Take on contacts where the step starts."""
+        for mine, theirs in zip(self.known, slots, strict=True):
+            mine[:] = theirs
+        self.found_at = None
+        self._pack(branch != OPEN, branch)
+        contacts.pack_places(self.known, self.history_before, self.n, self.places)
+
+    def meet(self, accuracy: Accuracy) -> bool:
+        """Take on the contacts of pairs that have come to press each other elsewhere than followed.
+
+        Blocks that meet within a step do so with other features than those watched from afar: what
+        they would be pressed into each other there is no part of the balance.  The step begins
+        again, with the contacts that such pairs have where the blocks are now; whether there are
+        any by more than a force of ``accuracy.pressed`` [N].
+        """
+        detector, pairs, n = self.constants.detector, self.pairs, self.n
+        self._find()
+        stiffness = self.constants.laws[pairs.law_of_slot, KN] * self.found.size
+        closed = -self.found.gap
+        if len(self.holding):
+            closed = closed - self._crushed()[pairs.of_slot]
+        overlap = np.where(self.found.kind == NONE, 0.0, np.maximum(closed, 0.0))
+        # Faces that lie on each other part and meet by rounding.
+        pressed = np.bincount(pairs.of_slot, stiffness * overlap, pairs.n_pairs)
+        pushes = np.maximum(self.reaction[:n, 0], 0.0)
+        carried = np.bincount(self.which[:n, PAIR], pushes, minlength=pairs.n_pairs)
+        # What bonds hold together has not come to meet.
+        held = np.bincount(self.which[:n, PAIR], self.table[:n, HELD], pairs.n_pairs)
+        anew = ((pressed > accuracy.pressed + 2.0 * carried) & (held == 0.0))[pairs.of_slot]
+        if not anew.any():
+            return False
+        history, branch = self.history_before.copy(), self.by_slot(self.branch)
+        self.known.which[anew], self.known.value[anew] = (
+            self.found.which[anew],
+            self.found.value[anew],
+        )
+        history[anew], branch[anew] = 0.0, OPEN
+        history[anew, BROKEN] = 1.0
+        detector.follow(pairs, self.pose, self.known, self.slots)
+        self.origin[anew] = -1
+        if len(self.holding):
+            self.holding[anew] = self.fresh[anew]
+        self.history_before[:] = history
+        self._begin_again(self.slots, branch)
+        return True
+
+    def _crushed(self) -> Array:
+        """Closure [m] that the contacts of each pair, (n_pairs,), have been crushed by at most."""
+        crushed = np.zeros(self.pairs.n_pairs)
+        closure = -self._aged()[:, DILATION]
+        np.maximum.at(crushed, self.pairs.of_slot, closure)
+        return crushed
+
+    def _restart(self) -> None:
+        self.motion[:] = self.none
+        self.axes[:] = self.axes_0
+
+    def _go(self, step: Array, length: float) -> None:
+        contacts.turn_on(step, length, self.axes_0, self.motion, self.turn, self.axes)
+        difference(self.motion, self.none, self.axes_0, self.x)
+
+    def _locate_all(self) -> None:
+        self._by_pairs(self._locate)
+
+    def _sum_forces(self, reaction: Array) -> None:
+        self._by_pairs(partial(self._wrenches, reaction))
+        contacts.sum_wrenches(
+            self.begin_of, self.of_body, self.wrench, self.axes, self.contact_force
+        )
+
+    def _stiffen(self, reaction: Array) -> None:
+        self._by_pairs(partial(self._stiffness, reaction), self.cuts)
+        contacts.sum_diagonals(
+            self.begin_of, self.of_body, self.of_pairs, self.axes, self.tangent.diagonal
+        )
+
+    def _rates(self, direction: Array) -> None:
+        contacts.twists(direction, self.axes, self.twist)
+        self._by_pairs(self._relative)
+
+    def finish(self) -> Array:
+        """See `StaticStep.finish`."""
+        history = super().finish()
+        self.constants.detector.follow(self.pairs, self._pose_now(), self.known, self.slots)
+        return history
+
+    def gaps(self) -> Array:
+        """See `StaticStep.gaps`."""
+        n = self.n
+        gap: Array = self.places.start[:n, contacts.GAP_0] + self.now[:n, Y]
+        dilation: Array = self.history_before[self.which[:n, SLOT], DILATION]
+        return gap + dilation
+
+    def _age(self, history: Array) -> None:
+        space_law.age(
+            self.which, self.table, self.trial, self.reaction, self.branch, self.n, history
+        )
+
+    def _locate(self, low: int, high: int) -> None:
+        which, start, table, shear, first = self.places
+        contacts.locate(
+            which, start, table, shear, first, low, high, self.motion, self.turn, self.now,
+            self.trial,
+        )  # fmt: skip
+
+    def _respond(self, low: int, high: int) -> None:
+        table, first = self.places.table, self.places.first
+        space_law.respond(
+            table, self.trial, first[low], first[high], self.branch, self.reaction,
+            self.response,
+        )  # fmt: skip
+
+    def _wrenches(self, reaction: Array, low: int, high: int) -> None:
+        which, start, _, _, first = self.places
+        contacts.wrenches(which, start, self.now, first, low, high, reaction, self.wrench)
+
+    def _relative(self, low: int, high: int) -> None:
+        which, start, _, _, first = self.places
+        contacts.relative(which, start, self.now, first, low, high, self.twist, self.by_motion)
+
+    def _stiffness(self, reaction: Array, low: int, high: int) -> None:
+        which, start, table, _, first = self.places
+        contacts.stiffness(
+            which, start, self.now, table, first, low, high, reaction, self.response, self.axes,
+            self.of_pairs, self.tangent.upper, self.tangent.lower,
+        )  # fmt: skip
+
+
+def _pairs_of_bodies(pairs: Pairs, n: int) -> tuple[IntArray, IntArray]:
+    """Where the pairs of each body begin, (n + 1,), in a list of 2 pair + (1 where it is b)."""
+    body = np.column_stack((pairs.a, pairs.b)).ravel()
+    order = np.argsort(body, kind="stable")
+    begin = np.searchsorted(body[order], np.arange(n + 1))
+    return begin.astype(np.int64), order.astype(np.int64)

@@ -1,0 +1,558 @@
+"""The equations of one static step, in the plane and in space, and their factors.
+
+    R(x, l) = G + l F + sum over contacts E r - M x / h^2 = 0,    c(x) = Delta
+
+The unknowns are the increments x of the poses and the multiplier l.  Reactions, gaps and gradients
+are those where the step ends.  What a contact's place and stiffness are is known by
+`statics.plane` and `statics.space`; all else is written here, once.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from functools import partial
+from itertools import pairwise
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.common.threads import team
+from drystone.contact.contacts import (
+    CRUSH,
+    FRICTION,
+    HELD,
+    LIFT,
+    N_HELD,
+    PAIR,
+    PULL,
+    SHIFT,
+    SLOT,
+    STIFF_N,
+    TRIAL_N,
+    TRIAL_T,
+    Contacts,
+    Pairs,
+    Slots,
+)
+from drystone.geometry import motion
+from drystone.law import cones, softening
+from drystone.law.certificate import JudgedContacts
+from drystone.law.columns import (
+    BROKEN,
+    COHESION,
+    DILATANCY_END,
+    N_HISTORY,
+    SLID,
+    TAN_PSI,
+    TENSION,
+    YIELDS,
+)
+from drystone.law.cones import N_INNER, N_SCALING
+from drystone.law.packing import pack_laws
+from drystone.law.strengths import Strengths
+from drystone.statics import balance
+from drystone.statics.constants import Accuracy, Constants, Pace
+from drystone.statics.linear import numeric as lu_numeric
+from drystone.statics.linear import symbolic as lu_symbolic
+from drystone.statics.linear.shared_lu import SharedLU
+from drystone.statics.linear.tangent import Tangent
+from drystone.statics.tie_forces import JoinedTies
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+Number = TypeVar("Number", np.float64, np.int64)
+
+#: Contacts from which on threads gain, whose waking takes some 0.1 ms, when they share the
+#: stiffness; and what takes a few times ten nanoseconds each.
+MANY, MANY_OF_LITTLE = 4000, 20000
+
+
+class Border(NamedTuple):
+    """What borders the matrix, (n, n_dof) each; see `statics.balance.border`."""
+
+    load: Array  # F
+    pace: Array  # g, gradient of the pacing displacement
+    axis: Array  # direction of the spring e over all bodies
+    columns: Array  # (3, n, n_dof) direction, K'^-1 F, k K'^-1 e
+    border: Array  # (1,) by which the determinant of the bordered matrix exceeds that of K'
+    sign: Array  # (1,) of the latter; where the product is positive, a motion is unstable
+
+
+class Place(NamedTuple):
+    """Where a step has come to."""
+
+    x: Array  # (n, n_dof) increments
+    multiplier: float
+
+
+class Ended(NamedTuple):
+    """What a solution of a step has led to, of all slots; see `statics.yielding`."""
+
+    origin: IntArray  # (n_slots,) slots where the step started; -1 has none
+    before: Array  # (n_slots, N_HISTORY + dim - 2), of slots without one
+    after: Array  # likewise, at the end
+    gap: Array  # (n_slots,) m
+    held: Array  # (n_slots, N_HELD) what they were solved with
+    normal: Array  # (n_slots,) N
+    area: Array  # (n_slots,) m2
+
+
+class StaticStep(ABC):
+    """Evaluates and linearises the equations of steps over one list of pairs; holds their arrays.
+
+    Of the contacts in use, `n` of them in the order of their pairs: `trial` (n_slots, 3) [N] are
+    the reactions without friction and separation, `reaction` and `branch` those of the joint law,
+    `response` their derivatives by the trial reactions.  In the plane the third component is zero.
+    """
+
+    def __init__(self, constants: Constants, pairs: Pairs) -> None:
+        loads, assembly = constants.loads, constants.detector.assembly
+        n, n_dof = loads.mass.shape
+        n_pairs, n_slots, dim = pairs.n_pairs, pairs.n_slots, assembly.dimension
+        self.constants, self.loads, self.pairs, self.dim = constants, loads, pairs, dim
+        # Contacts by the features that the step follows, where it starts; where it is; and as they
+        # are found there.
+        self.known, self.slots, self.found = (Slots.empty(n_slots, dim) for _ in range(3))
+        self.history_before = np.zeros((n_slots, N_HISTORY + dim - 2))
+        self.contacts = Contacts.empty(n_slots, dim, n_dof if dim == 2 else 0)
+        self.which, self.table = self.contacts.which, self.contacts.table
+        self.n, self.first = 0, np.zeros(n_pairs + 1, np.int64)
+        self.trial, self.reaction, self.by_motion = (np.zeros((n_slots, 3)) for _ in range(3))
+        self.response = np.zeros((n_slots, 3, 3))
+        self.branch = np.zeros(n_slots, np.int64)
+        self.inner, self.change = (np.zeros((n_slots, N_INNER)) for _ in range(2))
+        self.scaling, self.drawn = np.zeros((n_slots, N_SCALING)), np.zeros((n_slots, 3))
+        # Of the slots: whether they may yield, or have a brittle bond; by what they dilate, and the
+        # slide until which they do.
+        law = constants.laws[pairs.law_of_slot]
+        self.yields = law[:, YIELDS] != 0.0
+        self.bonded = (law[:, COHESION] > 0.0) | (law[:, TENSION] > 0.0)
+        self.dilate, self.until = law[:, TAN_PSI], law[:, DILATANCY_END]
+        self.any_dilates, self.any_bonded = bool(self.dilate.any()), bool(self.bonded.any())
+        self.given = np.zeros((n, n_dof))  # increments of supports that move
+        self.x, self.force, self.contact_force = (np.zeros((n, n_dof)) for _ in range(3))
+        self.damping, self.dead = np.zeros(n), loads.dead
+        self.joined = loads.ties.joined(pairs.a, pairs.b) if loads.ties else None
+        joined: JoinedTies | Pairs = self.joined or pairs
+        self.tangent = Tangent.zeros(n, len(joined.a), n_dof)
+        self.team = team()
+        self.cuts = self.little_cuts = [(0, n_pairs)]
+        place = motion.places(assembly.centroid, pairs.pose)
+        structure = lu_symbolic.analyse(joined.a, joined.b, loads.fixed, place, n_dof)
+        self.lu = SharedLU(structure, self.team)
+        self.structure, self.factors = self.lu.structure, self.lu.factors
+        self.frame = self._frame(
+            Border(
+                load=loads.pattern.copy() if loads.acting else loads.pattern,
+                pace=np.zeros((n, n_dof)),
+                axis=np.zeros((n, n_dof)),
+                columns=np.zeros((3, n, n_dof)),
+                border=np.ones(1),
+                sign=np.ones(1),
+            )
+        )
+        self.spring = self.pivot = 0.0
+        self.n_due = 1  # columns of the frame that the next solution is to fill
+        self.pace: Pace | None = None
+        self.all_slots = np.arange(n_slots)
+        self.holding, self.origin = np.zeros((0, N_HELD)), self.all_slots.copy()
+        self.fresh = self.holding
+        self.history: Array | None = None
+        self.multiplier, self.residual, self.inertia_factor = 0.0, np.inf, 0.0
+
+    def _frame(self, border: Border) -> Any:
+        """The border, with what else directions are found with."""
+        return border
+
+    # The step.
+
+    def begin(
+        self,
+        pose: Array,
+        slots: Slots,
+        history: Array,
+        branch: IntArray,
+        h: float,
+        pace: Pace | None,
+        guess: Array,
+        held: Array | None = None,
+        fresh: Array | None = None,
+    ) -> None:
+        """Start a step of size ``h`` [s] from rest in ``pose``, with contacts and their past.
+
+        ``guess`` (n, n_dof) is about where it will end; ``held`` (n_slots, N_HELD) what joints hold
+        in it that are not dry, see `contacts`; ``fresh`` (n_slots, N_HELD) what contacts do that
+        are made in it.
+        """
+        self.begun = pose, slots, history, branch, h, pace, guess, held, fresh
+        self.pose, self.inertia_factor, self.pace = pose, 1.0 / h**2, pace
+        self.found_at: Array | None = None  # poses that `found` is of, for the known contacts
+        self.frame.axis[:] = 0.0
+        self.origin[:], self.history = self.all_slots, None
+        self.holding = self.holding[:0] if held is None else held.copy()
+        self.fresh = self.holding if fresh is None else fresh
+        self.history_before[:] = history
+        self._take_up(slots, branch, guess)
+
+    def again(self) -> None:
+        """Begin the step again, as it began last."""
+        self.begin(*self.begun)
+
+    def _pack(self, closed: BoolArray, branch: IntArray) -> None:
+        """List the known contacts in use, with the stiffness and strength of their joints.
+
+        ``closed`` (n_slots,) says which joints may dilate in the step, ``branch`` (n_slots,) what
+        contacts do at its start.
+        """
+        c, table = self.constants, self.table
+        self.n = n = pack_laws(self.known, self.pairs, c.laws, c.thickness, self.contacts)
+        used, pair = self.which[:n, SLOT], self.which[:n, PAIR]
+        if self.any_dilates:
+            dilates = closed & (self.history_before[:, SLID] < self.until)
+            table[:n, LIFT] = table[:n, STIFF_N] * np.where(dilates, self.dilate, 0.0)[used]
+        if self.any_bonded:
+            table[:n, HELD] = (self.bonded & (self.history_before[:, BROKEN] == 0.0))[used]
+        self.first[:] = np.searchsorted(pair, np.arange(len(self.first)))
+        self.cuts, self.little_cuts = self._cut(MANY), self._cut(MANY_OF_LITTLE)
+        self.branch[:n] = branch[used]
+        self.area = self.known.size[used] * self.constants.thickness
+        if len(self.holding):
+            self._hold()
+
+    def _hold(self) -> None:
+        """Take on what joints hold that are not dry."""
+        used = self.which[: self.n, SLOT]
+        rows = np.flatnonzero(self.yields[used])
+        now, area, table = self.holding[used[rows]], self.area[rows], self.table
+        crush = now[:, CRUSH] * area
+        table[rows, STIFF_N], table[rows, FRICTION] = now[:, STIFF_N] * area, now[:, FRICTION]
+        table[rows, SHIFT:CRUSH] = now[:, SHIFT:CRUSH] * area[:, None]
+        table[rows, CRUSH] = np.where(np.isfinite(crush), crush, 0.0)
+
+    def set_out(self, x: Array, multiplier: float) -> None:
+        """Go to increments (n, n_dof) from where the step starts."""
+        self.multiplier = multiplier
+        self._restart()
+        self.move(x, 1.0)
+
+    @property
+    def place(self) -> Place:
+        """Where the step is, to come back to."""
+        return Place(self.x.copy(), self.multiplier)
+
+    def come_back(self, place: Place) -> None:
+        """Go to a place where the step has been."""
+        self.set_out(*place)
+
+    def move(self, step: Array, length: float) -> None:
+        """Move on by ``length`` times increments (n, n_dof); contacts are located anew."""
+        self._go(step, length)
+        self._locate_all()
+
+    @property
+    def missing(self) -> float:
+        """What is missing of the pacing displacement [m]."""
+        return self.pace.missing(self.x) if self.pace else 0.0
+
+    # Equations.
+
+    @property
+    def inside(self) -> Array:
+        """Reactions (n_slots, 3 or more) of the variables of the interior [N]."""
+        if not len(self.holding):
+            return self.inner
+        n = self.n
+        self.drawn[:n] = self.inner[:n, :3]
+        self.drawn[:n, 0] -= self.table[:n, PULL]
+        return self.drawn
+
+    def respond(self) -> None:
+        """Reactions of the joint law, and their derivatives."""
+        self._by_pairs(self._respond)
+
+    def respond_within(self) -> None:
+        """Derivatives of the reactions in the interior, once its variables are scaled."""
+        cones.responses(self.scaling[: self.n], self.response[: self.n])
+
+    def balance(self, reaction: Array) -> float:
+        """Make the unbalanced forces those of reactions (n_slots, 3 or more); the largest [N]."""
+        self._sum_forces(reaction)
+        c = self.loads
+        if c.ties:
+            c.ties.act(self._pose_now())
+            c.ties.add_to(self.contact_force)
+        if c.acting:
+            near, self.frame.load[:] = c.acting.near(self._pose_now(), self.multiplier)
+            self.dead = near
+        self.residual = self._unbalance(self.dead)
+        return self.residual
+
+    def enough(self, accuracy: Accuracy, moved: float) -> float:
+        """Unbalanced force [N] that may be left: the tolerance, or what is rounding where blocks
+        have ``moved`` [m] at most in the step.
+
+        Gaps are as precise as displacements from the design in the plane, where they are
+        differences of coordinates; all else is as precise as the motion within the step.
+        """
+        if self.residual <= accuracy.tolerance:
+            return accuracy.tolerance
+        far = moved + self._from_design()
+        rounding = max(accuracy.rounding * far, accuracy.sliding_rounding * moved)
+        return max(accuracy.tolerance, rounding)
+
+    def balanced(self, accuracy: Accuracy) -> bool:
+        """Whether the forces last evaluated balance, and nothing is missing of the increment."""
+        if abs(self.missing) > accuracy.lag or self.residual > accuracy.coarsest:
+            return False
+        if self.residual <= accuracy.tolerance:
+            return True
+        return self.residual <= self.enough(accuracy, self.constants.detector.farthest(self.x))
+
+    def _unbalance(self, dead: Array) -> float:
+        c = self.loads
+        largest: float = balance.unbalance(
+            self.contact_force, dead, self.frame.load, self.multiplier, c.mass, self.x,
+            self.inertia_factor, c.extent, c.fixed, self.force,
+        )  # fmt: skip
+        return largest
+
+    def _pose_now(self) -> Array:
+        return self.constants.detector.assembly.moved(self.pose, self.x)
+
+    def factorise(self, reaction: Array, least_damping: float) -> bool:
+        """Factorise the stiffness for the present `response` and reactions; False if singular.
+
+        `damping` (n,) [1/s2] times the mass is added to the inertia, of the matrix alone.  Where
+        ``least_damping`` is positive, it is raised by no less for blocks that nothing would hold.
+        """
+        self._stiffen(reaction)
+        c = self.loads
+        if c.ties and self.joined:
+            c.ties.act(self._pose_now())
+            self.joined.clear(self.tangent, self.pairs.n_pairs)
+            self.joined.stiffen(self.tangent, c.ties.stiffness())
+        if c.acting:
+            turning = c.acting.stiffness(self._pose_now(), self.multiplier)
+            self.tangent.diagonal[:, self.dim :, self.dim :] += turning
+        gradient = self.pace.gradient(self.x) if self.pace else None
+        return self._factorise(gradient, least_damping)
+
+    def _factorise(self, gradient: Array | None, least_damping: float) -> bool:
+        """Factorise the tangent with inertia and what paces the step, its gradient (n, n_dof)."""
+        frame, mass, body = self.frame, self.loads.mass, -1
+        frame.border[0] = -1.0
+        if self.pace is not None and gradient is not None:
+            body = self.pace.body
+            frame.pace[:] = gradient
+            frame.axis[:] = 0.0
+            frame.axis[body] = gradient[body]
+        self.spring = balance.stiffen(
+            self.tangent.diagonal, mass, self.inertia_factor, self.damping, body, frame.axis
+        )
+        self.pivot = self.lu.factorise(self.tangent, mass, self.damping, least_damping)
+        self.n_due, frame.sign[0] = 1, np.sign(self.pivot)
+        if self.pivot == 0.0 or self.pace is None:
+            return self.pivot != 0.0
+        frame.columns[1] = frame.load
+        np.multiply(self.spring, frame.axis, out=frame.columns[2])
+        self.n_due = 3
+        return True
+
+    def solve(self, missing: float) -> float:
+        """Direction in the first column, from the forces there, and of the multiplier."""
+        columns = self.frame.columns
+        # What borders the matrix is solved for beside the first direction: factors are read once.
+        lu_numeric.solve(self.structure, self.factors, columns[: self.n_due])
+        self.n_due = 1
+        return float(balance.border(self.frame, columns[0], missing)) if self.pace else 0.0
+
+    @property
+    def stable(self) -> bool:
+        """Whether the number of unstable modes is even, once a direction has been solved for."""
+        return bool(self.frame.sign[0] * self.frame.border[0] < 0.0)
+
+    def contact_rates(self) -> Array:
+        """How gaps and slips go along the direction, (n_slots, 3)."""
+        self._rates(self.frame.columns[0])
+        return self.by_motion
+
+    # What knows the dimension.
+
+    @abstractmethod
+    def _take_up(self, slots: Slots, branch: IntArray, guess: Array) -> None:
+        """Go on with these contacts, from where the step starts."""
+
+    def _from_design(self) -> float:
+        """How far blocks are from their design [m], as far as gaps are less precise by that."""
+        return 0.0
+
+    @abstractmethod
+    def _restart(self) -> None:
+        """Bodies back to where the step starts."""
+
+    @abstractmethod
+    def _go(self, step: Array, length: float) -> None:
+        """Move bodies by ``length`` times increments (n, n_dof)."""
+
+    @abstractmethod
+    def _locate_all(self) -> None:
+        """Where contacts are, and their trial reactions."""
+
+    @abstractmethod
+    def _respond(self, low: int, high: int) -> None:
+        """Branches, reactions and responses of the contacts of pairs from ``low`` to ``high``."""
+
+    @abstractmethod
+    def _sum_forces(self, reaction: Array) -> None:
+        """Fill `contact_force` with what reactions (n_slots, 3 or more) do to the bodies."""
+
+    @abstractmethod
+    def _stiffen(self, reaction: Array) -> None:
+        """Fill `tangent` with that of minus the contacts' forces, geometric part and all."""
+
+    @abstractmethod
+    def _rates(self, direction: Array) -> None:
+        """Fill `by_motion` with how gaps and slips go along a direction (n, n_dof)."""
+
+    @abstractmethod
+    def _age(self, history: Array) -> None:
+        """Make a history (n_slots, N_HISTORY + dim - 2) at the start that where the step is."""
+
+    @abstractmethod
+    def gaps(self) -> Array:
+        """Gaps of the contacts in use where the step is, (n,) [m]."""
+
+    @abstractmethod
+    def meet(self, accuracy: Accuracy) -> bool:
+        """Take on the contacts that there are where the step is; whether they are others."""
+
+    # What is done with each contact: of pairs from ``low`` to ``high``.
+
+    def _cut(self, least: int) -> list[tuple[int, int]]:
+        """Ranges of pairs with about as many contacts, one for each thread from ``least`` on."""
+        first, parts = self.first, self.team.number if self.n >= least else 1
+        if parts == 1:
+            return [(0, len(first) - 1)]
+        wanted = np.linspace(0, self.n, parts + 1)
+        at = [0, *np.searchsorted(first, wanted[1:-1]).tolist(), len(first) - 1]
+        return list(pairwise(at))
+
+    def _by_pairs(
+        self, work: Callable[[int, int], None], cuts: list[tuple[int, int]] | None = None
+    ) -> None:
+        cuts = cuts or self.little_cuts
+        if len(cuts) == 1:
+            work(*cuts[0])
+        else:
+            self.team.run([partial(work, low, high) for low, high in cuts])
+
+    def by_contacts(self, work: Callable[[slice], None]) -> None:
+        """Do something with the contacts in use, by ranges of them; these may go side by side."""
+        first = self.first
+        self._by_pairs(lambda low, high: work(slice(first[low], first[high])))
+
+    # Where it has led.
+
+    def finish(self) -> Array:
+        """Find the contacts where the blocks are now, into `found`, and follow the known ones
+        there, into `slots`; the history of these, (n_slots, N_HISTORY + dim - 2)."""
+        self._find()
+        return self._aged() if self.history is None else self.history
+
+    def _aged(self) -> Array:
+        """History of contacts where the step is."""
+        history = self.history_before.copy()
+        self._age(history)
+        return history
+
+    def ended(self) -> Ended:
+        """What the strengths of joints are to follow from; see `statics.yielding`."""
+        used = self.which[: self.n, SLOT]
+        self.history = self._aged()
+        gap, area = np.full(len(self.branch), np.inf), np.zeros(len(self.branch))
+        gap[used], area[used] = self.gaps(), self.area
+        return Ended(
+            origin=self.origin,
+            before=self.history_before,
+            after=self.history,
+            gap=gap,
+            held=self.holding,
+            normal=self.by_slot(self.reaction)[:, 0],
+            area=area,
+        )
+
+    def soften(self, strengths: Strengths, start: Array) -> tuple[IntArray, Array]:
+        """Unbalanced forces, and response, where the step is, with the strengths that joints have
+        there.
+
+        ``start`` (n_slots, N_HISTORY + dim - 2) is the history where the step begins, of the
+        present slots.  Returns slots (n,) of joints that yield, and what they come to (n, N_POINT).
+        """
+        self.respond()
+        used = self.which[: self.n, SLOT]
+        law = self.pairs.law_of_slot[used]
+        rows = np.flatnonzero(strengths.yields[law])
+        slot, law = used[rows], law[rows]
+        area, shear = self.area[rows], self.trial[rows, 1:]
+        size = np.hypot(*shear.T)
+        before = self.history_before[slot]
+        point = strengths.points(law, start[slot], before, self.gaps()[rows], size / area)
+        p, kn = point.T, self.table[rows, STIFF_N] / area
+        along = np.divide(shear, size[:, None], out=np.zeros_like(shear), where=size[:, None] > 0.0)
+        across = np.eye(2) - along[:, :, None] * along[:, None, :]
+        share = np.divide(area * p[softening.P_SHEAR], size, out=np.ones(len(rows)), where=size > 0)
+        response, reaction = self.response, self.reaction
+        reaction[rows, 0] = area * p[softening.P_NORMAL]
+        reaction[rows, 1:] = share[:, None] * shear
+        response[rows, 0, 0] = -p[softening.P_NY] / kn
+        response[rows, 0, 1:] = p[softening.P_NT, :, None] * along
+        response[rows, 1:, 0] = (-p[softening.P_TY] / kn)[:, None] * along
+        turning = (along[:, :, None] * along[:, None, :]) * p[softening.P_TT, :, None, None]
+        response[rows, 1:, 1:] = turning + share[:, None, None] * across
+        self.balance(self.reaction)
+        return slot, point
+
+    def take(self, held: Array) -> None:
+        """Take on what joints hold, (n_slots, N_HELD), from here on; unbalanced forces with it."""
+        self.holding[:] = held
+        self._hold()
+        self.move(np.zeros_like(self.x), 0.0)
+        self.respond()
+        self.balance(self.reaction)
+
+    def _find(self) -> Array:
+        """Find the contacts where the blocks are now, into `found`, unless they have been; their
+        poses."""
+        detector = self.constants.detector
+        pose = detector.assembly.moved(self.pose, self.x)
+        if self.found_at is None or not np.array_equal(self.found_at, pose):
+            self.found.which[:] = self.known.which
+            detector.fill(self.pairs, pose, self.found)
+            self.found_at = pose
+        return pose
+
+    def by_slot(self, values: NDArray[Number]) -> NDArray[Number]:
+        """Values of the contacts in use, (n_slots, ...), by slot; zeros elsewhere."""
+        spread = np.zeros_like(values)
+        spread[self.which[: self.n, SLOT]] = values[: self.n]
+        return spread
+
+    def judged(self, history: Array) -> JudgedContacts:
+        """The contacts as last evaluated; with their ``history``, see `finish`."""
+        n, dim = self.n, self.dim
+        contacts = Contacts.empty(n, dim, 0)
+        contacts.which[:], contacts.table[:] = self.which[:n], self.table[:n]
+        contacts.table[:, TRIAL_N], contacts.table[:, TRIAL_T] = (
+            self.trial[:n, 0],
+            self.trial[:n, 1],
+        )
+        return JudgedContacts.with_history(
+            contacts,
+            self.gaps(),
+            history[self.which[:n, SLOT]],
+            self.reaction[:n, :dim],
+            self.trial[:n, 1:dim],
+        )
