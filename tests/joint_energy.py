@@ -107,18 +107,11 @@ class _Watched(EquilibriumEngine):
     def _area_of_step(self) -> Array:
         """Areas of the slots that the step was solved with: those of where it began, and of
         contacts that were made in it."""
-        equations = self.equations
-        if self.prepared.assembly.dimension == 3:
-            return self._area(equations.known)
-        known = equations.start.size * self.constants.thickness
-        return np.where(known > 0.0, known, self._area(equations.slots))
+        return self._area(self.equations.known)
 
     def _of_step(self, new: EquilibriumState) -> tuple[Array, Array]:
         """Reactions and history of the slots that the step was solved with."""
-        equations = self.equations
-        if self.prepared.assembly.dimension == 3:
-            return new.acted.reaction, equations.finish()
-        return equations.reaction.copy(), equations.history.copy()
+        return new.acted.reaction, self.equations.finish()
 
     def step(self, state, demand):
         new, report = super().step(state, demand)

@@ -24,7 +24,8 @@ PARTS = {
     "voronoi1": {"b6"},
     "voronoi3": {"b23"},
     "corner_short_leg": {"w2/c6u4"},
-    "facade_inward": {"b115"},
+    # Mirror images of each other: rounding says which is the first to go.
+    "facade_inward": {"b115", "b118"},
 }
 
 
