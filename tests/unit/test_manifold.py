@@ -11,6 +11,8 @@ import pytest
 
 from drystone.contact.contacts import (
     BALL_3,
+    FEATURE_A,
+    FEATURE_B,
     GAP,
     KIND,
     NONE,
@@ -274,6 +276,22 @@ class TestTilted:
         assert slots.gap[k] == pytest.approx(-0.01, abs=ROUNDING)
         assert slots.normal[k] == pytest.approx(np.array([[0, 0, 1]]), abs=ROUNDING)
         assert slots.size[k] == pytest.approx(facing.LEAST_SHARE * 2 * np.sqrt(2), rel=1e-9)
+
+    def test_edges_that_cross_after_a_face_was_tried(self):
+        """A box leans against another one's edge.  The edge of one lies nearly on a face of the
+        other, which makes no points as far away; the normal is still across both edges."""
+        turn = rotation((0, 0, 0.272)) @ rotation((0.631, -0.459, -0.139))
+        lower = box((-1, -1, -1), (1, 1, 0))
+        vertices, faces = box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))
+        scene = Scene([lower, (vertices @ turn.T + (1.411, 0.172, 0.081), faces)])
+        slots = scene.find()
+        (k,) = used(slots)
+        shapes, n_vertices = scene.shapes, len(scene.shapes.local)
+        for feature in slots.which[k, [FEATURE_A, FEATURE_B]]:
+            first, last = shapes.local[shapes.edge[feature - n_vertices, :2]]
+            assert slots.normal[k] @ (last - first) == pytest.approx(0.0, abs=1e-12)
+        wanted, *_ = brute_separation(*scene.solids[0], *scene.solids[1])
+        assert slots.gap[k] == pytest.approx(wanted, abs=ROUNDING)
 
     @pytest.mark.parametrize("noise", [0.0, 1e-9, 1e-4])
     def test_touching_by_less_than_a_face(self, noise):

@@ -120,7 +120,7 @@ def find(shapes, pose, world, pairs, reach, n_most, slots):
         if not (flush or (near and best >= -margin)):
             faces = (face_p, face_q) if p_is_a else (face_q, face_p)
             found, across, edges, p_is_a, face_p, face_q = edges_that_meet(
-                scene, scratch.work, p, q, best, least, near, limit
+                scene, scratch.crossing, p, q, best, least, near, limit
             )
             if found:
                 empty(which, value, begin, stop)
@@ -133,7 +133,9 @@ def find(shapes, pose, world, pairs, reach, n_most, slots):
                         empty(which, value, begin, stop)
                         stop = begin
                 if stop == begin:
-                    stop = edge_on_edge(scene, scratch.work, pair, edges, faces, which, value)
+                    stop = edge_on_edge(
+                        scene, scratch.crossing, pair, edges, faces, which, value
+                    )
         for k in range(begin, stop):
             if value[k, GAP] > reach:
                 which[k, KIND], value[k, GAP] = NONE, np.inf

@@ -93,7 +93,8 @@ class Scratch(NamedTuple):
     point: Array  # (largest, 2) m, contact points; see `overlap.spread`
     mark: IntArray  # (largest, 4) what these are
     weight: Array  # (largest,) m2
-    work: Array  # (5, 3) of edges, see `separation.best_edges`; else tangents of the reference face
+    work: Array  # (5, 3) tangents of the reference face, and scratch of rims
+    crossing: Array  # (5, 3) of edges, see `separation.best_edges`; kept while faces are tried
 
 
 @njit(cache=True)
@@ -135,6 +136,7 @@ def scratch_for(ring, points):
         np.empty((largest, 2)),
         np.empty((largest, 4), np.int64),
         np.empty(largest),
+        np.empty((5, 3)),
         np.empty((5, 3)),
     )
 
