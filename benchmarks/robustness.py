@@ -3,11 +3,13 @@
     python benchmarks/robustness.py --kinds solids,corner --seeds 0:40
     python benchmarks/robustness.py --seeds 0:40:2 --set space.hold=0 --against stored.json
 
-For each structure one line, for each kind a sum: curves that end or stop, points that are not
-balanced, points called unstable, steps tried and failed, iterations of all of them, seconds of the
-processor.  ``--set NAME=VALUE`` changes a setting of the engine (``space.hold``: a point for each
-record within), so that an ablation is one run more; ``--against`` compares with a stored run, curve
-by curve.  Choose on even seeds, report odd ones.
+For each structure one line, for each kind a sum: curves that end, whose control point leaves with
+its block, that stop, or that say they are finished where they are not ("false ends"); points that
+are not balanced, points called unstable, steps tried and failed, iterations of all of them, seconds
+of the processor (the first one compiles), and the longest step.  The kinds are those of
+`tests/random_kinds.py`.  ``--set NAME=VALUE`` changes a setting of the engine (``space.hold``: a
+point for each record within), so that an ablation is one run more; ``--against`` compares with a
+stored run, curve by curve.  Choose on even seeds, report odd ones.
 """
 
 from __future__ import annotations
@@ -20,106 +22,23 @@ import json
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 
-import buildings
 import drystone as ds
-from bonded_walls import bonded_wall
 from drystone.engines.base import UnstableError
-from drystone.results.curve import DYNAMIC, FINISHED
+from drystone.results.curve import FINISHED
 from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumSettings
-from random_solids import random_solids
-from structures import structure
+from random_kinds import KINDS
+from true_ends import LEFT, at_rest, unbalanced, why_no_end
 
-#: Residual over the heaviest weight that a point at rest may leave.
-BALANCED = 1e-8
-
-
-def _any_side(rng: np.random.Generator) -> tuple[float, float, float]:
-    angle = float(rng.uniform(0.0, 2.0 * np.pi))
-    return np.cos(angle), np.sin(angle), 0.0
-
-
-def _joints(rng: np.random.Generator) -> dict[str, float]:
-    """Friction and stiffness of any kind of joint that walls have."""
-    return {
-        "friction": round(float(rng.uniform(0.45, 0.85)), 3),
-        "stiffness": 10.0 ** float(rng.uniform(8.5, 11.0)),
-    }
-
-
-def corner(seed: int) -> ds.Model:
-    """Two walls that meet in a corner, pushed to any side."""
-    rng = np.random.default_rng(seed)
-    units = int(rng.integers(2, 5)), int(rng.integers(2, 5))
-    courses = int(rng.integers(3, 8))
-    return buildings.corner_wall(units, courses, push=_any_side(rng), **_joints(rng))
-
-
-def box(seed: int) -> ds.Model:
-    """Four walls around a square."""
-    rng = np.random.default_rng(seed)
-    size = int(rng.integers(2, 5)), int(rng.integers(3, 6))
-    return buildings.box_building(*size, push=_any_side(rng), **_joints(rng))
-
-
-def arch(seed: int) -> ds.Model:
-    """An arch in space, pushed to any side."""
-    rng = np.random.default_rng(seed)
-    shape = {
-        "n_voussoirs": int(rng.integers(7, 24)),
-        "thickness": float(rng.uniform(0.25, 0.5)),
-        "width": float(rng.uniform(0.3, 0.9)),
-        "embrace": float(rng.choice([120.0, 140.0, 160.0])),
-    }
-    return buildings.arch(**shape, push=_any_side(rng), **_joints(rng))
-
-
-def dome(seed: int) -> ds.Model:
-    """A hemisphere of voussoirs, pushed to any side."""
-    rng = np.random.default_rng(seed)
-    shape = int(rng.integers(3, 7)), int(rng.integers(8, 14))
-    thickness = float(rng.uniform(0.35, 0.6))
-    return buildings.dome(*shape, thickness=thickness, push=_any_side(rng), **_joints(rng))
-
-
-def tied(seed: int) -> ds.Model:
-    """A random solid with a tie from its top to the ground, and a surcharge by its load's side."""
-    rng = np.random.default_rng(seed)
-    model = random_solids(seed)
-    assembly = model.assembly
-    top = int(np.argmax(assembly.centroid[:, 2]))
-    place = assembly.centroid[top]
-    foot = place + rng.uniform(-1.0, 1.0, 3) * [1.0, 1.0, 0.0]
-    foot[2] = 0.0
-    tie = ds.Tie(
-        id="t",
-        a=(assembly.ids[top], tuple(place)),
-        b=tuple(foot),
-        stiffness=1e7,
-        yield_force=float(rng.uniform(0.2, 2.0)) * float(assembly.heaviest_weight),
-    )
-    return model.with_ties([tie])
-
-
-KINDS: dict[str, Callable[[int], ds.Model]] = {
-    "plane": structure,
-    "solids": random_solids,
-    "corner": corner,
-    "box": box,
-    "arch": arch,
-    "dome": dome,
-    "bonded": bonded_wall,
-    "bonded-space": lambda seed: bonded_wall(seed, 3),
-}
+#: How curves end, as the summary has them; errors and what takes too long are "else".
+ENDS = ("ended", "left", "stopped", "false end", "does not stand")
 
 
 class _Counting(EquilibriumEngine):
@@ -133,9 +52,11 @@ class _Counting(EquilibriumEngine):
     def step(self, state: Any, demand: Any) -> Any:
         """See `Engine.step`."""
         begun = time.process_time()
-        new, report = super().step(state, demand)
-        self.longest = max(self.longest, time.process_time() - begun)
         self.tried += 1
+        try:
+            new, report = super().step(state, demand)
+        finally:
+            self.longest = max(self.longest, time.process_time() - begun)
         self.failed += not report.converged
         self.iterations += report.n_iterations
         return new, report
@@ -148,7 +69,9 @@ class Run:
     kind: str
     seed: int
     n_blocks: int
-    end: str  # "ended", "stopped", "does not stand", "too long", or an error
+    #: "ended", "left" (the control point with its block), "stopped", "false end", "does not stand",
+    #: "too long", or the name of an error.
+    end: str
     reason: str = ""
     peak: float = 0.0
     peak_at: float = 0.0  # m
@@ -161,7 +84,8 @@ class Run:
     failed: int = 0
     iterations: int = 0
     seconds: float = 0.0
-    longest: float = 0.0
+    longest: float = 0.0  # s, of one step
+    last_at_rest: float = 0.0  # multiplier of the last point at rest
 
 
 class _TooLongError(Exception):
@@ -202,18 +126,25 @@ def run(kind: str, seed: int, settings: EquilibriumSettings, limit: int) -> Run:
         return told("too long")
     except Exception as error:  # any other is a fault to be listed, not to end the run
         return told(type(error).__name__, reason=str(error)[:200])
-    still = [point for point in curve.points if point.status != DYNAMIC]
+    still, why = at_rest(curve), why_no_end(curve)
     return told(
-        "ended" if curve.status == FINISHED else "stopped",
-        reason=curve.reason[:200],
+        _end_of(curve, why),
+        reason=(why or curve.reason)[:200],
         peak=curve.peak.load_multiplier,
         peak_at=curve.peak.control_displacement,
         last_at=curve.points[-1].control_displacement,
         n_points=len(curve.points),
         n_dynamic=len(curve.points) - len(still),
         n_unstable=sum(point.unstable for point in still),
-        unbalanced=sum(point.residual > BALANCED for point in still),
+        unbalanced=len(unbalanced(curve)),
+        last_at_rest=still[-1].load_multiplier if still else 0.0,
     )
+
+
+def _end_of(curve: ds.CapacityCurve, why: str) -> str:
+    if why:
+        return "false end" if curve.status == FINISHED else "stopped"
+    return "left" if LEFT in curve.reason else "ended"
 
 
 def with_settings(changes: Sequence[str]) -> EquilibriumSettings:
@@ -243,8 +174,8 @@ def summary(runs: Sequence[Run]) -> str:
         rows.append({
             "kind": name,
             "curves": len(part),
-            "ended": sum(r.end == "ended" for r in part),
-            "not": sum(r.end not in ("ended", "does not stand") for r in part),
+            **{end: sum(r.end == end for r in part) for end in ENDS},
+            "else": sum(r.end not in ENDS for r in part),
             "points": sum(r.n_points for r in part),
             "in motion": sum(r.n_dynamic for r in part),
             "unstable": sum(r.n_unstable for r in part),
@@ -285,7 +216,7 @@ def _seeds(text: str) -> range:
 def main() -> None:
     """See the module's text."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("--kinds", default=",".join(KINDS), help=f"of {', '.join(KINDS)}")
+    parser.add_argument("--kinds", default="all", help=f"all, or of {', '.join(KINDS)}")
     parser.add_argument("--seeds", default="0:20:2", help="first:end or first:end:step")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes")
     parser.add_argument("--limit", type=int, default=120, help="process time of a curve [s]")
@@ -293,7 +224,7 @@ def main() -> None:
     parser.add_argument("--against", type=Path, help="a stored run to compare with")
     given = parser.parse_args()
     settings, runs = with_settings(given.changes), []
-    for kind in given.kinds.split(","):
+    for kind in KINDS if given.kinds == "all" else given.kinds.split(","):
         for seed in _seeds(given.seeds):
             runs.append(one := run(kind, seed, settings, given.limit))
             print(
@@ -302,7 +233,11 @@ def main() -> None:
                 f"({one.n_dynamic} in motion, {one.n_unstable} unstable, {one.unbalanced} "
                 f"unbalanced), {one.tried} steps, {one.failed} failed, {one.iterations} iterations,"
                 f" {one.seconds:.2f} s, longest {one.longest:.2f} s"
-                + ("" if one.end == "ended" else f": {one.reason}"),
+                + (
+                    ""
+                    if one.end == "ended"
+                    else f", at rest under {one.last_at_rest:.4g}: {one.reason}"
+                ),
                 flush=True,
             )
     print(summary(runs))

@@ -41,21 +41,23 @@ def random_solids(seed: int) -> Model:
             model = _drawn(rng, kind(rng), SOFTEST.get(kind, 1e8))
         except GeometryError:  # treated edges that leave nothing of a block
             continue
-        if 2 <= model.assembly.n_blocks <= 40 and _stands(model):
+        if 2 <= model.assembly.n_blocks <= 40 and stands_with_margin(model):
             return replace(model, title=f"{kind.__name__} {seed}")
     raise AssertionError(f"{kind.__name__} {seed}: none of {MOST_DRAWS} stands")
 
 
-def _stands(model: Model) -> bool:
-    """Whether it stands with a margin to any side, which joints that close must not use up."""
+def stands_with_margin(model: Model) -> bool:
+    """Whether it stands with a margin to any side, which joints that close must not use up; in the
+    plane to either."""
     if not stands(model.assembly):
         return False
+    sides = directions(4) if model.assembly.dimension == 3 else [(1.0, 0.0), (-1.0, 0.0)]
     return all(
         collapse_load(
             replace(model, load=MassPattern(direction=np.array(side))), flow=ASSOCIATIVE
         ).load_multiplier
         > MARGIN
-        for side in directions(4)
+        for side in sides
     )
 
 
