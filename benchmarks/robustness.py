@@ -88,14 +88,16 @@ class Run:
     last_at_rest: float = 0.0  # multiplier of the last point at rest
 
 
-class _TooLongError(Exception):
-    pass
+class TooLongError(Exception):
+    """A curve took more than it was given."""
 
 
 @contextmanager
-def _at_most(seconds: int) -> Iterator[None]:
+def at_most(seconds: int) -> Iterator[None]:
+    """Raise `TooLongError` in what takes longer [s of the processor], between two kernels."""
+
     def ring(*_: object) -> None:
-        raise _TooLongError
+        raise TooLongError
 
     signal.signal(signal.SIGPROF, ring)
     signal.setitimer(signal.ITIMER_PROF, seconds)
@@ -118,11 +120,11 @@ def run(kind: str, seed: int, settings: EquilibriumSettings, limit: int) -> Run:
         return Run(**what, end=end, seconds=seconds, longest=longest, **counts, **more)
 
     try:
-        with _at_most(limit):
+        with at_most(limit):
             curve = ds.pushover(model, engine=engine, progress=False)
     except UnstableError as error:
         return told("does not stand", reason=str(error)[:200])
-    except _TooLongError:
+    except TooLongError:
         return told("too long")
     except Exception as error:  # any other is a fault to be listed, not to end the run
         return told(type(error).__name__, reason=str(error)[:200])
@@ -209,7 +211,8 @@ def compared(runs: Sequence[Run], stored: Sequence[Run]) -> str:
     return "\n".join(lines) or "no curve differs"
 
 
-def _seeds(text: str) -> range:
+def seeds_in(text: str) -> range:
+    """Of "first:end" or "first:end:step"."""
     return range(*(int(part) for part in text.split(":")))
 
 
@@ -225,7 +228,7 @@ def main() -> None:
     given = parser.parse_args()
     settings, runs = with_settings(given.changes), []
     for kind in KINDS if given.kinds == "all" else given.kinds.split(","):
-        for seed in _seeds(given.seeds):
+        for seed in seeds_in(given.seeds):
             runs.append(one := run(kind, seed, settings, given.limit))
             print(
                 f"{one.kind} {one.seed}: {one.end}, {one.n_blocks} blocks, peak {one.peak:.6g} at "

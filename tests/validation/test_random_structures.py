@@ -16,6 +16,7 @@ from drystone.analysis.driver import pushover
 from drystone.control.ends import COLLAPSED
 from drystone.engines.base import UnstableError
 from drystone.results.curve import DYNAMIC, STATIC, CapacityCurve
+from static_branches import apart, static_branch
 from structures import structure
 
 FIRST = int(os.environ.get("DRYSTONE_SEED", "0"))
@@ -58,21 +59,6 @@ def traced(seed: int, engine: str) -> CapacityCurve | None:
         return pushover(structure(seed), engine=engine)
     except UnstableError:
         return None
-
-
-def static_branch(curve: CapacityCurve) -> np.ndarray:
-    """Control displacement and multiplier of the static points, (n, 2)."""
-    static = curve.column("status") == STATIC
-    return np.column_stack((curve.control_displacement, curve.load_multiplier))[static]
-
-
-def apart(points: np.ndarray, line: np.ndarray) -> np.ndarray:
-    """Distance of points from a polyline, the larger of both coordinates."""
-    start, along = line[:-1], np.diff(line, axis=0)
-    square = np.maximum((along**2).sum(axis=1), 1e-300)
-    share = ((points[:, None] - start) * along).sum(axis=2) / square
-    nearest = start + np.clip(share, 0.0, 1.0)[..., None] * along
-    return np.abs(points[:, None] - nearest).max(axis=2).min(axis=1)
 
 
 def branches_apart(first: CapacityCurve, second: CapacityCurve) -> float:

@@ -133,9 +133,7 @@ def find(shapes, pose, world, pairs, reach, n_most, slots):
                         empty(which, value, begin, stop)
                         stop = begin
                 if stop == begin:
-                    stop = edge_on_edge(
-                        scene, scratch.crossing, pair, edges, faces, which, value
-                    )
+                    stop = edge_on_edge(scene, scratch.crossing, pair, edges, faces, which, value)
         for k in range(begin, stop):
             if value[k, GAP] > reach:
                 which[k, KIND], value[k, GAP] = NONE, np.inf

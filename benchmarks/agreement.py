@@ -1,0 +1,191 @@
+"""Random structures by `equilibrium` and by other engines, and beside limit analysis.
+
+    python benchmarks/agreement.py --kinds plane,solids --seeds 1:20:2
+    python benchmarks/agreement.py --engines distinct --blocks 12 --seeds 1:12:2
+
+Curves are compared up to 1.2 times the displacement of the peak, and at three points after: a
+tenth, a quarter and half of the way from there to the last point at rest.  What is told is how far
+a static point of one lies from the other curve, multipliers over the peak and displacements over
+that of the last point at rest, up to the peak the median and the largest of all points; and by how
+much the peaks differ, over the peak.  Where one of them but the largest, which a jump makes that
+comes a step sooner or later, is above 1 %, the structure is listed with all figures, and so is
+every capacity above the associative multiplier, with its cause (`drystone.limit.excess`).  The
+kinds are those of `tests/random_kinds.py`; structures of more than ``--blocks`` are left out.
+"""
+
+from __future__ import annotations
+
+import robustness  # first: it holds the libraries' threads to one
+
+# isort: split
+import argparse
+import json
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import harness
+import numpy as np
+
+import drystone as ds
+from drystone.limit import limits_beside
+from random_kinds import KINDS
+from static_branches import apart, static_branch
+
+#: What is compared of the rise, over the displacement of the peak, and of the way from the peak to
+#: the last point at rest.
+RISE, AFTER = 1.2, (0.1, 0.25, 0.5)
+#: Differences, over the peak, up to which engines agree.
+AGREED = 0.01
+
+
+@dataclass(frozen=True, kw_only=True)
+class Compared:
+    """One structure by one engine; differences are as the module's text says."""
+
+    kind: str
+    seed: int
+    n_blocks: int
+    engine: str
+    note: str = ""  # why there is nothing to compare
+    peak: float = 0.0  # by `equilibrium`
+    other_peak: float = 0.0
+    rise: float = 0.0  # the median
+    largest: float = 0.0
+    after: tuple[float, ...] = ()
+    other_reason: str = ""
+    seconds: float = 0.0  # of the other engine
+
+    @property
+    def peaks(self) -> float:
+        """By how much the peaks differ."""
+        return abs(self.other_peak - self.peak) / self.peak if self.peak else 0.0
+
+    @property
+    def agrees(self) -> bool:
+        """Whether nothing differs by more than `AGREED`."""
+        return max(self.peaks, self.rise, *self.after, 0.0) <= AGREED
+
+    def __str__(self) -> str:
+        if self.note:
+            return f"{self.kind} {self.seed} {self.engine}: {self.note}"
+        after = ", ".join(f"{100.0 * one:.2f}" for one in self.after)
+        return (
+            f"{self.kind} {self.seed} {self.engine}: {self.n_blocks} blocks, peak {self.peak:.5g} "
+            f"and {self.other_peak:.5g} ({100.0 * self.peaks:.2f} %), up to "
+            f"{RISE} of it {100.0 * self.rise:.2f} % (largest {100.0 * self.largest:.2f} %), "
+            f"after {after} %, {self.seconds:.1f} s"
+            + ("" if self.agrees else f": DIFFERS; {self.other_reason[:150]}")
+        )
+
+
+def compared(
+    kind: str, seed: int, model: ds.Model, ours: ds.CapacityCurve, engine: str, limit: int
+) -> Compared:
+    """The same structure by another engine."""
+    what = {"kind": kind, "seed": seed, "n_blocks": model.assembly.n_blocks, "engine": engine}
+    line = static_branch(ours)
+    top, end = ours.peak.control_displacement, float(line[:, 0].max())
+    far = top + np.array(AFTER) * (end - top)
+    begun = time.process_time()
+    try:
+        with robustness.at_most(limit):
+            # One step more than is read.
+            most = 1.05 * max(RISE * top, float(far[-1])) + 1e-6
+            other = ds.pushover(model, engine=engine, progress=False, max_displacement=most)
+    except robustness.TooLongError:
+        return Compared(**what, note=f"more than {limit} s")
+    except Exception as error:  # listed, not to end the run
+        return Compared(**what, note=f"{type(error).__name__}: {str(error)[:150]}")
+    scale = np.array([end, ours.peak.load_multiplier])
+    theirs, mine = static_branch(other) / scale, line / scale
+    rise = [
+        apart(one[one[:, 0] <= RISE * top / end], two)
+        for one, two in ((theirs, mine), (mine, theirs))
+    ]
+    return Compared(
+        **what,
+        peak=ours.peak.load_multiplier,
+        other_peak=other.peak.load_multiplier,
+        rise=float(max(np.median(one) for one in rise)),
+        largest=float(max(one.max() for one in rise)),
+        after=tuple(float(apart(_near(mine, x / end), theirs)[0]) for x in far),
+        other_reason=other.reason,
+        seconds=round(time.process_time() - begun, 2),
+    )
+
+
+def _near(branch: np.ndarray, place: float) -> np.ndarray:
+    """The point (1, 2) of a branch (n, 2) that is nearest to a displacement."""
+    return branch[[int(np.argmin(np.abs(branch[:, 0] - place)))]]
+
+
+def above_bound(model: ds.Model, curve: ds.CapacityCurve) -> str:
+    """What is told where the capacity lies above the associative multiplier; else nothing."""
+    return limits_beside(model).warning(curve, model) or ""
+
+
+def summary(runs: Sequence[Compared]) -> str:
+    """Shares that agree, by engine and kind."""
+    rows = []
+    for engine in dict.fromkeys(run.engine for run in runs):
+        own = [run for run in runs if run.engine == engine]
+        parts = {kind: [r for r in own if r.kind == kind] for kind in {r.kind: 0 for r in own}}
+        for kind, part in [*parts.items(), ("all", own)]:
+            both = [run for run in part if not run.note]
+            agree = sum(run.agrees for run in both)
+            rows.append({
+                "engine": engine,
+                "kind": kind,
+                "structures": len(part),
+                "compared": len(both),
+                "within 1 %": agree,
+                "share": f"{100.0 * agree / max(len(both), 1):.0f} %",
+                "seconds": f"{sum(run.seconds for run in both):.0f}",
+            })  # fmt: skip
+    return harness.table(rows) if rows else "nothing was compared"
+
+
+def main() -> None:
+    """See the module's text."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("--kinds", default="all", help=f"all, or of {', '.join(KINDS)}")
+    parser.add_argument("--seeds", default="0:8:2", help="first:end or first:end:step")
+    parser.add_argument("--engines", default="distinct,nscd", help="others than equilibrium")
+    parser.add_argument("--blocks", type=int, default=20, help="most of a structure")
+    parser.add_argument("--limit", type=int, default=60, help="process time of a curve [s]")
+    parser.add_argument("--out", type=Path, help="where the run is stored, as JSON")
+    given = parser.parse_args()
+    runs: list[Compared] = []
+    above: list[str] = []
+    for kind in KINDS if given.kinds == "all" else given.kinds.split(","):
+        for seed in robustness.seeds_in(given.seeds):
+            model = KINDS[kind](seed).with_analysis(engine="equilibrium")
+            if model.assembly.n_blocks > given.blocks:
+                continue
+            try:
+                with robustness.at_most(given.limit):
+                    ours = ds.pushover(model, progress=False, keep_poses=True, keep_contacts=True)
+                    told = above_bound(model, ours)
+            except Exception as error:  # `robustness` lists it
+                print(f"{kind} {seed}: {type(error).__name__}", flush=True)
+                continue
+            if told:
+                above.append(f"{kind} {seed}: {told}")
+                print(above[-1], flush=True)
+            for engine in filter(None, given.engines.split(",")):
+                runs.append(compared(kind, seed, model, ours, engine, given.limit))
+                print(runs[-1], flush=True)
+    print(summary(runs))
+    print("\nDiffer, or could not be compared:")
+    print("\n".join(str(run) for run in runs if run.note or not run.agrees) or "none")
+    print("\nCapacities above the associative multiplier:")
+    print("\n".join(above) or "none")
+    if given.out:
+        stored = {"compared": [asdict(one) for one in runs], "above": above}
+        given.out.write_text(json.dumps(stored, indent=1))
+
+
+if __name__ == "__main__":
+    main()
