@@ -94,8 +94,10 @@ def compared(
             # One step more than is read.
             most = 1.05 * max(RISE * top, float(far[-1])) + 1e-6
             other = ds.pushover(model, engine=engine, progress=False, max_displacement=most)
+        if other.status == "interrupted":
+            return Compared(**what, note=f"more than {limit} s")
     except robustness.TooLongError:
-        return Compared(**what, note=f"more than {limit} s")
+        return Compared(**what, note=f"more than {limit} s at its start")
     except Exception as error:  # listed, not to end the run
         return Compared(**what, note=f"{type(error).__name__}: {str(error)[:150]}")
     scale = np.array([end, ours.peak.load_multiplier])
@@ -168,7 +170,7 @@ def main() -> None:
                 with robustness.at_most(given.limit):
                     ours = ds.pushover(model, progress=False, keep_poses=True, keep_contacts=True)
                     told = above_bound(model, ours)
-            except Exception as error:  # `robustness` lists it
+            except (Exception, robustness.TooLongError) as error:  # `robustness` lists it
                 print(f"{kind} {seed}: {type(error).__name__}", flush=True)
                 continue
             if told:

@@ -5,11 +5,12 @@
 
 For each structure one line, for each kind a sum: curves that end, whose control point leaves with
 its block, that stop, or that say they are finished where they are not ("false ends"); points that
-are not balanced, points called unstable, steps tried and failed, iterations of all of them, seconds
-of the processor (the first one compiles), and the longest step.  The kinds are those of
-`tests/random_kinds.py`.  ``--set NAME=VALUE`` changes a setting of the engine (``space.hold``: a
-point for each record within), so that an ablation is one run more; ``--against`` compares with a
-stored run, curve by curve.  Choose on even seeds, report odd ones.
+are not balanced, or no better than rounding lets them be (`true_ends.balance_of`); points called
+unstable, steps tried and failed, iterations of all of them, seconds of the processor (the first one
+compiles), and the longest step.  The kinds are those of `tests/random_kinds.py`.
+``--set NAME=VALUE`` changes a setting of the engine (``space.hold``: a point for each record
+within), so that an ablation is one run more; ``--against`` compares with a stored run, curve by
+curve.  Choose on even seeds, report odd ones.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ from drystone.engines.base import UnstableError
 from drystone.results.curve import FINISHED
 from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumSettings
 from random_kinds import KINDS
-from true_ends import LEFT, at_rest, unbalanced, why_no_end
+from true_ends import LEFT, at_rest, balance_of, unbalanced, why_no_end
 
 #: How curves end, as the summary has them; errors and what takes too long are "else".
 ENDS = ("ended", "left", "stopped", "false end", "does not stand")
@@ -79,7 +80,8 @@ class Run:
     n_points: int = 0
     n_dynamic: int = 0
     n_unstable: int = 0
-    unbalanced: int = 0
+    unbalanced: int = 0  # points at rest, beyond what rounding leaves
+    rounded: int = 0  # points at rest that leave more than 1e-8, as rounding lets them
     tried: int = 0
     failed: int = 0
     iterations: int = 0
@@ -87,9 +89,20 @@ class Run:
     longest: float = 0.0  # s, of one step
     last_at_rest: float = 0.0  # multiplier of the last point at rest
 
+    def __str__(self) -> str:
+        why = f", at rest under {self.last_at_rest:.4g}: {self.reason}"
+        return (
+            f"{self.kind} {self.seed}: {self.end}, {self.n_blocks} blocks, peak {self.peak:.6g} at "
+            f"{self.peak_at:.4g} m, last {self.last_at:.4g} m, {self.n_points} points "
+            f"({self.n_dynamic} in motion, {self.n_unstable} unstable, {self.unbalanced} "
+            f"unbalanced, {self.rounded} rounded), {self.tried} steps, {self.failed} failed, "
+            f"{self.iterations} iterations, {self.seconds:.2f} s, longest {self.longest:.2f} s"
+            f"{'' if self.end == 'ended' else why}"
+        )
 
-class TooLongError(Exception):
-    """A curve took more than it was given."""
+
+class TooLongError(KeyboardInterrupt):
+    """A curve took more than it was given; `drystone.pushover` ends it there, interrupted."""
 
 
 @contextmanager
@@ -138,12 +151,15 @@ def run(kind: str, seed: int, settings: EquilibriumSettings, limit: int) -> Run:
         n_points=len(curve.points),
         n_dynamic=len(curve.points) - len(still),
         n_unstable=sum(point.unstable for point in still),
-        unbalanced=len(unbalanced(curve)),
+        unbalanced=(beyond := len(unbalanced(curve, balance_of(model)))),
+        rounded=len(unbalanced(curve)) - beyond,
         last_at_rest=still[-1].load_multiplier if still else 0.0,
     )
 
 
 def _end_of(curve: ds.CapacityCurve, why: str) -> str:
+    if curve.status == "interrupted":
+        return "too long"
     if why:
         return "false end" if curve.status == FINISHED else "stopped"
     return "left" if LEFT in curve.reason else "ended"
@@ -182,6 +198,7 @@ def summary(runs: Sequence[Run]) -> str:
             "in motion": sum(r.n_dynamic for r in part),
             "unstable": sum(r.n_unstable for r in part),
             "unbalanced": sum(r.unbalanced for r in part),
+            "rounded": sum(r.rounded for r in part),
             "tried": sum(r.tried for r in part),
             "failed": sum(r.failed for r in part),
             "iterations": sum(r.iterations for r in part),
@@ -230,19 +247,7 @@ def main() -> None:
     for kind in KINDS if given.kinds == "all" else given.kinds.split(","):
         for seed in seeds_in(given.seeds):
             runs.append(one := run(kind, seed, settings, given.limit))
-            print(
-                f"{one.kind} {one.seed}: {one.end}, {one.n_blocks} blocks, peak {one.peak:.6g} at "
-                f"{one.peak_at:.4g} m, last {one.last_at:.4g} m, {one.n_points} points "
-                f"({one.n_dynamic} in motion, {one.n_unstable} unstable, {one.unbalanced} "
-                f"unbalanced), {one.tried} steps, {one.failed} failed, {one.iterations} iterations,"
-                f" {one.seconds:.2f} s, longest {one.longest:.2f} s"
-                + (
-                    ""
-                    if one.end == "ended"
-                    else f", at rest under {one.last_at_rest:.4g}: {one.reason}"
-                ),
-                flush=True,
-            )
+            print(one, flush=True)
     print(summary(runs))
     if given.out:
         given.out.write_text(json.dumps([asdict(one) for one in runs], indent=1))
