@@ -1,6 +1,7 @@
 """The repository's own promises: commands, versions, links, no traces of a machine."""
 
 import ast
+import os
 import re
 import subprocess
 import sys
@@ -75,6 +76,27 @@ def test_ci_runs_the_command_of_the_readme():
     for path in (ROOT / "check", ROOT / ".ci" / "run"):
         assert path.stat().st_mode & 0o111, f"{path} is not executable"
         subprocess.run(["bash", "-n", path], check=True)
+
+
+def test_ci_fails_where_a_test_marked_gate_does():
+    """The part on which it fails has all of them, whatever the share and the seed."""
+    script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    assert "set -euo pipefail" in script
+    seeded = re.search(r"DRYSTONE_ONE_IN=.*\n +(python -m pytest -p seeded .*)", script).group(1)
+    assert "||" not in seeded
+    file = "tests/validation/test_robustness.py"
+    asked = ["--collect-only", "-p", "no:cacheprovider", "-m"]
+
+    def collected(which: str, *more: str, **env: str) -> set[str]:
+        found = subprocess.run(
+            [sys.executable, "-m", "pytest", *asked, which, *more, file],
+            cwd=ROOT, env={**os.environ, **env}, capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        return {line for line in found.stdout.splitlines() if "::" in line}
+
+    path = os.pathsep.join(filter(None, (str(ROOT / ".ci"), os.environ.get("PYTHONPATH"))))
+    none = {"PYTHONPATH": path, "DRYSTONE_ONE_IN": str(10**15)}
+    assert collected("slow", "-p", "seeded", **none) == collected("gate") != set()
 
 
 def test_every_command_in_the_documentation_exists():
