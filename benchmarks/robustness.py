@@ -1,14 +1,14 @@
 """Random structures of every kind by `equilibrium`: what ends, what does not, and what it costs.
 
     python benchmarks/robustness.py --kinds solids,corner --seeds 0:40
-    python benchmarks/robustness.py --seeds 0:40:2 --set space.hold=0 --against stored.json
+    python benchmarks/robustness.py --seeds 0:40:2 --set max_motion=0.1 --against stored.json
 
 For each structure one line, for each kind a sum: curves that end, whose control point leaves with
 its block, that stop, or that say they are finished where they are not ("false ends"); points that
 are not balanced, or no better than rounding lets them be (`true_ends.balance_of`); points called
 unstable, steps tried and failed, iterations of all of them, seconds of the processor (the first one
 compiles), and the longest step.  The kinds are those of `tests/random_kinds.py`.
-``--set NAME=VALUE`` changes a setting of the engine (``space.hold``: a point for each record
+``--set NAME=VALUE`` changes a setting of the engine (``path.x``: a point for each record
 within), so that an ablation is one run more; ``--against`` compares with a stored run, curve by
 curve.  Choose on even seeds, report odd ones.
 """
