@@ -8,9 +8,9 @@ its block, that stop, or that say they are finished where they are not ("false e
 are not balanced, or no better than rounding lets them be (`true_ends.balance_of`); points called
 unstable, steps tried and failed, iterations of all of them, seconds of the processor (the first one
 compiles), and the longest step.  The kinds are those of `tests/random_kinds.py`.
-``--set NAME=VALUE`` changes a setting of the engine (``path.x``: a point for each record
-within), so that an ablation is one run more; ``--against`` compares with a stored run, curve by
-curve.  Choose on even seeds, report odd ones.
+``--set NAME=VALUE`` changes a setting of the engine, ``space.NAME=VALUE`` one of a record within,
+so that an ablation is one run more; ``--against`` compares with a stored run, curve by curve.
+Choose on even seeds, report odd ones.
 """
 
 from __future__ import annotations

@@ -41,7 +41,7 @@ KNOWN = {
         **dict.fromkeys((362, 371, 372, 389), FRESH),
     },
     "distinct": {
-        **dict.fromkeys((37, 40, 69, 119, 120, 125, 145, 156), BRANCHES),
+        **dict.fromkeys((37, 40, 119, 120, 125, 145, 156), BRANCHES),
         **dict.fromkeys((36, 106), OPEN),
         **dict.fromkeys((215, 234, 276, 286, 301, 362, 372), FRESH),
     },
