@@ -26,7 +26,6 @@ MOST_BLOCKS = 50
 MOST_STEPS = {2: 4000, 3: 1500}
 #: What has no end yet, by kind and seed, and why.
 OPEN = {
-    ("dome", 11): "pieces that have fallen go on, and are pressed into each other on the ground",
     ("vault", 2): "after a jump it creeps by 1e-8 m a step, in time steps that do not grow",
     ("corner", 0): "one leg falls while the control point's stands: thousands of steps in motion",
 }
