@@ -28,6 +28,9 @@ note: str | None = None
 #: What a file says that holds kernels.
 IMPORT = b"from drystone.common.compiled import njit"
 
+#: What kernels take their numbers from, as constants of theirs.
+NUMBERS = "tolerances.py"
+
 #: File beside the compiled kernels that tells what sources they were made from.
 STAMP = "kernels.sha256"
 
@@ -40,6 +43,7 @@ def provide() -> None:
     global note
     IndexDataCacheFile._data_name = _name_by_process
     kernels = sources()
+    made_from = [*kernels, Path(__file__).with_name(NUMBERS)]
     try:
         folders = _folders(kernels)
     except RuntimeError:
@@ -51,7 +55,7 @@ def provide() -> None:
         )
         folders = _folders(kernels)
     for folder in folders:
-        discard_outdated(folder, kernels)
+        discard_outdated(folder, made_from)
 
 
 def sources() -> list[Path]:

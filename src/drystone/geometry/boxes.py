@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import ROUNDING, TINY
 
 #: Cells at most: this many a box, and some more, so that scattered blocks do not make empty grids.
 CELLS_PER_BOX, CELLS_MORE = 16, 1000
@@ -14,8 +15,8 @@ def grid_of(lower, upper):
     """Origin, cell size and cell counts (3,) of a grid with about one box a cell."""
     dim = lower.shape[1]
     origin = lower.min(axis=0)
-    extent = np.maximum(upper.max(axis=0) - origin, 1e-12)
-    size = np.maximum(np.median(upper - lower, axis=0), 1e-9 * extent.max())
+    extent = np.maximum(upper.max(axis=0) - origin, TINY)
+    size = np.maximum(np.median(upper - lower, axis=0), ROUNDING * extent.max())
     most = CELLS_PER_BOX * len(lower) + CELLS_MORE
     along = np.floor(extent / size) + 1.0
     while along.prod() > most:

@@ -14,9 +14,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import DEGENERATE
 from drystone.geometry import GeometryError
 from drystone.geometry.plane import polygon
-from drystone.geometry.plane.polygon import DEGENERATE
 from drystone.geometry.space.cells import Cell, Point, below, cell_of, heights, packed
 from drystone.geometry.space.solid import Faces, face_planes, size_of
 

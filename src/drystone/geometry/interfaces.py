@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.geometry.plane.outlines import TOUCHING, Outlines, along_and_off
+from drystone.common.tolerances import TOUCHING
+from drystone.geometry.plane.outlines import Outlines, along_and_off
 from drystone.geometry.space.polyhedra import Polyhedra
 
 Array = NDArray[np.float64]

@@ -8,17 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import MISSED_GAP, MISSED_SHARE
 from drystone.geometry.interfaces import Interfaces, polygon_areas
 
 if TYPE_CHECKING:
     from drystone.model.assembly import Assembly
 
 Array = NDArray[np.float64]
-
-#: Distance, over the smallest extent of a block, within which faces lie near each other.
-NEAR = 0.05
-#: Share of the smaller face that must lie near the other one, so that it is no mere edge.
-SHARED = 0.05
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -36,7 +32,7 @@ class Missed:
     @classmethod
     def of(cls, assembly: Assembly) -> Missed:
         """Those of an assembly, but for pairs of supports."""
-        found = Interfaces.of(assembly.packed, NEAR * assembly.smallest_extent)
+        found = Interfaces.of(assembly.packed, MISSED_GAP * assembly.smallest_extent)
         designed, n = assembly.interfaces, assembly.n_bodies
         known = np.unique(designed.block_a * n + designed.block_b)
         fixed = assembly.fixed
@@ -44,7 +40,7 @@ class Missed:
         missed &= ~(fixed[found.block_a] & fixed[found.block_b])
         sizes = _sizes(assembly)
         least = np.minimum(sizes[found.face_a], sizes[found.face_b])
-        missed &= found.size > SHARED * least
+        missed &= found.size > MISSED_SHARE * least
         rows = np.flatnonzero(missed)
         joints = _rows(found, rows)
         return cls(joints=joints, gap=_gaps(assembly, joints))

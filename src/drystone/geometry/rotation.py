@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import LAST_DIGIT, SMALL_ANGLE
 
 #: Column of a pose where its quaternion begins.
 QUATERNION = 3
@@ -114,7 +115,7 @@ def spin(pose, i, vx, vy, vz):
     angle = np.sqrt(vx * vx + vy * vy + vz * vz)
     half = 0.5 * angle
     # sin(a / 2) / a, which is smooth where there is no rotation.
-    share = np.sin(half) / angle if angle > 1e-8 else 0.5 - angle * angle / 48.0
+    share = np.sin(half) / angle if angle > SMALL_ANGLE else 0.5 - angle * angle / 48.0
     c, x, y, z = np.cos(half), share * vx, share * vy, share * vz
     w0, x0 = pose[i, QUATERNION], pose[i, QUATERNION + 1]
     y0, z0 = pose[i, QUATERNION + 2], pose[i, QUATERNION + 3]
@@ -133,7 +134,7 @@ def spin(pose, i, vx, vy, vz):
 def turned(vx, vy, vz, ax, ay, az):
     """A vector (ax, ay, az) turned by a rotation vector (vx, vy, vz) [rad]."""
     angle = np.sqrt(vx * vx + vy * vy + vz * vz)
-    share = np.sin(0.5 * angle) / angle if angle > 1e-8 else 0.5 - angle * angle / 48.0
+    share = np.sin(0.5 * angle) / angle if angle > SMALL_ANGLE else 0.5 - angle * angle / 48.0
     w, x, y, z = np.cos(0.5 * angle), share * vx, share * vy, share * vz
     mx, my, mz = turn_by(w, x, y, z, ax, ay, az)
     return ax + mx, ay + my, az + mz
@@ -187,7 +188,7 @@ def spin_on(increment, mass, time_step, velocity):
             dy = (yx * rx + yy * ry + yz * rz) / det
             dz = (zx * rx + zy * ry + zz * rz) / det
             wx, wy, wz = wx + dx, wy + dy, wz + dz
-            if dx * dx + dy * dy + dz * dz <= (1e-15 * size) ** 2:
+            if dx * dx + dy * dy + dz * dz <= (LAST_DIGIT * size) ** 2:
                 break
         velocity[i, 3], velocity[i, 4], velocity[i, 5] = wx, wy, wz
 
@@ -229,7 +230,7 @@ def _of_vector(vx, vy, vz):
     """Quaternion of a rotation vector [rad]."""
     angle = np.sqrt(vx * vx + vy * vy + vz * vz)
     half = 0.5 * angle
-    share = np.sin(half) / angle if angle > 1e-8 else 0.5 - angle * angle / 48.0
+    share = np.sin(half) / angle if angle > SMALL_ANGLE else 0.5 - angle * angle / 48.0
     return np.cos(half), share * vx, share * vy, share * vz
 
 

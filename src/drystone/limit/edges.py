@@ -28,11 +28,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
+from drystone.common.tolerances import TOUCHING
 from drystone.contact.contacts import PART_A, PART_B
 from drystone.contact.detection import Detector
 from drystone.contact.forces import ContactForces
 from drystone.geometry.patches import is_on
-from drystone.geometry.plane.outlines import TOUCHING
 from drystone.model.assembly import Assembly
 
 Array = NDArray[np.float64]

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import ROUNDING, STRAIGHT_EDGE
 from drystone.geometry import GeometryError
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.plane import polygon
@@ -20,13 +21,6 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-#: Distance, over the size of the smaller of two outlines, that is rounding.
-ROUNDING = 1e-9
-#: By how much farther than to a point vertices go so that edges run straight through it, over the
-#: distance at which points were found: a bed bends only where it was drawn bent by more than the
-#: drawing is off.  From 2 on straight beds of `tests/elevations.py` have no bends, whatever the
-#: noise; at 1 they have up to 28.
-STRAIGHT = 2.0
 #: How often the distance is doubled within which corners are looked for.
 FINEST = 5
 
@@ -101,7 +95,7 @@ class _Loose:
         share = np.where(level > 0, 0.5 ** (FINEST - (level + 1) // 2), 0.0)
         looked = np.maximum(share * self.reach, ROUNDING * self.packed.sizes)
         lost = (level > 0) & (level % 2 == 0)
-        most = np.maximum(STRAIGHT * looked, self.bends)
+        most = np.maximum(STRAIGHT_EDGE * looked, self.bends)
         most = np.minimum(most, np.maximum(self.reach, looked))
         given_up = np.zeros(len(self.outlines), bool)
         while True:

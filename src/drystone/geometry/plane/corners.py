@@ -19,14 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from drystone.common.tolerances import EDGE_END, SUMS
 from drystone.geometry.plane.outlines import Outlines, along_and_off
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
-
-#: Share of an edge, from either end, within which no point is put on it: it is the end then.
-END = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -173,7 +171,7 @@ def _put_on_edges(
     for _, k, edge in sorted(candidates):
         point, i = points[k], int(owner[edge])
         along = float((point.place - vertices[edge]) @ tangent[edge])
-        if i in point.edges or not END < along / length[edge] < 1.0 - END:
+        if i in point.edges or not EDGE_END < along / length[edge] < 1.0 - EDGE_END:
             continue
         if point.fixed and fixed[i]:
             continue
@@ -210,20 +208,14 @@ def _on_edge(
     else:
         place = np.vstack((vertices[point.vertices], [foot for _, foot in feet])).mean(axis=0)
     own = vertices[point.vertices]
-    if not point.fixed and np.any(
-        np.hypot(*(own - place).T) > reach[owner[point.vertices]] + ROUNDED
-    ):
+    if not point.fixed and np.any(np.hypot(*(own - place).T) > reach[owner[point.vertices]] + SUMS):
         return None
     for e, foot in feet:
         arm = place - foot
         off = abs(float(arm[0] * tangent[e, 1] - arm[1] * tangent[e, 0]))
-        if off > reach[owner[e]] + ROUNDED * (1.0 + off):
+        if off > reach[owner[e]] + SUMS * (1.0 + off):
             return None
     return place
-
-
-#: Distance [m] beyond the reach that is rounding of sums.
-ROUNDED = 1e-12
 
 
 def _near_edges(outlines: Outlines, reach: Array, point_of: IntArray) -> Iterator[tuple[int, int]]:

@@ -14,13 +14,10 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import TOUCHING
+
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-#: Gap, over the size of the smaller of two blocks, up to which they touch: the one tolerance of
-#: joints as designed.  In a dry wall it is of the order of what joints close by under the weight
-#: above them.  What a drawing leaves open beyond it is closed before, see `model.construction.fit`.
-TOUCHING = 1e-4
 
 #: Pairs treated as one array, to bound the memory it takes.
 AT_ONCE = 1 << 16

@@ -8,16 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import DEGENERATE, NEEDLE, SEAM
 from drystone.geometry import GeometryError
-from drystone.geometry.plane.polygon import DEGENERATE, check_outline, reflex_corners, signed_area
+from drystone.geometry.plane.polygon import check_outline, reflex_corners, signed_area
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
-
-#: A cut that meets an edge under less than this angle [rad] makes a needle, and is the last choice.
-NEEDLE = np.radians(15.0)
-#: Distance, over the size of a block, up to which its parts lie on each other.
-SEAM = 1e-6
 
 
 def convex_outlines(vertices: Array) -> list[Array]:

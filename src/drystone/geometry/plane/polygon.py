@@ -12,12 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import DEGENERATE
 from drystone.geometry import GeometryError
 
 Array = NDArray[np.float64]
-
-#: Relative size under which an area, a length or a turn counts as nothing.
-DEGENERATE = 1e-9
 
 
 def _following(rows: Array) -> Array:

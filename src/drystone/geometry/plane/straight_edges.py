@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from scipy.sparse import block_array, coo_array, diags_array, eye_array
 from scipy.sparse.linalg import splu
 
+from drystone.common.tolerances import LAST_DIGIT, OFF_LINE, ROUNDING, SPARE_IN_LINE
 from drystone.geometry.links import components
 from drystone.geometry.plane.corners import Points
 
@@ -27,12 +28,6 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-#: Distance from a line, over the size of everything, that is none.
-ON_LINE = 1e-15
-#: Distance from a line, over the size of everything, beyond which it cannot be had.
-OFF_LINE = 1e-12
-#: Weight of equations that say the same twice, over that of motions: it keeps them solvable.
-SPARE = 1e-10
 MOST_ITERATIONS = 12
 
 
@@ -117,7 +112,7 @@ class _Vertices:
         """Which went farther than they may, points on edges across these alone."""
         way = place[self.point] - self.drawn
         way -= np.sum(way * self.along, axis=1)[:, None] * self.along
-        return np.asarray(np.hypot(way[:, 0], way[:, 1]) > self.reach * (1.0 + 1e-9))
+        return np.asarray(np.hypot(way[:, 0], way[:, 1]) > self.reach * (1.0 + ROUNDING))
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,7 +203,7 @@ def _solved(points: Points, ends: IntArray) -> tuple[Array, Array]:
     size = float(np.ptp(points.place, axis=0).max())
     for iteration in range(MOST_ITERATIONS):
         off, normal, share = _off(place, ends)
-        if iteration > 1 and float(np.abs(off).max()) <= ON_LINE * size:
+        if iteration > 1 and float(np.abs(off).max()) <= LAST_DIGIT * size:
             break
         factors = np.column_stack((share - 1.0, np.ones(k), -share))
         values = factors[:, :, None] * normal[:, None, :]
@@ -217,10 +212,10 @@ def _solved(points: Points, ends: IntArray) -> tuple[Array, Array]:
         slopes = coo_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=(k, n))
         slopes = slopes.tocsr() @ diags_array(loose)
         system = block_array(
-            [[diags_array(weight), slopes.T], [slopes, -SPARE * eye_array(k)]], format="csc"
+            [[diags_array(weight), slopes.T], [slopes, -SPARE_IN_LINE * eye_array(k)]], format="csc"
         )
         pull = weight * (points.place - place).ravel() * loose
-        solved = splu(system).solve(np.concatenate((pull, -off - SPARE * load)))
+        solved = splu(system).solve(np.concatenate((pull, -off - SPARE_IN_LINE * load)))
         place += (solved[:n] * loose).reshape(-1, 2)
         load = solved[n:]
     return place, load

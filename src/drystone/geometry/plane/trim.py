@@ -7,18 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import NO_OVERLAP, ROUNDING
 from drystone.geometry import GeometryError
 from drystone.geometry.plane.outlines import Outlines
 from drystone.geometry.plane.parts import parts_of
 from drystone.geometry.plane.polygon import check_convex
 from drystone.geometry.space.solid import Part
-from drystone.geometry.space.trim import NONE
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
-
-#: Distance, over the size of a part, within which a vertex lies on the line of a cut.
-ROUNDING = 1e-9
 
 
 def trimmed(
@@ -43,7 +40,7 @@ def trimmed(
     p, q = packed.near_pairs()
     depth, size = packed.overlap_depths(p, q), packed.pair_size(p, q)
     cut: dict[int, float] = {}
-    for k in np.flatnonzero(depth > NONE * size).tolist():
+    for k in np.flatnonzero(depth > NO_OVERLAP * size).tolist():
         a, b = int(packed.body[p[k]]), int(packed.body[q[k]])
         i, j = int(p[k] - first[a]), int(q[k] - first[b])
         normal, low, high = _overlap(parts[a][i], parts[b][j])

@@ -14,16 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import FOLDED, ROUNDING
 from drystone.geometry.space.flatness import flat_pieces, triangles
 from drystone.geometry.space.meshes import Mesh, face_normals, unevenness
 
 Array = NDArray[np.float64]
 Loop = tuple[int, ...]
-
-#: Share of an edge, and of a triangle, within which its rim is: what touches there crosses nothing.
-RIM = 1e-9
-#: Cosine of the angle between triangles of a fan below which one lies on the other: 11 degrees.
-FOLDED = -0.98
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +76,7 @@ def _is_folded(cut: Cut) -> bool:
     for k in cut.bent:
         normals = face_normals(Mesh(cut.whole.vertices, cut.pieces[k]))
         length = np.linalg.norm(normals, axis=1)
-        if length.min() <= RIM * length.max():
+        if length.min() <= ROUNDING * length.max():
             return True
         normals /= length[:, None]
         if np.sum(normals[1:] * normals[:-1], axis=1).min(initial=1.0) < FOLDED:
@@ -124,6 +120,12 @@ def _pierces(vertices: Array, edges: NDArray[np.int64], loops: NDArray[np.int64]
         turned = np.cross(arm, np.broadcast_to(p, arm.shape))
         v = np.sum(way * turned, axis=2) / scale
         along = np.sum(q * turned, axis=2) / scale
-        hit = (u > RIM) & (v > RIM) & (u + v < 1.0 - RIM) & (along > RIM) & (along < 1.0 - RIM)
+        hit = (
+            (u > ROUNDING)
+            & (v > ROUNDING)
+            & (u + v < 1.0 - ROUNDING)
+            & (along > ROUNDING)
+            & (along < 1.0 - ROUNDING)
+        )
     apart = np.all(edges[:, None, :, None] != loops[None, :, None, :], axis=(2, 3))
     return bool(np.any(hit & apart))

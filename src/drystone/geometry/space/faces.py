@@ -5,11 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-
-#: Faces whose normals enclose less than about 154 degrees do not lie on each other.
-OPPOSED = -0.9
-#: Corners nearer than this share of the tolerance are one.
-SAME = 1e-3
+from drystone.common.tolerances import OPPOSED, SAME_CORNER_OF_FACE
 
 
 @njit(cache=True)
@@ -166,7 +162,7 @@ def find_joints(
                 count = clip_to_face(
                     polygon, last - first, vertices, rows, b0, b1, inwards, back, spare
                 )
-                count = merge(polygon, count, SAME * near)
+                count = merge(polygon, count, SAME_CORNER_OF_FACE * near)
                 area, length = area_and_length(polygon, count, nx, ny, nz)
                 if area <= 0.5 * near * length:  # narrower than the tolerance
                     continue
@@ -219,7 +215,7 @@ def set_back(corners, offset, faces, vertices, rows, face_offset, inwards, back,
             face = faces[j, side]
             first, last = face_offset[face], face_offset[face + 1]
             count = clip_to_face(polygon, count, vertices, rows, first, last, inwards, back, spare)
-        count = merge(polygon, count, SAME * size[j])
+        count = merge(polygon, count, SAME_CORNER_OF_FACE * size[j])
         left[j] = count
         for k in range(count):
             for axis in range(3):

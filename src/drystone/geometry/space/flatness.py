@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import SAME_WAY
 from drystone.geometry.space.meshes import Mesh, edges_of, face_normals
 from drystone.geometry.space.solid import plane_axes
 
@@ -115,7 +116,7 @@ def plane_labels(mesh: Mesh, near: float) -> list[int]:
                 k = by_edge.get((b, a), seed)
                 # A sliver's own normal says nothing: it goes where its vertices are.
                 thin = area[k] < near * near
-                if label[k] >= 0 or (normals[k] @ normals[seed] < 0.7 and not thin):
+                if label[k] >= 0 or (normals[k] @ normals[seed] < SAME_WAY and not thin):
                     continue
                 off = (mesh.vertices[list(mesh.faces[k])] - middle) @ normals[seed]
                 if float(np.abs(off).max()) <= near:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from drystone.common.tolerances import MENDED_FLAT, ONE_FACE, ROUNDING, SAME_POINT, TILTED, WELDED
 from drystone.geometry import GeometryError
 from drystone.geometry.mended import FANS, Mended
 from drystone.geometry.space import solid
@@ -41,16 +42,6 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-#: Distance, over the size of what is drawn as one, up to which points are written twice.
-SAME_POINT = 1e-6
-#: Vertices nearer than this share of the tolerance times the size of their solid are one.
-WELDED = 0.05
-#: Share of the tolerance up to which faces that meet are one.
-ONE_FACE = 0.5
-#: Distance over a solid's size that is rounding, and needs no record.
-ROUNDING = 1e-9
-#: By how much farther than two faces stand in each other vertices beside what they share may move.
-TILTED = 2.0
 #: How bent faces were cut, as the end of sentences.
 FANNED, BENT = "into fans from their first corners", "along their bends"
 #: How often joints that cannot be closed are given up, before all of them are.
@@ -339,7 +330,7 @@ def _fitted(
         moved = onto_planes(place, incidences, fixed)
         bad = np.linalg.norm(moved - place, axis=1) > most
         off = np.abs(fitted_planes(moved, incidences).off)
-        bad[incidences.vertex[off > 0.1 * solid.FLAT * size[owner[incidences.vertex]]]] = True
+        bad[incidences.vertex[off > MENDED_FLAT * size[owner[incidences.vertex]]]] = True
         wrong = np.unique(owner[bad])
         if not len(wrong) or unjoined[wrong].all():
             break

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from drystone.common.tolerances import ON_ITSELF
 from drystone.geometry import GeometryError
 from drystone.geometry.space.solid import Faces, size_of, volume_of
 
@@ -227,7 +228,7 @@ def _pairs_around(
     pairs, free = [], set(backward)
     for k in forward:
         # What lies on the face itself is the last to be turned to: no solid is as thin.
-        turn = {m: (angle[k] - angle[m] - 1e-6) % (2.0 * np.pi) for m in free}
+        turn = {m: (angle[k] - angle[m] - ON_ITSELF) % (2.0 * np.pi) for m in free}
         nearest = min(turn, key=lambda m: turn[m])
         free.discard(nearest)
         pairs.append((k, nearest))

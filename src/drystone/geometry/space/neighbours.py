@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import ALONG_PLANE, WIDE
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.space.meshes import Mesh, face_normals
 from drystone.geometry.space.parts import convex_pieces
@@ -14,12 +15,6 @@ from drystone.geometry.space.polyhedra import Polyhedra
 from drystone.geometry.space.solid import plane_axes
 
 Array = NDArray[np.float64]
-
-#: Width of what two faces share, over the distance by which they may be apart, from which on they
-#: were meant to lie on each other: less is where two planes of one neighbour meet.
-WIDE = 4.0
-#: Cosine of the angle between planes up to which a vertex of one is not put into the other.
-ALONG = 0.87
 
 
 def meeting_faces(meshes: Sequence[Mesh], near: Array) -> list[tuple[int, int, int, int]]:
@@ -130,7 +125,7 @@ class _Sides:
     def faces_along(self, vertex: int, normal: Array) -> bool:
         """Whether a face at a vertex has that normal or its opposite, about: it goes on beside
         the other one, or does not lie on it widely enough to be a joint."""
-        return bool(np.abs(self.normal[self._around[vertex]] @ normal).max() > ALONG)
+        return bool(np.abs(self.normal[self._around[vertex]] @ normal).max() > ALONG_PLANE)
 
     def near(self, points: Array, allowed: float) -> list[list[int]]:
         """Pairs of points and faces that lie within a distance [m] of planes and boxes."""

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import DEGENERATE, FLAT, PART_DEGENERATE, SEAM, SNAP
 from drystone.geometry import GeometryError
-from drystone.geometry.plane.parts import SEAM, convex_outlines
-from drystone.geometry.plane.polygon import DEGENERATE
+from drystone.geometry.plane.parts import convex_outlines
 from drystone.geometry.space.cells import Cell, Point, below, cell_of, heights, packed
 from drystone.geometry.space.solid import (
-    FLAT,
     Faces,
     Part,
     face_areas,
@@ -30,9 +29,6 @@ from drystone.geometry.space.solid import (
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
-
-#: Distance, over the tolerance of flat faces, up to which a vertex lies on a plane that cuts.
-SNAP = 0.1
 
 
 def convex_parts(vertices: Array, faces: Faces, tolerance: float = FLAT) -> list[Part]:
@@ -239,7 +235,7 @@ def _united(parts: Sequence[Part], whole: float, tolerance: float) -> list[Part]
     while k < len(parts):
         for m in range(k + 1, len(parts)):
             sum_of_two = volumes[k] + volumes[m]
-            union = _union(parts[k], parts[m], sum_of_two, 0.01 * DEGENERATE * whole, tolerance)
+            union = _union(parts[k], parts[m], sum_of_two, PART_DEGENERATE * whole, tolerance)
             if union is not None:
                 parts[k], volumes[k] = union, sum_of_two
                 del parts[m], volumes[m]

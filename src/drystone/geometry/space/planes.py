@@ -15,15 +15,12 @@ from numpy.typing import NDArray
 from scipy.sparse import block_array, csr_array, eye_array
 from scipy.sparse.linalg import splu
 
+from drystone.common.tolerances import BETTER, HELD_VERTEX, SPARE, SUMS
 from drystone.geometry.space.solid import plane_axes
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: Distance from a plane, over the size of everything, that is none.
-ON_PLANE = 1e-12
-#: Weight of equations that say the same twice, over that of motions: it keeps them solvable.
-SPARE = 1e-9
 MOST_ITERATIONS = 12
 
 
@@ -92,12 +89,12 @@ def onto_planes(vertices: Array, incidences: Incidences, fixed: NDArray[np.bool_
         return vertices
     place = vertices.copy()
     size = float(np.ptp(vertices, axis=0).max())
-    ease = np.where(fixed, 1e-3, 1.0)
+    ease = np.where(fixed, HELD_VERTEX, 1.0)
     missed = np.inf
     for _ in range(MOST_ITERATIONS):
         fit = fitted_planes(place, incidences)
         worst = float(np.abs(fit.off).max())
-        if worst <= ON_PLANE * size or worst > 0.9 * missed:
+        if worst <= SUMS * size or worst > BETTER * missed:
             break
         missed = worst
         place += _step(place, incidences, fit, ease)

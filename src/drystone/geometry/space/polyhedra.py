@@ -10,7 +10,7 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.geometry.plane.outlines import TOUCHING
+from drystone.common.tolerances import TOUCHING
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -7,18 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.geometry.plane.outlines import TOUCHING
+from drystone.common.tolerances import PARALLEL_EDGES, ROUNDING, TOUCHING
 
 if TYPE_CHECKING:
     from drystone.geometry.space.polyhedra import Polyhedra
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-#: Sine of the angle under which two edges are parallel and have no axis of their own.
-PARALLEL = 1e-6
-#: Sine of the angle under which two axes are one.
-ROUNDING = 1e-9
 
 
 def overlap_depths(solids: Polyhedra, a: IntArray, b: IntArray) -> Array:
@@ -66,7 +61,7 @@ class _Edges:
         along = solids.vertices[solids.following] - solids.vertices[solids.rows]
         along = along / np.linalg.norm(along, axis=1)[:, None]
         # One of the two directions of each edge.
-        lead = np.argmax(np.abs(along) > PARALLEL, axis=1)
+        lead = np.argmax(np.abs(along) > PARALLEL_EDGES, axis=1)
         along *= np.sign(along[np.arange(len(along)), lead])[:, None]
         self.along, self.rounded = along, np.round(along, 9)
         self.normals = np.round(solids.normals, 9)
@@ -103,7 +98,7 @@ def _axes(p: _Shape, q: _Shape) -> Array:
     """Unit vectors (n, 3) across an edge of either, but for those that are normals of faces."""
     axes = np.cross(p.directions[:, None], q.directions[None]).reshape(-1, 3)
     length = np.linalg.norm(axes, axis=1)
-    axes = axes[length > PARALLEL] / length[length > PARALLEL, None]
+    axes = axes[length > PARALLEL_EDGES] / length[length > PARALLEL_EDGES, None]
     normals = np.vstack((p.normals, q.normals))
     # The sine, not the cosine: that of a small angle differs from one by its square.
     sine = np.linalg.norm(np.cross(axes[:, None], normals[None]), axis=2)

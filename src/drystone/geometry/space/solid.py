@@ -15,16 +15,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import ALIGNED, DEGENERATE, FLAT, NOBODYS_EDGE, ROUNDING, TINY
 from drystone.geometry import GeometryError
-from drystone.geometry.plane.polygon import DEGENERATE, check_outline
+from drystone.geometry.plane.polygon import check_outline
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Faces = tuple[tuple[int, ...], ...]
 
-#: Distance, over the size of a solid, up to which a vertex lies in the plane of a face.  Drawings
-#: are rounded; a face that is flat to a micrometre per metre is flat for masonry.
-FLAT = 1e-6
 #: Vertices of solids whose planes are kept for who asks again.
 SMALL = 64
 
@@ -169,7 +167,7 @@ def _around(p: Array, members: IntArray, normal: Array, tolerance: float) -> tup
         chord = np.concatenate((flat[1:], flat[:1])) - before
         length = np.hypot(chord[:, 0], chord[:, 1])
         arm = flat - before
-        off = (arm[:, 0] * chord[:, 1] - arm[:, 1] * chord[:, 0]) / np.maximum(length, 1e-300)
+        off = (arm[:, 0] * chord[:, 1] - arm[:, 1] * chord[:, 0]) / np.maximum(length, TINY)
         least = int(np.argmin(off))
         if off[least] > tolerance:
             break
@@ -253,7 +251,7 @@ def _same_point(vertices: Array) -> tuple[int, int]:
     """Rows of the nearest two vertices where they are one point, else one row twice."""
     near = DEGENERATE * size_of(vertices)
     # Sorted by a direction that is nobody's edge, points that are one follow each other closely.
-    along = vertices @ np.array([0.5, 0.6180339887, 0.7320508076])
+    along = vertices @ np.array(NOBODYS_EDGE)
     order = np.argsort(along, kind="stable")
     close = np.diff(along[order]) <= 2.0 * near
     if not close.any():
@@ -511,12 +509,6 @@ def sum_of(parts: Sequence[SolidMass]) -> SolidMass:
     return SolidMass(volume=volume, centroid=centroid, inertia=inertia)
 
 
-#: Moments of inertia that differ by less than this, over the largest, count as equal.
-EQUAL_MOMENTS = 1e-9
-#: Off-diagonal terms below this, over the largest moment, are rounding of sums over faces.
-ALIGNED = 1e-13
-
-
 def principal(inertia: Array) -> tuple[Array, Array]:
     """Principal axes (3, 3), in columns, right-handed, and moments (3,) of an inertia (3, 3).
 
@@ -528,7 +520,7 @@ def principal(inertia: Array) -> tuple[Array, Array]:
     if np.abs(inertia - np.diag(diagonal)).max() <= ALIGNED * largest:
         return np.eye(3), diagonal
     moments, axes = np.linalg.eigh(inertia)
-    low, high = (np.diff(moments) <= EQUAL_MOMENTS * largest).tolist()
+    low, high = (np.diff(moments) <= ROUNDING * largest).tolist()
     if low and high:
         return np.eye(3), diagonal
     if low or high:

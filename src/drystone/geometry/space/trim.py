@@ -7,17 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import NO_OVERLAP, ROUNDING
 from drystone.geometry.space.cells import below, cell_of, heights, packed
 from drystone.geometry.space.polyhedra import Polyhedra
 from drystone.geometry.space.separation import separating_axis
 from drystone.geometry.space.solid import Part, size_of
 
 Array = NDArray[np.float64]
-
-#: Overlap over the size of the smaller part that counts as none: half of what checks let pass.
-NONE = 5e-7
-#: By how much more than the overlap is cut, over the size: faces left lie on each other.
-ROUNDING = 1e-9
 
 
 def trimmed(
@@ -42,7 +38,7 @@ def trimmed(
     depth = solids.overlap_depths(p, q)
     size = solids.pair_size(p, q)
     cut: dict[int, float] = {}
-    for k in np.flatnonzero(depth > NONE * size).tolist():
+    for k in np.flatnonzero(depth > NO_OVERLAP * size).tolist():
         a, b = int(solids.body[p[k]]), int(solids.body[q[k]])
         if depth[k] > min(allowed[a], allowed[b]):
             continue  # drawn so: whoever checks the model says it

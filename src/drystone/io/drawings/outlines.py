@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import ONE_FACE, ROUNDING, SAME_POINT, WELDED
 from drystone.geometry import GeometryError
 from drystone.geometry.mended import Mended
 from drystone.geometry.plane import polygon
 from drystone.geometry.plane.closing import closed
 from drystone.geometry.plane.trim import trimmed
-from drystone.geometry.space.mend import ONE_FACE, ROUNDING, SAME_POINT, WELDED
 from drystone.io.drawings.drawing import Shape
 from drystone.model.assembly import Block
 

@@ -9,9 +9,10 @@ from itertools import combinations
 import numpy as np
 
 from drystone.common.ranges import problem
+from drystone.common.tolerances import TOUCHING
 from drystone.geometry import GeometryError
 from drystone.geometry.dimension import dimension_of
-from drystone.geometry.plane.outlines import TOUCHING, Outlines
+from drystone.geometry.plane.outlines import Outlines
 from drystone.geometry.space.polyhedra import Polyhedra
 from drystone.model.assembly import (
     Assembly,

@@ -18,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import FLAT
 from drystone.geometry.dimension import dimension_of
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.links import components
@@ -99,7 +100,7 @@ def _straightened(block: Block) -> Block:
 
 
 def _without_straight(outline: Array) -> Array:
-    return outline[polygon.turning(outline, solid.FLAT * solid.size_of(outline))]
+    return outline[polygon.turning(outline, FLAT * solid.size_of(outline))]
 
 
 def _outlines_of(block: Block) -> list[Array]:
