@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import ConvexHull
 
+from drystone.common import tolerances
 from drystone.contact.contacts import KIND, NONE, PLANE_NORMAL_3, Pairs, Slots
-from drystone.contact.space import facing, manifold, points, shapes
+from drystone.contact.space import manifold, points, shapes
 from drystone.contact.space.rows import gradients_in_space
 from drystone.contact.space.solids import pack
 from drystone.geometry.motion import rest
@@ -238,4 +239,4 @@ def brute_area(scene, slots):
     axes = np.column_stack((t, np.cross(n, t)))
     area, _ = brute_overlap((p - p[0]) @ axes, ((q - p[0]) @ axes)[::-1])
     least = min(0.5 * np.linalg.norm(np.cross(x, np.roll(x, -1, 0)).sum(axis=0)) for x in (p, q))
-    return max(area, facing.LEAST_SHARE * least)
+    return max(area, tolerances.LEAST_FACE * least)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drystone.common import tolerances
 from drystone.contact.contacts import (
     BALL_3,
     FEATURE_A,
@@ -21,7 +22,7 @@ from drystone.contact.contacts import (
     Slots,
 )
 from drystone.contact.measures import left_behind
-from drystone.contact.space import facing, overlap
+from drystone.contact.space import overlap
 from drystone.contact.space.edges import edge_on_edge
 from drystone.contact.space.shapes import place, scene_of
 from drystone.contact.space.succession import carried, find_predecessors
@@ -82,7 +83,7 @@ class TestOverlap:
         corner, name = np.zeros((2, 40, 2)), np.zeros((2, 40, 4), np.int64)
         half, count = overlap.clip(q, len(q), p, len(p), 0.0, corner, name)
         width = overlap.width_of(area, overlap.measure(corner, half, count)[3])
-        near, short = overlap.CLIP * width, overlap.MERGE * width
+        near, short = tolerances.CLIP * width, tolerances.MERGE * width
         overlap.name_corners(corner, name, half, count, q, len(q), p, len(p), near)
         count = overlap.merge_corners(corner, name, half, count, short, near)
         n = overlap.n_spread(count, points, 200)
@@ -145,7 +146,7 @@ class TestFlush:
         k = used(slots)
         wide, deep = 1 - shift[0], 1 - shift[1]
         assert len(k) == 4
-        area = max(wide * deep, facing.LEAST_SHARE)
+        area = max(wide * deep, tolerances.LEAST_FACE)
         assert slots.size[k] == pytest.approx(area / 4, rel=1e-9)
         place = scene.shapes.centroid[0] + slots.arm_a[k]
         corners = {tuple(x) for x in np.round(place, 9) + 0.0}
@@ -275,7 +276,7 @@ class TestTilted:
         assert len(k) == 1
         assert slots.gap[k] == pytest.approx(-0.01, abs=ROUNDING)
         assert slots.normal[k] == pytest.approx(np.array([[0, 0, 1]]), abs=ROUNDING)
-        assert slots.size[k] == pytest.approx(facing.LEAST_SHARE * 2 * np.sqrt(2), rel=1e-9)
+        assert slots.size[k] == pytest.approx(tolerances.LEAST_FACE * 2 * np.sqrt(2), rel=1e-9)
 
     def test_edges_that_cross_after_a_face_was_tried(self):
         """A box leans against another one's edge.  The edge of one lies nearly on a face of the
@@ -364,7 +365,7 @@ class TestTies:
     def test_what_only_touches_has_the_smallest_interface(self, upper, pairs):
         slots = Scene([self.BASE, upper]).find()
         k = used(slots)
-        assert slots.size[k].sum() == pytest.approx(facing.LEAST_SHARE * min(pairs), rel=1e-9)
+        assert slots.size[k].sum() == pytest.approx(tolerances.LEAST_FACE * min(pairs), rel=1e-9)
         along = np.eye(3)[np.argmin(pairs)]
         assert slots.normal[k] == pytest.approx(np.tile(along, (len(k), 1)), abs=ROUNDING)
 
@@ -411,9 +412,9 @@ class TestRims:
         assert max(of_drum, of_slab) < -0.014 < -0.003 < deepest < -0.002
         slots = scene.find()
         k = used(slots)
-        # As deep on a plane inclined by FLAT to the axis, but for 1 - cos(0.05); nowhere deeper.
+        # As deep on a plane inclined by EDGE_FLAT to the axis, but for 1 - cos of it.
         assert slots.gap[k].min() == pytest.approx(deepest, rel=2e-3)
-        # The drum's top leans by 0.096, and so does the axis by no more than that and FLAT.
+        # The drum's top leans by 0.096, and so does the axis by no more than that and EDGE_FLAT.
         assert slots.normal[k, 2].min() > np.cos(0.096 + 0.05)
         # A line across the drum: the slab's edge, x = 0.511 and 0.509, enters and leaves its top at
         # y = 0.1813 + 0.1042 0.0159 / 0.0269 and y = 0.1813 - 0.0649 0.0139 / 0.0557.

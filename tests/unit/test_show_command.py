@@ -11,7 +11,8 @@ from typer.testing import CliRunner
 
 from built import LAW
 from drystone.cli import app
-from drystone.geometry.missed import NEAR, Missed
+from drystone.common.tolerances import MISSED_GAP
+from drystone.geometry.missed import Missed
 from drystone.geometry.plane.outlines import TOUCHING
 from drystone.model.assembly import Assembly
 from drystone.model.builders import panel, placed
@@ -58,10 +59,10 @@ def apart(gap, dimension):
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_faces_near_each_other_without_a_joint_are_found(dimension):
-    """From what counts as touching up to NEAR of the smallest extent, 0.2 m."""
+    """From what counts as touching up to MISSED_GAP of the smallest extent, 0.2 m."""
     size = 0.45 if dimension == 2 else 0.54  # of a stone, see `pair_size`: no less than 0.4 m
     for gap, missed in ((0.0, 0), (0.5 * TOUCHING * 0.4, 0), (2.0 * TOUCHING * size, 1),
-                        (0.9 * NEAR * 0.2, 1), (1.1 * NEAR * 0.2, 0)):  # fmt: skip
+                        (0.9 * MISSED_GAP * 0.2, 1), (1.1 * MISSED_GAP * 0.2, 0)):  # fmt: skip
         found = Missed.of(apart(gap, dimension))
         assert len(found.size) == missed, gap
         if missed:

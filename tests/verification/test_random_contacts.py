@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drystone.common.tolerances import EDGES_MARGIN
 from drystone.contact.contacts import PLACE_3, PLANE_NORMAL_3, POINT_3, VERTEX_B
 from drystone.contact.space import separation
-from drystone.contact.space.edges import MARGIN
 from drystone.contact.space.shapes import place
 from drystone.geometry.motion import moved
 from touching import (
@@ -50,8 +50,8 @@ class TestRandomPairs:
             best, *_ = brute_separation(p, faces_p, q, faces_q)
             edges = crossing_edges(scene, slots)
             seen.add(edges)
-            # Faces are taken for edges that separate the solids by no more than MARGIN more.
-            margin = (0.0 if edges else 2.0 * MARGIN) * shapes.size.min() + 1e-9
+            # Faces are taken for edges that separate the solids by no more than EDGES_MARGIN more.
+            margin = (0.0 if edges else 2.0 * EDGES_MARGIN) * shapes.size.min() + 1e-9
             assert abs(slots.gap[used(slots)].min() - best) <= margin
         assert seen == {True, False}
 

@@ -174,3 +174,73 @@ ALIGNED = 1e-13
 #: A direction that is nobody's edge, by which points are sorted.
 #: Derived: 1 / 2, the golden section and the root of 3 less one have no ratio that is a fraction.
 NOBODYS_EDGE = (0.5, 0.6180339887, 0.7320508076)
+
+# Contact: detection ------------------------------------------------------------------------------
+
+#: Least tributary length or area of a contact, over that of the shorter edge or smaller face.
+#: Not measured.
+LEAST_FACE = 0.01
+
+#: Margin of the broad phase, over the smallest extent of a block.  A matter of speed only.
+#: Not measured.
+MARGIN_SHARE = 0.25
+
+#: Where two edges of a block are opposed to a face almost alike, the tributary length passes from
+#: that of the one to that of the other, over this share of the turn from either to the corner on
+#: end: 0.2 of a square corner are the angles from 37 to 53 degrees.  Not measured.
+PASSAGE = 0.2
+
+#: Sharp corners nearer than this share of their edges' lengths count as one.  Not measured.
+SAME_CORNER = 1e-3
+
+#: Rounded vertices, or rims, nearer than this share of the sum of their radii have no direction
+#: from one to the other.  Not measured.
+DEEP = 0.1
+
+#: Edges count where they separate the parts by this share of their size more than faces do.
+#: Not measured.
+EDGES_MARGIN = 1e-2
+
+#: An edge that lies on a face but for less than this angle [rad] rests on it at both of its ends.
+#: Not measured.
+EDGE_FLAT = 0.05
+
+#: An incident face with a cosine below this to the reference face is seen edge on.  Not measured.
+EDGE_ON = 0.05
+
+#: Faces are kept while others separate the parts by no more than this share of their size more, or
+#: are more opposed by no more than this.  Not measured.
+HELD_FACE = 1e-3
+
+#: Faces that separate the parts by this share of their size less do so alike: more than the
+#: rounding of places, and less than a gap that a drawing means.  Derived: `DRAWN`.
+TIED = DRAWN
+
+#: Where parts meet in an edge or a point alone, another face separates them as soon as it does so
+#: by this share of their size more than the present one.  Such parts may come apart along each of
+#: these faces' normals.  If the face were kept as flush ones are (`HELD_FACE`), it would hold parts
+#: that slide past each other: two stones on two, head joints in line, carried a tenth to a half
+#: more.  Derived: a rounding.
+EDGED = ROUNDING
+
+#: Corners nearer to a vertex than this share of the smaller face's width are the vertex.
+#: Not measured.
+CLIP = 1e-3
+
+#: Sides of an overlap shorter than this share of its width have one end only.  Not measured.
+MERGE = 5e-2
+
+#: Sine of the angle from which on a corner of an overlap adds a kite to what rounding edges takes.
+#: Not measured.
+TURNS = 1e-3
+
+#: Edges with a smaller sine between them are parallel: they meet along a face's side.
+#: Not measured.
+PARALLEL = 1e-3
+
+#: Of the edges' length: nearest points are on the common normal but for this.  Derived: `DRAWN`.
+ON_NORMAL = DRAWN
+
+#: A history goes on at a point no farther than this share of the root of the interface's area.
+#: Not measured.
+SUCCESSOR = 0.35

@@ -12,6 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import MARGIN_SHARE
 from drystone.contact.contacts import A, B, Contacts, Pairs, Slots
 from drystone.contact.forces import ContactForces
 from drystone.contact.plane.detection import PlaneNarrowPhase
@@ -23,9 +24,6 @@ from drystone.model.assembly import Assembly
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
-
-#: Margin of the broad phase over the smallest block size, a matter of speed only.
-MARGIN_SHARE = 0.25
 
 
 class NarrowPhase(Protocol):

@@ -36,6 +36,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import DEEP, LEAST_FACE, PASSAGE, ROUNDING, SAME_CORNER
 from drystone.contact.contacts import (
     ARM_A,
     ARM_B,
@@ -65,17 +66,6 @@ from drystone.contact.contacts import (
 #: Contact points of a pair: one at each end of its interface.  More lie between them, at equal
 #: distances, on the edge of b.
 ENDS = 2
-
-#: Tributary length of a contact point is at least this share of the shorter facing edge.
-LEAST_SHARE = 0.01
-
-#: Where two edges of a block are opposed to a face almost alike, the tributary length passes from
-#: that of the one to that of the other, over this share of the turn from either to the corner on
-#: end: 0.2 of a square corner are the angles from 37 to 53 degrees.
-PASSAGE = 0.2
-
-#: Sharp corners nearer than this share of their edges' lengths count as one.
-SAME_CORNER = 1e-3
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -188,7 +178,7 @@ def _overlap(length, setback, vertex, tangent, ea, eb, a1, b1):
     """Half of what faces itself of the edges ``ea`` and ``eb``, which end at a1 and b1 [m]."""
     start = max(_along(vertex, tangent, ea, b1) - setback[eb, 1], -setback[ea, 0])
     end = min(_along(vertex, tangent, ea, eb) + setback[eb, 0], length[ea] + setback[ea, 1])
-    return max(0.5 * (end - start), LEAST_SHARE * min(length[ea], length[eb]))
+    return max(0.5 * (end - start), LEAST_FACE * min(length[ea], length[eb]))
 
 
 @njit(cache=True, error_model="numpy")
@@ -211,7 +201,7 @@ def _end(length, vertex, tangent, radii, ea, eb, va, vb, reference_is_a):
     sb = _along(vertex, tangent, ea, vb)
     sa = _along(vertex, tangent, eb, va)
     # Sharp corners right above each other must not miss each other by a rounding error.
-    slack = 0.0 if radii > 0.0 else 1e-9 * (length[ea] + length[eb])
+    slack = 0.0 if radii > 0.0 else ROUNDING * (length[ea] + length[eb])
     b_inside = -slack <= sb <= length[ea] + slack
     a_inside = -slack <= sa <= length[eb] + slack
     if b_inside and a_inside:
@@ -221,7 +211,7 @@ def _end(length, vertex, tangent, radii, ea, eb, va, vb, reference_is_a):
         b_inside = gap_b < gap_a or (gap_b == gap_a and reference_is_a)
     elif not b_inside and not a_inside:
         apart = dx * dx + dy * dy
-        if radii > 0.0 and apart > 0.01 * radii * radii:
+        if radii > 0.0 and apart > (DEEP * radii) ** 2:
             return VERTICES, va, vb
         near = SAME_CORNER * (length[ea] + length[eb])
         if apart > near * near:
@@ -246,7 +236,7 @@ def _interface(
     eb, apart_b = _best_edge(offset, vertex, tangent, q, p)
     if apart_b > radii + reach:
         return
-    tie = 1e-9 * (length[ea] + length[eb])
+    tie = ROUNDING * (length[ea] + length[eb])
     reference_is_a = apart_a >= apart_b - tie
     if reference_is_a:
         eb = _most_opposed(offset, tangent, ea, q)

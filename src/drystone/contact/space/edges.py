@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import EDGE_FLAT, EDGES_MARGIN, HELD_FACE, LEAST_FACE
 from drystone.contact.contacts import (
     BALL_3,
     EDGE_A,
@@ -20,15 +21,8 @@ from drystone.contact.contacts import (
     SIZE,
     VERTEX_B,
 )
-from drystone.contact.space.facing import HELD, LEAST_SHARE
 from drystone.contact.space.points import evaluate
 from drystone.contact.space.separation import best_edges, nearest_edges
-
-#: Edges count where they separate the parts by this share of their size more than faces do.
-MARGIN = 1e-2
-
-#: An edge that lies on a face but for less than this angle [rad] rests on it at both of its ends.
-FLAT = 0.05
 
 
 @njit(cache=True)
@@ -39,7 +33,7 @@ def _flat_face(edge, normal, edge_p, edge_q, work):
     one of p, the face, or -1 where both edges cross in earnest, and the face of the other part
     behind that edge which is more opposed to it.
     """
-    least, of_p, face = 1.0 - 0.5 * FLAT * FLAT, True, -1
+    least, of_p, face = 1.0 - 0.5 * EDGE_FLAT * EDGE_FLAT, True, -1
     for side in range(2):
         chosen, sign = (edge_p, 1.0) if side == 0 else (edge_q, -1.0)
         for c in range(2, 4):
@@ -81,7 +75,7 @@ def edge_on_edge(scene, work, pair, edges, faces, which, value):
     which[k, KIND] = VERTEX_B
     which[k, FEATURE_A], which[k, FEATURE_B] = n_vertices + edge_a, n_vertices + edge_b
     which[k, EDGE_A], which[k, EDGE_B] = face_a, face_b
-    value[k, SIZE] = LEAST_SHARE * min(extent[face_a, 0], extent[face_b, 0])
+    value[k, SIZE] = LEAST_FACE * min(extent[face_a, 0], extent[face_b, 0])
     a0, a1, b0, b1 = edge[edge_a, 0], edge[edge_a, 1], edge[edge_b, 0], edge[edge_b, 1]
     for c in range(3):
         value[k, PLACE_3 + c] = local[a0, c] + work[1, 0] * (local[a1, c] - local[a0, c])
@@ -128,7 +122,7 @@ def edges_that_meet(scene, work, p, q, best, least, near, limit):
     """
     first, edge, vertex, normal = scene.first, scene.edge, scene.vertex, scene.normal
     radii, smaller = scene.radius[p] + scene.radius[q], min(scene.size[p], scene.size[q])
-    margin, slack = MARGIN * smaller, HELD * smaller
+    margin, slack = EDGES_MARGIN * smaller, HELD_FACE * smaller
     edge_a, edge_b, across = best_edges(first, edge, vertex, normal, p, q, work)
     found = across > best + margin or (not near and least + radii > across + margin)
     found = found and edge_a >= 0 and -np.inf < across <= limit

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import CLIP, EDGE_ON, LEAST_FACE, MERGE, SUMS
 from drystone.contact.contacts import (
     EDGE_A,
     EDGE_B,
@@ -19,17 +20,14 @@ from drystone.contact.contacts import (
     VERTEX_A,
     VERTEX_B,
 )
-from drystone.contact.space.facing import LEAST_SHARE, project_both
+from drystone.contact.space.facing import project_both
 from drystone.contact.space.overlap import (
-    CLIP,
     CROSSING,
     INNER,
     LEAVES,
-    MERGE,
     OF_P,
     OF_Q,
     ON_SIDE,
-    ROUNDING,
     TYPE,
     VERTEX_P,
     VERTEX_Q,
@@ -50,9 +48,6 @@ from drystone.contact.space.rims import meet_rims
 #: Numbers of points between the ends of a side are less.
 ON_SIDES = 64
 
-#: An incident face with a cosine below this to the reference face is seen edge on.
-EDGE_ON = 0.05
-
 
 @njit(cache=True)
 def _side(ring, corner, face, j, backwards):
@@ -71,7 +66,7 @@ def _vertex(ring, corner, face, j, backwards):
 @njit(cache=True)
 def _overlap(reference, incident, m, n, near, polygon, name):
     """Corners of the overlap, by name: which half of the arrays, how many, area and centroid."""
-    half, count = clip(incident, m, reference, n, ROUNDING * near / CLIP, polygon, name)
+    half, count = clip(incident, m, reference, n, SUMS * near / CLIP, polygon, name)
     area, cx, cy, perimeter = measure(polygon, half, count)
     if area == 0.0:
         half, count = clip(incident, m, reference, n, near, polygon, name)
@@ -210,7 +205,7 @@ def face_points(scene, scratch, face_p, face_q, p_is_a, pair, n_most, which, val
         area += widened(polygon, half, count, weight)
     n_points = n_spread(count, n_most if cosine > EDGE_ON and area > 0.0 else 4, end - begin)
     spread(polygon, name, half, count, cx, cy, n_points, point, scratch.mark, weight)
-    least = LEAST_SHARE * min(extent[face_p, 0], extent[face_q, 0])
+    least = LEAST_FACE * min(extent[face_p, 0], extent[face_q, 0])
     scale(point, n_points, cx, cy, max(area, least), weight)
     stop = _write_points(
         scene, scratch, face_p, face_q, p_is_a, n, m, n_points, begin, end, which, value

@@ -11,7 +11,7 @@ the reference face is
 2. where all overlaps are a line or a point, the one whose interface is the smallest;
 3. the first one of the part as designed.
 
-The second is so because solids that only touch have no joint to press on: the LEAST_SHARE that they
+The second is so because solids that only touch have no joint to press on: the LEAST_FACE that they
 are given keeps them from passing through each other, and stiffens a structure falsely, the less the
 smaller it is.
 """
@@ -21,26 +21,9 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-from drystone.contact.space.overlap import CLIP, ROUNDING, clip, measure
+from drystone.common.tolerances import CLIP, EDGED, HELD_FACE, LEAST_FACE, SUMS, TIED
+from drystone.contact.space.overlap import clip, measure
 from drystone.contact.space.separation import most_opposed, most_opposed_near, separation
-
-#: The area of an interface is at least this share of its smaller face.
-LEAST_SHARE = 0.01
-
-#: Faces are kept while others separate the parts by no more than this share of their size more, or
-#: are more opposed by no more than this.
-HELD = 1e-3
-
-#: Faces that separate the parts by this share of their size less do so alike: more than the
-#: rounding of places, and less than a gap that a drawing means.
-TIED = 1e-6
-
-#: Where parts meet in an edge or a point alone, another face separates them as soon as it does so
-#: by this share of their size more than the present one: a rounding.  Such parts may come apart
-#: along each of these faces' normals.  If the face were kept as flush ones are (HELD), it would
-#: hold parts that slide past each other: two stones on two, head joints in line, carried a tenth to
-#: a half more.
-EDGED = 1e-9
 
 
 @njit(cache=True)
@@ -49,10 +32,10 @@ def _incident_face(first, ring, corner, vertex, normal, face, q, kept, deepest):
 
     ``deepest`` [m] is how far above the reference face the part may be and touch.
     """
-    found, cosine = most_opposed(first, normal, face, q, kept, HELD)
-    if cosine > -1.0 + HELD:  # on a vertex or an edge: of a face that has it
+    found, cosine = most_opposed(first, normal, face, q, kept, HELD_FACE)
+    if cosine > -1.0 + HELD_FACE:  # on a vertex or an edge: of a face that has it
         trial, better = most_opposed_near(first, ring, corner, vertex, normal, face, q, deepest)
-        if better > cosine + 2.0 * HELD:
+        if better > cosine + 2.0 * HELD_FACE:
             return trial, better
     return found, cosine
 
@@ -103,9 +86,9 @@ def _worth(scene, scratch, body, face_p, face_q, cosine):
         face_p, face_q, scratch.work, reference, incident,
     )  # fmt: skip
     near = CLIP * min(extent[face_p, 1], extent[face_q, 1])
-    half, count = clip(incident, m, reference, n, ROUNDING * near / CLIP, polygon, name)
+    half, count = clip(incident, m, reference, n, SUMS * near / CLIP, polygon, name)
     area, _, _, _ = measure(polygon, half, count)
-    least = LEAST_SHARE * min(extent[face_p, 0], extent[face_q, 0])
+    least = LEAST_FACE * min(extent[face_p, 0], extent[face_q, 0])
     if -cosine * area > least:  # faces that lie on each other before those that only are seen to
         return -cosine * area
     if area == 0.0:
@@ -124,7 +107,7 @@ def _untied(scene, scratch, p, q, face, apart, kept):
     first, ring, corner = scene.first, scene.ring, scene.corner
     vertex, normal, body = scene.vertex, scene.normal, scene.of_part[p]
     smaller = min(scene.size[p], scene.size[q])
-    slack, tie = HELD * smaller, TIED * smaller
+    slack, tie = HELD_FACE * smaller, TIED * smaller
     alone = True
     for f in range(first[p, 1], first[p + 1, 1]):
         by = separation(first, ring, corner, vertex, normal, f, q)
@@ -138,7 +121,7 @@ def _untied(scene, scratch, p, q, face, apart, kept):
             continue
         face_q, cosine = _incident_face(first, ring, corner, vertex, normal, f, q, kept, by + slack)
         worth = _worth(scene, scratch, body, f, face_q, cosine)
-        if found < 0 or worth - best > HELD * abs(worth):
+        if found < 0 or worth - best > HELD_FACE * abs(worth):
             found, best, apart_found = f, worth, by
     return found, apart_found
 
@@ -162,7 +145,7 @@ def faces_that_meet(scene, scratch, p, q, on_a, on_b, anew):
     face_a, apart_a, held_a, kept_a = on_a
     face_b, apart_b, held_b, kept_b = on_b
     smaller, best = min(scene.size[p], scene.size[q]), max(apart_a, apart_b)
-    slack, good = HELD * smaller, False
+    slack, good = HELD_FACE * smaller, False
     p_is_a, face, apart, to = True, face_a, apart_a, apart_b
     for trial in range(2 if anew else 0, 3):  # what is kept of a, of b; else a's before b's
         if trial == 0:

@@ -4,12 +4,12 @@ What a point is, and how its gap follows from the poses, stands in `contact.spac
 
 Which points there are
 ----------------------
-The *reference* face is the one, of both parts, that separates them most; the face of the other part
-that is most opposed to it is the *incident* one.  Both are kept as long as they are nearly as good
-(HELD), so that a block that rests does not change them with every rounding error; of faces that are
-as good at first, `facing` says which it is.  Their overlap, seen along the reference normal (see
-`overlap`), gives the points, and its area, to which what treated edges take off the faces is added
-again:
+The *reference* face is the one, of both parts, that
+separates them most; the face of the other part that is most opposed to it is the *incident* one.
+Both are kept as long as they are nearly as good (HELD_FACE), so that a block that rests does not
+change them with every rounding error; of faces that are as good at first, `facing` says which it
+is.  Their overlap, seen along the reference normal (see `overlap`), gives the points, and its area,
+to which what treated edges take off the faces is added again:
 
     a vertex of the incident face              on the plane of the reference face
     a vertex of the reference face alone       on the plane of the incident face
@@ -17,20 +17,21 @@ again:
 
 A face that tilts on an edge or on a vertex keeps its points, and those that open their area: it is
 that of the overlap, as in the plane.  An overlap that is only a line or a point, or next to it,
-has LEAST_SHARE of the smaller face.
+has LEAST_FACE of the smaller face.
 
 Where no point of the overlap is as near as the separation says, the faces are not what touches.
-Then edges that cross and separate the parts more by MARGIN, or touch where those points are open
-by as much, make one point, on a normal that a carries along; of rounded parts, likewise the nearest
-points of all edges.  Its area is LEAST_SHARE of the smaller of the two faces.  Points that are as
-near are no proof where parts overlap by more than MARGIN: an edge that lies on the rim of a face
-overlaps it by little, and by much as seen along the face beside.  Edges that separate the parts
-more by MARGIN touch there, too.
+Then edges that cross and separate the parts more by EDGES_MARGIN, or touch where those points are
+open by as much, make one point, on a normal that a carries along; of rounded parts, likewise the
+nearest points of all edges.  Its area is LEAST_FACE of the smaller of the two faces.  Points that
+are as near are no proof where parts overlap by more than EDGES_MARGIN: an edge that lies on the rim
+of a face overlaps it by little, and by much as seen along the face beside.  Edges that separate the
+parts more by EDGES_MARGIN touch there, too.
 
-Edges that cross where one lies nearly flat (FLAT) on a face beside the other are no point but a
-line: a block on the rim of a long support, and turned a little, would rock from one end of it to
+Edges that cross where one lies nearly flat (EDGE_FLAT) on a face beside the other are no point but
+a line: a block on the rim of a long support, and turned a little, would rock from one end of it to
 the other.  So that face, be it cut by what is far off, is the reference face then, and the one
-behind the edge the incident one, if their deepest point is as deep as the edges say, within MARGIN.
+behind the edge the incident one, if their deepest point is as deep as the edges say, within
+EDGES_MARGIN.
 
 Features are numbers: vertices of all parts, then edges, then faces, then points between.
 """
@@ -41,10 +42,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import EDGES_MARGIN, HELD_FACE
 from drystone.contact.contacts import EDGE_A, EDGE_B, FIRST, GAP, KIND, NONE, PART_A, PART_B
-from drystone.contact.space.edges import MARGIN, edge_on_edge, edges_that_meet
+from drystone.contact.space.edges import edge_on_edge, edges_that_meet
 from drystone.contact.space.faces import face_points
-from drystone.contact.space.facing import HELD, faces_that_meet
+from drystone.contact.space.facing import faces_that_meet
 from drystone.contact.space.points import empty
 from drystone.contact.space.separation import best_face
 from drystone.contact.space.shapes import Shapes, place, scene_of, scratch_for
@@ -115,8 +117,8 @@ def find(shapes, pose, world, pairs, reach, n_most, slots):
             if stop > begin:
                 break
         smaller, radii = min(size[p], size[q]), radius[p] + radius[q]
-        margin, near = MARGIN * smaller, least <= best - radii + HELD * smaller
-        flush = radii == 0.0 and cosine <= -1.0 + HELD * HELD
+        margin, near = EDGES_MARGIN * smaller, least <= best - radii + HELD_FACE * smaller
+        flush = radii == 0.0 and cosine <= -1.0 + HELD_FACE * HELD_FACE
         if not (flush or (near and best >= -margin)):
             faces = (face_p, face_q) if p_is_a else (face_q, face_p)
             found, across, edges, p_is_a, face_p, face_q = edges_that_meet(

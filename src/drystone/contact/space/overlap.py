@@ -24,15 +24,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-
-#: Corners nearer to a vertex than this share of the smaller face's width are the vertex.
-CLIP = 1e-3
-
-#: Sides of the overlap shorter than this share of its width have one end only.
-MERGE = 5e-2
-
-#: Rounding, as a share of the width: sides that coincide do not cut each other.
-ROUNDING = 1e-12
+from drystone.common.tolerances import ROUNDING, SUMS, TURNS
 
 #: What a corner or point is: a vertex of the incident face, one of the reference face, where two
 #: sides cross, a point on a side of the overlap, the inner point of a corner or the centroid.
@@ -71,7 +63,7 @@ def measure(corner, half, n):
         perimeter += np.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
         sx += ax
         sy += ay
-    if twice <= ROUNDING * perimeter * perimeter:
+    if twice <= SUMS * perimeter * perimeter:
         return 0.0, x0 + sx / n, y0 + sy / n, perimeter
     return 0.5 * twice, x0 + mx / (3.0 * twice), y0 + my / (3.0 * twice), perimeter
 
@@ -96,7 +88,7 @@ def widened(corner, half, n, reach):
         u, v = np.sqrt(ux * ux + uy * uy), np.sqrt(vx * vx + vy * vy)
         gained += v * reach[i]
         sine, cosine = ux * vy - uy * vx, ux * vx + uy * vy
-        if sine > 1e-3 * u * v:
+        if sine > TURNS * u * v:
             # Twice the kite between the corner, the feet on both sides and where these meet.
             s, t = reach[before], reach[i]
             gained += s * t * u * v / sine - 0.5 * (s * s + t * t) * cosine / sine
@@ -454,7 +446,7 @@ def scale(point, n, cx, cy, area, weight):
         return
     ax, ay, constant = 0.0, 0.0, 1.0
     det = xx * yy - xy * xy
-    if det > 1e-9 * (xx + yy) ** 2:
+    if det > ROUNDING * (xx + yy) ** 2:
         ax, ay = (xy * my - yy * mx) / det, (xy * mx - xx * my) / det
         constant = 1.0 / (1.0 + (ax * mx + ay * my) / total)
         least = 1.0

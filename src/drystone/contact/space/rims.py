@@ -19,6 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import DEEP, ROUNDING
 from drystone.contact.contacts import (
     BALL_3,
     EDGE_A,
@@ -32,12 +33,6 @@ from drystone.contact.contacts import (
     VERTEX_A,
     VERTEX_B,
 )
-
-#: A vertex lies past the end of a face from this share of the radii on.
-PAST = 1e-9
-
-#: Rims nearer than this share of the radii have no direction from one to the other.
-DEEP = 0.1
 
 
 @njit(cache=True)
@@ -87,7 +82,7 @@ def meet_rims(scene, work, p, q, begin, stop, which, value):
     ring, corner, local, plane = scene.ring, scene.corner, scene.local, scene.plane
     turn, vertex, normal = scene.turn, scene.vertex, scene.normal
     n_vertices, n_faces = local.shape[0], local.shape[0] + scene.edge.shape[0]
-    past, rim, apart = PAST * (radius_a + radius_b), work[0], work[1]
+    past, rim, apart = ROUNDING * (radius_a + radius_b), work[0], work[1]
     for k in range(begin, stop):
         on_b = which[k, KIND] == VERTEX_B
         of_v, of_f = (FEATURE_B, FEATURE_A) if on_b else (FEATURE_A, FEATURE_B)

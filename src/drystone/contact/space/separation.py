@@ -14,15 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-
-#: Edges with a smaller sine between them are parallel: they meet along a face's side.
-PARALLEL = 1e-3
-
-#: Scalar products of normals that differ by less are the same but for rounding: the first counts.
-SAME = 1e-12
-
-#: Of the edges' length: nearest points are on the common normal but for this.
-ROUNDING = 1e-6
+from drystone.common.tolerances import ON_NORMAL, PARALLEL, SUMS
 
 
 @njit(cache=True)
@@ -74,7 +66,7 @@ def most_opposed(first, normal, face, q, kept, slack):
         d = nx * normal[f, 0] + ny * normal[f, 1] + nz * normal[f, 2]
         if f == kept:
             of_kept = d
-        if d < best - SAME:
+        if d < best - SUMS:
             best, found = d, f
     if of_kept <= best + slack:
         return kept, of_kept
@@ -90,7 +82,7 @@ def most_opposed_near(first, ring, corner, vertex, normal, face, q, deepest):
     best, found = np.inf, first[q, 1]
     for f in range(first[q, 1], first[q + 1, 1]):
         d = nx * normal[f, 0] + ny * normal[f, 1] + nz * normal[f, 2]
-        if d >= best - SAME:
+        if d >= best - SUMS:
             continue
         for c in range(ring[f], ring[f + 1]):
             v = corner[c, 0]
@@ -188,7 +180,7 @@ def best_edges(first, edge, vertex, normal, p, q, work):
     if edge_p >= 0:
         a0, a1, b0, b1 = edge[edge_p, 0], edge[edge_p, 1], edge[edge_q, 0], edge[edge_q, 1]
         distance = nearest_on_lines(vertex, a0, a1, b0, b1, shares)
-        if distance > abs(best) + ROUNDING * np.sqrt(_dot(u, u)):
+        if distance > abs(best) + ON_NORMAL * np.sqrt(_dot(u, u)):
             return edge_p, edge_q, -np.inf
     return edge_p, edge_q, best
 

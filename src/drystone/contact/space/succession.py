@@ -2,7 +2,7 @@
 
 A point goes on with the point of the same pair that has the same features.  Where features have
 changed (a corner that was a crossing is a vertex now) it goes on with the nearest point that nobody
-else goes on with, if that is no farther than NEAR widths of the interface.
+else goes on with, if that is no farther than SUCCESSOR widths of the interface.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import SUCCESSOR
 from drystone.contact.contacts import (
     ARM_A_3,
     ARM_B_3,
@@ -21,9 +22,6 @@ from drystone.contact.contacts import (
     SIZE,
     TANGENT_3,
 )
-
-#: A history goes on at a point no farther than this share of the root of the interface's area.
-NEAR = 0.35
 
 
 @njit(cache=True)
@@ -58,7 +56,7 @@ def _match(before, was, after, now, begin, end, source, taken):
                 source[k], taken[j] = j, True
                 break
         left += source[k] < 0
-    limit = NEAR * NEAR * max(area_before, area_now)
+    limit = SUCCESSOR * SUCCESSOR * max(area_before, area_now)
     while left > 0:
         nearest, of, to = limit, -1, -1
         for k in range(begin, end):
