@@ -244,3 +244,64 @@ ON_NORMAL = DRAWN
 #: A history goes on at a point no farther than this share of the root of the interface's area.
 #: Not measured.
 SUCCESSOR = 0.35
+
+# Joint law ---------------------------------------------------------------------------------------
+
+#: Change of an iterate, over it, where it is the difference of two larger numbers.
+#: Derived: ten times `LAST_DIGIT`.
+LAST_DIGITS = 10.0 * LAST_DIGIT
+
+#: A contact this near to its cone slides, where it is asked anew in every sweep or cycle: over its
+#: friction.  Derived: a rounding, of sums of the same terms in another order.
+AT_CONE = ROUNDING
+
+#: A contact stays in the branch it came from when another is nearer by this share of its reactions
+#: only: one that slides starts the next step on its cone to rounding.
+#: Not measured.
+BRANCH_TIE = 1e-8
+
+#: A bond holds beyond its strength by this share of it: what is at its limit has not broken.
+#: Not measured.
+BOND_TIE = 1e-6
+
+#: Margins that differ by less, over strengths, belong to bonds that break together, such as those
+#: of mirrored blocks.  Derived: what bonds are known to, `BOND_TIE`.
+TOGETHER = BOND_TIE
+
+#: Strength by which a margin is measured at least, over the other strength of the bond.
+#: Not measured.
+LEAST_STRENGTH = 0.1
+
+#: Faces that are drawn apart by less are as they were laid but for rounding [m].  Derived: over the
+#: smallest block it is six times `ROUNDING`.
+GRAZE = ROUNDING
+
+#: Gap of a joint, over the smallest extent of a block, up to which it is built shut: it has a bond.
+#: Derived: a rounding.
+BUILT_SHUT = ROUNDING
+
+#: How far a bond has softened when it is lost, as a power of e; as far a crushed joint may soften.
+#: Derived: two billionths of its strength, e^-20, are less than what solutions are balanced to.
+LOST = 20.0
+
+#: Least slope of the equation for how far a bond has softened: where a joint would snap by itself
+#: it is steeper.  Not measured.
+LEAST_SLOPE = 1e-3
+
+#: Share of the greatest closure that a tangent is made at, at most: beyond it the joint is rigid.
+#: Derived: nearer to it than by a rounding, its stiffness has no digits.
+NEARLY_SHUT = 1.0 - ROUNDING
+
+#: Closure over the length of its law from which on a logarithmic one goes straight: by then it is
+#: e^20 times as stiff.  Derived: as `LOST`; stiffer joints are rigid beside all others.
+STRAIGHT_CLOSURE = LOST
+
+#: Angles of friction in space are found to this [rad].  Derived: a rounding.
+FRICTION_ANGLE = ROUNDING
+
+#: Share of the crushing force that Newton's method for the normal reaction begins below.
+#: Derived: it converges from anywhere between, as steps outside are halved.
+BELOW_CRUSHING = 0.75
+
+#: A central slide is found to this, over the most that it can be.  Derived: what sums leave.
+CENTRAL_SLIDE = SUMS

@@ -19,9 +19,9 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import BOND_TIE
 from drystone.engines.base import StepReport
 from drystone.law.bonds import crossing, release, weakest
-from drystone.law.violation import BOND_TIE
 from drystone.model.ties import Bars
 
 Array = NDArray[np.float64]

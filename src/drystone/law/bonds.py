@@ -15,22 +15,15 @@ from functools import reduce
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import BOND_TIE, BUILT_SHUT, LEAST_STRENGTH, TOGETHER
 from drystone.contact.contacts import FRICTION, NONE, Slots
 from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING
 from drystone.law.certificate import JudgedContacts
 from drystone.law.columns import COHESION, MU, TENSION
-from drystone.law.violation import BOND_TIE
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
-
-#: Margins that differ by less belong to bonds that break together, such as those of mirrored
-#: blocks: a millionth, above the rounding of their reactions and below any other difference.
-TOGETHER = 1e-6
-
-#: Strength by which a margin is measured at least, over the other strength of the bond.
-LEAST_SCALE = 0.1
 
 
 def brittle(laws: Array) -> bool:
@@ -38,9 +31,12 @@ def brittle(laws: Array) -> bool:
     return bool((laws[:, [COHESION, TENSION]] > 0.0).any())
 
 
-def apart(slots: Slots, slack: float) -> BoolArray:
-    """Contacts (n_slots,) that no bond spans, as they are not shut to ``slack`` [m] when built."""
-    return (slots.kind == NONE) | (slots.gap > slack)
+def built_open(slots: Slots, size: float) -> BoolArray:
+    """Contacts (n_slots,) that no bond spans, as they are not shut when built.
+
+    ``size`` [m] is the smallest extent of a block.
+    """
+    return (slots.kind == NONE) | (slots.gap > BUILT_SHUT * size)
 
 
 def shear(reaction: Array) -> Array:
@@ -58,9 +54,9 @@ def margins(judged: JudgedContacts, slack: float) -> Array:
     bond, tension = judged.strength
     bonded = bond + tension > 0.0
     along = judged.contacts.table[:, FRICTION] * normal + bond + slack - tangential
-    along = np.divide(along, np.maximum(bond, LEAST_SCALE * tension), where=bonded, out=along)
+    along = np.divide(along, np.maximum(bond, LEAST_STRENGTH * tension), where=bonded, out=along)
     across = normal + tension + slack
-    across = np.divide(across, np.maximum(tension, LEAST_SCALE * bond), where=bonded, out=across)
+    across = np.divide(across, np.maximum(tension, LEAST_STRENGTH * bond), where=bonded, out=across)
     return np.where(bonded, np.minimum(along, across), np.inf)
 
 

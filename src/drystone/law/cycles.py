@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import AT_CONE, GRAZE, LOST
 from drystone.law.branches import OPEN, STICKING
 from drystone.law.columns import (
     BROKEN,
@@ -36,11 +37,7 @@ from drystone.law.columns import (
     YIELDS,
 )
 from drystone.law.plane import slide
-from drystone.law.softening import LOST
-from drystone.law.status import AT_CONE, SLIDING
-
-#: Faces that are drawn apart by less are as they were laid but for rounding [m].
-GRAZE = 1e-9
+from drystone.law.status import SLIDING
 
 
 @njit(cache=True)

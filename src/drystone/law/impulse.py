@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import AT_CONE, FRICTION_ANGLE
 from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING
-from drystone.law.status import AT_CONE
 
-#: Angles of friction in space are found to this [rad], from at least so many.
-ANGLE, N_ANGLES = 1e-9, 32
+#: Angles of friction in space are looked for from at least so many.
+N_ANGLES = 32
 
 
 @njit(cache=True, error_model="numpy")
@@ -59,7 +59,7 @@ def _sliding_angle(start, a1, a2, m11, m12, m21, m22):
     for _ in range(20):
         across, slope, along = _sliding(angle, a1, a2, m11, m12, m21, m22)
         step = across / slope if slope != 0.0 else 1.0
-        if abs(step) < ANGLE and along <= 0.0:
+        if abs(step) < FRICTION_ANGLE and along <= 0.0:
             return angle - step, True
         angle -= min(max(step, -0.5), 0.5)
     high, after, _ = start, _sliding(start, a1, a2, m11, m12, m21, m22)[0], 0.0

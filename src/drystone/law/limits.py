@@ -19,9 +19,9 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import BRANCH_TIE
 from drystone.contact.contacts import CRUSH, FRICTION, ROOM, TRIAL_N
 from drystone.law.branches import CRUSHED, TORN, WITHIN, across_joint
-from drystone.law.return_map import TIE
 
 
 @njit(cache=True, error_model="numpy")
@@ -48,4 +48,4 @@ def friction_in(table, c, branch):
 @njit(cache=True, error_model="numpy")
 def yields(table, c):
     """Whether a contact pulls, or its trial reaction is for crushing it."""
-    return table[c, ROOM] > 0.0 or table[c, TRIAL_N] > crushing(table, c) * (1.0 - TIE)
+    return table[c, ROOM] > 0.0 or table[c, TRIAL_N] > crushing(table, c) * (1.0 - BRANCH_TIE)

@@ -19,6 +19,7 @@ Sliding is non-associative unless tan psi = mu.  Joints that dilate are neither 
 from __future__ import annotations
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import BRANCH_TIE
 from drystone.law.branches import (
     BONDED,
     CRUSHED,
@@ -30,10 +31,6 @@ from drystone.law.branches import (
     along_joint,
     both,
 )
-
-#: A contact stays in the branch it came from when another is nearer by this share of its reactions
-#: only: one that slides starts the next step on its cone to rounding.
-TIE = 1e-8
 
 
 @njit(cache=True, error_model="numpy")
@@ -54,24 +51,26 @@ def branch_for(rn, shear, ks, mu, lift, room, crush, hint, sliding):
         FORWARD or BACKWARD, as it would slide.
     """
     was = along_joint(hint)
-    if not (room > 0.0 or rn > crush * (1.0 - TIE)):
+    if not (room > 0.0 or rn > crush * (1.0 - BRANCH_TIE)):
         # A joint that dilates is held closed by what it slides.
         closed = ks * rn + lift * shear
         if closed < 0.0 or (closed == 0.0 and hint != STICKING):
             return OPEN
-        over, near = shear - mu * rn, TIE * (shear + mu * abs(rn))
+        over, near = shear - mu * rn, BRANCH_TIE * (shear + mu * abs(rn))
         if abs(over) <= near and (hint == STICKING or hint == sliding):
             return hint
         return STICKING if over <= 0.0 else sliding
     across, normal = WITHIN, rn
-    if rn <= 0.0 or (rn <= TIE * room and across_joint(hint) == TORN):
+    if rn <= 0.0 or (rn <= BRANCH_TIE * room and across_joint(hint) == TORN):
         if room == 0.0:
             return OPEN
         across, normal = TORN, 0.0
-    elif rn > crush * (1.0 + TIE) or (rn >= crush * (1.0 - TIE) and across_joint(hint) == CRUSHED):
+    elif rn > crush * (1.0 + BRANCH_TIE) or (
+        rn >= crush * (1.0 - BRANCH_TIE) and across_joint(hint) == CRUSHED
+    ):
         across, normal = CRUSHED, crush
     most = mu * normal + room
-    over, near = shear - most, TIE * (shear + most)
+    over, near = shear - most, BRANCH_TIE * (shear + most)
     if abs(over) <= near and (was == STICKING or was == sliding):
         return both(across, was)
     return both(across, STICKING if over <= 0.0 else sliding)

@@ -17,6 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import LAST_DIGIT, LAST_DIGITS, LEAST_SLOPE, LOST
 from drystone.law.columns import (
     BY_CRUSHING,
     BY_OPENING,
@@ -42,12 +43,6 @@ N_CONTACT = 7
 P_NORMAL, P_SHEAR, P_NY, P_NT, P_TY, P_TT, P_SOFTENED, P_OPENED, P_SLID, P_CRUSHED = range(10)
 N_POINT = 10
 
-#: How far a bond has softened when it is lost; as far a joint that is crushed may soften.
-LOST = 20.0
-
-#: Least slope of the equation for s: where a joint would snap by itself it is steeper.
-LEAST_SLOPE = 1e-3
-
 
 @njit(cache=True, error_model="numpy")
 def _pressed(law, crushed, y):
@@ -62,7 +57,7 @@ def _pressed(law, crushed, y):
         slope = rate * holds if rate * at < LOST else 0.0
         more = (-kn * (y + at - crushed) - holds) / max(kn - slope, LEAST_SLOPE * kn)
         at += more
-        if abs(more) <= 1e-15 * (abs(y) + at):
+        if abs(more) <= LAST_DIGIT * (abs(y) + at):
             break
     holds = strength * np.exp(-min(rate * at, LOST))
     slope = rate * holds if rate * at < LOST else 0.0
@@ -122,7 +117,7 @@ def points(laws, law_of, contact, point):
                 slope = max(slope, LEAST_SLOPE)
                 more = (start + by_slip * gamma + by_opening * at[3] - s) / slope
                 s += more
-                if abs(more) <= 1e-14 * (1.0 + s):
+                if abs(more) <= LAST_DIGITS * (1.0 + s):
                     break
         else:
             rate = 0.0 if law[SOFTENS] != 0.0 else law[PER_SLIP]
@@ -139,7 +134,7 @@ def points(laws, law_of, contact, point):
                 slope = max(1.0 - rate * (mu - least) * pressure / ks, LEAST_SLOPE)
                 more = ((shear - most) / ks - gamma) / slope
                 gamma += more
-                if abs(more) <= 1e-14 * (gamma + slid):
+                if abs(more) <= LAST_DIGITS * (gamma + slid):
                     break
         slides = shear > most
         if whole:

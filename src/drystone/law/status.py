@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import AT_CONE
 from drystone.contact.contacts import LAW
 from drystone.contact.forces import OPEN, SLIDING, STICKING
 from drystone.law import branches
@@ -15,9 +16,6 @@ STATUS_OF = np.full(branches.N_BRANCHES, OPEN)
 STATUS_OF[[branches.STICKING, branches.BONDED, branches.CRUSHED_STICKING]] = STICKING
 STATUS_OF[[branches.FORWARD, branches.BACKWARD]] = SLIDING
 STATUS_OF[[branches.CRUSHED_FORWARD, branches.CRUSHED_BACKWARD]] = SLIDING
-
-#: A contact this near to its cone slides, where it is asked anew in every sweep or cycle.
-AT_CONE = 1e-9
 
 
 @njit(cache=True, error_model="numpy")

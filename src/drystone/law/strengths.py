@@ -27,6 +27,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import LAST_DIGIT, LOST, NEARLY_SHUT, STRAIGHT_CLOSURE
 from drystone.contact.contacts import (
     CRUSH,
     FRICTION,
@@ -52,17 +53,6 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-#: How far a bond has softened when it is lost: two billionths of its strength are left.  A joint
-#: that is crushed keeps as much.
-LOST = softening.LOST
-
-#: Share of the greatest closure that a tangent is made at, at most: beyond it the joint is rigid.
-NEARLY_SHUT = 1.0 - 1e-9
-
-
-#: Closure over the length of its law from which on a logarithmic one goes straight: by then it is
-#: e^20 times as stiff.
-STRAIGHT = 20.0
 
 #: The share of its length by which a joint is closed, as far as the tangent goes; its pressure over
 #: k_n times the length, and stiffness over k_n there.
@@ -75,7 +65,7 @@ def _hyperbolic(share: Array) -> tuple[Array, Array, Array]:
 
 
 def _logarithmic(share: Array) -> tuple[Array, Array, Array]:
-    at = np.minimum(share, STRAIGHT)
+    at = np.minimum(share, STRAIGHT_CLOSURE)
     return at, np.expm1(at), np.exp(at)
 
 
@@ -218,7 +208,7 @@ class Strengths:
         for _ in range(60):  # convex and rising, from above
             step = (s - start - rate * (far - give * np.exp(-s))) / (1.0 - rate * give * np.exp(-s))
             s = s - step
-            if not (np.abs(step) > 1e-15 * (1.0 + np.abs(s))).any():
+            if not (np.abs(step) > LAST_DIGIT * (1.0 + np.abs(s))).any():
                 break
         softened[tears] = np.maximum(s, start)
         opened = before[:, OPENED].copy()

@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import BOND_TIE
 from drystone.contact.contacts import BOND, FRICTION, PULL, ROOM, SHIFT, STIFF_N, STIFF_T, TENSILE
 from drystone.law.limits import crushing
-
-#: A bond holds beyond its strength by this share of it: what is at its limit has not broken.
-BOND_TIE = 1e-6
 
 
 @njit(cache=True, error_model="numpy")

@@ -15,7 +15,7 @@ from drystone.contact.contacts import Pairs, Slots
 from drystone.engines.measures import LoadArrays
 from drystone.engines.prepared import Prepared
 from drystone.geometry import motion
-from drystone.law.bonds import apart
+from drystone.law.bonds import built_open
 from drystone.law.branches import BONDED, OPEN, STICKING
 from drystone.law.columns import BROKEN, COHESION, KN, KS, N_HISTORY, TENSION
 from drystone.statics.constants import Accuracy, Constants, Loads
@@ -155,4 +155,4 @@ def first_history(prepared: Prepared, slots: Slots) -> Array:
 
 
 def _apart(prepared: Prepared, slots: Slots) -> BoolArray:
-    return apart(slots, 1e-9 * prepared.assembly.smallest_extent)
+    return built_open(slots, prepared.assembly.smallest_extent)

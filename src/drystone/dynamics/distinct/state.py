@@ -14,7 +14,7 @@ from drystone.contact.rows import dof_of
 from drystone.dynamics.explicit import form_of
 from drystone.engines.base import EngineError
 from drystone.engines.prepared import Prepared
-from drystone.law.bonds import apart
+from drystone.law.bonds import built_open
 from drystone.law.columns import BROKEN, N_HISTORY
 from drystone.model.ties import TieState
 
@@ -115,7 +115,7 @@ def released(prepared: DistinctPrepared, pose: Array, velocity: Array) -> Distin
     reaction = np.zeros_like(slots.normal)
     n_slots, dim = reaction.shape
     history = np.zeros((n_slots, N_HISTORY + dim - 2))
-    history[apart(slots, 1e-9 * assembly.smallest_extent), BROKEN] = 1.0  # built open
+    history[built_open(slots, assembly.smallest_extent), BROKEN] = 1.0
     return DistinctState(
         prepared=prepared,
         stage=prepared.problem.stages[-1],

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from drystone.common.errors import ModelError
 from drystone.common.names import listed
+from drystone.common.tolerances import BUILT_SHUT
 from drystone.model.assembly import GRAVITY, Assembly
 from drystone.model.loading.base import NO_MASSES, Directed, Masses
 from drystone.model.loading.dead_forces import DeadForces
@@ -188,7 +189,7 @@ def _stiffness_at_rest(assembly: Assembly, masses: Masses) -> tuple[csc_array, I
     pairs = detector.pairs(pose)
     slots = detector.find(pairs, pose)
     contacts = detector.pack(pairs, pose, slots, laws)
-    touching = slots.gap[contacts.slot] <= 1e-9 * assembly.smallest_extent
+    touching = slots.gap[contacts.slot] <= BUILT_SHUT * assembly.smallest_extent
     n_dof, dim = assembly.n_dof, assembly.dimension
     a, b = contacts.which[touching, BODY_A], contacts.which[touching, BODY_B]
     rows = contacts.rows[touching, :dim].reshape(len(a), dim, 2 * n_dof)
