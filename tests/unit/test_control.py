@@ -26,6 +26,7 @@ from hypothesis import strategies as st
 
 from builders import stack
 from drystone.analysis.driver import pushover
+from drystone.common.tolerances import ALL_BUT
 from drystone.control import (
     ControlError,
     DisplacementSettings,
@@ -34,7 +35,6 @@ from drystone.control import (
     PublishedControl,
     PublishedSettings,
 )
-from drystone.control.displacement import ALL_BUT
 from drystone.control.ends import COLLAPSED, Progress, end_of_curve
 from drystone.control.stops import stops_of
 from drystone.engines.base import (

@@ -305,3 +305,241 @@ BELOW_CRUSHING = 0.75
 
 #: A central slide is found to this, over the most that it can be.  Derived: what sums leave.
 CENTRAL_SLIDE = SUMS
+
+# Control: when a curve ends ----------------------------------------------------------------------
+
+#: Load multiplier under which a curve ends, after its peak.  Convention.
+STOP_MULTIPLIER = 0.01
+
+#: Least load multiplier that inertia is measured over, in controls and engines.
+#: Derived: a tenth of `STOP_MULTIPLIER`, below which nothing is followed.
+LEAST_LOAD = 0.1 * STOP_MULTIPLIER
+
+#: Share of a peak below the stop value to which the curve is followed: blocks that come loose let
+#: a multiplier drop and rise again, though not from next to nothing.  Convention.
+NEXT_TO_NOTHING = 0.01
+
+#: Motion of a block while next to nothing holds the structure, over the largest increment, after
+#: which it has collapsed.  Convention: an eighth of the smallest block, with the default increment.
+FALL_MOTION = 25.0
+
+#: Of step lengths by which a motion falls short: least motion over the largest increment.
+#: Derived: far below the least share of a step.
+LEAST_MOTION = 1e-3
+
+# Control: static steps of a displacement ---------------------------------------------------------
+
+#: What a curve is known to, over its peak.  Convention: points every 2e-4 of the peak tell it.
+PEAK_SHARE = 2e-4
+
+#: Of the peak, by which a snap that is passed over may move the curve.
+#: Derived: what it is known to.
+SNAP_SHARE = PEAK_SHARE
+
+#: Least multiplier that shares of the peak are of, over `STOP_MULTIPLIER`.  Not measured.
+LEAST_PEAK = 10.0
+
+#: First increment over the largest; of supports too.  Not measured.
+FIRST_SHARE = 0.02
+
+#: Smallest increment over the largest.  Not measured.
+FLOOR_SHARE = 0.01
+
+#: Increment over the largest up to which steps are worth more than one try.  Not measured.
+THOROUGH_SHARE = 0.02
+
+#: Increment of the first step of a jump over the largest.  Not measured.
+CREEP_SHARE = 0.001
+
+#: Most by which creeping is longer than at first.  Not measured.
+MOST_CREEP = 50.0
+
+#: Smallest increment to a peak or a bend, over the largest; how near to the stop value the last
+#: point must be, relatively; over what joints close by, where they are stiff.  Not measured.
+REFINED_SHARE = 0.005
+
+#: Of `REFINED_SHARE`, what steps to the stop value are no shorter than.  Not measured.
+LEAST_CHORD = 1e-3
+
+#: Share of what joints close by that steps are shortened to.  Not measured.
+CLOSING_SHARE = 0.1
+
+#: Of the peak, by which the way through a step may lie above it.  Not measured.
+CREST_SHARE = 5e-3
+
+#: Of the peak, by which that may lie above both ends elsewhere.  Not measured.
+DRIVE_SHARE = 2e-2
+
+#: Of `CREST_SHARE`, under which there was no peak on the way of a step; and under which steps grow
+#: as fast as they may.  Not measured.
+NO_CREST = 0.2
+CALM_CREST = 0.05
+
+#: Of the peak, that the curve may bend within a step.  Not measured.
+BEND_SHARE = 2e-3
+
+#: Likewise where curves bend all along.  Derived: twice as much as where bends are corners.
+SMOOTH_BEND_SHARE = 2.0 * BEND_SHARE
+
+#: Part of the bend that may be which the next step aims at, and the least bend that is reckoned
+#: with.  Not measured; a rounding, derived.
+BEND_AIM = 0.6
+LEAST_BEND = ROUNDING
+
+#: A step in which the curve rises by less than this share of what it did may hide its peak.
+#: Not measured.
+KINK = 0.1
+
+#: Of `PEAK_SHARE`, under which a step hides nothing, and by how much it is shortened where it does.
+#: Not measured.
+HIDES_NOTHING = 0.1
+NEARER_TO_KINK = 0.4
+
+#: Share of a step from which on it is not worth taking again to there; and by which it ends before
+#: a turn.  Not measured.
+ALL_BUT = 0.98
+
+#: Part of a step at which a turn still gives it a length, by how much it is shortened where it does
+#: not, and the part of it from which the slope to a turn is known.  Not measured.
+TURN_WITHIN = 0.9
+SHORTER = 0.6
+TURN_KNOWN = 0.05
+
+#: Share of their motion by which blocks may leave in a step the direction in which it begins, where
+#: the curve bends by more than the second, of the peak, and the step is more than the third, of the
+#: largest.  Not measured.
+SWERVE_SHARE = 0.1
+SWERVE_BEND = 1e-4
+SWERVE_STEP = 0.06
+
+#: By how much a step must be longer than the least to be shortened.  Not measured.
+LONGER_THAN_LEAST = 1.01
+
+#: By how much steps are shortened that were hard.  Not measured.
+HARD_SHORTER = 0.7
+
+#: First time step of a jump [s].  Not measured.
+JUMP_TIME_STEP = 0.1
+
+#: Part of the first time step up to which a shorter one is tried more than once.  Not measured.
+SOON_SHARE = 0.3
+
+#: Least time step of a jump over the first.  Not measured.
+LEAST_JUMP = 1e-4
+
+#: Growth of the time step of a jump.  Not measured.
+JUMP_GROWTH = 1.5
+
+#: Time step over the first from which on a jump can be over.  Not measured.
+LONG_ENOUGH = 5.0
+
+#: Motion of a block, over the increment, above which a step is a jump.  Convention.
+SNAP_MOTION = 10.0
+
+#: Motion of a block in a step of a jump, over the largest increment, up to which its time step
+#: grows.  Not measured.
+JUMP_MOTION = 1.0
+
+#: Inertia of a step that is static again, over the applied force and, of the fastest block, over
+#: its weight; of supports that move, over the weight.  Convention.
+STATIC_INERTIA = 1e-3
+
+# Control: excess over the static multiplier ------------------------------------------------------
+
+#: Time step [s].  Not measured.
+EXCESS_TIME_STEP = 0.1
+
+#: Largest excess of the multiplier, over it where it is above one.  Not measured.
+EXCESS = 0.01
+
+#: First and least excess over the largest.  Not measured.
+FIRST_EXCESS = 0.1
+LEAST_EXCESS = 1e-5
+
+#: Displacement steps by which the control point goes on in motion, with less than the stop value
+#: carried, when a structure has collapsed; and, whatever is carried, by default.
+#: Convention; derived: twice the smallest block, with the default increment.
+EXCESS_FALL = 20.0
+EXCESS_JUMP = 400.0
+
+#: Difference of applied and static multiplier that needs no explanation by excess and branch.
+#: Not measured.
+LOOSE = 5e-4
+
+#: Share of the fastest block's motion by which the control point goes on where all of it moves.
+#: Not measured.
+WITH_THE_REST = 0.25
+
+#: Change of the static multiplier within what is not explained that leaves it the same.
+#: Not measured.
+SAME_MULTIPLIER = 0.2
+
+#: Share of the highest multiplier so far above which an excess may hide a peak or a bend.
+#: Not measured.
+HIDES = 1.0 / 30.0
+
+#: Likewise by which the multiplier may fall in a step, on the mean since its peak; and the share of
+#: the displacement step that a step on a steep branch is at least.  Not measured.
+STEEP = 0.005
+LEAST_STEEP = 0.2
+
+#: Shortening of the time step of a step that failed, its least over the first, and its growth.
+#: Not measured.
+FAILED_TIME_STEP = 0.6
+LEAST_EXCESS_TIME_STEP = 1e-3
+EXCESS_TIME_GROWTH = 1.4
+
+#: Most by which an excess grows in a step.  Not measured.
+EXCESS_GROWTH = 1.5
+
+# Control: the published strategy -----------------------------------------------------------------
+
+#: Increment of the multiplier, ascending.  Not measured.
+PUBLISHED_INCREMENT = 0.005
+
+#: Applied over carried multiplier, descending.  Convention: the paper's.
+OVERSHOOT = 1.05
+
+#: Difference of multipliers that counts as equal.  Not measured.
+BALANCE_TOLERANCE = 1e-3
+
+#: Time step [s], ascending, and at first descending; and the least over it.  Not measured.
+PUBLISHED_TIME_STEP = 0.05
+LEAST_PUBLISHED_TIME_STEP = 1e-6
+
+#: Share by which what is missing must shrink for the carried multiplier to count as rising, and
+#: share by which it falls from its highest when the structure does.  Not measured.
+SHRUNK = 0.1
+FALLEN_BY = 0.1
+
+#: Share of the displacement step that what stands moves less than: its joints close by far less.
+#: Not measured.
+GOES_ON = 0.1
+
+#: Share of the peak by which a branch may fall in a step.  Not measured.
+LAG = 0.01
+
+#: Least and most change of the time step, descending.  Not measured.
+LEAST_CHANGE = 0.7
+MOST_CHANGE = 1.2
+
+# Control: supports that move ---------------------------------------------------------------------
+
+#: Smallest step over the largest.  Not measured.
+SETTLING_FLOOR = 1e-4
+
+#: Motion of a block over that of the supports, or over as much as it was in the last step, above
+#: which it jumps.  Not measured.
+LEAP = 5.0
+
+#: Of the largest reaction, by which it may leave its course in a step.  Not measured.
+SETTLING_BEND = 0.02
+
+#: Steps that are looked at for a bend, over the smallest and over the first; and by how much a step
+#: is shortened.  Not measured.
+WORTH_BENDING = 20.0
+WORTH_OF_FIRST = 0.05
+SETTLING_SHORTER = 0.3
+
+#: Way of the supports that is all of it, but for this.  Derived: a rounding.
+ALL_GONE = 1.0 - ROUNDING

@@ -22,6 +22,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from drystone.common import tolerances
 from drystone.common.language import say
 from drystone.common.records import changed
 from drystone.control.base import Decision, check_settings
@@ -42,16 +43,9 @@ from drystone.engines.base import CREST_PARTS, Demand, StepReport
 FOLLOWING, NEARING, CROSSING = 0, 1, 2
 
 
-#: A step in which the curve rises by less than this share of what it did may hide its peak.
-KINK = 0.1
-
-#: Share of a step from which on it is not worth taking again to there.
-ALL_BUT = 0.98
-
-
 #: Settings where curves bend all along: steps grow by how much they do, and a step may bend by
 #: twice as much as where bends are corners.
-SMOOTH: dict[str, float] = {"smooth": True, "bend_share": 4e-3}
+SMOOTH: dict[str, float] = {"smooth": True, "bend_share": tolerances.SMOOTH_BEND_SHARE}
 
 #: Times that the stop value is looked for where the chord meets it, and where steps are dear.
 CHORDS, FEW_CHORDS = 4, 2
@@ -66,40 +60,45 @@ class DisplacementSettings(EndSettings):
     """Settings of the pacing."""
 
     displacement_step: float  # m, largest increment
-    first_share: float = 0.02  # first increment over the largest
-    floor_share: float = 0.01  # smallest increment over the largest
-    creep_share: float = 0.001  # increment of the first step of a jump over the largest
-    refined_share: float = (
-        0.005  # smallest increment to a peak or a bend, over the largest; and how
-    )
-    # near to the stop value the last point must be, relatively
-    peak_share: float = 2e-4  # of the peak, that a step may hide of it
-    crest_share: float = 5e-3  # of the peak, by which the way through a step may lie above it
-    drive_share: float = 2e-2  # of the peak, by which that may lie above both ends elsewhere
-    bend_share: float = 2e-3  # of the peak, that the curve may bend within a step
-    swerve_share: float = 0.1  # of their motion, by which blocks may leave in a step the direction
-    # in which it begins, where the curve bends by more than
-    swerve_bend: float = 1e-4  # of the peak, and the step is more than
-    swerve_step: float = 0.06  # of the largest
+    first_share: float = tolerances.FIRST_SHARE  # first increment over the largest
+    floor_share: float = tolerances.FLOOR_SHARE  # smallest increment over the largest
+    creep_share: float = tolerances.CREEP_SHARE  # first increment of a jump over the largest
+    # Smallest increment to a peak or a bend, over the largest; and how near to the stop value the
+    # last point must be, relatively.
+    refined_share: float = tolerances.REFINED_SHARE
+    peak_share: float = tolerances.PEAK_SHARE  # of the peak, that a step may hide of it
+    # Of the peak, by which the way through a step may lie above it.
+    crest_share: float = tolerances.CREST_SHARE
+    # Of the peak, by which that may lie above both ends elsewhere.
+    drive_share: float = tolerances.DRIVE_SHARE
+    bend_share: float = tolerances.BEND_SHARE  # of the peak, that the curve may bend within a step
+    # Of their motion, by which blocks may leave in a step the direction in which it begins, where
+    # the curve bends by more than `swerve_bend` of the peak, and the step is more than
+    # `swerve_step` of the largest.
+    swerve_share: float = tolerances.SWERVE_SHARE
+    swerve_bend: float = tolerances.SWERVE_BEND
+    swerve_step: float = tolerances.SWERVE_STEP
     smooth: bool = False  # whether curves bend all along, so that steps grow by how much they do
-    thorough_share: float = (
-        0.02  # increment over the largest, up to which such steps are worth more
-    )
-    # than one try
-    snap_share: float = 2e-4  # of the peak, by which a snap that is passed over may move the curve
-    time_step: float = 0.1  # s, first one of a jump
-    snap_motion: float = 10.0  # of a block, over the increment, above which a step is a jump
-    jump_motion: float = 1.0  # of a block, over the largest increment, up to which the time step of
-    # a jump grows
+    # Increment over the largest, up to which such steps are worth more than one try.
+    thorough_share: float = tolerances.THOROUGH_SHARE
+    # Of the peak, by which a snap that is passed over may move the curve.
+    snap_share: float = tolerances.SNAP_SHARE
+    time_step: float = tolerances.JUMP_TIME_STEP  # s, first one of a jump
+    # Of a block, over the increment, above which a step is a jump.
+    snap_motion: float = tolerances.SNAP_MOTION
+    # Of a block, over the largest increment, up to which the time step of a jump grows.
+    jump_motion: float = tolerances.JUMP_MOTION
     easy_iterations: int = 12  # of a step up to which increments grow
     hard_iterations: int = 12  # of a step beyond which they shrink
     slow_iterations: int = 40  # of a step of a jump beyond which its time step does not grow
     grown_after: int = 3  # steps after which increments grow again, of which one failed
     retried_after: int = 5  # steps of a jump after which a time step that failed is tried again
-    static_inertia: float = 1e-3  # inertia of a step that is static again, over the applied force
-    # and, of the fastest block, over its weight
-    fall_motion: float = 25.0  # of a block, over the largest increment, in the parts of a jump in
-    # which the control point is held back, after which the structure has collapsed
+    # Inertia of a step that is static again, over the applied force and, of the fastest block, over
+    # its weight.
+    static_inertia: float = tolerances.STATIC_INERTIA
+    # Of a block, over the largest increment, in the parts of a jump in which the control point is
+    # held back, after which the structure has collapsed.
+    fall_motion: float = tolerances.FALL_MOTION
     jump_steps: int = 5000  # without rest after which a jump is not followed further; what falls
     # moves by about the largest increment in each
 
@@ -153,10 +152,10 @@ class DisplacementControl:
             )
         # In a jump the control point creeps with an acceleration that does not depend on the step.
         s = self.settings
-        share = min((state.time_step / s.time_step) ** 2, 50.0)
+        share = min((state.time_step / s.time_step) ** 2, tolerances.MOST_CREEP)
         creep = s.creep_share * s.displacement_step * share
         # What was not found at once with a longer step is looked for here: it is far.
-        soon = s.smooth and state.time_step > 0.3 * s.time_step
+        soon = s.smooth and state.time_step > tolerances.SOON_SHARE * s.time_step
         thorough = state.shortened or not soon
         return Demand(increment=creep, time_step=state.time_step, thorough=thorough)
 
@@ -243,19 +242,19 @@ class DisplacementControl:
             if state.n_shorter >= (FEW_CHORDS if s.smooth else CHORDS):
                 share = 0.5 * share  # what is bent so much is found by halves
             finer = share * state.increment
-            return finer if finer > 1e-3 * least else None
-        scale = max(state.highest, multiplier, 10.0 * s.stop_multiplier)
+            return finer if finer > tolerances.LEAST_CHORD * least else None
+        scale = max(state.highest, multiplier, tolerances.LEAST_PEAK * s.stop_multiplier)
         if report.path.excess is None or report.path.bend is None:  # the engine does not tell
             return self._nearer(state, report, scale, least)
         excess, share = report.path.excess
         highest = max(state.last, multiplier) + excess > state.highest
         hidden = excess > s.peak_share * scale and highest
         finest = min(least, s.refined_share * state.closing)  # stiff joints carry a peak early
-        if hidden and finest < share * state.increment < ALL_BUT * state.increment:
+        if hidden and finest < share * state.increment < tolerances.ALL_BUT * state.increment:
             return share * state.increment
         bend, share = report.path.bend
         hidden = bend > s.bend_share * scale
-        if hidden and least < share * state.increment < ALL_BUT * state.increment:
+        if hidden and least < share * state.increment < tolerances.ALL_BUT * state.increment:
             return share * state.increment
         return self._straighter(state, report, scale)
 
@@ -271,7 +270,9 @@ class DisplacementControl:
         least = s.swerve_step * s.displacement_step
         if report.path.swerve <= s.swerve_share or report.path.bend[0] <= s.swerve_bend * scale:
             return None
-        return max(0.25 * state.increment, least) if state.increment > 1.01 * least else None
+        if state.increment <= tolerances.LONGER_THAN_LEAST * least:
+            return None
+        return max(0.25 * state.increment, least)
 
     def _nearer(
         self, state: _State, report: StepReport, scale: float, least: float
@@ -291,7 +292,7 @@ class DisplacementControl:
             if (
                 multiplier < state.last
                 and seen
-                and report.path.crest <= 0.2 * s.crest_share * scale
+                and report.path.crest <= tolerances.NO_CREST * s.crest_share * scale
             ):
                 return None  # nor was there a peak on the way
         if state.last != state.highest or ahead <= 0.0:
@@ -300,11 +301,11 @@ class DisplacementControl:
         hidden = ahead - rise
         if hidden > s.bend_share * scale:
             least = finest
-        elif multiplier >= state.last or hidden <= 0.1 * s.peak_share * scale:
+        elif multiplier >= state.last or hidden <= tolerances.HIDES_NOTHING * s.peak_share * scale:
             return None
-        if rise > KINK * ahead or state.increment <= least:
+        if rise > tolerances.KINK * ahead or state.increment <= least:
             return None
-        return max(0.4 * state.increment, least)
+        return max(tolerances.NEARER_TO_KINK * state.increment, least)
 
     def _calmer(
         self, state: _State, report: StepReport, scale: float, finest: float
@@ -353,9 +354,9 @@ class DisplacementControl:
             return False
         share, multiplier = report.path.turn
         expected = state.last + state.slope * state.increment
-        if share > 0.05:
+        if share > tolerances.TURN_KNOWN:
             expected = state.last + (multiplier - state.last) / share
-        scale = max(state.highest, 10.0 * s.stop_multiplier)
+        scale = max(state.highest, tolerances.LEAST_PEAK * s.stop_multiplier)
         return abs(report.static_multiplier - expected) > s.snap_share * scale
 
     def _falls_freely(self, report: StepReport) -> bool:
@@ -390,14 +391,14 @@ class DisplacementControl:
         s = self.settings
         floor = s.floor_share * s.displacement_step
         if state.last == state.highest:
-            floor = min(floor, 0.1 * state.closing)
+            floor = min(floor, tolerances.CLOSING_SHARE * state.closing)
             if state.slope > 0.0:  # a crossing is four times the floor
                 floor = min(floor, 0.25 * s.bend_share * state.highest / state.slope)
         if state.time_step:
             if s.smooth:
                 state = changed(state, shortened=True, too_long=state.time_step, n_since=0)
             state = changed(state, time_step=0.5 * state.time_step)
-            if state.time_step < 1e-4 * s.time_step:
+            if state.time_step < tolerances.LEAST_JUMP * s.time_step:
                 reason: str = say("end.jump_lost", why=report.reason)
                 if state.highest <= 0.0:
                     reason = (
@@ -410,12 +411,14 @@ class DisplacementControl:
             return self._lost(state, report, report.reason)
         elif state.stage == CROSSING:
             # A jump that seemed to be over was not: something moves slowly yet.
-            time_step = max(s.time_step, 1.5 * state.rested)
+            time_step = max(s.time_step, tolerances.JUMP_GROWTH * state.rested)
             state = changed(state, stage=FOLLOWING, time_step=time_step, n_since=LONG_AGO)
         else:
             state = changed(state, n_since=0)
             share = report.path.turn[0] if report.path.turn else 0.5
-            nearer = (0.98 * share if share < 0.9 else 0.6) * state.increment
+            within = share < tolerances.TURN_WITHIN
+            shorter = tolerances.ALL_BUT * share if within else tolerances.SHORTER
+            nearer = shorter * state.increment
             if nearer >= floor:
                 state = changed(state, stage=NEARING, increment=nearer)
             else:
@@ -450,7 +453,7 @@ class DisplacementControl:
         if report.n_iterations <= s.easy_iterations:
             scale = self._growth(state, report)
         else:
-            scale = 1.0 if report.n_iterations <= s.hard_iterations else 0.7
+            scale = 1.0 if report.n_iterations <= s.hard_iterations else tolerances.HARD_SHORTER
         n_since = state.n_since + 1
         if s.smooth and n_since < s.grown_after:
             scale = min(scale, 1.0)  # what has just failed would fail again
@@ -462,13 +465,13 @@ class DisplacementControl:
         s = self.settings
         if s.smooth and report.path.bend is not None:
             # A bend goes with the square of the step.
-            most = s.bend_share * max(state.highest, 10.0 * s.stop_multiplier)
-            bend = max(report.path.bend[0], 1e-9)
-            return min(max(math.sqrt(0.6 * most / bend), 0.5), 2.0)
+            most = s.bend_share * max(state.highest, tolerances.LEAST_PEAK * s.stop_multiplier)
+            bend = max(report.path.bend[0], tolerances.LEAST_BEND)
+            return min(max(math.sqrt(tolerances.BEND_AIM * most / bend), 0.5), 2.0)
         if report.path.crest is None:
             return 2.0
-        crest = report.path.crest / max(state.highest, 10.0 * s.stop_multiplier)
-        if crest <= 0.05 * s.crest_share:
+        crest = report.path.crest / max(state.highest, tolerances.LEAST_PEAK * s.stop_multiplier)
+        if crest <= tolerances.CALM_CREST * s.crest_share:
             return 3.0
         return 2.0 if crest <= 0.5 * s.crest_share else 1.0
 
@@ -480,7 +483,7 @@ class DisplacementControl:
             return changed(state, too_long=math.inf, n_since=LONG_AGO)
         if state.shortened or (s.smooth and report.n_iterations > s.slow_iterations):
             return changed(state, shortened=False)  # what has just failed would fail again
-        longer, n_since = 1.5 * state.time_step, state.n_since + 1
+        longer, n_since = tolerances.JUMP_GROWTH * state.time_step, state.n_since + 1
         if longer >= state.too_long and n_since < s.retried_after:
             return changed(state, n_since=n_since)
         if report.motion < s.jump_motion * s.displacement_step:
@@ -500,7 +503,7 @@ class DisplacementControl:
         if not state.time_step:
             return not report.dynamic
         inertia = max(report.inertia_ratio, report.acceleration)
-        return inertia < s.static_inertia and state.time_step > 5.0 * s.time_step
+        return inertia < s.static_inertia and state.time_step > tolerances.LONG_ENOUGH * s.time_step
 
     def _over(self, state: _State, report: StepReport) -> End | None:
         """Whether and why the analysis is over."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from drystone.common import tolerances
 from drystone.common.language import say
 from drystone.control.progress import End, Progress
 from drystone.control.stops import Stops, stops_of
@@ -12,7 +13,6 @@ __all__ = [
     "AT_ONCE",
     "COLLAPSED",
     "EARLY",
-    "FALLEN",
     "End",
     "EndSettings",
     "Progress",
@@ -23,10 +23,7 @@ __all__ = [
     "nothing_carried",
 ]
 
-#: Share of a peak below the stop value to which the curve is followed: blocks that come loose let
-#: a multiplier drop and rise again, though not from next to nothing.
-FALLEN = 0.01
-#: Steps in which whatever carries anything carries more than `FALLEN` of the stop value.
+#: Steps in which whatever carries anything carries more than `NEXT_TO_NOTHING` of the stop value.
 EARLY = 100
 #: Likewise of a multiplier that does not rise at all, but for steps that move next to nothing.
 AT_ONCE = 3
@@ -39,7 +36,9 @@ COLLAPSED = say("end.collapsed", how="").removesuffix(": ")
 class EndSettings:
     """What every strategy's settings say about the end."""
 
-    stop_multiplier: float = 0.01  # under which the curve ends, after the peak
+    stop_multiplier: float = (
+        tolerances.STOP_MULTIPLIER
+    )  # under which the curve ends, after the peak
     stops: Stops = field(default_factory=lambda: stops_of({}))  # see `drystone.control.stops`
 
 
@@ -68,7 +67,8 @@ def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
     if onwards and p.multiplier < s.stop_multiplier < p.highest:
         return End(reason=say("end.fell_below", stop=s.stop_multiplier), finished=True)
     nothing = carries_nothing(s, p.highest)
-    down = onwards and p.multiplier < FALLEN * p.highest <= FALLEN * s.stop_multiplier
+    share = tolerances.NEXT_TO_NOTHING
+    down = onwards and p.multiplier < share * p.highest <= share * s.stop_multiplier
     if down and not nothing:
         return End(reason=say("end.low_peak", peak=p.highest, stop=s.stop_multiplier))
     if nothing and p.n_steps >= (AT_ONCE if down else EARLY):
@@ -81,10 +81,10 @@ def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
 
 def carries_nothing(settings: EndSettings, highest: float) -> bool:
     """Whether the highest multiplier so far is none to speak of."""
-    return highest < FALLEN * settings.stop_multiplier
+    return highest < tolerances.NEXT_TO_NOTHING * settings.stop_multiplier
 
 
 def nothing_carried(settings: EndSettings, n_steps: int) -> End:
     """The end of a structure that carries nothing."""
-    least = FALLEN * settings.stop_multiplier
+    least = tolerances.NEXT_TO_NOTHING * settings.stop_multiplier
     return End(reason=say("end.carries_nothing", n=n_steps, least=least))

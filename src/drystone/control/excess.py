@@ -10,24 +10,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from drystone.common import tolerances
 from drystone.common.records import changed
 from drystone.control.base import Decision, check_settings
 from drystone.control.ends import End, EndSettings, Progress, collapsed, end_of_curve, fallen_freely
 from drystone.engines.base import Demand, StepReport
-
-#: Difference of applied and static multiplier that needs no explanation by excess and branch.
-LOOSE = 5e-4
-#: Share of the fastest block's motion by which the control point goes on where all of it moves.
-WITH_THE_REST = 0.25
-#: Change of the static multiplier within what is not explained that leaves it the same.
-SAME = 0.2
-
-#: Share of the highest multiplier so far above which an excess may hide a peak or a bend.
-HIDES = 1.0 / 30.0
-#: Likewise by which the multiplier may fall in a step, on the mean since its peak.
-STEEP = 0.005
-#: Share of the displacement step that a step on a steep branch is at least.
-LEAST_SHARE = 0.2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,11 +22,14 @@ class ExcessSettings(EndSettings):
     """Settings of the pacing."""
 
     displacement_step: float  # m, of the fastest block in a step
-    time_step: float = 0.1  # s
-    increment: float = 0.01  # largest excess of the multiplier, over it where it is above one
-    fall: float = 20.0  # displacement steps by which the control point goes on in motion, with less
-    # than the stop value carried, when a structure has collapsed
-    jump: float = 400.0  # likewise, whatever is carried; by default twice the smallest block
+    time_step: float = tolerances.EXCESS_TIME_STEP  # s
+    # Largest excess of the multiplier, over it where it is above one.
+    increment: float = tolerances.EXCESS
+    # Displacement steps by which the control point goes on in motion, with less than the stop value
+    # carried, when a structure has collapsed.
+    fall: float = tolerances.EXCESS_FALL
+    # Likewise, whatever is carried; by default twice the smallest block.
+    jump: float = tolerances.EXCESS_JUMP
 
     def __post_init__(self) -> None:
         check_settings(self)
@@ -73,7 +63,7 @@ class ExcessControl:
     def first(self, report: StepReport) -> Decision[_State]:
         """A tenth of the largest excess."""
         s = self.settings
-        state = _State(excess=0.1 * s.increment, time_step=s.time_step)
+        state = _State(excess=tolerances.FIRST_EXCESS * s.increment, time_step=s.time_step)
         return Decision(accept=True, demand=self._demand(state), state=state)
 
     def _demand(self, state: _State) -> Demand:
@@ -86,18 +76,19 @@ class ExcessControl:
         if not report.converged or report.motion > 2.0 * s.displacement_step:
             state = changed(
                 state,
-                excess=max(0.5 * state.excess, 1e-5 * s.increment),
-                time_step=0.6 * state.time_step,
+                excess=max(0.5 * state.excess, tolerances.LEAST_EXCESS * s.increment),
+                time_step=tolerances.FAILED_TIME_STEP * state.time_step,
             )
-            if state.time_step < 1e-3 * s.time_step:
+            if state.time_step < tolerances.LEAST_EXCESS_TIME_STEP * s.time_step:
                 reason = report.reason or "the blocks run away however little is applied"
                 return Decision(accept=False, demand=None, state=state, reason=reason)
             return Decision(accept=False, demand=self._demand(state), state=state)
         finest = self._finest(max(state.highest, report.applied_multiplier))
-        if state.excess > (1.0 + 1e-9) * finest and self._yields(state, report):
+        if state.excess > (1.0 + tolerances.ROUNDING) * finest and self._yields(state, report):
             # The finest of the step that is tried next, which the excess itself is part of.
             finest = max(
-                self._finest(state.highest), HIDES / (1.0 - HIDES) * max(state.static, 0.0)
+                self._finest(state.highest),
+                tolerances.HIDES / (1.0 - tolerances.HIDES) * max(state.static, 0.0),
             )
             state = changed(state, excess=max(0.5 * state.excess, finest))
             return Decision(accept=False, demand=self._demand(state), state=state)
@@ -105,17 +96,18 @@ class ExcessControl:
         # is far more, a block has come loose, whose fall says nothing of the rest: the carried
         # multiplier, between static and applied, is then the safe one to go on from.
         applied = report.applied_multiplier
-        explained = LOOSE + 2.0 * (state.excess + state.drop)
+        explained = tolerances.LOOSE + 2.0 * (state.excess + state.drop)
         loose = abs(applied - report.static_multiplier) > explained
         if loose and self._steady(state, report):
             # What was loose falls no more: the carried multiplier, kept, only pushes too much.
             state = changed(state, excess=applied - report.static_multiplier)
-            explained, loose = LOOSE + 2.0 * (state.excess + state.drop), False
+            explained, loose = tolerances.LOOSE + 2.0 * (state.excess + state.drop), False
         # Nor does a structure from rest tell of more than it was pushed with: where the pattern
         # does next to no work on its motion, what virtual work says is noise.
-        beyond = report.static_multiplier > applied + LOOSE
+        beyond = report.static_multiplier > applied + tolerances.LOOSE
         static = report.carried_multiplier if loose or beyond else report.static_multiplier
-        inertia = report.inertia_ratio * max(abs(applied), 1e-3)  # over the whole load
+        load = max(abs(applied), tolerances.LEAST_LOAD)
+        inertia = report.inertia_ratio * load  # over the whole load
         dynamic = loose or inertia > explained
         if static > state.highest:
             state = changed(state, highest=static, highest_at=report.control_displacement)
@@ -138,7 +130,7 @@ class ExcessControl:
 
     def _finest(self, highest: float) -> float:
         """The excess that hides neither a peak of that height nor a bend after it."""
-        return max(HIDES * highest, 0.1 * self.settings.increment)
+        return max(tolerances.HIDES * highest, tolerances.FIRST_EXCESS * self.settings.increment)
 
     def _yields(self, state: _State, report: StepReport) -> bool:
         """Whether a step begins where less than half of the excess is carried."""
@@ -149,7 +141,8 @@ class ExcessControl:
         largest = self.settings.displacement_step
         gone = max(report.control_displacement - state.highest_at, largest)
         fallen = (state.highest - state.static) * largest / gone  # in a displacement step
-        return largest * min(1.0, max(STEEP * state.highest / max(fallen, 1e-12), LEAST_SHARE))
+        share = tolerances.STEEP * state.highest / max(fallen, tolerances.TINY)
+        return largest * min(1.0, max(share, tolerances.LEAST_STEEP))
 
     def _steady(self, state: _State, report: StepReport) -> bool:
         """Whether the whole structure moves, and as it did in the step before.
@@ -163,8 +156,8 @@ class ExcessControl:
         onwards = report.control_displacement - state.displacement
         return (
             above > 0.0
-            and onwards > WITH_THE_REST * report.motion
-            and abs(report.static_multiplier - state.told) < SAME * above
+            and onwards > tolerances.WITH_THE_REST * report.motion
+            and abs(report.static_multiplier - state.told) < tolerances.SAME_MULTIPLIER * above
         )
 
     def _low_since(self, state: _State, report: StepReport, dynamic: bool) -> float | None:
@@ -217,14 +210,14 @@ class ExcessControl:
                 accept=True, demand=None, state=state, reason=end.reason, finished=end.finished
             )
         step = self._step(state, report)
-        share = step / max(report.motion, 1e-3 * s.displacement_step)
+        share = step / max(report.motion, tolerances.LEAST_MOTION * s.displacement_step)
         if report.control_displacement < state.displacement:
             share = 2.0  # pushed too little to go on
         largest = s.increment * max(1.0, state.static)
         if state.static < state.highest:
             largest = min(largest, self._finest(state.highest))
-        excess = min(state.excess * min(max(share, 0.5), 1.5), largest)
-        time_step = min(1.4 * state.time_step, s.time_step)
+        excess = min(state.excess * min(max(share, 0.5), tolerances.EXCESS_GROWTH), largest)
+        time_step = min(tolerances.EXCESS_TIME_GROWTH * state.time_step, s.time_step)
         state = changed(
             state, excess=excess, time_step=time_step, displacement=report.control_displacement
         )

@@ -25,19 +25,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from drystone.common import tolerances
 from drystone.common.records import changed
 from drystone.control.base import Decision, check_settings
-from drystone.control.ends import FALLEN as FALLEN_TO
 from drystone.control.ends import End, EndSettings, Progress, end_of_curve, fallen_freely
 from drystone.engines.base import Demand, StepReport
-
-#: Share by which what is missing must shrink for the carried multiplier to count as rising, and
-#: share by which it falls from its highest when the structure does.
-SHRUNK, FALLEN = 0.1, 0.1
-#: Share of the displacement step that what stands moves less than: its joints close by far less.
-GOES_ON = 0.1
-#: Share of the peak by which a branch may fall in a step.
-LAG = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,13 +37,15 @@ class PublishedSettings(EndSettings):
     """Settings of the published strategy."""
 
     displacement_step: float  # m, of the fastest block in a step of the descending branch
-    increment: float = 0.005  # of the multiplier, ascending
-    overshoot: float = 1.05  # applied over carried multiplier, descending
-    balance_tolerance: float = 1e-3  # difference of multipliers that counts as equal
+    increment: float = tolerances.PUBLISHED_INCREMENT  # of the multiplier, ascending
+    overshoot: float = tolerances.OVERSHOOT  # applied over carried multiplier, descending
+    # Difference of multipliers that counts as equal.
+    balance_tolerance: float = tolerances.BALANCE_TOLERANCE
     patience: int = 20  # steps without balance, nor on the way to it, that mean the peak
-    time_step: float = 0.05  # s, ascending, and at first descending
-    fall_motion: float = 25.0  # of a block, over the displacement step, in motion and with
-    # next to nothing applied, after which the structure has collapsed
+    time_step: float = tolerances.PUBLISHED_TIME_STEP  # s, ascending, and at first descending
+    # Of a block, over the displacement step, in motion and with next to nothing applied, after
+    # which the structure has collapsed.
+    fall_motion: float = tolerances.FALL_MOTION
 
     def __post_init__(self) -> None:
         check_settings(self)
@@ -107,7 +101,7 @@ class PublishedControl:
         )
         if not report.converged or too_far:
             state = changed(state, time_step=0.5 * state.time_step)
-            if state.time_step < 1e-6 * s.time_step:
+            if state.time_step < tolerances.LEAST_PUBLISHED_TIME_STEP * s.time_step:
                 return Decision(accept=False, demand=None, state=state, reason=report.reason)
             return Decision(accept=False, demand=self._demand(state), state=state)
         state = changed(state, n_steps=state.n_steps + 1)
@@ -123,10 +117,12 @@ class PublishedControl:
         if not state.descending:
             state = changed(state, time_step=s.time_step)
             return Decision(accept=True, demand=self._demand(state), state=state)
-        least = 0.5 * FALLEN_TO * min(s.stop_multiplier, state.highest)
+        least = 0.5 * tolerances.NEXT_TO_NOTHING * min(s.stop_multiplier, state.highest)
         multiplier = max(s.overshoot * report.carried_multiplier, least)
-        share = s.displacement_step / max(report.motion, 1e-3 * s.displacement_step)
-        scale = min(max(share**0.5, 0.7), 1.2)
+        share = s.displacement_step / max(
+            report.motion, tolerances.LEAST_MOTION * s.displacement_step
+        )
+        scale = min(max(share**0.5, tolerances.LEAST_CHANGE), tolerances.MOST_CHANGE)
         state = changed(state, multiplier=multiplier, time_step=state.time_step * scale)
         return Decision(accept=True, demand=self._demand(state), state=state)
 
@@ -144,17 +140,19 @@ class PublishedControl:
                 carried=carried,
                 highest=max(state.highest, applied),
             )
-        if missing < (1.0 - SHRUNK) * state.missing:
+        if missing < (1.0 - tolerances.SHRUNK) * state.missing:
             state = changed(state, missing=missing, waited=0)
         waited = state.waited + 1
-        falls = report.carried_multiplier < (1.0 - FALLEN) * carried - s.balance_tolerance
+        falls = (
+            report.carried_multiplier < (1.0 - tolerances.FALLEN_BY) * carried - s.balance_tolerance
+        )
         return changed(
             state, waited=waited, carried=carried, descending=falls or waited > s.patience
         )
 
     def _goes_on(self, state: _State, report: StepReport) -> bool:
         """Whether the structure moves on, by more than its joints give way."""
-        moves = report.motion > GOES_ON * self.settings.displacement_step
+        moves = report.motion > tolerances.GOES_ON * self.settings.displacement_step
         return moves and report.control_displacement > state.displacement
 
     def _steady(self, state: _State, report: StepReport) -> bool:
@@ -163,11 +161,11 @@ class PublishedControl:
         Twice its overshoot, and a hundredth of the peak, by which the branch may fall in a step.
         """
         s, applied = self.settings, report.applied_multiplier
-        left = 2.0 * (s.overshoot - 1.0) * abs(applied) + LAG * state.highest
+        left = 2.0 * (s.overshoot - 1.0) * abs(applied) + tolerances.LAG * state.highest
         return abs(applied - report.carried_multiplier) <= s.balance_tolerance + left
 
     def _fallen(self, state: _State, report: StepReport) -> float:
-        nothing = FALLEN_TO * min(self.settings.stop_multiplier, state.highest)
+        nothing = tolerances.NEXT_TO_NOTHING * min(self.settings.stop_multiplier, state.highest)
         falls = state.descending and report.applied_multiplier < nothing
         return state.fallen + report.motion if falls and not self._steady(state, report) else 0.0
 

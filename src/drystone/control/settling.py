@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from drystone.common import tolerances
 from drystone.common.language import say
 from drystone.common.records import changed
 from drystone.control.base import Decision
@@ -22,13 +23,16 @@ class SettlingSettings:
     step: float  # m, largest step
     unit: float  # N or N m, that the multiplier counts the reaction in
     scale: float = 1.0  # m, by which an angle is a motion
-    first_share: float = 0.02  # first step over the largest
-    floor_share: float = 1e-4  # smallest step over the largest
-    leap: float = 5.0  # motion of a block over that of the supports, or over as much as it was in
-    # the last step, above which it jumps
+    first_share: float = tolerances.FIRST_SHARE  # first step over the largest
+    floor_share: float = tolerances.SETTLING_FLOOR  # smallest step over the largest
+    # Motion of a block over that of the supports, or over as much as it was in the last step, above
+    # which it jumps.
+    leap: float = tolerances.LEAP
     most_jumps: int = 10  # of smallest steps in a row, after which it has fallen
-    inertia: float = 1e-3  # over the weight, above which a point is passed in motion
-    bend_share: float = 0.02  # of the largest reaction, by which it may leave its course in a step
+    # Over the weight, above which a point is passed in motion.
+    inertia: float = tolerances.STATIC_INERTIA
+    # Of the largest reaction, by which it may leave its course in a step.
+    bend_share: float = tolerances.SETTLING_BEND
     time_step: float = 0.0  # s, of engines of dynamic formulations
     easy_iterations: int = 12
     max_steps: int = 100_000
@@ -83,9 +87,11 @@ class SettlingControl:
         gone = step * report.reached
         slope = (report.reaction - state.reaction) / gone if gone else state.slope
         greatest = max(state.greatest, abs(report.reaction))
-        if state.slope is not None and slope is not None and step > 20.0 * floor and not leaps:
+        worth = step > tolerances.WORTH_BENDING * floor and not leaps
+        if state.slope is not None and slope is not None and worth:
             off = abs(slope - state.slope) * gone
-            if off > s.bend_share * greatest and step > 0.05 * s.first_share * s.step:
+            first = tolerances.WORTH_OF_FIRST * s.first_share * s.step
+            if off > s.bend_share * greatest and step > first:
                 return self._refined(state, step)
         state = changed(
             state,
@@ -98,7 +104,7 @@ class SettlingControl:
             jumps=state.jumps + 1 if leaps else 0,
             pace=state.pace if leaps or not gone else report.motion / gone,
         )
-        over = state.gone >= s.largest * (1.0 - 1e-9)
+        over = state.gone >= s.largest * tolerances.ALL_GONE
         many = state.n_steps >= s.max_steps
         reason = say("end.supports_gone") if over else ""
         if many and not over:
@@ -125,7 +131,7 @@ class SettlingControl:
         return min(2.0 * step if easy else step, s.step)
 
     def _refined(self, state: _State, step: float) -> Decision[_State]:
-        state = changed(state, step=0.3 * step)
+        state = changed(state, step=tolerances.SETTLING_SHORTER * step)
         return Decision(accept=False, demand=self._demand(state), state=state)
 
     def _again(self, state: _State, report: StepReport, step: float) -> Decision[_State]:
@@ -139,5 +145,5 @@ class SettlingControl:
                 finished=True,
                 way=self._way(report),
             )
-        state = changed(state, step=max(0.3 * step, s.floor_share * s.step))
+        state = changed(state, step=max(tolerances.SETTLING_SHORTER * step, s.floor_share * s.step))
         return Decision(accept=False, demand=self._demand(state), state=state)
