@@ -25,7 +25,7 @@ MOST = {
     "contact": 0,
     "control": 0,
     "dynamics": 36,
-    "engines": 12,
+    "engines": 0,
     "geometry": 0,
     "law": 0,
     "statics": 86,

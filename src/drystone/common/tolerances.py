@@ -543,3 +543,37 @@ SETTLING_SHORTER = 0.3
 
 #: Way of the supports that is all of it, but for this.  Derived: a rounding.
 ALL_GONE = 1.0 - ROUNDING
+# Engines: frames, measures, bonds ----------------------------------------------------------------
+
+#: Smallest side of a block of the published walls [m], and their unit weight [N/m3]: the size and
+#: weight of the frame that engines work in.  Convention.
+FRAME_SIZE = 0.175
+FRAME_UNIT_WEIGHT = 10e3
+
+#: Places that differ by no more [m, own units] are the same in the order of blocks: above what
+#: roundings make of a thousand metres (1e-13 each), far below what anyone builds.
+#: Derived: a rounding.
+SAME_PLACE = ROUNDING
+
+#: Acceleration of a block, over gravity, above which a point counts as passed dynamically.
+#: Convention.
+ACCELERATION_LIMIT = 0.3
+
+#: Work of the load on the motion of a step, over the sum of its terms' sizes, under which motion is
+#: across the load and virtual work says nothing of its multiplier.  Not measured.
+ACROSS_THE_LOAD = 1e-2
+
+#: Motion of a block, over that of the fastest, from which on a message names it.  Convention.
+NAMED_MOTION = 0.1
+
+#: What a bond lets go without being told from others, over the heaviest weight.
+#: Not measured.
+SLIGHT = 1e-3
+
+#: Share of an increment so small that the first bond breaks where the step starts.
+#: Derived: a rounding.
+LEAST_INCREMENT = ROUNDING
+
+#: Of the margin at which a step ends for a bond (`AT_STRENGTH`): bonds that are nearer to each
+#: other than this break together.  Not measured.
+DUE_TOGETHER = 1e-3

@@ -19,7 +19,8 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.common.tolerances import BOND_TIE
+from drystone.common.tolerances import BOND_TIE, DUE_TOGETHER, LEAST_INCREMENT
+from drystone.common.tolerances import SLIGHT as SLIGHT
 from drystone.engines.base import StepReport
 from drystone.law.bonds import crossing, release, weakest
 from drystone.model.ties import Bars
@@ -27,12 +28,6 @@ from drystone.model.ties import Bars
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-
-#: What a bond lets go without being told from others, over the heaviest weight.
-SLIGHT = 1e-3
-
-#: Share of an increment so small that the first bond breaks where the step starts.
-LEAST_SHARE = 1e-9
 
 #: A frozen dataclass with `pairs`, `reaction` (n_slots, dim), `margin` (n_slots + n_ties,) of the
 #: bonds, see `law.bonds`, and of `ties`, and `due`, the rows of those that the step has ended
@@ -122,7 +117,7 @@ class BondSteps(Generic[State]):
         best = state, StepReport(converged=True, reached=0.0)
         for trial in range(self.most_trials):
             share = self._share(earlier, low, high, halve=trial % 4 == 3)
-            if share <= LEAST_SHARE:
+            if share <= LEAST_INCREMENT:
                 break
             new, report = self.solve(state, share)
             if not report.converged:
@@ -167,7 +162,7 @@ class BondSteps(Generic[State]):
 
     def _first(self, margin: Array) -> IntArray:
         """The bonds that are at their strength as good as together."""
-        return np.flatnonzero(margin <= margin.min() + 1e-3 * self.near)
+        return np.flatnonzero(margin <= margin.min() + DUE_TOGETHER * self.near)
 
     def _break(self, state: State, due: IntArray) -> Solved[State]:
         """Break bonds, and those that this overloads, with the displacement held."""

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.records import changed
+from drystone.common.tolerances import FRAME_SIZE, FRAME_UNIT_WEIGHT, SAME_PLACE
 from drystone.contact.forces import ContactForces
 from drystone.geometry import motion
 from drystone.model.assembly import Assembly
@@ -28,13 +29,6 @@ from drystone.model.ties import TieState
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-#: Smallest side of a block of the published walls [m], and their unit weight [N/m3].
-SIZE, UNIT_WEIGHT = 0.175, 10e3
-
-#: Places that differ by no more [m, own units] are the same in the order of blocks: above what
-#: roundings make of a thousand metres (1e-13 each), far below what anyone builds.
-SAME = 1e-9
 
 #: Significant digits that are kept of a quotient: what it has of its own, less its rounding.
 DIGITS = 13
@@ -63,19 +57,19 @@ class Frame:
             f for f, b in zip(assembly.figures, assembly.blocks, strict=True) if not b.support
         ]
         sides = assembly.kind.sides([block.vertices for block in movable], figures)
-        length = float(typed(sides, noise).min()) / SIZE
+        length = float(typed(sides, noise).min()) / FRAME_SIZE
         return cls(
             origin=origin,
             place_noise=noise,
             length=length,
             depth=length if assembly.depth is None else assembly.depth,
-            unit_weight=plain(max(block.unit_weight for block in movable) / UNIT_WEIGHT),
+            unit_weight=plain(max(block.unit_weight for block in movable) / FRAME_UNIT_WEIGHT),
         )
 
     @property
     def size(self) -> float:
         """`Assembly.smallest_extent` [m], where units are scaled."""
-        return plain(SIZE * self.length)
+        return plain(FRAME_SIZE * self.length)
 
     @property
     def time(self) -> float:
@@ -206,10 +200,10 @@ class Frame:
 
 
 def _ranks(values: Array) -> IntArray:
-    """Ranks of lengths in own units (n,); those that differ by no more than `SAME` share one."""
+    """Ranks of lengths in own units (n,); those nearer than `SAME_PLACE` share one."""
     order = np.argsort(values, kind="stable")
     ranks = np.empty(len(values), np.int64)
-    ranks[order] = np.cumsum(np.diff(values[order], prepend=values[order[:1]]) > SAME)
+    ranks[order] = np.cumsum(np.diff(values[order], prepend=values[order[:1]]) > SAME_PLACE)
     return ranks
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import ACCELERATION_LIMIT, ACROSS_THE_LOAD, LEAST_LOAD, NAMED_MOTION
 from drystone.contact import measures as kernels
 from drystone.contact.contacts import Slots
 from drystone.engines.base import Problem, StepReport
@@ -17,9 +18,6 @@ from drystone.model.loading import Acting
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-#: Acceleration of a block, over gravity, above which a point counts as passed dynamically.
-ACCELERATION_LIMIT = 0.3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,9 +126,9 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     # its own motion x the structure would rest under lambda_s with F.x lambda_s = F.x lambda -
     # x.M a.  Blocks that no contact holds obey this whatever the multiplier and say nothing of it.
     # Without motion along the load there is nothing to tell the two multipliers apart.
-    excess = resistance / push if abs(push) > 1e-2 * strokes else 0.0
+    excess = resistance / push if abs(push) > ACROSS_THE_LOAD * strokes else 0.0
     settlement, reaction = problem.settlement, 0.0
-    applied = max(abs(multiplier), 1e-3) if settlement is None else 1.0  # of the weight
+    applied = max(abs(multiplier), LEAST_LOAD) if settlement is None else 1.0  # of the weight
     reached = problem.control_point.displacement(assembly, outcome.pose)
     if settlement is not None:
         reached = outcome.settled
@@ -166,7 +164,7 @@ def unstable_sentence(problem: Problem, motion: Array) -> str:
     if not motion.any():
         return f"no equilibrium under the structure's {weight} was found"
     order = np.argsort(-motion, kind="stable")
-    moving = [i for i in order if motion[i] > 0.1 * motion[order[0]]]
-    named = ", ".join(f'"{ids[i]}" ({1e3 * motion[i]:.0f} mm)' for i in moving[:5])
+    moving = [i for i in order if motion[i] > NAMED_MOTION * motion[order[0]]]
+    named = ", ".join(f'"{ids[i]}" ({1000 * motion[i]:.0f} mm)' for i in moving[:5])
     more = f" and {len(moving) - 5} more" if len(moving) > 5 else ""
     return f"the structure does not stand under its {weight}: {named}{more} keep moving"

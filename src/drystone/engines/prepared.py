@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import TINY
 from drystone.contact.detection import Detector
 from drystone.engines.base import Engine, EngineError, Problem
 from drystone.engines.refusal import refuse
@@ -57,7 +58,7 @@ class Prepared:
     @cached_property
     def extent(self) -> Array:
         """Of each block about its centroid [m], (n,), and never zero."""
-        return np.maximum(self.detector.extent, 1e-12)
+        return np.maximum(self.detector.extent, TINY)
 
     @cached_property
     def strengths(self) -> Strengths:
