@@ -11,7 +11,7 @@ import pytest
 
 import drystone as ds
 from builders import rectangle
-from drystone.dynamics.distinct.cycles import BETWEEN_POINTS
+from drystone.common.tolerances import BETWEEN_POINTS
 from drystone.geometry.motion import translations
 from drystone.model.assembly import Block
 from drystone.model.builders import make_model

@@ -24,7 +24,7 @@ EXACT = {0.0, 0.25, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0, 24.0, 36.0, 48.0, 1
 MOST = {
     "contact": 0,
     "control": 0,
-    "dynamics": 36,
+    "dynamics": 0,
     "engines": 0,
     "geometry": 0,
     "law": 0,

@@ -577,3 +577,133 @@ LEAST_INCREMENT = ROUNDING
 #: Of the margin at which a step ends for a bond (`AT_STRENGTH`): bonds that are nearer to each
 #: other than this break together.  Not measured.
 DUE_TOGETHER = 1e-3
+
+# Dynamics: the distinct element method -----------------------------------------------------------
+
+#: Time step over the critical one.
+#: Derived: a stack of three blocks keeps the energy of its highest waves at 0.95, and explodes at
+#: 1.02.
+SAFETY = 0.9
+
+#: Share of the unbalanced force that Cundall's local damping takes.  Not measured.
+LOCAL_DAMPING = 0.5
+
+#: Unbalanced force at rest over the heaviest weight.  Convention: how well a point is known.
+DISTINCT_TOLERANCE = 1e-5
+
+#: Residual that a certificate may show, over the heaviest weight.  Derived: rest is looked for with
+#: the forces of a cycle, its poses are those at the end of it; ten times what rest is.
+DISTINCT_RESIDUAL = 1e-4
+
+#: Motion between two searches over the smallest extent of a block.  Not measured.
+SEARCH_TOLERANCE = 2e-3
+
+#: Open joints count for the time step of quasi-static cycles up to three times this share of the
+#: smallest extent of a block, or of what blocks may move between two searches.
+#: Not measured: it counts where every cycle searches, as `SEARCH_TOLERANCE` is greater.
+WATCHED = 1e-3
+
+#: How far away joints are watched, over what blocks may move between two searches.  Derived: two
+#: blocks may move against each other, and both have gone on when it is seen.
+WATCHED_REACH = 3.0
+
+#: Displacement of a step over the smallest extent of a block.  Not measured.
+DISTINCT_STEP = 0.01
+
+#: How well a reaction is known at rest, over the unbalanced force: blocks in a row lean on each
+#: other with what is left of several.  Not measured.
+NOISE = 5.0
+
+#: Margin of a bond at which a step ends for it: each try is a relaxation.  Not measured.
+AT_STRENGTH = 1e-3
+
+#: How many times nearer to its strength a step ends for a tie, whose force rest tells better.
+#: Not measured.
+TIES_NEARER = 20.0
+
+#: Motion of any point of a block, over that of the control point which a step asks for, from which
+#: on the increment does not measure it: the block moves by itself.  Not measured.
+BY_ITSELF = 3.0
+
+#: What a block moves by itself between two points, over its smallest extent.  Derived: steps of the
+#: default length are jumps from there on (`SNAP_MOTION` times `DISTINCT_STEP`), and a block that
+#: collapses, by half of its extent, is seen to within a fifth of that.
+BETWEEN_POINTS = SNAP_MOTION * DISTINCT_STEP
+
+#: Motion of a block, over its smallest extent, from which on it is asked whether it has left.
+#: Convention.
+MAY_HAVE_LEFT = 0.5
+
+#: Rate of each stage in which a driven increment ends, over that of the one before.  Not measured.
+SLOWER = 0.25
+
+#: Control displacement of the last step, over the motion of the fastest block, under which it is
+#: rounding and no step to go on with.  Derived: a rounding.
+ONWARDS = ROUNDING
+
+#: Stiffness that a degree of freedom counts with at least, over the stiffest block's of its kind.
+#: Not measured.
+LEAST_STIFFNESS = 1e-3
+
+#: Time step [s] of blocks that nothing is near to.  Convention: they fall freely, whatever it is.
+FREE_TIME_STEP = 1e-3
+
+#: Fewest cycles of a step under a given multiplier.  Derived: two, rounded: its two halves.
+FEWEST_CYCLES = 1.5
+
+# Dynamics: non-smooth contact dynamics -----------------------------------------------------------
+
+#: True residual of a step over the heaviest weight.  Convention: how well a step is known.
+NSCD_TOLERANCE = 5e-7
+
+#: Residual that a certificate may show.  Derived: what a step is solved to, and as much for the
+#: rounding of its poses.
+NSCD_RESIDUAL = 2.0 * NSCD_TOLERANCE
+
+#: Momentum defect at which the branches count as settled, over the tolerance.  Derived: a tenth of
+#: what is asked for.
+BRANCHES_SETTLED = 0.1
+
+#: Time step of settling [s], and the least share of it.  Not measured.
+SETTLING_TIME_STEP = 0.05
+LEAST_TIME_STEP = 1e-4
+
+#: Motion of a step from rest over what joints close by, under which it is at rest; and the least
+#: closure that is reckoned with [m].  Derived: far below the joints' own closing; a rounding.
+AT_REST_MOTION = 1e-3
+LEAST_CLOSURE = ROUNDING
+
+#: How stiffly sticking contacts are held over the stiffest joint or, in short steps, the largest
+#: mass at a contact: hard, harder, hardest and softly.  Softer ones, tried where Newton's method
+#: does not converge with the last, forgive wrong branches; stiffer ones settle forces that next to
+#: no slip decides.  Derived: each 30 times the one before, and the last two again.  Not measured.
+HOLD_SOFTLY = 30.0
+HOLD_HARD = 1e3
+HOLD_HARDER = HOLD_SOFTLY * HOLD_HARD
+HOLD_HARDEST = 1e6
+
+#: Least share of a Newton step that is worth trying.  Not measured.
+LEAST_NEWTON = 0.05
+
+#: Barrier to begin with, over what an impulse of usual size stores in its joint.  Not measured.
+FIRST_BARRIER = 1e-2
+
+#: The least part of an iteration that is worth going on with.  Not measured.
+LEAST_ITERATION = 1e-4
+
+#: The products of the changes count where the step without a barrier gets so far.  Not measured.
+FAR_ENOUGH = 0.5
+
+#: Barrier over the first at which the branches can be told apart.  Not measured.
+NEAR_BARRIER = 1e-5
+
+#: Barrier over the first after `interior.PATIENCE` iterations, or there is nothing to be found.
+#: Not measured.
+LOW_BARRIER = 1e-3
+
+#: Barrier that an iteration aims at, over the present one: at least, and at most.  Not measured.
+LEAST_AIM = 1e-3
+MOST_AIM = 0.8
+
+#: Share by which an iteration is shortened where a contact turns too far.  Not measured.
+SHORTENED = 0.8

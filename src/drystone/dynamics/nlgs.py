@@ -17,6 +17,15 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import (
+    BRANCHES_SETTLED,
+    HOLD_HARD,
+    HOLD_HARDER,
+    HOLD_HARDEST,
+    HOLD_SOFTLY,
+    LEAST_NEWTON,
+    TINY,
+)
 from drystone.contact.contacts import STIFF_N, STIFF_T
 from drystone.contact.rows import contact_velocities, dof_of
 from drystone.dynamics import sweeps as kernels
@@ -47,8 +56,8 @@ class NlgsSettings:
     # converge with the last, forgive wrong branches; stiffer ones settle forces that next to no
     # slip decides.
     holds: tuple[tuple[float, ...], ...] = (
-        (1e3,) * 4 + (3e4,) * 2 + (1e6,) * 2,
-        (30.0,) * 12,
+        (HOLD_HARD,) * 4 + (HOLD_HARDER,) * 2 + (HOLD_HARDEST,) * 2,
+        (HOLD_SOFTLY,) * 12,
         (1.0,) * 12,
     )
 
@@ -73,9 +82,6 @@ AT_ONCE = 6
 #: How often it is tried to leave the interior of the law.
 MOST_TRIED = 4
 
-#: How stiffly sticking is held in the interior of the law, over the stiffest joint.
-WITHIN = 30.0
-
 
 def form_of(dof: tuple[int, ...]) -> ModuleType:
     """What the dimension makes of sweeps and of the law: `plane.sweeps` or `space.sweeps`."""
@@ -87,7 +93,7 @@ def natural_map(problem: ContactProblem, dim: int, h: float) -> Array:
     the force that would move a contact by its slip in a step of size ``h`` [s]."""
     blocks = np.zeros((len(problem.gap), dim, dim))
     kernels.delassus_blocks(dof_of(problem.inverse_mass), problem, blocks)
-    easiest = np.einsum("kii->ki", blocks)[:, 1:].max(axis=1, initial=1e-300)
+    easiest = np.einsum("kii->ki", blocks)[:, 1:].max(axis=1, initial=TINY)
     problem.contacts.table[:, STIFF_T] = 1.0 / (easiest * h * h)
     return blocks
 
@@ -238,7 +244,8 @@ class _Accelerator:
         self.stiffest = h * h * stiffness.max(initial=0.0)
         self.penalty = 0.0  # kg
         # Momentum defect at which the branches count as settled, from the tolerance on forces.
-        self.enough = 0.1 * settings.tolerance * h * np.sqrt(problem.inverse_mass.max(initial=0.0))
+        lightest = np.sqrt(problem.inverse_mass.max(initial=0.0))
+        self.enough = BRANCHES_SETTLED * settings.tolerance * h * lightest
         self.defect = np.zeros_like(free_velocity)
         self.form = form_of(self.dof)
         self.turn = np.zeros((len(problem.gap), self.form.N_TURN))  # see `space.sweeps`
@@ -280,7 +287,7 @@ class _Accelerator:
         pressed = known[known[:, 0] > 0.0, 0]
         if len(pressed) == 0:
             return
-        self.penalty = WITHIN * self.stiffest
+        self.penalty = HOLD_SOFTLY * self.stiffest
         centre = impulse[:, 1:].copy()
         search = self.form.WITHIN(
             self.problem, self.system, self.free_velocity, self.h, self.penalty, centre, self.ties
@@ -294,7 +301,7 @@ class _Accelerator:
             if tried == MOST_TRIED:
                 return
             tried += 1
-            self.penalty = WITHIN * self.stiffest
+            self.penalty = HOLD_SOFTLY * self.stiffest
             found, moved = impulse.copy(), search.velocity.copy()
             if self._newton(centre, moved, found, np.zeros(len(found), np.int64), AT_ONCE):
                 yield found, moved
@@ -412,7 +419,7 @@ class _Accelerator:
             except SingularMatrixError:
                 return False
             length = 1.0
-            while not trial <= merit and length > 0.05:
+            while not trial <= merit and length > LEAST_NEWTON:
                 length *= 0.5
                 velocity[:] = base + length * direction
                 trial = self._law(centre, none, velocity, impulse, piece)

@@ -18,6 +18,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import (
+    AT_REST_MOTION,
+    LEAST_CLOSURE,
+    LEAST_TIME_STEP,
+    NSCD_RESIDUAL,
+    NSCD_TOLERANCE,
+    SETTLING_TIME_STEP,
+)
 from drystone.contact.contacts import Pairs, Slots
 from drystone.contact.forces import ActedContacts, ContactForces
 from drystone.contact.histories import Histories, handed_on
@@ -52,10 +60,10 @@ BoolArray = NDArray[np.bool_]
 class NscdSettings:
     """Numerical settings."""
 
-    tolerance: float = 5e-7  # true residual over the heaviest weight, -
+    tolerance: float = NSCD_TOLERANCE  # true residual over the heaviest weight, -
     max_sweeps: int = 6000  # of Gauss-Seidel in one step
     max_motion: float = 0.5  # share of the detection reach a block may move in one step
-    settling_time_step: float = 0.05  # s
+    settling_time_step: float = SETTLING_TIME_STEP  # s
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,7 +132,7 @@ class NscdEngine(Engine[NscdState]):
         moves_supports=True,
         in_own_frame=True,
         keeps_states=True,
-        residual_limit=1e-6,  # what a step is solved to, and the rounding of its poses
+        residual_limit=NSCD_RESIDUAL,  # what a step is solved to, and the rounding of its poses
     )
 
     def __init__(self, settings: NscdSettings | None = None) -> None:
@@ -165,12 +173,12 @@ class NscdEngine(Engine[NscdState]):
             new, outcome = self.step(state, Demand(multiplier=0.0, time_step=h))
             if not outcome.converged:
                 h *= 0.5
-                if h < 1e-4 * self.settings.settling_time_step:
+                if h < LEAST_TIME_STEP * self.settings.settling_time_step:
                     break
                 continue
             state = new
             # At rest: what a step from rest would move by is far below the joints' own closing.
-            if outcome.motion < 1e-3 * max(outcome.penetration, 1e-9):
+            if outcome.motion < AT_REST_MOTION * max(outcome.penetration, LEAST_CLOSURE):
                 return state, outcome
             if state.gone.any() or state.prepared.detector.travelled(state.pose).max() > limit:
                 break

@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import NOISE, TIES_NEARER
 from drystone.contact.contacts import BODY_A, BODY_B, CRUSH, SHIFT, SLOT
 from drystone.contact.rows import OF_GAP
 from drystone.dynamics import explicit
-from drystone.dynamics.distinct.state import TIES_NEARER, DistinctState
+from drystone.dynamics.distinct.state import DistinctState
 from drystone.dynamics.distinct.workspace import Workspace
 from drystone.engines.base import StepPath, StepReport
 from drystone.engines.measures import StepOutcome, not_crushed, report
@@ -19,10 +20,6 @@ from drystone.law.certificate import Forces, JudgedContacts, certify
 from drystone.law.residual import add_contact_forces
 
 Array = NDArray[np.float64]
-
-#: How well a reaction is known at rest, over the unbalanced force: blocks in a row lean on each
-#: other with what is left of several.
-NOISE = 5.0
 
 
 def at_rest(state: DistinctState, work: Workspace) -> tuple[DistinctState, StepReport]:

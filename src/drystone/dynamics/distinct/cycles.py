@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import BETWEEN_POINTS, BY_ITSELF, MAY_HAVE_LEFT
 from drystone.dynamics import explicit
 from drystone.dynamics.distinct.arrival import on_the_way
 from drystone.dynamics.distinct.search import let_go, others_separate, search
@@ -21,15 +22,6 @@ RAMP = 100
 
 #: Most cycles of one call, which nothing interrupts; and where loads change with places.
 ROUND, SHORT_ROUND = 1000, 100
-
-#: Motion of any point of a block, over that of the control point which a step asks for, from which
-#: on the increment does not measure it: the block moves by itself.
-BY_ITSELF = 3.0
-
-#: What a block moves by itself between two points, over its smallest extent.  Steps of the default
-#: length are jumps from there on (`snap_motion` times `displacement_step`), and a block that
-#: collapses, by half of its extent, is seen to within a fifth of that.
-BETWEEN_POINTS = 0.1
 
 
 def run(
@@ -84,7 +76,7 @@ def _note(work: Workspace) -> None:
 
 def _stop_runaways(work: Workspace) -> None:
     gone, assembly, bounds = work.gone(), work.prepared.assembly, work.bounds
-    if bounds.may_lose and 0.5 * assembly.smallest_extent < gone.max() < np.inf:
+    if bounds.may_lose and MAY_HAVE_LEFT * assembly.smallest_extent < gone.max() < np.inf:
         let_go(work)
         gone = work.gone()
     if not gone.max() <= bounds.farthest or np.isinf(gone).any():

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from drystone.common.tolerances import BY_ITSELF, ONWARDS, SLOWER
 from drystone.dynamics import explicit
-from drystone.dynamics.distinct.cycles import BY_ITSELF, run
+from drystone.dynamics.distinct.cycles import run
 from drystone.dynamics.distinct.state import DistinctState
 from drystone.dynamics.distinct.workspace import Workspace
 from drystone.engines.base import CREST_PARTS
 
-#: Stages in which a driven increment ends, and the rate of each over that of the one before.
-STAGES, SLOWER = 4, 0.25
+#: Stages in which a driven increment ends, each slower than the one before.
+STAGES = 4
 
 
 def drive_on(state: DistinctState, work: Workspace, increment: float) -> float:
@@ -57,7 +58,7 @@ def _set_out(state: DistinctState, work: Workspace, increment: float, begin: flo
     sense = 1.0 if acting.along @ control.direction >= 0.0 else -1.0
     came = begin - control.displacement(assembly, assembly.moved(state.pose, -last))
     pushed, farthest = float(np.sum(acting.pattern * last)), prepared.detector.farthest(last)
-    onwards = came * increment > 1e-9 * farthest * abs(increment)  # else it is rounding
+    onwards = came * increment > ONWARDS * farthest * abs(increment)  # else it is rounding
     if onwards and pushed * increment * sense > 0.0:
         share = min(increment / came, 2.0 * abs(increment) / farthest) / duration
         work.motion.velocity[:] = share * last

@@ -19,6 +19,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import (
+    AT_STRENGTH,
+    DISTINCT_RESIDUAL,
+    DISTINCT_STEP,
+    FEWEST_CYCLES,
+    SLIGHT,
+)
 from drystone.contact.forces import ContactForces
 from drystone.dynamics import explicit
 from drystone.dynamics.distinct.arrival import at_rest, failed, in_real_motion
@@ -42,7 +49,7 @@ from drystone.engines.base import (
     StepReport,
     UnstableError,
 )
-from drystone.engines.bonds import SLIGHT, BondSteps
+from drystone.engines.bonds import BondSteps
 from drystone.engines.measures import LoadArrays, unstable_sentence
 from drystone.law.bonds import weakest
 from drystone.model.assembly import Assembly
@@ -51,9 +58,6 @@ from drystone.model.ties import TieState
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
-
-#: Margin of a bond at which a step ends for it: each try is a relaxation.
-AT_STRENGTH = 1e-3
 
 #: A state and the report of the step to it.
 Step = tuple[DistinctState, StepReport]
@@ -72,7 +76,7 @@ class DistinctEngine(Engine[DistinctState]):
         in_own_frame=True,
         keeps_states=True,
         # Rest is looked for with the forces of a cycle, its poses are those at the end of it.
-        residual_limit=1e-4,
+        residual_limit=DISTINCT_RESIDUAL,
     )
 
     def __init__(self, settings: DistinctSettings | None = None) -> None:
@@ -81,7 +85,7 @@ class DistinctEngine(Engine[DistinctState]):
     def pacing(self, assembly: Assembly) -> Pacing:
         """A step is easy or hard by its cycles."""
         return Pacing(
-            displacement_step=0.01 * assembly.smallest_extent,
+            displacement_step=DISTINCT_STEP * assembly.smallest_extent,
             easy_iterations=20_000,
             hard_iterations=100_000,
         )
@@ -237,7 +241,7 @@ class DistinctEngine(Engine[DistinctState]):
                 run(work, n)
             except RunAwayError as error:
                 return state, failed(str(error), work)
-        if not 1.5 <= cycles <= most:
+        if not FEWEST_CYCLES <= cycles <= most:
             return state, failed(
                 f"a time step of {demand.time_step:.1e} s is {cycles:.1e} cycles of the distinct "
                 f"engine, which takes from 2 to {most} at a time: choose another time_step",

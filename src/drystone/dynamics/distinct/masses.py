@@ -17,6 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import FREE_TIME_STEP, LEAST_STIFFNESS, TINY, WATCHED, WATCHED_REACH
 from drystone.contact.contacts import Pairs, Slots
 from drystone.dynamics import explicit
 from drystone.dynamics.distinct.state import DistinctPrepared, DistinctSettings
@@ -26,13 +27,6 @@ from drystone.statics.tie_forces import TieForces
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
-
-#: Time step [s] of blocks that nothing is near to.
-FREE_TIME_STEP = 1e-3
-
-#: Open joints count for the time step of quasi-static cycles up to three times this share of the
-#: smallest block size, or of what blocks may move between two searches.
-WATCHED = 1e-3
 
 
 def search_reach(settings: DistinctSettings, prepared: DistinctPrepared) -> float:
@@ -61,7 +55,7 @@ def masses(
     blocks = np.zeros((assembly.n_bodies, assembly.n_dof, assembly.n_dof))
     contacts = prepared.detector.pack(pairs, pose, slots, prepared.laws)
     between = max(search_reach(s, prepared), WATCHED * assembly.smallest_extent)
-    watched = np.inf if real else 3.0 * between
+    watched = np.inf if real else WATCHED_REACH * between
     known = history[contacts.slot]
     away = slots.gap[contacts.slot] - known[:, DILATION]
     acts = (away <= watched) | _bonded(prepared, pairs.law_of_slot[contacts.slot], known)
@@ -100,7 +94,7 @@ def _needed(blocks: Array, fixed: BoolArray) -> Array | None:
     touched = stiffness.any(axis=1) & ~fixed
     if not touched.any():
         return None
-    needed = np.maximum(stiffness, 1e-3 * stiffness[~fixed].max(axis=0) + 1e-30)
+    needed = np.maximum(stiffness, LEAST_STIFFNESS * stiffness[~fixed].max(axis=0) + TINY)
     needed *= _highest(blocks, needed)[:, None]
     needed[~touched] = needed[touched].max(axis=0)
     return np.asarray(needed, dtype=np.float64)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import WATCHED
 from drystone.contact.contacts import EDGE_A, EDGE_B, NONE, Pairs, Slots
 from drystone.contact.histories import Histories, handed_on
-from drystone.dynamics.distinct.masses import WATCHED
 from drystone.dynamics.distinct.state import DistinctPrepared
 from drystone.dynamics.distinct.workspace import Workspace
 from drystone.engines.departure import departing

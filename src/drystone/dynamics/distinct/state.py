@@ -9,6 +9,13 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import (
+    DISTINCT_TOLERANCE,
+    LOCAL_DAMPING,
+    SAFETY,
+    SEARCH_TOLERANCE,
+    TIES_NEARER,
+)
 from drystone.contact.contacts import Pairs, Slots
 from drystone.contact.rows import dof_of
 from drystone.dynamics.explicit import form_of
@@ -22,24 +29,21 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-#: How many times nearer to its strength a step ends for a tie, whose force rest tells better.
-TIES_NEARER = 20.0
-
 
 @dataclass(frozen=True, kw_only=True)
 class DistinctSettings:
     """Numerical settings."""
 
-    safety: float = 0.9  # time step over the critical one, -
-    local_damping: float = 0.5  # Cundall's, share of the unbalanced force, -
+    safety: float = SAFETY  # time step over the critical one, -
+    local_damping: float = LOCAL_DAMPING  # Cundall's, share of the unbalanced force, -
     viscous_damping: float = 0.0  # 1/s in real motion, 1/cycle in quasi-static steps
     mass_scaling: float | None = None
     """Square of the time step over the critical one of the real masses; degrees of freedom that
     would be unstable become heavier.  None: real masses under a given multiplier, and the limit of
     large scaling, all masses in proportion to stiffness, where a displacement is given."""
-    search_tolerance: float = 2e-3
+    search_tolerance: float = SEARCH_TOLERANCE
     """Motion between two searches over the smallest block size; 0 searches at every cycle."""
-    tolerance: float = 1e-5  # unbalanced force at rest over the heaviest weight, -
+    tolerance: float = DISTINCT_TOLERANCE  # unbalanced force at rest over the heaviest weight, -
     drive_cycles: int = 2400
     """In which an increment is driven; in fewer, joints come to stick that would slide."""
     stage_cycles: int = 600  # of each stage in which the driving ends

@@ -13,6 +13,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import (
+    FAR_ENOUGH,
+    FIRST_BARRIER,
+    LEAST_AIM,
+    LEAST_ITERATION,
+    LOW_BARRIER,
+    MOST_AIM,
+    NEAR_BARRIER,
+    SHORTENED,
+)
 from drystone.contact.contacts import FRICTION, N_TABLE, STIFF_N, STIFF_T
 from drystone.contact.rows import IN_SPACE, contact_velocities
 from drystone.dynamics.sweeps import ContactProblem, momentum_defect
@@ -22,16 +32,8 @@ from drystone.statics.tie_forces import TieImpulses
 
 Array = NDArray[np.float64]
 
-#: Barrier to begin with, over what an impulse of usual size stores in its joint.
-FIRST = 1e-2
-#: The least part of an iteration that is worth going on with.
-LEAST = 1e-4
-#: The products of the changes count where the step without a barrier gets so far.
-FAR_ENOUGH = 0.5
-#: Barrier over the first at which the branches can be told apart; how many iterations there are.
-NEAR, ITERATIONS = 1e-5, 40
-#: After so many iterations the barrier is this low, or there is nothing to be found.
-PATIENCE, LOW = 30, 1e-3
+#: Most iterations, and after how many the barrier is low, or there is nothing to be found.
+ITERATIONS, PATIENCE = 40, 30
 
 
 @dataclass
@@ -63,7 +65,7 @@ class Interior:
         """Begin at a velocity (n, n_dof), with impulses of the ``usual`` size [N s]."""
         self.velocity = velocity.copy()
         stiffness = self.h * self.h * float(self.problem.contacts.table[:, STIFF_N].mean())
-        self.first = self.energy = FIRST * usual * usual / stiffness
+        self.first = self.energy = FIRST_BARRIER * usual * usual / stiffness
         self._renew()
         kernels.centre_contacts(self.joint, self.energy, True, self.trial, self.inner)
 
@@ -80,9 +82,9 @@ class Interior:
                 far = self.step()
             except SingularMatrixError:
                 return
-            if k == PATIENCE and self.energy > LOW * self.first:
+            if k == PATIENCE and self.energy > LOW_BARRIER * self.first:
                 return
-            yield (k % 2 == 0 and self.energy < NEAR * self.first) or far < LEAST
+            yield (k % 2 == 0 and self.energy < NEAR_BARRIER * self.first) or far < LEAST_ITERATION
 
     def step(self) -> float:
         """One iteration; how much of it could be gone, at most 1."""
@@ -100,7 +102,7 @@ class Interior:
         self._solve(0.0, second=False)
         far = self._length()
         reachable = kernels.energy_at(joint, far, self.inner, self.change)
-        share = min(max((reachable / self.energy) ** 3, 1e-3), 0.8)
+        share = min(max((reachable / self.energy) ** 3, LEAST_AIM), MOST_AIM)
         moved = self._solve(share * self.energy, second=far >= FAR_ENOUGH)
         far = self._length()
         self.inner += far * self.change
@@ -115,7 +117,7 @@ class Interior:
         joint, inner, change = self.joint, self.inner, self.change
         far, least = kernels.length(joint, inner, change, 0.0)
         while far > least and kernels.turns_too_far(joint, far, inner, change, 0.0):
-            far *= 0.8
+            far *= SHORTENED
         return float(max(far, least))
 
     def _solve(self, energy: float, *, second: bool) -> Array:
