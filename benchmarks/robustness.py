@@ -2,20 +2,25 @@
 
     python benchmarks/robustness.py --kinds solids,corner --seeds 0:40
     python benchmarks/robustness.py --seeds 0:40:2 --set max_motion=0.1 --against stored.json
+    python benchmarks/robustness.py --engine distinct --kinds plane --set tolerances.NOISE=10
 
 For each structure one line, for each kind a sum: curves that end, whose control point leaves with
 its block, that stop, or that say they are finished where they are not ("false ends"); points that
 are not balanced, or no better than rounding lets them be (`true_ends.balance_of`); points called
 unstable, steps tried and failed, iterations of all of them, seconds of the processor (the first one
 compiles), and the longest step.  The kinds are those of `tests/random_kinds.py`.
-``--set NAME=VALUE`` changes a setting of the engine, ``space.NAME=VALUE`` one of a record within,
+``--set NAME=VALUE`` changes a setting of the engine, ``record.NAME=VALUE`` one of a record within,
+``tolerances.NAME=VALUE`` a number of the register with all that follows from it,
 so that an ablation is one run more; ``--against`` compares with a stored run, curve by curve.
 Choose on even seeds, report odd ones.
 """
 
 from __future__ import annotations
 
-import harness  # first: it holds the libraries' threads to one
+import registered  # first: it changes numbers before anything takes them
+
+# isort: split
+import harness  # it holds the libraries' threads to one
 
 # isort: split
 import argparse
@@ -32,6 +37,8 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 
 import drystone as ds
+from drystone.dynamics.distinct.engine import DistinctEngine, DistinctSettings
+from drystone.dynamics.nscd import NscdEngine, NscdSettings
 from drystone.engines.base import UnstableError
 from drystone.results.curve import FINISHED
 from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumSettings
@@ -42,25 +49,44 @@ from true_ends import LEFT, at_rest, balance_of, unbalanced, why_no_end
 ENDS = ("ended", "left", "stopped", "false end", "does not stand")
 
 
-class _Counting(EquilibriumEngine):
-    """Counts steps tried and failed, and iterations of all."""
+class _Counts:
+    """Counts steps tried and failed, and iterations of all, of the engine that comes after it."""
 
-    def __init__(self, settings: EquilibriumSettings) -> None:
-        super().__init__(settings)
-        self.tried = self.failed = self.iterations = 0
-        self.longest = 0.0  # s, of one step
+    tried = failed = iterations = 0
+    longest = 0.0  # s, of one step
 
     def step(self, state: Any, demand: Any) -> Any:
         """See `Engine.step`."""
         begun = time.process_time()
         self.tried += 1
         try:
-            new, report = super().step(state, demand)
+            new, report = super().step(state, demand)  # type: ignore[misc]
         finally:
             self.longest = max(self.longest, time.process_time() - begun)
         self.failed += not report.converged
         self.iterations += report.n_iterations
         return new, report
+
+
+class _Equilibrium(_Counts, EquilibriumEngine):
+    pass
+
+
+class _Distinct(_Counts, DistinctEngine):
+    pass
+
+
+class _Nscd(_Counts, NscdEngine):
+    pass
+
+
+#: Engines, each with its settings and with the residual that a point at rest may leave whatever the
+#: joints.
+ENGINES: dict[str, tuple[Any, Any, float]] = {
+    "equilibrium": (_Equilibrium, EquilibriumSettings, 0.0),
+    "distinct": (_Distinct, DistinctSettings, DistinctEngine.capabilities.residual_limit),
+    "nscd": (_Nscd, NscdSettings, NscdEngine.capabilities.residual_limit),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,11 +146,12 @@ def at_most(seconds: int) -> Iterator[None]:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
 
 
-def run(kind: str, seed: int, settings: EquilibriumSettings, limit: int) -> Run:
-    """Trace the curve of one structure."""
+def run(kind: str, seed: int, by: str, settings: Any, limit: int) -> Run:
+    """Trace the curve of one structure by an engine."""
     model = KINDS[kind](seed)
+    make, _, leaves = ENGINES[by]
     what = {"kind": kind, "seed": seed, "n_blocks": model.assembly.n_blocks}
-    engine, begun = _Counting(settings), time.process_time()
+    engine, begun = make(settings), time.process_time()
 
     def told(end: str, **more: Any) -> Run:
         seconds = round(time.process_time() - begun, 3)
@@ -151,7 +178,7 @@ def run(kind: str, seed: int, settings: EquilibriumSettings, limit: int) -> Run:
         n_points=len(curve.points),
         n_dynamic=len(curve.points) - len(still),
         n_unstable=sum(point.unstable for point in still),
-        unbalanced=(beyond := len(unbalanced(curve, balance_of(model)))),
+        unbalanced=(beyond := len(unbalanced(curve, max(leaves, balance_of(model))))),
         rounded=len(unbalanced(curve)) - beyond,
         last_at_rest=still[-1].load_multiplier if still else 0.0,
     )
@@ -165,10 +192,12 @@ def _end_of(curve: ds.CapacityCurve, why: str) -> str:
     return "left" if LEFT in curve.reason else "ended"
 
 
-def with_settings(changes: Sequence[str]) -> EquilibriumSettings:
+def with_settings(changes: Sequence[str], by: str = "equilibrium") -> Any:
     """The engine's settings with some of them changed, each as "name.of.it=value"."""
-    settings = EquilibriumSettings()
+    settings = ENGINES[by][1]()
     for change in changes:
+        if change.startswith(registered.PREFIX):
+            continue
         name, value = change.split("=")
         settings = _changed(settings, name.split("."), value)
     return settings
@@ -239,14 +268,15 @@ def main() -> None:
     parser.add_argument("--kinds", default="all", help=f"all, or of {', '.join(KINDS)}")
     parser.add_argument("--seeds", default="0:20:2", help="first:end or first:end:step")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes")
+    parser.add_argument("--engine", default="equilibrium", help=f"of {', '.join(ENGINES)}")
     parser.add_argument("--limit", type=int, default=120, help="process time of a curve [s]")
     parser.add_argument("--out", type=Path, help="where the run is stored, as JSON")
     parser.add_argument("--against", type=Path, help="a stored run to compare with")
     given = parser.parse_args()
-    settings, runs = with_settings(given.changes), []
+    settings, runs = with_settings(given.changes, given.engine), []
     for kind in KINDS if given.kinds == "all" else given.kinds.split(","):
         for seed in seeds_in(given.seeds):
-            runs.append(one := run(kind, seed, settings, given.limit))
+            runs.append(one := run(kind, seed, given.engine, settings, given.limit))
             print(one, flush=True)
     print(summary(runs))
     if given.out:

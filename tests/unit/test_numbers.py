@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import ast
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -107,3 +109,28 @@ def test_every_number_of_the_register_is_used():
 )
 def test_what_counts(source, n):
     assert len(literals(ast.parse(source))) == n
+
+
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+
+
+def changed(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """What a benchmark with these arguments has of the register."""
+    script = (
+        f"import sys; sys.path.insert(0, {str(BENCHMARKS)!r}); import os, registered\n"
+        "from drystone.common import tolerances\n"
+        "from drystone.common.tolerances import DEGENERATE\n"
+        "print(DEGENERATE, tolerances.KINK, 'NUMBA_CACHE_DIR' in os.environ)"
+    )
+    command = [sys.executable, "-c", script, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_what_follows_from_a_number_that_a_benchmark_changes_follows(monkeypatch):
+    """And kernels that have it are compiled apart."""
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    assert changed().stdout.split() == ["1e-09", "0.1", "False"]
+    assert changed("--set", "tolerances.ROUNDING=2e-9").stdout.split() == ["2e-09", "0.1", "True"]
+    assert changed("--set", "tolerances.KINK=0.2").stdout.split() == ["1e-09", "0.2", "False"]
+    refused = changed("--set", "tolerances.NONESUCH=1")
+    assert refused.returncode == 1 and "NONESUCH" in refused.stderr
