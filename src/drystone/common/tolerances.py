@@ -381,10 +381,8 @@ BEND_SHARE = 2e-3
 #: Likewise where curves bend all along.  Derived: twice as much as where bends are corners.
 SMOOTH_BEND_SHARE = 2.0 * BEND_SHARE
 
-#: Part of the bend that may be which the next step aims at, and the least bend that is reckoned
-#: with.  Not measured; a rounding, derived.
+#: Part of the bend that may be which the next step aims at.  Not measured.
 BEND_AIM = 0.6
-LEAST_BEND = ROUNDING
 
 #: A step in which the curve rises by less than this share of what it did may hide its peak.
 #: Not measured.
@@ -411,9 +409,6 @@ TURN_KNOWN = 0.05
 SWERVE_SHARE = 0.1
 SWERVE_BEND = 1e-4
 SWERVE_STEP = 0.06
-
-#: By how much a step must be longer than the least to be shortened.  Not measured.
-LONGER_THAN_LEAST = 1.01
 
 #: By how much steps are shortened that were hard.  Not measured.
 HARD_SHORTER = 0.7

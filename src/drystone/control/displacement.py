@@ -270,7 +270,7 @@ class DisplacementControl:
         least = s.swerve_step * s.displacement_step
         if report.path.swerve <= s.swerve_share or report.path.bend[0] <= s.swerve_bend * scale:
             return None
-        if state.increment <= tolerances.LONGER_THAN_LEAST * least:
+        if state.increment <= least:
             return None
         return max(0.25 * state.increment, least)
 
@@ -466,7 +466,7 @@ class DisplacementControl:
         if s.smooth and report.path.bend is not None:
             # A bend goes with the square of the step.
             most = s.bend_share * max(state.highest, tolerances.LEAST_PEAK * s.stop_multiplier)
-            bend = max(report.path.bend[0], tolerances.LEAST_BEND)
+            bend = max(report.path.bend[0], tolerances.TINY)
             return min(max(math.sqrt(tolerances.BEND_AIM * most / bend), 0.5), 2.0)
         if report.path.crest is None:
             return 2.0
