@@ -58,7 +58,7 @@ def test_central_variables_have_the_products_of_their_barrier(energy):
         pair, slack = np.array([0.6 * v[PN], v[P1], v[P2]]), np.array([v[ZETA], -v[Z1], -v[Z2]])
         # Differences of what is much larger where the barrier is low.
         scale = 1e-11 * np.abs(pair).max() * np.abs(slack).max()
-        least = 2.0 * cones.LEAST * pair[0] * np.hypot(t[1], t[2])
+        least = 2.0 * cones.LEAST_ROOM * pair[0] * np.hypot(t[1], t[2])
         expected = (2.0 * PENALTY * energy + least, 0.0, 0.0)
         assert product(pair, slack) == pytest.approx(expected, abs=scale, rel=1e-6)
         assert np.hypot(v[P1], v[P2]) < pair[0]
@@ -92,7 +92,7 @@ def test_central_variables_of_joints_that_yield(energy):
         most = law[FRICTION] * v[PN] + law[ROOM]
         pair, slack = np.array([most, v[P1], v[P2]]), np.array([v[ZETA], -v[Z1], -v[Z2]])
         scale = 1e-11 * np.abs(pair).max() * np.abs(slack).max()
-        least = 2.0 * cones.LEAST * most * np.hypot(t[1], t[2])
+        least = 2.0 * cones.LEAST_ROOM * most * np.hypot(t[1], t[2])
         assert product(pair, slack) == pytest.approx(
             (2.0 * PENALTY * energy + least, 0.0, 0.0), abs=scale, rel=1e-6
         )

@@ -30,7 +30,7 @@ MOST = {
     "engines": 0,
     "geometry": 0,
     "law": 0,
-    "statics": 86,
+    "statics": 56,
 }
 
 #: How the text of a number says where it is from; see the register.

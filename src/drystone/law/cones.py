@@ -27,6 +27,17 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import (
+    BELOW_CRUSHING,
+    CENTRAL,
+    CENTRAL_NORMAL,
+    KEPT,
+    LAST_DIGITS,
+    LEAST_ROOM,
+    OPENING,
+    STICKS_AGAIN,
+    TURNING_FRICTION,
+)
 from drystone.contact.contacts import (
     BODY_A,
     BODY_B,
@@ -52,26 +63,15 @@ N_INNER = 9
 ETA, V0, V1, V2, NN, N1, N2, T1, T2, S11, S12, S22, B0, B1, B2, R0, R1, R2 = range(18)
 N_SCALING = 18
 
-#: A pair this near to the ends of its cones, over the middle between them, is put back there; and
-#: the product of a normal reaction and its slack, over what it should be.
-CENTRAL, CENTRAL_NORMAL = 1e-2, 1e-3
-#: What a normal reaction and its slack keep of what they are in an iteration.
-KEPT = 1e-2
-#: Room that a pair keeps of its cones, over their size: with less, what slides far is lost in
-#: rounding.  Reactions are wrong by no more than that where the barrier is none, and exact once the
-#: law itself is asked.
-LEAST = 1e-10
 #: Cosine of the angle by which what slides may turn in an iteration.
 TURN = 0.5
-#: Friction over what keeps a contact open, below which it is open: it slides freely.
-OPENING = 1e-2
 
 
 @njit(cache=True, error_model="numpy")
 def central_normal(trial, crush, product):
     """The normal reaction r in (0, C) with r - product (1 / r - 1 / (C - r)) = trial."""
     low, high = 0.0, crush
-    r = min(max(trial, 0.25 * crush), 0.75 * crush)
+    r = min(max(trial, 0.25 * crush), BELOW_CRUSHING * crush)
     for _ in range(80):
         missing = trial - r + product / r - product / (crush - r)
         if missing > 0.0:
@@ -81,7 +81,7 @@ def central_normal(trial, crush, product):
         nearer = r + missing / (1.0 + product / r**2 + product / (crush - r) ** 2)
         if not low < nearer < high:
             nearer = 0.5 * (low + high)
-        done = abs(nearer - r) <= 1e-14 * r
+        done = abs(nearer - r) <= LAST_DIGITS * r
         r = nearer
         if done:
             break
@@ -112,9 +112,9 @@ def trial_impulses(problem, h, penalty, centre, relative, trial):
 
 @njit(cache=True, error_model="numpy")
 def _floor(table, inner, c):
-    """Product that a contact's pair keeps where there is no barrier; see `LEAST`."""
+    """Product that a contact's pair keeps where there is no barrier; see `LEAST_ROOM`."""
     square = inner[c, Z1] * inner[c, Z1] + inner[c, Z2] * inner[c, Z2]
-    most = 2.0 * LEAST * table[c, FRICTION] * inner[c, PN] + 2.0 * LEAST * table[c, ROOM]
+    most = 2.0 * LEAST_ROOM * table[c, FRICTION] * inner[c, PN] + 2.0 * LEAST_ROOM * table[c, ROOM]
     return most * np.sqrt(square)
 
 
@@ -154,7 +154,7 @@ def _room_of_friction(most, size, beta):
         nearer = room - value / slope
         if not low < nearer < high:
             nearer = 0.5 * (low + high)
-        done = abs(nearer - room) <= 1e-14 * room
+        done = abs(nearer - room) <= LAST_DIGITS * room
         room = nearer
         if done:
             break
@@ -191,7 +191,7 @@ def centre_contacts(table, energy, everything, trial, inner):
             inner[c, P1], inner[c, P2], inner[c, ZETA] = 0.0, 0.0, 0.0
             inner[c, Z1], inner[c, Z2] = 0.0, 0.0
             continue
-        beta += 2.0 * LEAST * most * size
+        beta += 2.0 * LEAST_ROOM * most * size
         room = _room_of_friction(most, size, beta)
         share = (most - room) / size if size > 0.0 else 0.0
         zeta, p1, p2 = beta * most / (room * (2.0 * most - room)), share * t1, share * t2
@@ -488,9 +488,9 @@ def turns_too_far(table, far, inner, change, leeway):
             continue
         # What has slid by little may stick again at once.
         little = max(most, fuzzy)
-        if size > 2.0 * most + fuzzy or (slid_was > little and slid < 0.1 * slid_was):
+        if size > 2.0 * most + fuzzy or (slid_was > little and slid < STICKS_AGAIN * slid_was):
             return True
-        if size > max(0.3 * most, fuzzy) and p1 * w1 + p2 * w2 < TURN * size * was:
+        if size > max(TURNING_FRICTION * most, fuzzy) and p1 * w1 + p2 * w2 < TURN * size * was:
             return True
         if slid > little and z1 * u1 + z2 * u2 < TURN * slid * slid_was:
             return True
