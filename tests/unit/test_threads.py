@@ -9,8 +9,8 @@ import drystone as ds
 from buildings import box_building
 from drystone.common import threads
 from drystone.common.threads import Team
+from drystone.statics import static_step
 from drystone.statics.linear import shared_lu
-from drystone.statics.space import cone_step
 
 
 @pytest.mark.parametrize("number", [1, 2, 3])
@@ -39,8 +39,8 @@ def test_the_number_of_threads_holds_for_what_is_inside():
 
 def test_a_curve_is_the_same_to_the_last_bit_with_two_threads(monkeypatch):
     monkeypatch.setattr(shared_lu, "WORTH", 0.0)
-    monkeypatch.setattr(cone_step, "MANY", 1)
-    monkeypatch.setattr(cone_step, "MANY_OF_LITTLE", 1)
+    monkeypatch.setattr(static_step, "MANY", 1)
+    monkeypatch.setattr(static_step, "MANY_OF_LITTLE", 1)
     run, shared = Team.run, []
     monkeypatch.setattr(
         Team, "run", lambda self, tasks: shared.append(len(tasks)) or run(self, tasks)

@@ -62,16 +62,17 @@ def facade():
 
 def test_participation_along_the_branch_of_wall_1():
     """Values of an independent script on this engine's curve, printed with three digits; tangents
-    over six points: 1 per cent."""
+    over six points: 1 per cent.  (Another at 0.201 m lies where the wall jumps; within a millimetre
+    it is on the one side or the other.)"""
     curve, model = wall_1()
-    rows = [curve.nearest(d) for d in (0.021, 0.049, 0.102, 0.201, 0.299)]
+    rows = [curve.nearest(d) for d in (0.021, 0.049, 0.102, 0.299)]
     course = course_of(curve, model, rows)
-    assert course.n_bodies.tolist() == [4, 4, 5, 3, 3]
+    assert course.n_bodies.tolist() == [4, 4, 5, 3]
     for found, expected in (
-        (course.participating_mass_ratio, (0.746, 0.756, 0.717, 0.781, 0.786)),
-        (course.participation_factor, (1.60, 1.58, 1.56, 1.38, 1.30)),
-        (course.kinetic_ratio, (0.169, 0.176, 0.191, 0.159, 0.165)),
-        (course.secant_mass_ratio, (0.247, 0.234, 0.233, 0.203, 0.194)),
+        (course.participating_mass_ratio, (0.746, 0.756, 0.717, 0.786)),
+        (course.participation_factor, (1.60, 1.58, 1.56, 1.30)),
+        (course.kinetic_ratio, (0.169, 0.176, 0.191, 0.165)),
+        (course.secant_mass_ratio, (0.247, 0.234, 0.233, 0.194)),
     ):
         assert found == pytest.approx(expected, rel=0.01)
 

@@ -28,7 +28,7 @@ from drystone.contact.contacts import (
 from drystone.law import softening
 from drystone.law.branches import ACROSS, OPEN, TORN, TORN_STICKING
 from drystone.law.strengths import Reached, Strengths, difference
-from drystone.statics.solution import StepSolution
+from drystone.statics.solution import StepSolution, bend_of_cubic
 from drystone.statics.static_step import StaticStep
 from drystone.statics.ways import NewtonWay
 
@@ -61,10 +61,6 @@ LAG = 1e-12
 #: Points lie elsewhere with another one: peaks are the same with 0.95, and move by up to 8e-4 with
 #: 0.35, as one is found 1.1e-3 too low here (bonded_wall(2, 2) of the tests).
 FARTHEST = 0.7
-
-#: Shares of a step at which its shape is looked at.  With 9 or 39 peaks move by up to 8e-4, that
-#: one again upwards: by where points lie, not by what is seen of a step.
-SHARES = np.linspace(0.05, 0.95, 19)
 
 
 class Beginning(NamedTuple):
@@ -344,8 +340,6 @@ def _shaped(
         off = abs(rise - change)
         return replace(solved, excess=(before + max(rise, 0.0) - top, 0.5), bend=(off, 0.5))
     at_end = change if slope is None else slope * increment
-    away = SHARES * (1.0 - SHARES) * ((rise - change) * (1.0 - SHARES) - (at_end - change) * SHARES)
-    off = int(np.argmax(np.abs(away)))
     excess = 0.0, 0.0
     if rise > 0.0 > at_end:  # no higher than where the tangents meet: joints give way at corners
         share = min((change - at_end) / (rise - at_end), 1.0)
@@ -354,7 +348,7 @@ def _shaped(
         excess = max(before + share * rise - top, 0.0), share
     if first and not np.isfinite(start.rise):
         excess = _hidden(first, solved, before) or excess
-    bend = max(solved.bend or (0.0, 0.0), (float(abs(away[off])), float(SHARES[off])))
+    bend = max(solved.bend or (0.0, 0.0), bend_of_cubic(rise, change, at_end))
     bend = bend[0], min(bend[1], FARTHEST)
     if slope is None:
         return replace(solved, excess=excess, bend=bend)
