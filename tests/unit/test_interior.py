@@ -10,6 +10,7 @@ from drystone.analysis.driver import pushover
 from drystone.engines.base import Demand
 from drystone.model.assembly import Corner
 from drystone.model.builders import published_wall
+from drystone.statics import solution
 from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumSettings
 from drystone.statics.solution import SolutionSettings
 
@@ -83,3 +84,18 @@ def test_a_stack_settles_in_one_long_step():
     np.add.at(joints, carried.block_b, carried.normal_reaction)
     expected = np.cumsum(weight)
     assert sorted(joints[joints > 0.0]) == pytest.approx(expected.tolist(), rel=1e-6)
+
+
+def test_a_block_has_no_more_modes_than_motions():
+    """Two of a block in the plane whose control displacement is held; others would be rounding."""
+    problem = problem_of(stack((0.5, 1.0)))
+    engine = EquilibriumEngine(WITHIN)
+    state, _ = engine.start(problem)
+    state, report = engine.step(state, Demand(increment=1e-6))
+    assert report.converged and not report.unstable
+    step = engine.last.step
+    solver = solution._Solver(step, engine.last.accuracy, engine.settings.solution)
+    assert solver.judge().stable
+    free = np.count_nonzero(~problem.assembly.fixed)
+    assert len(solver.quotients()) == min(4, 3 * free - 1)
+    assert (solver.quotients() > 0.0).all()

@@ -181,7 +181,10 @@ class _Solver:
         frame, mass = step.frame, step.loads.mass
         rng = np.random.default_rng(1)
         free = ~step.loads.fixed[:, None]
-        x = np.where(free, rng.normal(size=(s.modes, *mass.shape)), 0.0)
+        # No more vectors than there are motions: what is left of others is rounding.
+        motions = int(np.count_nonzero(free)) * mass.shape[1] - (step.pace is not None)
+        n = min(s.modes, motions)
+        x = np.where(free, rng.normal(size=(n, *mass.shape)), 0.0)
         y = x
         for _ in range(s.iterations):
             x = _orthonormal(y, mass)
@@ -192,8 +195,7 @@ class _Solver:
                     border(frame, column, 0.0)
             if not np.isfinite(y).all():
                 return None
-        weighted = (x * mass).reshape(s.modes, -1)
-        ritz = np.linalg.eigvals(weighted @ y.reshape(s.modes, -1).T)
+        ritz = np.linalg.eigvals((x * mass).reshape(n, -1) @ y.reshape(n, -1).T)
         with np.errstate(divide="ignore"):
             quotients: Array = 1.0 / ritz.real[ritz.imag == 0.0]
         return quotients
