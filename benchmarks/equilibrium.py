@@ -23,7 +23,7 @@ from drystone.model.assembly import Assembly
 from drystone.results.curve import DYNAMIC, CapacityCurve
 from drystone.statics.equilibrium import EquilibriumEngine
 from drystone.statics.linear import numeric as lu_numeric
-from drystone.statics.plane.static_step import StaticStep
+from drystone.statics.plane.plane_step import PlaneStep
 
 Array = NDArray[np.float64]
 
@@ -98,19 +98,19 @@ def with_stiffness(model: ds.Model, normal: float) -> ds.Model:
 
 def one_solution(model: ds.Model) -> tuple[float, float]:
     """Seconds of a factorisation and solution of a tangent of the curve, by SuperLU and by us."""
-    caught: list[tuple[StaticStep, list[Array]]] = []
-    linearise = StaticStep.linearise
+    caught: list[tuple[PlaneStep, list[Array]]] = []
+    follow_from = PlaneStep.follow_from
 
-    def spy(self: StaticStep, *arguments: object) -> bool:
-        done = linearise(self, *arguments)
+    def spy(self: PlaneStep, *arguments: object) -> bool:
+        done = follow_from(self, *arguments)
         caught.append((self, [block.copy() for block in self.tangent]))
         return done
 
-    StaticStep.linearise = spy
+    PlaneStep.follow_from = spy
     try:
         ds.pushover(model, engine=EquilibriumEngine(), max_displacement=0.05)
     finally:
-        StaticStep.linearise = linearise
+        PlaneStep.follow_from = follow_from
     step, (diagonal, upper, lower) = caught[-1]
     n, n_dof = step.loads.mass.shape
     full = np.zeros((n, n_dof, n, n_dof))
