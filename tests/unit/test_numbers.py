@@ -30,7 +30,7 @@ MOST = {
     "engines": 0,
     "geometry": 0,
     "law": 0,
-    "statics": 56,
+    "statics": 0,
 }
 
 #: How the text of a number says where it is from; see the register.

@@ -33,7 +33,7 @@ def grid(rng, side):
 
 @pytest.mark.parametrize("number", [2, 3, 7])
 def test_a_shared_factorisation_is_the_same_to_the_last_bit(number, monkeypatch):
-    monkeypatch.setattr(shared_lu, "WORTH", 0.0)
+    monkeypatch.setattr(shared_lu, "WORTH_SHARING", 0.0)
     rng = np.random.default_rng(number)
     structure, matrix = grid(rng, 9)
     n = len(matrix.diagonal)

@@ -38,7 +38,7 @@ def test_the_number_of_threads_holds_for_what_is_inside():
 
 
 def test_a_curve_is_the_same_to_the_last_bit_with_two_threads(monkeypatch):
-    monkeypatch.setattr(shared_lu, "WORTH", 0.0)
+    monkeypatch.setattr(shared_lu, "WORTH_SHARING", 0.0)
     monkeypatch.setattr(static_step, "MANY", 1)
     monkeypatch.setattr(static_step, "MANY_OF_LITTLE", 1)
     run, shared = Team.run, []

@@ -753,3 +753,152 @@ MOST_AIM = 0.8
 
 #: Share by which an iteration is shortened where a contact turns too far.  Not measured.
 SHORTENED = 0.8
+
+# Statics: what a step is solved to ---------------------------------------------------------------
+
+#: Largest unbalanced force that is promised, over the heaviest weight.
+#: Derived: a thousand times the rounding of the sums that make it up, 4,500 of 2.2e-16.
+BALANCE = 1e3 * SUMS
+
+#: That which stiff joints may leave.  Derived: a thousand times what steps are solved to, so that
+#: joints which rounding does not let be solved as well are told from those that only seem to be.
+COARSEST = 1e3 * BALANCE
+
+#: What may be missing of a control displacement [m].  Derived: `SUMS` of a metre.
+MISSING = SUMS
+
+#: Share of `BALANCE`, over the stiffest joint, that two contacts must differ by in their gaps.
+#: Derived: a thousandth of what may be unbalanced.
+TOLD_APART = 1e-3
+
+#: Time step of a static step [s].  Derived: the inertia of a step of 1 mm is then 1e-7 of a weight.
+STATIC_TIME_STEP = 30.0
+
+#: Farthest motion of a block in one step, over the smallest block.  Derived: contacts are looked
+#: for up to a gap of a fifth of it; beyond, blocks could meet that were no pair.
+MOST_MOTION = 0.2
+
+#: Time steps from which a structure settles [s], the least of them, and how they grow.
+#: Not measured.
+SETTLING_STEP = 0.1
+LEAST_SETTLING_STEP = 1e-5
+LONGER_SETTLING = 100.0
+
+#: Step of a control displacement over the height of the structure, and over the smallest block, at
+#: least and at most.  Derived: a mechanism turns by 1 in 500 in it.  The shares: not measured.
+STEP_OF_HEIGHT = 1.0 / 500.0
+LEAST_STEP = 0.02
+MOST_STEP = 0.1
+
+#: Cosine of the angle to the vertical under which a joint lies, and is pressed by weight alone.
+#: Derived: of 45 degrees, rounded.
+LIES = 0.7
+
+#: Force over the heaviest weight by which blocks meet elsewhere than followed.  Not measured.
+PRESSED = 1e-2
+
+#: Margin of a bond at which a step ends for it, and force over the heaviest weight by which what
+#: joints hold may still change where it ends.  Not measured.
+ENDS_FOR_BOND = 1e-5
+SETTLED = 1e-6
+
+# Statics: linear pieces, and matrices ------------------------------------------------------------
+
+#: Smallest pivot of a block, over its largest entry, with which a direction is worth trying.
+#: Derived: 450 roundings.
+SINGULAR = 1e-13
+
+#: Sliding back by less than this share of the blocks' motion does not end sliding; and length of it
+#: [m] that counts as a change ahead.  Not measured.
+SLOW = 1e-6
+SLOW_BACK = 1e-10
+
+#: By how much a path may fall below its start before it has turned back.  Not measured.
+BELOW_START = 1e-3
+
+#: Most damping that a pivot is raised by, over the least.  Derived: a guard.
+MOST_RAISED = 1e12
+
+#: Time of a factorisation [ns] from which on threads gain.  Not measured.
+WORTH_SHARING = 1e6
+
+#: Time of a front's call [ns], and of a multiplication.  Derived: of one machine; only the order of
+#: fronts hangs on them.
+CALL_TIME = 100.0
+MULTIPLICATION_TIME = 0.04
+
+# Statics: the way through the interior -----------------------------------------------------------
+# Energies are those of a contact over what the weight of a mean block stores in one, forces over
+# that weight, damping in 1/s2 of the frame, in which gravity over the smallest block is 56.
+
+#: First barrier, and the more of it over the square of what is unbalanced.  Range: ten times more
+#: or less, iterations of 18 curves in space by 11 to 12 %, peaks as they were.
+FIRST_BARRIER = 1e-3
+BY_UNBALANCED = 3e-3
+
+#: More of the barrier of the last attempt, over the work of a weight along the increment.
+#: Not measured.
+BY_REACH = 0.05
+
+#: Length of an iteration that is no way on, and the least barrier that contacts are centred on
+#: anew.  Range: without, iterations by 12 % and failed steps by 80 %.
+NO_WAY_ON = 0.2
+RECENTRED_BARRIER = 1e-3
+
+#: What may leave its cone, over what a barrier makes fuzzy: for the predictor, and by turning.
+#: Range: without either, iterations of 18 curves in space by less than 1 %.
+PREDICTOR_LEEWAY = 0.1
+TURNING_LEEWAY = 10.0
+
+#: Barrier over the present one, at least and at most.  Convention of Mehrotra's method.
+LEAST_FALL = 1e-3
+MOST_FALL = 0.8
+
+#: Energy and unbalanced force at which branches may be told, and energy below which there is
+#: nothing more to be found.  Not measured.
+TELLS = 1e-10
+TELLING_RESIDUAL = 1e-6
+NOTHING_MORE = 1e-24
+
+#: Unbalanced force with which Newton's method is tried on the way, by how much it must gain there,
+#: and from the start.  Not measured.
+CALM = 0.05
+PROBE_GAIN = 10.0
+WARM_GAIN = 30.0
+
+#: Farthest rotation in an iteration [rad]: beyond, a direction is not of the linearised motion.
+#: Range: curves of six bonded walls are the same to the last bit with 0.02 to 1.
+FARTHEST_TURN = 0.2
+
+#: Damping of an unstable matrix; that which says that something has lost its hold; and most of it.
+#: Range: four times more or less of the first, iterations in space by 5 %, peaks as they were.
+DAMPING = 10.0
+LOST_HOLD = 3e3
+MOST_DAMPING = 1e9
+
+#: Length of an iteration that lets go of damping, and by which one is shortened that turns contacts
+#: too far.  Not measured.
+GOOD_LENGTH = 0.9
+LENGTH_SHORTER = 0.8
+
+#: Shares of a step at which its shape is looked at.  Range: with 9 or 39 of them peaks of bonded
+#: walls move by up to 8e-4, by where points lie.
+FIRST_SHARE_SEEN = 0.05
+LAST_SHARE_SEEN = 0.95
+
+# Statics: joints that yield ----------------------------------------------------------------------
+
+#: Shares of what is missing that are gone at a time.  Not measured.
+LEAST_SHARE_GONE = 0.3
+MOST_SHARE_GONE = 10.0
+
+#: Force that Newton's method may leave, over that by which what joints hold may still change.
+#: Not measured.
+LEFT = 5e-4
+
+#: Share of a step up to which it is taken again, at most.  Range: peaks are the same with 0.95, and
+#: move by up to 8e-4 with 0.35.
+FARTHEST_AGAIN = 0.7
+
+#: Bend over the drop, under which the way with strengths as they were is straight.  Not measured.
+STRAIGHT = 0.1

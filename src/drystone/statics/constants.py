@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import MISSING
 from drystone.contact.detection import Detector
 from drystone.geometry import motion
 from drystone.model.loading import Acting
@@ -98,7 +99,7 @@ class Accuracy:
     rounding: float  # N/m, of a reaction, by metre of its blocks' motion: normal to the joint
     sliding_rounding: float  # N/m, and along it, where only the motion within the step counts
     coarsest: float  # N, largest unbalanced force that may be left to rounding
-    lag: float = 1e-12  # m, what may be missing of the increment
+    lag: float = MISSING  # m, what may be missing of the increment
     depth: float  # m, penetration too small to tell two contacts apart
     pressed: float  # N, force by which blocks meet elsewhere than followed; in space
     farthest: float  # m, motion of a block over which the step has failed

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import LIES, PRESSED, TOLD_APART
 from drystone.contact.contacts import Pairs, Slots
 from drystone.engines.measures import LoadArrays
 from drystone.engines.prepared import Prepared
@@ -27,10 +28,6 @@ from drystone.statics.tie_forces import TieForces
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
-
-
-#: Force over the heaviest weight by which blocks meet elsewhere than followed.
-PRESSED = 1e-2
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -113,14 +110,14 @@ def accuracy_of(prepared: Prepared, tolerance: float, coarsest: float) -> Accura
         for column in (KN, KS)
     )
     #: Of designed gaps [m], which are differences of coordinates.
-    of_gaps = 8.0 * np.finfo(float).eps * float(np.ptp(assembly.centroid, axis=0).max())
+    of_gaps = 2.0 * 4.0 * np.finfo(float).eps * float(np.ptp(assembly.centroid, axis=0).max())
     rounding = 4.0 * np.finfo(float).eps  # of a gap, over the motions that it is a sum of
     return Accuracy(
         tolerance=tolerance * scale,
         rounding=rounding * stiffest,
         sliding_rounding=rounding * stiffest_in_shear,
         coarsest=coarsest * scale,
-        depth=max(1e-3 * (tolerance * scale) / stiffest, of_gaps),
+        depth=max(TOLD_APART * (tolerance * scale) / stiffest, of_gaps),
         pressed=PRESSED * scale,
         farthest=np.inf,
     )
@@ -143,7 +140,7 @@ def first_branches(prepared: Prepared, pairs: Pairs, slots: Slots) -> IntArray:
     touching = np.where(bonded, BONDED, STICKING)
     bonded = bonded | prepared.strengths.bonded[pairs.law_of_slot]
     # Weight presses on joints that lie; those that stand are shut, but hold by a bond only.
-    held = (np.abs(slots.normal @ prepared.assembly.up) > 0.7) | bonded
+    held = (np.abs(slots.normal @ prepared.assembly.up) > LIES) | bonded
     return np.where(held & ~_apart(prepared, slots), touching, OPEN)
 
 

@@ -19,6 +19,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.records import changed
+from drystone.common.tolerances import (
+    BALANCE,
+    COARSEST,
+    ENDS_FOR_BOND,
+    LEAST_SETTLING_STEP,
+    LEAST_STEP,
+    LONGER_SETTLING,
+    MOST_MOTION,
+    MOST_STEP,
+    SETTLED,
+    SETTLING_STEP,
+    STATIC_INERTIA,
+    STATIC_TIME_STEP,
+    STEP_OF_HEIGHT,
+)
 from drystone.contact.contacts import Pairs, Slots
 from drystone.contact.forces import ActedContacts, ContactForces
 from drystone.contact.histories import Histories, handed_on, predecessor_pairs
@@ -68,18 +83,6 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-#: Margin of a bond at which a step ends for it.
-AT_STRENGTH = 1e-5
-
-
-#: Residual, over the heaviest weight, that steps keep.  A thousand times what they are solved to:
-#: steps that stiff joints do not let be solved as well are told from those that only seem to be
-#: solved.
-COARSEST = 1e-6
-
-#: What joints hold may still change by this force, over the heaviest weight, where a step ends.
-SETTLED = 1e-6
-
 
 @dataclass(frozen=True, kw_only=True)
 class EquilibriumSettings:
@@ -91,15 +94,15 @@ class EquilibriumSettings:
 
     #: Largest unbalanced force over the heaviest weight, -: what is promised, and a thousand times
     #: the rounding of the sums that make it up.
-    tolerance: float = 1e-9
+    tolerance: float = BALANCE
     #: Time step of a static step [s]: the inertia of a step of 1 mm is then 1e-7 of a weight.
-    static_time_step: float = 30.0
+    static_time_step: float = STATIC_TIME_STEP
     #: Farthest motion of a block in one step over the smallest block, -: beyond it, contacts that
     #: the step has not looked for could be made.
-    max_motion: float = 0.2
+    max_motion: float = MOST_MOTION
     #: Inertia, -, above which a point is dynamic: of all blocks over the applied force, and of any
     #: block over its weight.
-    inertia_limit: float = 1e-3
+    inertia_limit: float = STATIC_INERTIA
     solution: SolutionSettings = field(default_factory=SolutionSettings)
 
 
@@ -172,7 +175,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         """A step is to turn a mechanism by about 1 in 500, whatever its height."""
         size = assembly.smallest_extent
         height = float(np.ptp(assembly.centroid[~assembly.fixed] @ assembly.up)) + size
-        step = min(max(height / 500.0, 0.02 * size), 0.1 * size)
+        step = min(max(height * STEP_OF_HEIGHT, LEAST_STEP * size), MOST_STEP * size)
         smooth = assembly.dimension == 3 or self.settings.solution.path is None
         return Pacing(
             displacement_step=step, easy_iterations=60, hard_iterations=400, smooth=smooth
@@ -208,7 +211,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
 
     def _settle(self, state: EquilibriumState) -> tuple[EquilibriumState, StepReport]:
         """A short step under the dead load and long ones, or shorter where they fail, to rest."""
-        h, limit = 0.1, self.settings.static_time_step
+        h, limit = SETTLING_STEP, self.settings.static_time_step
         farthest = state.prepared.assembly.smallest_extent + 4.0 * sinking(
             state.prepared, self.equations_of(state).loads
         )
@@ -219,7 +222,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             new, outcome = self._bond_steps(state.prepared, demand, farthest).rest(state, 1.0)
             if not outcome.converged:
                 h *= 0.25
-                if h < 1e-5:
+                if h < LEAST_SETTLING_STEP:
                     break
                 continue
             state = new
@@ -228,7 +231,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
                 return replace(new, last_increment=state.prepared.assembly.no_motion()), outcome
             if travelled > farthest:
                 break
-            h = min(100.0 * h, limit)
+            h = min(LONGER_SETTLING * h, limit)
         gone = state.prepared.problem.length * state.prepared.detector.travelled(state.pose)
         raise UnstableError(unstable_sentence(state.prepared.problem, gone))
 
@@ -308,7 +311,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             broken=self._broken,
             laws=prepared.laws,
             slight=SLIGHT * prepared.assembly.heaviest_weight,
-            near=AT_STRENGTH,
+            near=ENDS_FOR_BOND,
             bars=prepared.bars if prepared.bars.n_ties else None,
         )
 

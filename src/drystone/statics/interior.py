@@ -18,6 +18,28 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import (
+    BY_REACH,
+    BY_UNBALANCED,
+    CALM,
+    DAMPING,
+    FARTHEST_TURN,
+    FIRST_BARRIER,
+    GOOD_LENGTH,
+    LEAST_FALL,
+    LENGTH_SHORTER,
+    LOST_HOLD,
+    MOST_DAMPING,
+    MOST_FALL,
+    NO_WAY_ON,
+    NOTHING_MORE,
+    PREDICTOR_LEEWAY,
+    PROBE_GAIN,
+    RECENTRED_BARRIER,
+    TELLING_RESIDUAL,
+    TELLS,
+    TURNING_LEEWAY,
+)
 from drystone.contact.contacts import HELD, STIFF_N
 from drystone.geometry.motion import rotations, translations
 from drystone.law import cones
@@ -29,72 +51,49 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class InteriorSettings:
-    """Numbers of the iterations in space.
+    """Numbers of the iterations; others, which nobody has had to change, are in the register.
 
     Energies are those of a contact over what the weight of a mean block stores in one, forces over
     that weight.
     """
 
-    #: First barrier of the first attempt, and of the second, which takes no second order.
-    low: float = 1e-3
-    high: float = 1.0
-    #: More of the former, over the square of what is unbalanced where it begins, and at most: with
+    #: First barrier, and more of it over the square of what is unbalanced where it begins: with
     #: less, contacts that are far from what they will be cut the way to nothing.
-    unbalanced: float = 0.003
-    most_unbalanced: float = 3.0
-    #: More of the latter, over the work of a block's weight along the increment.
-    reach: float = 0.05
-    #: Iterations of either, and in how many its energy must halve.
+    barrier: float = FIRST_BARRIER
+    unbalanced: float = BY_UNBALANCED
+    #: Iterations, those where a shorter step may be tried instead, and in how many the energy must
+    #: halve.
     max_iterations: int = 120
-    max_slow_iterations: int = 200
-    patience: int = 40
-    #: Of the former where a shorter step may be tried instead.
     few_iterations: int = 60
-    #: Length of iterations that is no way on, how many of them in a row there may be, and how often
-    #: contacts are then centred anew for what is unbalanced where the step has come to; the least
-    #: barrier there.
-    short: float = 0.2
-    stalled: int = 4
-    recentred: int = 4
-    recentred_barrier: float = 1e-3
-    #: Leeway of the predictor, over the barrier that it sets out from, and of the step, over the
-    #: one that it goes to: by what normal reactions may leave their cones, and what may turn; see
-    #: `law.cones`.
-    predictor_leeway: float = 0.1
-    leeway: float = 1.0
-    turning_leeway: float = 10.0
-    #: Part of the predictor from which on its second order counts.
-    far_enough: float = 0.5
-    #: Energy and unbalanced force at which the branches may be told, and energy below which there
-    #: is nothing more to be found.
-    enough: float = 1e-10
-    residual: float = 1e-6
-    least: float = 1e-24
-    #: Iterations after which Newton's method is tried, where the unbalanced force is no more than
-    #: that; how many of its own it has, and by how much it must gain in how many.
+    patience: int = 40
+    #: Energy at which the branches may be told.
+    enough: float = TELLS
+    #: Iterations after which Newton's method is tried, and how many of its own it has there and
+    #: from the last step.
     probe: int = 16
-    calm: float = 0.05
     probe_iterations: int = 6
-    probe_gain: float = 10.0
-    probe_patience: int = 2
-    #: Iterations after which it is tried again, where the branches may be told.
-    again: int = 4
-    #: Of Newton's method from the last step: iterations, and by how much it must gain in how many.
     warm_iterations: int = 12
-    warm_gain: float = 30.0
-    warm_patience: int = 4
-    #: Farthest rotation in an iteration [rad].
-    turn: float = 0.2
-    #: Damping [1/s2], times the mass, where there are unstable directions; factors of more and
-    #: less.
-    damping: float = 10.0
-    most_damping: float = 1e9
-    more: float = 4.0
-    less: float = 0.25
+    #: Damping [1/s2], times the mass, where there are unstable directions.
+    damping: float = DAMPING
     #: Damping that says that something has lost its hold: where a shorter step may be tried, it is.
-    lost: float = 3e3
-    #: By how much at least bodies are held that nothing holds, in the second attempt.
-    least_damping: float = 3.0
+    lost: float = LOST_HOLD
+
+
+#: Barrier of the last attempt, and most of it, for contacts that start as if each carried a block.
+HIGH, MOST_BARRIER = 1.0, 3.0
+
+#: Iterations of the last attempt.
+SLOW_ITERATIONS = 200
+
+#: Iterations in a row that are no way on, after which contacts are centred anew, and how often.
+STALLED, RECENTRED = 4, 4
+
+#: Iterations of Newton's method after which it must have gained, on the way and from the start; and
+#: those after which it is tried again where the branches may be told.
+PROBE_PATIENCE, WARM_PATIENCE, AGAIN = 2, 4, 4
+
+#: Factors of more and less damping, and that below which there is none [1/s2].
+MORE, LESS, LEAST_DAMPING = 4.0, 0.25, 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,7 +163,7 @@ class InteriorPoint:
         most = float(np.abs(rotations(self.step.frame.columns[0])).max())
         if not most < math.inf:
             return 0.0
-        return min(length, self.settings.turn / most) if most > 0.0 else length
+        return min(length, FARTHEST_TURN / most) if most > 0.0 else length
 
     # The interior.
 
@@ -189,23 +188,23 @@ class InteriorPoint:
                 least, since = energy, k
             elif k - since > settings.patience:
                 return False
-            near = residual <= settings.residual * self.block_weight
+            near = residual <= TELLING_RESIDUAL * self.block_weight
             told = energy <= settings.enough * unit
             if told and near and self._solved():
                 return True
             due = k % settings.probe == 0 or (told and k >= again)
-            if due and residual <= settings.calm * self.block_weight and self._probe():
+            if due and residual <= CALM * self.block_weight and self._probe():
                 return True
-            again = k + settings.again if due and told else again
+            again = k + AGAIN if due and told else again
             held = float(step.damping.max())
             if attempt.soon and (held >= settings.lost or (told and held > 0.0)):
                 return False
-            if near and energy <= settings.least * unit:
+            if near and energy <= NOTHING_MORE * unit:
                 return False
-            if attempt.by_residual and not near and stalled >= settings.stalled:
-                if recentred == settings.recentred:
+            if attempt.by_residual and not near and stalled >= STALLED:
+                if recentred == RECENTRED:
                     return False
-                self._centre(attempt, settings.recentred_barrier, unit)
+                self._centre(attempt, RECENTRED_BARRIER, unit)
                 energy = cones.scale(joint, inner, step.scaling[:n])
                 step.balance(step.inside)
                 step.damping[:] = 0.0
@@ -213,7 +212,7 @@ class InteriorPoint:
             length = self._descend(attempt, energy)
             if not length >= 0.0:
                 return False
-            stalled = stalled + 1 if length < settings.short else 0
+            stalled = stalled + 1 if length < NO_WAY_ON else 0
         return False
 
     def _centre(self, attempt: Attempt, barrier: float, unit: float) -> None:
@@ -223,10 +222,10 @@ class InteriorPoint:
         if attempt.by_residual:
             step.respond()
             unbalanced = step.balance(step.reaction) / self.block_weight
-            most = min(settings.unbalanced * unbalanced**2, settings.most_unbalanced)
+            most = min(settings.unbalanced * unbalanced**2, MOST_BARRIER)
             barrier = max(barrier, most * unit)
         if attempt.by_increment:
-            barrier += settings.reach * self.block_weight * abs(step.missing)
+            barrier += BY_REACH * self.block_weight * abs(step.missing)
         cones.centre_contacts(step.table[:n], barrier, True, step.trial[:n], step.inner[:n])
 
     def _solved(self) -> bool:
@@ -241,7 +240,7 @@ class InteriorPoint:
         step = self.step
         place, damping = step.place, step.damping.copy()
         s = self.settings
-        if self.newton(s.probe_iterations, patience=s.probe_patience, gain=s.probe_gain):
+        if self.newton(s.probe_iterations, patience=PROBE_PATIENCE, gain=PROBE_GAIN):
             return True
         step.come_back(place)
         step.damping[:] = damping
@@ -260,22 +259,22 @@ class InteriorPoint:
         missing = step.missing
         by_multiplier = self._direction(0.0, missing, second=False)
         if step.pace is not None and not step.stable:
-            step.damping[:] = np.maximum(settings.more * step.damping, settings.damping)
-            return 1.0 if step.damping[0] < settings.most_damping else math.nan
-        ahead = settings.predictor_leeway * energy
+            step.damping[:] = np.maximum(MORE * step.damping, settings.damping)
+            return 1.0 if step.damping[0] < MOST_DAMPING else math.nan
+        ahead = PREDICTOR_LEEWAY * energy
         far = self._length(ahead, ahead)
         reachable = cones.energy_at(joint, far, inner, change)
-        share = min(max((reachable / energy) ** 3, 1e-3), 0.8) if energy > 0.0 else 0.0
-        second = attempt.second and far >= settings.far_enough
+        share = min(max((reachable / energy) ** 3, LEAST_FALL), MOST_FALL) if energy > 0.0 else 0.0
+        second = attempt.second and far >= 0.5
         by_multiplier = self._direction(share * energy, missing, second=second)
         ahead = share * energy
-        far = self._length(settings.leeway * ahead, settings.turning_leeway * ahead)
+        far = self._length(ahead, TURNING_LEEWAY * ahead)
         far = self._turning(far)
         if not math.isfinite(by_multiplier) or not far > 0.0:
             return math.nan
-        if far > 0.9:
-            step.damping *= settings.less
-            step.damping[step.damping < 3.0] = 0.0
+        if far > GOOD_LENGTH:
+            step.damping *= LESS
+            step.damping[step.damping < LEAST_DAMPING] = 0.0
         inner += far * change
         step.multiplier += far * by_multiplier
         step.move(step.frame.columns[0], far)
@@ -311,5 +310,5 @@ class InteriorPoint:
         joint, inner, change = step.table[:n], step.inner[:n], step.change[:n]
         far, least = cones.length(joint, inner, change, leeway)
         while far > least and cones.turns_too_far(joint, far, inner, change, turning):
-            far *= 0.8
+            far *= LENGTH_SHORTER
         return float(max(far, least))

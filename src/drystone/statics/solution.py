@@ -14,9 +14,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import FIRST_SHARE_SEEN, LAST_SHARE_SEEN, WARM_GAIN
 from drystone.statics.balance import border
 from drystone.statics.constants import TOO_STIFF, Accuracy
-from drystone.statics.interior import Attempt, InteriorPoint, InteriorSettings
+from drystone.statics.interior import (
+    HIGH,
+    LEAST_DAMPING,
+    SLOW_ITERATIONS,
+    WARM_PATIENCE,
+    Attempt,
+    InteriorPoint,
+    InteriorSettings,
+)
 from drystone.statics.linear import numeric as lu_numeric
 from drystone.statics.plane import piecewise
 from drystone.statics.plane.piecewise import Followed, PathSettings
@@ -28,7 +37,7 @@ Array = NDArray[np.float64]
 
 #: Shares of a step at which its shape is looked at.  With 9 or 39 peaks of bonded walls move by up
 #: to 8e-4: by where points lie, not by what is seen of a step.
-SHARES = np.linspace(0.05, 0.95, 19)
+SHARES = np.linspace(FIRST_SHARE_SEEN, LAST_SHARE_SEEN, 19)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,11 +142,11 @@ class _Solver:
         step, s = self.step, self.settings.interior
         if warm:
             step.set_out(guess, multiplier)
-            if self.search.newton(s.warm_iterations, patience=s.warm_patience, gain=s.warm_gain):
+            if self.search.newton(s.warm_iterations, patience=WARM_PATIENCE, gain=WARM_GAIN):
                 return True
         most = s.max_iterations if thorough else s.few_iterations
         first = Attempt(
-            barrier=s.low,
+            barrier=s.barrier,
             by_residual=True,
             iterations=most,
             soon=not thorough,
@@ -148,13 +157,11 @@ class _Solver:
         if follows or not thorough or step.pace is not None:
             return False  # what is not found so is tried in motion, or shorter
         step.set_out(guess, multiplier)
-        if self.search.interior(replace(first, least_damping=s.least_damping)):
+        if self.search.interior(replace(first, least_damping=LEAST_DAMPING)):
             return True
         step.set_out(step.given.copy(), multiplier)
         return self.search.interior(
-            Attempt(
-                barrier=s.high, by_increment=True, second=False, iterations=s.max_slow_iterations
-            )
+            Attempt(barrier=HIGH, by_increment=True, second=False, iterations=SLOW_ITERATIONS)
         )
 
     def meet(self) -> bool:

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import FARTHEST_TURN
 from drystone.geometry.motion import rotations
 from drystone.law.strengths import Strengths
 from drystone.statics.constants import Accuracy
@@ -18,11 +19,6 @@ from drystone.statics.static_step import StaticStep
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-
-#: Farthest rotation in an iteration [rad]: a direction beyond it is not of the linearised motion.
-#: Curves of six random bonded walls are the same to the last bit with 0.02 to 1.
-FARTHEST_TURN = 0.2
 
 
 class NewtonWay:

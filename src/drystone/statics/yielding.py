@@ -21,8 +21,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import (
+    FARTHEST_AGAIN,
+    LEAST_SHARE_GONE,
+    LEFT,
+    MISSING,
+    MOST_SHARE_GONE,
+    STRAIGHT,
+)
 from drystone.contact.contacts import (
-    PULL,
     ROOM,
 )
 from drystone.law import softening
@@ -35,32 +42,14 @@ from drystone.statics.ways import NewtonWay
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: Shares of what is missing that are gone at a time.
-LEAST_SHARE, MOST_SHARE = 0.3, 10.0
-
 #: Solutions of a step before it counts as failed: where joints may let go in it, and where a
 #: shorter one would rather be tried.  With 15 to 60 of the former twenty random walls end alike,
 #: with 3 to 12 of the latter seven peaks are the same to the last bit, and steps 2 to 6 % fewer.
 MOST_SOLUTIONS, FEW_SOLUTIONS = 30, 3
 
-#: Iterations of Newton's method, halvings of one, and force that it may leave, over the one by
-#: which what contacts hold may still change.  With 4 to 8 halvings seven peaks are the same to the
-#: last bit; with 2 one moves by 3e-4.
-MOST_ITERATIONS, MOST_HALVINGS, LEFT = 20, 4, 5e-4
-
-
-#: What bonds that soften must hold, over the force by which it may change in a step, for the
-#: tangent to be gone on along: those that are all but lost give a structure no direction.  From 0
-#: to 10,000, and without asking, peaks and points of seven walls in the plane are the same.
-WORTH = 1.0
-
-#: What may be missing of the pacing displacement [m].
-LAG = 1e-12
-
-#: Share of a step up to which it is taken again, at most: where it bends goes with its length.
-#: Points lie elsewhere with another one: peaks are the same with 0.95, and move by up to 8e-4 with
-#: 0.35, as one is found 1.1e-3 too low here (bonded_wall(2, 2) of the tests).
-FARTHEST = 0.7
+#: Iterations of Newton's method, and halvings of one.  With 4 to 8 halvings seven peaks are the
+#: same to the last bit; with 2 one moves by 3e-4.
+MOST_ITERATIONS, MOST_HALVINGS = 20, 4
 
 
 class Beginning(NamedTuple):
@@ -123,7 +112,7 @@ def solve(
     near: Array | None = None
     slope: float | None = None
     fallen, most = 0, MOST_SOLUTIONS if lets_go or not strengths.smooth else FEW_SOLUTIONS
-    begun = _Come(np.arange(len(law)), history, history, now, np.zeros(len(law)), np.inf)
+    begun = _Come(np.arange(len(law)), history, history, now, np.inf)
     solved = _UNSOLVED  # a curve that has a tangent is gone on along it
     for k in range(most + 1):
         going: StepSolution | None = None
@@ -150,8 +139,7 @@ def solve(
             held = strengths.held(law, come.before, found.reached)
             stood = _stood(step, strengths, history, on, held, solved, tolerance)
             if stood:
-                end = _shaped(stood[0], first, start, increment, slope, fallen > 0, lets_go)
-                return end if stood[1] else replace(end, softened=False, slope=np.nan)
+                return _shaped(stood, first, start, increment, slope, fallen > 0, lets_go)
             now = _at(found.reached, now, come.origin)
         elif going:
             now, fallen = relaxation.next(now, come.reached, come.origin), fallen + 1
@@ -170,7 +158,6 @@ class _Come(NamedTuple):
     before: Array  # (n_slots, N_HISTORY + dim - 2), where the step starts
     after: Array  # likewise, at the end: that of the step
     reached: Reached
-    holds: Array  # (n_slots,) N, that bonds hold
     change: float  # N, by which what contacts hold follows from it anew
 
     @classmethod
@@ -181,8 +168,7 @@ class _Come(NamedTuple):
         reached = strengths.reached(law, before, end.after, end.gap)
         held = strengths.held(law, before, reached)
         change = difference(held, end.held, end.normal, end.area)
-        holds = (end.held[:, PULL] + end.held[:, ROOM]) * end.area
-        return cls(end.origin, before, end.after, reached, holds, change)
+        return cls(end.origin, before, end.after, reached, change)
 
 
 def _stood(
@@ -193,9 +179,9 @@ def _stood(
     held: Array,
     solved: StepSolution,
     tolerance: float,
-) -> tuple[StepSolution, bool] | None:
-    """Where a way has come to, if that is an equilibrium with what contacts hold there, and whether
-    what softens holds enough there to be worth a slope; the history is then that of the step."""
+) -> StepSolution | None:
+    """Where a way has come to, if that is an equilibrium with what contacts hold there; the history
+    is then that of the step."""
     stood = way.stand(held, solved)
     if not stood:
         return None
@@ -203,15 +189,7 @@ def _stood(
     if there.change > tolerance:
         return None
     strengths.write(law, there.reached, there.after)
-    return stood, _worth(strengths, law, there, WORTH * tolerance)
-
-
-def _worth(strengths: Strengths, law: IntArray, come: _Come, least: float) -> bool:
-    """Whether contacts that soften hold more than a force [N], as far as they are bonds."""
-    if (strengths.yields & ~strengths.bonded).any() or np.isfinite(strengths.crush).any():
-        return True
-    soft = strengths.bonded[law] & (come.reached.softened > 0.0)
-    return bool(come.holds[soft].max(initial=0.0) > least)
+    return stood
 
 
 class _Settled(NamedTuple):
@@ -228,7 +206,7 @@ def _settled(way: NewtonWay | None, come: _Come, enough: float) -> _Settled | No
     slot, point = way.soften(start)
     for _ in range(MOST_ITERATIONS):
         residual = way.residual
-        if residual <= enough and abs(way.missing) <= LAG:
+        if residual <= enough and abs(way.missing) <= MISSING:
             break
         if not (np.isfinite(residual) and way.aim()):
             return None
@@ -304,7 +282,7 @@ class _Relaxation:
             share = -self.share * along / size if size > 0.0 else 1.0
             if self.leaves and along > 0.0:
                 share = 2.0 * self.share
-            self.share = min(max(share, LEAST_SHARE), MOST_SHARE)
+            self.share = min(max(share, LEAST_SHARE_GONE), MOST_SHARE_GONE)
         self.last = missing
         more = self.share
         return there._replace(
@@ -349,7 +327,7 @@ def _shaped(
     if first and not np.isfinite(start.rise):
         excess = _hidden(first, solved, before) or excess
     bend = max(solved.bend or (0.0, 0.0), bend_of_cubic(rise, change, at_end))
-    bend = bend[0], min(bend[1], FARTHEST)
+    bend = bend[0], min(bend[1], FARTHEST_AGAIN)
     if slope is None:
         return replace(solved, excess=excess, bend=bend)
     return replace(solved, excess=excess, bend=bend, slope=slope, softened=True)
@@ -367,7 +345,7 @@ def _hidden(
     if first.excess is None or first.bend is None:
         return None
     rise, drop = first.multiplier - multiplier, first.multiplier - last.multiplier
-    if abs(first.bend[0]) <= 0.1 * abs(drop) and first.excess[0] <= 0.0:
+    if abs(first.bend[0]) <= STRAIGHT * abs(drop) and first.excess[0] <= 0.0:
         if drop <= 0.0 or not 0.0 < rise < 2.0 * drop:
             return 0.0, 0.0
         top = multiplier + 0.25 * rise * rise / drop

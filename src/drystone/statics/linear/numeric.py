@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import MOST_RAISED
 from drystone.statics.linear.symbolic import (
     BORDER,
     CHILD,
@@ -264,7 +265,7 @@ def factorise_fronts(
             ratio = invert(structure.dof, block, diagonal[body])
             more = least
             lacking = ratio < 0.0
-            while lacking and 0.0 < more < 1e12 * least:
+            while lacking and 0.0 < more < MOST_RAISED * least:
                 # Once more when it is positive: what is hardly so upsets what it is joined to.
                 lacking = ratio < 0.0
                 damping[body] += more

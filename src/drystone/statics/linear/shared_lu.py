@@ -12,15 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.threads import Team
+from drystone.common.tolerances import WORTH_SHARING
 from drystone.statics.linear import numeric as lu_numeric
 from drystone.statics.linear.symbolic import BORDER, CHILD, FIRST, SIBLING, UPDATE, Structure, cost
 from drystone.statics.linear.tangent import Tangent
 
 Array = NDArray[np.float64]
 
-#: Time of a factorisation [ns], as `statics.linear.symbolic` reckons it, from which on threads
-#: gain.
-WORTH = 1e6
 #: Subtrees are parted further as long as that gains, up to so many times.
 MOST_PARTED = 40
 
@@ -34,7 +32,7 @@ class SharedLU:
         self.parts: list[list[tuple[int, int]]] = []  # ranges of fronts, of each thread
         self.top: list[tuple[int, int]] = []
         self.structure, self.factors = structure, lu_numeric.allocate(structure)
-        if team.number > 1 and times.sum() > WORTH:
+        if team.number > 1 and times.sum() > WORTH_SHARING:
             self._share(structure, times)
 
     def _share(self, structure: Structure, times: Array) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import CALL_TIME, MULTIPLICATION_TIME
 from drystone.statics.linear.order import dissect, neighbours
 
 Array = NDArray[np.float64]
@@ -24,7 +25,7 @@ FIRST, BORDER, ENTRY, PANEL, UPDATE, N_RUNS, CHILD, SIBLING = range(8)
 #: registers and divide a body's degrees of freedom in the plane (3) and in space (6).
 TILE = 3
 #: Time a front takes [ns]: each, per entry, per product; rough, as the best is flat.
-COST = (100.0, 0.5, 0.04)
+COST = (CALL_TIME, 0.5, MULTIPLICATION_TIME)
 
 
 class Structure(NamedTuple):

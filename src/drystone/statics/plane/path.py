@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.compiled import njit
+from drystone.common.tolerances import BELOW_START, SLOW, SLOW_BACK
 from drystone.contact.contacts import (
     BODY_A,
     BODY_B,
@@ -43,10 +44,6 @@ from drystone.statics.linear.numeric import solve
 #: matrix must be made anew; after too many changes; where there is no direction; with more
 #: changes ahead than are worth following, where it starts.
 DONE, TURNED, RENEW, LOST, SINGULAR, MANY = 0, 1, 2, 3, 4, 5
-
-#: Sliding back by less than this share of the blocks' motion does not end sliding.
-SLOW = 1e-6
-SLOW_BACK = 1e-10
 
 Array = NDArray[np.float64]
 
@@ -298,7 +295,7 @@ def follow_path(
                 _keep_slow(contacts, count, branch)
             return DONE, multiplier, 0.0, changes
         left *= 1.0 - ahead * length
-        if left > 1.0 + 1e-3:
+        if left > 1.0 + BELOW_START:
             return TURNED, multiplier, left, changes
         last, before = chosen, branch[chosen]
         branch[chosen] = following

@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.tolerances import SINGULAR
 from drystone.contact.contacts import EDGE_A, NONE, SIZE, SLOT, Pairs, Slots
 from drystone.contact.histories import Histories, handed_on
 from drystone.contact.plane import narrow, rows
@@ -22,9 +23,6 @@ BoolArray = NDArray[np.bool_]
 
 #: Changes of contacts that are followed with one factorisation.
 CHANGES_PER_MATRIX = 32
-
-#: Smallest pivot of a block, over its largest entry, with which a direction is worth trying.
-SINGULAR = 1e-13
 
 #: Changes of a step at which its multiplier is kept.
 BENDS = 512
