@@ -21,7 +21,8 @@ CASES = Path(__file__).parents[1] / "cases"
 #: By name of the case: blocks of the first event in which a part collapses, or some of them.
 PARTS = {
     "facade_tie": {"casa/w2/c10u2"},
-    "voronoi1": {"b6"},
+    # Rubble: equilibrium is lost at 0.14 mm under 0.45; which stone goes first is of the motion.
+    "voronoi1": {"b6", "b18"},
     "voronoi3": {"b23"},
     "corner_short_leg": {"w2/c6u4"},
     # Mirror images of each other: rounding says which is the first to go.

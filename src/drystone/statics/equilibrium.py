@@ -473,6 +473,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             Before(
                 calm=state.calm or last is not None,
                 slope=np.nan if state.softened else state.slope,
+                unstable=state.unstable,
             ),
             dynamic=demand.time_step > 0.0,
             thorough=demand.thorough,

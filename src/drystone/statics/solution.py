@@ -107,6 +107,7 @@ class Before:
 
     calm: bool = False  # no contact changed its state, so that Newton's method is tried at once
     slope: float = math.nan  # 1/m, of the curve where it ended, if known
+    unstable: bool = False  # whether the structure would not keep where it ended
 
 
 class _Solver:
@@ -365,6 +366,8 @@ def _from_inside(
     end = judged.slope if judged else math.nan
     reason = _reason(found, n_iterations, step, accuracy)
     shape = _shape(multiplier, step.multiplier, slope, end, increment)
+    if before.unstable and judged and judged.stable:
+        shape = (0.0, 0.0), (0.0, 0.0)  # it has left what it would not keep: no point between is it
     return StepSolution(
         increment=step.x.copy(),
         multiplier=step.multiplier,
