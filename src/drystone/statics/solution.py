@@ -308,6 +308,8 @@ def solve(
         if not followed.reason or turned or followed.reason == TOO_STIFF:
             return _as_followed(step, followed)
         step.again()
+        # A shorter step is followed for less than a long search costs.
+        thorough = thorough and step.pace is None
     return _from_inside(
         step, guesses, multiplier, accuracy, settings, before, followed,
         dynamic=dynamic, thorough=thorough,
