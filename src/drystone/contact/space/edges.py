@@ -86,7 +86,7 @@ def edge_on_edge(scene, work, pair, edges, faces, which, value):
         value[k, PLANE_NORMAL_3 + c] = back
     # A tangent: of the edge of a and the first tangent of its face, what is farther off the normal.
     # Where corners meet, both may lie along it: then the face's normal does not.
-    best, chosen = -1.0, 0
+    best, chosen, aside, square = -1.0, 0, 0.0, 1.0
     for trial in range(3):
         along, size = 0.0, 0.0
         for c in range(3):
@@ -95,17 +95,11 @@ def edge_on_edge(scene, work, pair, edges, faces, which, value):
             size += t * t
         off = 1.0 - along * along / size
         if off > best and (trial < 2 or best < 0.25):
-            best, chosen = off, trial
-    along, size = 0.0, 0.0
+            best, chosen, aside, square = off, trial, along, size * off
     for c in range(3):
         t = _candidate(local, plane, a0, a1, face_a, chosen, c)
-        along += t * value[k, PLANE_NORMAL_3 + c]
-        size += t * t
-    off = 1.0 - along * along / size
-    for c in range(3):
-        t = _candidate(local, plane, a0, a1, face_a, chosen, c)
-        t -= along * value[k, PLANE_NORMAL_3 + c]
-        value[k, PLANE_TANGENT_3 + c] = t / np.sqrt(size * off)
+        t -= aside * value[k, PLANE_NORMAL_3 + c]
+        value[k, PLANE_TANGENT_3 + c] = t / np.sqrt(square)
     value[k, BALL_3], radii = scene.radius[q], scene.radius[p] + scene.radius[q]
     evaluate(scene.centroid, radii, turn, scene.pose, which, value, k, a, b)
     return k + 1
