@@ -90,7 +90,6 @@ class DisplacementSettings(EndSettings):
     jump_motion: float = tolerances.JUMP_MOTION
     easy_iterations: int = 12  # of a step up to which increments grow
     hard_iterations: int = 12  # of a step beyond which they shrink
-    slow_iterations: int = 40  # of a step of a jump beyond which its time step does not grow
     grown_after: int = 3  # steps after which increments grow again, of which one failed
     retried_after: int = 5  # steps of a jump after which a time step that failed is tried again
     # Inertia of a step that is static again, over the applied force and, of the fastest block, over
@@ -481,7 +480,7 @@ class DisplacementControl:
             increment = 4.0 * s.floor_share * s.displacement_step
             state = changed(state, time_step=0.0, rested=state.time_step, increment=increment)
             return changed(state, too_long=math.inf, n_since=LONG_AGO)
-        if state.shortened or (s.smooth and report.n_iterations > s.slow_iterations):
+        if state.shortened:
             return changed(state, shortened=False)  # what has just failed would fail again
         longer, n_since = tolerances.JUMP_GROWTH * state.time_step, state.n_since + 1
         if longer >= state.too_long and n_since < s.retried_after:
