@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from drystone.common import tolerances
 from drystone.contact.forces import ContactForces
 from drystone.engines.base import EngineError, StepReport
 from drystone.engines.frame import Frame
@@ -45,7 +46,9 @@ class Plausibility:
             self.asked = True
             if is_locked(self.model):
                 raise EngineError(LOCKED)
-        if report.penetration > self.deepest:
+        # An impact presses joints for an instant, the more the softer they are.
+        allowed = tolerances.PASSED_THROUGH * self.size if report.dynamic else self.deepest
+        if report.penetration > max(allowed, self.deepest):
             raise EngineError(self._crushed(report.penetration, contacts()))
 
     def _crushed(self, penetration: float, contacts: ContactForces) -> str:

@@ -356,6 +356,10 @@ FALL_MOTION = 25.0
 #: Derived: far below the least share of a step.
 LEAST_MOTION = 1e-3
 
+#: Penetration of two blocks in motion, over the smallest block, above which one has passed through
+#: the other.  Derived: beyond half of it the nearest face is the one on the far side.
+PASSED_THROUGH = 0.5
+
 # Control: static steps of a displacement ---------------------------------------------------------
 
 #: What a curve is known to, over its peak.  Convention: points every 2e-4 of the peak tell it.
