@@ -58,6 +58,7 @@ def test_what_a_file_says_is_kept_as_it_says_it(tmp_path):
 
 def test_they_are_written_back_and_the_files_they_name_are_found_from_elsewhere(tmp_path):
     (tmp_path / "other").mkdir()
+    (tmp_path / "motion.csv").write_text("t,a\n0.0,0.1\n0.1,0.2\n")
     model = read(tmp_path, SITE + OF_SLD + ASSESSMENT)
     for name in ("again.toml", "again.json"):
         path = tmp_path / "other" / name
@@ -65,7 +66,19 @@ def test_they_are_written_back_and_the_files_they_name_are_found_from_elsewhere(
         again = read_model(path)
         assert (again.site.values, again.site.states) == (model.site.values, model.site.states)
         (record,) = again.assessment.values["record"]
-        assert Path(record["file"]) == tmp_path.resolve() / "motion.csv"
+        assert record["file"] == "motion.csv"  # a copy, as a model names files of its folder alone
+        copy = tmp_path / "other" / "motion.csv"
+        assert copy.read_bytes() == (tmp_path / "motion.csv").read_bytes()
+
+
+def test_a_copy_takes_no_other_files_place(tmp_path):
+    (tmp_path / "other").mkdir()
+    (tmp_path / "motion.csv").write_text("t,a\n0.0,0.1\n0.1,0.2\n")
+    (tmp_path / "other" / "motion.csv").write_text("somebody else's")
+    write_model(read(tmp_path, SITE + ASSESSMENT), tmp_path / "other" / "again.toml")
+    (record,) = read_model(tmp_path / "other" / "again.toml").assessment.values["record"]
+    assert record["file"] == "motion-2.csv"
+    assert (tmp_path / "other" / "motion.csv").read_text() == "somebody else's"
 
 
 def test_a_varied_model_keeps_them_and_no_curve_depends_on_them(tmp_path):
@@ -218,3 +231,26 @@ def test_records_are_equal_by_what_they_say():
         values={"method": "asce41"}
     )
     assert np.all(Site(code="ec8").as_dict() == {"code": "ec8"})
+
+
+@pytest.mark.parametrize(
+    "name", ["../motion.csv", "/etc/passwd", "a/../../b.csv", "link.csv", "a\\u0000"]
+)
+@pytest.mark.parametrize("place", ["site", "site.SLD", "assessment.record[1]", "import[1]"])
+def test_files_outside_of_the_folder_are_not_named(tmp_path, name, place):
+    """A model of somebody else names no file of whoever runs it."""
+    (tmp_path / "model").mkdir()
+    (tmp_path / "motion.csv").write_text("T,Se\n0.0,0.1\n1.0,0.2\n")
+    (tmp_path / "model" / "link.csv").symlink_to(tmp_path / "motion.csv")
+    unit = 'unit = "g"\n'
+    table = {
+        "site": f'[site]\ncode = "csv"\nfile = "{name}"\n{unit}damping = 5.0\n',
+        "site.SLD": f'[site]\ncode = "csv"\n[site.SLD]\nfile = "{name}"\n',
+        "assessment.record[1]": f'[[assessment.record]]\nfile = "{name}"\n{unit}',
+        "import[1]": f'[[import]]\nfile = "{name}"\nformat = "obj"\nunit = "m"\n',
+    }[place]
+    with pytest.raises(
+        ModelError, match=r"lies outside of the model file's folder|is no path"
+    ) as told:
+        read(tmp_path / "model", table)
+    assert place in str(told.value)

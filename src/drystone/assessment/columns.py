@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drystone.assessment.errors import AssessmentError
+from drystone.common.ranges import RANGES, problem, too_many
 from drystone.model.assembly import GRAVITY
 from drystone.model.construction.contents import read_bytes
 from drystone.model.construction.errors import ModelError
@@ -79,6 +80,8 @@ def read_columns(path: str | Path, header: tuple[str, str], name: str) -> tuple[
             f'{name}: {begins}: begin with the line "{",".join(header)}", commas between columns '
             "and points in numbers"
         )
+    if wrong := too_many("rows", len(rows) - 1):
+        raise AssessmentError(f"{name} {wrong}")
     values = []
     for number, row in rows[1:]:
         if len(row) != len(header):
@@ -90,6 +93,11 @@ def read_columns(path: str | Path, header: tuple[str, str], name: str) -> tuple[
             first, second = (float(cell) for cell in row)
         except ValueError:
             raise AssessmentError(f"{name}, line {number}: is not two numbers: mend it") from None
+        if problem("column_time", first) or problem("column_value", second):
+            most = RANGES["column_value"].most
+            raise AssessmentError(
+                f"{name}, line {number}: is not finite, or beyond {most:g}: mend it"
+            )
         values.append((first, second))
     if len(values) < 2:
         raise AssessmentError(f"{name} has {len(values)} points; two or more are needed")

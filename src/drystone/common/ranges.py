@@ -6,12 +6,13 @@ squares, quotients or counts a computer cannot hold.
 
 from __future__ import annotations
 
-import json
 import math
 import numbers
 import re
 from dataclasses import dataclass
 from typing import Any
+
+from drystone.common.names import quoted
 
 _NUMBER = re.compile(r"[-+]?\d+\.?\d*([eE][-+]?\d+)?")
 
@@ -90,6 +91,8 @@ RANGES = {
     "balance_tolerance": Range(least=1e-12, most=1e3),
     "patience": Range(least=0, most=1_000_000_000, whole=True),
     "displacement_step": Range(least=1e-9, most=1e6, unit="m"),
+    "column_time": Range(least=-1e6, most=1e6, unit="s"),
+    "column_value": Range(least=-1e6, most=1e6),
     "time_step": Range(least=1e-9, most=1e6, unit="s"),
     "max_steps": Range(least=1, most=1_000_000_000, whole=True),
     "max_displacement": Range(least=1e-9, most=1e8, unit="m"),
@@ -114,7 +117,13 @@ LARGEST = {
     "blocks": 20_000,
     "vertices": 200_000,
     "faces": 200_000,
+    "reentrant corners": 150,  # of one outline: cutting takes the third power of their number
     "faces of one solid": 5_000,  # with each of which each of its vertices is compared
+    "ties": 5_000,
+    "dead loads": 5_000,
+    "values": 3_000_000,  # and tables of a model file: six coordinates in a row for each vertex
+    "keys": 20_000,  # of one table: a material of its own for each block
+    "rows": 100_000,  # of a spectrum or a record; 500 s in steps of 5 ms
     "file": 64_000_000,  # bytes
     "name": 200,  # letters
 }
@@ -144,8 +153,7 @@ def found(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        text = value if len(value) <= 60 else value[:60] + "..."
-        return f"the text {json.dumps(text, ensure_ascii=False)}"
+        return f"the text {quoted(value)}"
     if isinstance(value, dict):
         return "a table"
     if isinstance(value, list):

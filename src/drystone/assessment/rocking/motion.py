@@ -30,6 +30,9 @@ RELATIVE, ABSOLUTE = 1e-8, 1e-10
 #: Share of the velocity sqrt(lambda_0 g x_0) below which a body that hits comes to rest.
 AT_REST = 1e-5
 
+#: Length of a record over that of its points in steps of the median; of even ones it is 1.
+UNEVEN = 10.0
+
 #: Impacts in one response after which something is wrong.
 MOST_IMPACTS = 20_000
 
@@ -177,7 +180,7 @@ def respond(
     end = float(record.time[-1]) if duration is None else start + positive(duration, "duration")
     times, values = record.time.tolist(), record.acceleration.tolist()
     ground = _interpolation(times, values)
-    step = float(np.median(np.diff(record.time)))  # none is longer: no peak is missed
+    step = _longest_step(record)
     history = _History()
     t, x, v = start, float(displacement), float(velocity)
     history.add(np.array(t), np.array(x), np.array(v))
@@ -208,6 +211,21 @@ def respond(
             history.add(np.array(t), np.array(x), np.array(v))
     history.add(np.array(end), np.array(x), np.array(v))
     return history.response(False)
+
+
+def _longest_step(record: Record) -> float:
+    """That of the record's points in the median [s]: no peak is missed.
+
+    Raises `AssessmentError` where so many of them make up the record that it would have no end.
+    """
+    step = float(np.median(np.diff(record.time)))
+    length = float(record.time[-1] - record.time[0])
+    if length > UNEVEN * (len(record.time) - 1) * step:
+        raise AssessmentError(
+            f"{record.name}: takes {length:g} s, with steps of {step:g} s in the median: give it "
+            "in even steps"
+        )
+    return step
 
 
 def _flight(

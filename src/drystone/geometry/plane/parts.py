@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.ranges import too_many
 from drystone.common.tolerances import DEGENERATE, NEEDLE, SEAM
 from drystone.geometry import GeometryError
 from drystone.geometry.plane.polygon import check_outline, reflex_corners, signed_area
@@ -26,6 +27,8 @@ def convex_outlines(vertices: Array) -> list[Array]:
     """
     if check_outline(vertices):
         return [vertices]
+    if wrong := too_many("reentrant corners", int(np.sum(reflex_corners(vertices)))):
+        raise GeometryError(f"the outline {wrong}")
     whole = signed_area(vertices)
     near = DEGENERATE * float(np.ptp(vertices, axis=0).max())
     todo, parts = [_Piece(vertices, np.zeros(len(vertices), bool))], []

@@ -117,10 +117,17 @@ def read(path: str | PathLike[str], target: str | None = None) -> Model:
     if found.read is None:
         raise ModelError([f"{path}: a file for {found.name} holds no model, only its geometry"])
     try:
-        text = read_bytes(Path(path), "the file").decode("utf-8")
+        return found.read(_text(read_bytes(Path(path), "the file")))
     except ModelError as error:
         raise ModelError(f"{path}: {problem}" for problem in error.problems) from None
-    return found.read(text)
+
+
+def _text(contents: bytes) -> str:
+    """A file of ours as text; raises `ModelError`."""
+    try:
+        return contents.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise ModelError([f"is no file of ours (byte {error.start + 1} is not UTF-8)"]) from None
 
 
 __all__ = ["PROGRAMS", "Target", "convert", "read", "target_of", "targets"]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from drystone.geometry import GeometryError
 from drystone.geometry.plane import polygon
 from drystone.model.assembly import GRAVITY, Assembly
 from drystone.model.construction.errors import ModelError
+from drystone.model.construction.words import printable
 from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
 
@@ -44,6 +46,26 @@ class Materials:
     density: tuple[float, ...]  # kg/m3
     name: tuple[str, ...]
     of_block: tuple[int, ...]  # counted from 1
+
+
+@contextmanager
+def only_ours(program: str) -> Iterator[None]:
+    """Reading in here: what our writers do not write is a `ModelError`."""
+    try:
+        with np.errstate(over="raise", invalid="raise", divide="raise"):
+            yield
+    except (
+        ArithmeticError,
+        AttributeError,
+        LookupError,
+        TypeError,
+        ValueError,
+        SyntaxError,
+    ) as error:
+        what = printable(" ".join(f"{type(error).__name__}: {error}".split())[:120])
+        raise ModelError([f"this is no {program} file of ours ({what})"]) from None
+    except (MemoryError, RecursionError):
+        raise ModelError([f"this is no {program} file of ours: it is nested too deeply"]) from None
 
 
 def number(value: float) -> str:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -29,7 +28,6 @@ from drystone.io.convert.common import (
     wrapped,
 )
 from drystone.model.assembly import GRAVITY, Assembly, Block, Corner
-from drystone.model.construction.errors import ModelError
 from drystone.model.construction.model import make_model
 from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis, Model
@@ -277,16 +275,6 @@ def _lines(text: str, parsed: Parsed) -> Iterator[tuple[str, str]]:
 def numbers(words: Sequence[str]) -> Array:
     """Words as numbers, (n,)."""
     return np.array([float(word) for word in words])
-
-
-@contextmanager
-def only_ours(program: str) -> Iterator[None]:
-    """Reading in here: what our writers do not write is a `ModelError`."""
-    try:
-        yield
-    except (IndexError, KeyError, ValueError) as error:
-        what = f"{type(error).__name__}: {error}"
-        raise ModelError([f"this is no {program} file of ours ({what})"]) from None
 
 
 #: Where joints have laws of their own: what the file cannot do.

@@ -23,6 +23,7 @@ from drystone.io.convert.common import (
     mass_direction,
     need_convex,
     need_stiffness,
+    only_ours,
     strategy,
     strategy_notes,
     wrapped,
@@ -155,10 +156,12 @@ def read(text: str) -> Model:
 
     The shear stiffness is that of the normal direction, of which the script says nothing.
     """
-    try:
-        tree = ast.parse(text)
-    except SyntaxError as error:
-        raise ModelError([f"this is no script of ours: {error}"]) from None
+    with only_ours(PROGRAM):
+        return _model(_literals(ast.parse(text)))
+
+
+def _literals(tree: ast.Module) -> dict[str, Any]:
+    """What names stand for, as far as that is written out; raises `ModelError` where one lacks."""
     v: dict[str, Any] = {}
     for node in tree.body:
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
@@ -166,11 +169,15 @@ def read(text: str) -> Model:
                 v[node.targets[0].id] = ast.literal_eval(node.value)
             except ValueError:
                 break  # the end of the numbers
-    solid = "AREAS" in v
-    needed = ("BLOCKS", "AREAS" if solid else "LEG", "STRATEGY", "GRAVITY")
+    needed = ("BLOCKS", "AREAS" if "AREAS" in v else "LEG", "STRATEGY", "GRAVITY")
     missing = [key for key in needed if key not in v]
     if missing:
         raise ModelError([f"this is no script of ours: it lacks {missing[0]}"])
+    return v
+
+
+def _model(v: dict[str, Any]) -> Model:
+    solid = "AREAS" in v
     blocks = [
         Block(
             id=block["id"],

@@ -23,6 +23,7 @@ from drystone.io.convert.common import (
     need_convex,
     need_stiffness,
     number,
+    only_ours,
     strategy_notes,
     unchamfered,
 )
@@ -164,7 +165,7 @@ def _corner_notes(assembly: Assembly) -> list[str]:
 
 def read(text: str) -> Model:
     """The model of a file that `write` wrote; its corners are chamfered or sharp."""
-    with itasca.only_ours(PROGRAM):
+    with only_ours(PROGRAM):
         parsed = itasca.parse(text)
         return _solids(parsed) if "load_z" in parsed.values else _prisms(parsed)
 

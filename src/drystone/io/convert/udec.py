@@ -17,6 +17,7 @@ from drystone.io.convert.common import (
     need_convex,
     need_stiffness,
     number,
+    only_ours,
     strategy_notes,
 )
 from drystone.model.assembly import GRAVITY, Assembly, Corner
@@ -197,7 +198,7 @@ def _is_vertex(model: Model) -> bool:
 
 def read(text: str) -> Model:
     """The model of a file that `write` wrote."""
-    with itasca.only_ours(PROGRAM):
+    with only_ours(PROGRAM):
         return _model(itasca.parse(text))
 
 

@@ -7,6 +7,7 @@ may hold a site without being assessed.
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, PlainValidator, ValidationError, model_validator
@@ -15,6 +16,7 @@ from drystone.common.keys import Key
 from drystone.common.registry import Registry
 from drystone.io.modelfile.declared import Chosen, State, section_of
 from drystone.io.modelfile.keys import Section, sentence
+from drystone.model.construction.contents import within
 from drystone.model.construction.errors import ModelError
 from drystone.model.site import LIMIT_STATES, METHODS, AssessmentInput, Site
 
@@ -192,6 +194,24 @@ class AssessmentSection(Chosen):
             for key in method.KEYS
         }
         return section_of(cls, tuple(found.values()))
+
+
+def outside_problems(
+    site: SiteSection | None, assessment: AssessmentSection | None, folder: Path
+) -> list[str]:
+    """A sentence on each file of [site] and [assessment] that is none of the model's folder."""
+    named: dict[str, str | None] = {}
+    if site is not None:
+        named = {"site": site.file} | {f"site.{k}": own.file for k, own in site.states().items()}
+    if assessment is not None:
+        named |= {f"assessment.record[{k}]": r.file for k, r in enumerate(assessment.record, 1)}
+    problems = []
+    for place, name in named.items():
+        try:
+            within(folder, name or "")
+        except ModelError as error:
+            problems += [f"{place}.file: {problem}" for problem in error.problems]
+    return problems
 
 
 def site_of(section: SiteSection | None, folder: str) -> Site | None:

@@ -15,6 +15,7 @@ from drystone.io.drawings.settings import ImportSettings
 from drystone.io.modelfile.schema import ImportSection, ModelSection
 from drystone.io.modelfile.sentences import place_of
 from drystone.model.assembly import Block
+from drystone.model.construction.contents import within
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import quoted, suggestion
 
@@ -55,10 +56,9 @@ def imports_of(
 
     for i, table in enumerate(section.imports):
         place = place_of(("import", i), {})
-        file = Path(source or "").parent / table.file
         try:
             made = imported(
-                _settings(table, file),
+                _settings(table, within(Path(source or "").parent, table.file)),
                 partial(_material, table, unit_weights),
                 section.dimension,
             )

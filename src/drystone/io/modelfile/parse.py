@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import re
 import tomllib
+from collections import Counter
 from typing import Any
 
+from drystone.common.ranges import too_many
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import quoted
 
@@ -34,6 +36,8 @@ def parse(contents: bytes, *, is_json: bool) -> dict[str, Any]:
         raise ModelError(
             [f"is not text (byte {error.start + 1} is not UTF-8): give a TOML or JSON file"]
         ) from None
+    if wrong := too_many("values", sum(contents.count(mark) for mark in (b",", b"[", b"{", b"="))):
+        raise ModelError([wrong])
     if not text.strip():
         raise ModelError(["is empty: write a model into it, the examples show how"])
     try:
@@ -54,8 +58,7 @@ def parse(contents: bytes, *, is_json: bool) -> dict[str, Any]:
         raise ModelError([NESTED]) from None
     except ValueError:  # Python declines to read whole numbers of more than 4300 digits
         raise ModelError(["holds a whole number of thousands of digits: shorten it"]) from None
-    if _depth_exceeds(data, DEEPEST):
-        raise ModelError([NESTED])
+    _check_nesting(data)
     if not isinstance(data, dict):
         raise ModelError(['must hold a table of keys, as { "dimension": 2, ... }'])
     return data
@@ -65,8 +68,7 @@ def _json(text: str) -> Any:
     def table(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         keys = dict(pairs)
         if len(keys) < len(pairs):
-            names = [name for name, _ in pairs]
-            twice = next(name for name in names if names.count(name) > 1)
+            twice, _ = Counter(name for name, _ in pairs).most_common(1)[0]
             raise ModelError([f"key {quoted(twice)} is given twice in one table: take one out"])
         return keys
 
@@ -79,19 +81,22 @@ def _json(text: str) -> Any:
     return data
 
 
-def _depth_exceeds(data: Any, most: int) -> bool:
-    """Whether lists and tables lie in each other more than ``most`` deep; without recursion."""
+def _check_nesting(data: Any) -> None:
+    """Raise `ModelError` for tables deeper or wider than any of a model; without recursion."""
     level = [data]
-    for _ in range(most + 1):
+    for _ in range(DEEPEST + 1):
         holders = [item for item in level if isinstance(item, dict | list)]
         if not holders:
-            return False
+            return
+        most = max((len(item) for item in holders if isinstance(item, dict)), default=0)
+        if wrong := too_many("keys", most):
+            raise ModelError([f"a table {wrong}"])
         level = [
             item
             for holder in holders
             for item in (holder.values() if isinstance(holder, dict) else holder)
         ]
-    return True
+    raise ModelError([NESTED])
 
 
 def _torn_toml(message: str, text: str) -> str:

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from drystone.common.ranges import too_many
 from drystone.engines import BUILT_IN, engine_names
 from drystone.geometry import GeometryError
-from drystone.io.modelfile.assessing import assessment_of, site_of
+from drystone.io.modelfile.assessing import assessment_of, outside_problems, site_of
 from drystone.io.modelfile.builds import BuildSection
 from drystone.io.modelfile.groups import grouped
 from drystone.io.modelfile.holding import with_holders
@@ -41,6 +41,14 @@ from drystone.model.construction.words import quoted, suggestion
 from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis, Model
 
+#: What is counted before any work on it, by the tables that it is listed in.
+COUNTED = {
+    "block": "blocks",
+    "build": "blocks",
+    "tie": "ties",
+    "spring": "ties",
+    "dead_load": "dead loads",
+}
 _LAW_KEYS = tuple(JointLaw.__dataclass_fields__)
 
 
@@ -130,7 +138,9 @@ def _model(
     section = checked(data)
     if folder is None:
         folder = str(Path(source).parent) if source else ""
-    problems: list[str] = []
+        problems = outside_problems(section.site, section.assessment, Path(folder))
+    else:
+        problems = []  # what results hold says where the files of its model were
     blocks, places, imports = blocks_of(section, data, source, problems)
     control_block, control_point = section.control.block, section.control.point
     if imports.control and control_block is None and control_point is None:
@@ -195,9 +205,10 @@ def _analysis(section: AnalysisSection, outputs: Sequence[OutputSection]) -> Ana
 def checked(data: dict[str, Any]) -> ModelSection:
     """The file's keys, types and ranges, and which shapes its blocks have."""
     given = data.get("dimension")
-    listed = data.get("block")
-    if isinstance(listed, list) and (wrong := too_many("blocks", len(listed))):
-        raise ModelError([f"block: the model {wrong}"])
+    for key, what in COUNTED.items():
+        listed = data.get(key)
+        if isinstance(listed, list) and (wrong := too_many(what, len(listed))):
+            raise ModelError([f"{key}: the model {wrong}"])
     dimension = given if given in (2, 3) and not isinstance(given, bool) else None
     problems = shape_problems(data, dimension)
     try:

@@ -15,6 +15,9 @@ from drystone.io.modelfile.keys import Section
 from drystone.io.modelfile.schema import ModelSection
 from drystone.model.construction.words import quoted, suggestion
 
+#: Sentences on one file: nobody reads more.
+MOST = 100
+
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
 _UNQUOTED = ("float_type", "int_type", "bool_type")
@@ -40,8 +43,11 @@ _BOUNDS = {
 
 
 def sentences(error: ValidationError, data: dict[str, Any]) -> list[str]:
-    """One sentence for each error of a check of ``data`` against `ModelSection`."""
-    return [_sentence(details, data) for details in error.errors(include_url=False)]
+    """One sentence for each error of a check of ``data`` against `ModelSection`, up to `MOST`."""
+    found = [_sentence(details, data) for details in error.errors(include_url=False)[:MOST]]
+    if (more := error.error_count() - MOST) > 0:
+        found.append(f"the file: has {more:,} more faults: mend these first")
+    return found
 
 
 def place_of(keys: Sequence[str | int], data: Any) -> str:

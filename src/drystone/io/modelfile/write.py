@@ -10,6 +10,7 @@ from typing import Any
 
 from drystone.model.construction.describe import model_to_dict
 from drystone.model.model import Model
+from drystone.model.site import FILE
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
@@ -17,15 +18,46 @@ _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 def write_model(model: Model, path: str | PathLike[str]) -> None:
     """Write a model to ``path``, as JSON if it ends in .json and as TOML otherwise.
 
-    Walls are written block by block.  Reading the file again gives an equal assembly.
+    Walls are written block by block.  Reading the file again gives an equal assembly.  Spectra and
+    records that the model names are copied into the folder of the file, where they are not in it
+    yet: a model file names files of its own folder alone.
     """
     path = Path(path)
     data = model_to_dict(model)
+    for key in ("site", "assessment"):
+        if key in data:
+            data[key] = _with_own_files(data[key], path.parent)
     if path.suffix.lower() == ".json":
         text = json.dumps(data, indent=2, ensure_ascii=False) + "\n"
     else:
         text = to_toml(data)
     path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _with_own_files(value: Any, folder: Path) -> Any:
+    """Tables whose files are named from a folder, into which they are copied."""
+    if isinstance(value, list):
+        return [_with_own_files(entry, folder) for entry in value]
+    if not isinstance(value, dict):
+        return value
+    return {
+        key: _own_file(Path(entry), folder) if key == FILE else _with_own_files(entry, folder)
+        for key, entry in value.items()
+    }
+
+
+def _own_file(path: Path, folder: Path) -> str:
+    """The name of a file from a folder; a copy, numbered where another file has its name."""
+    if path.is_relative_to(folder.resolve()):
+        return path.relative_to(folder.resolve()).as_posix()
+    if not path.is_file():
+        return path.name
+    contents, name, k = path.read_bytes(), path.name, 1
+    while (folder / name).exists() and (folder / name).read_bytes() != contents:
+        k += 1
+        name = f"{path.stem}-{k}{path.suffix}"
+    (folder / name).write_bytes(contents)
+    return name
 
 
 def to_toml(data: dict[str, Any]) -> str:

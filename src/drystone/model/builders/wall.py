@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from drystone.model.assembly import Block
+from drystone.model.builders.stones import check_count
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import quoted
 
@@ -22,7 +23,7 @@ def course_problem(course: str) -> str | None:
     for position, symbol in enumerate(course, start=1):
         if symbol not in SYMBOLS:
             return (
-                f'has "{symbol}" as letter {position}: '
+                f"has {quoted(symbol)} as letter {position}: "
                 "1 is a whole unit, h half a unit and . a void of one unit"
             )
     return None
@@ -82,6 +83,7 @@ def coursed_wall(
         A course holds an unknown letter, or nothing.
     """
     _check(courses)
+    check_count(repeat * sum(sum(SYMBOLS[s][1] for s in course) for course in courses))
     length, height = map(float, unit)
     x0, y0 = map(float, origin)
     stone = partial(Block, unit_weight=unit_weight, material=material)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from drystone.common.ranges import LARGEST
 from drystone.model.construction.errors import ModelError
+from drystone.model.construction.words import quoted
 
 
 def read_bytes(path: Path, what: str) -> bytes:
@@ -35,6 +36,26 @@ def read_bytes(path: Path, what: str) -> bytes:
     if len(found) > LARGEST["file"]:
         raise ModelError([_too_large(len(found))])
     return found
+
+
+def within(folder: Path, name: str) -> Path:
+    """The file that a model in a folder names; raises `ModelError` where that is outside of it.
+
+    A model of somebody else may name any file of whoever runs it: its own are those in its folder
+    and below, wherever links lead.
+    """
+    try:
+        path, home = (folder / name).resolve(), folder.resolve()
+    except (OSError, RuntimeError, ValueError):
+        raise ModelError([f"{quoted(name)} is no path of a file: mend it"]) from None
+    if not path.is_relative_to(home):
+        raise ModelError(
+            [
+                f"{quoted(name)} lies outside of the model file's folder, and a model names files "
+                "in its own folder and below alone: copy it there"
+            ]
+        )
+    return folder / name
 
 
 def _too_large(size: int) -> str:
