@@ -117,6 +117,9 @@ LARGEST = {
     "blocks": 20_000,
     "vertices": 200_000,
     "faces": 200_000,
+    "corners of faces": 1_000_000,  # five of each face
+    "rows of elements": 1_000_000,  # of a PLY file: vertices, faces, edges and what else it has
+    "entities": 100_000,  # of a drawing, with those that its references stand for
     "reentrant corners": 150,  # of one outline: cutting takes the third power of their number
     "faces of one solid": 5_000,  # with each of which each of its vertices is compared
     "ties": 5_000,

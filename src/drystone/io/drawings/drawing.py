@@ -112,7 +112,10 @@ def _is_closed(mesh: Mesh) -> bool:
 
 
 def check_faces(n: int, faces: Sequence[Sequence[int]], place: str = "") -> None:
-    """Raise `ModelError` where a face names a vertex that is not among ``n``."""
+    """Raise `ModelError` where a face names a vertex that is not among ``n``, or faces have more
+    corners in all than are read."""
+    if wrong := too_many("corners of faces", sum(map(len, faces))):
+        raise ModelError([place + wrong])
     for k, face in enumerate(faces, 1):
         for i in face:
             if not 0 <= i < n:

@@ -12,10 +12,12 @@ import logging
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import chain
 from typing import Any
 
 import numpy as np
 
+from drystone.common.ranges import too_many
 from drystone.io.drawings.drawing import (
     CONTROL_LAYERS,
     MOST,
@@ -62,7 +64,8 @@ def read(contents: bytes, dimension: int | None = None) -> Drawing:
     loose: dict[str, list[np.ndarray]] = {}
     points: list[tuple[str, tuple[float, ...]]] = []
     others: dict[str, int] = {}
-    for entity in _entities(document.modelspace(), 0):
+    n_vertices = 0
+    for entity in _entities(document.modelspace()):
         kind, layer = entity.dxftype(), tidy_name(entity.dxf.get("layer", "0"))
         if kind == "POINT":
             points.append((layer, tuple(entity.dxf.location)))
@@ -72,6 +75,8 @@ def read(contents: bytes, dimension: int | None = None) -> Drawing:
             for mesh in found:
                 meshes += _named(entity, layer, *mesh)
         elif (outline := _outline(entity, kind)) is not None:
+            n_vertices += len(outline)
+            check_counts(n_vertices, 0)
             outlines.append(_marked(entity, layer, len(outlines) + 1, outline))
         elif kind not in _SILENT:
             what = f"{kind} on layer {quoted(layer)}"
@@ -150,16 +155,27 @@ def _line(error: object) -> str:
     return printable(" ".join(str(error).split())[:200]) or type(error).__name__
 
 
-def _entities(layout: Any, depth: int) -> Iterator[Any]:
-    """Entities of a layout, and those that its references stand for."""
-    for entity in layout:
-        if entity.dxftype() == "INSERT":
-            if depth >= DEEPEST:
-                raise ModelError(["has blocks inside of each other without end"])
-            for one in entity.multi_insert() if entity.mcount > 1 else (entity,):
-                yield from _entities(one.virtual_entities(), depth + 1)
-        else:
+def _entities(layout: Any) -> Iterator[Any]:
+    """Entities of a layout, and those that its references stand for; raises `ModelError` where
+    these are without end, or more than are read."""
+    count = 0
+    waiting: list[Iterator[Any]] = [iter(layout)]
+    while waiting:
+        entity = next(waiting[-1], None)
+        if entity is None:
+            waiting.pop()
+            continue
+        is_reference = entity.dxftype() == "INSERT"
+        count += max(int(entity.mcount), 1) if is_reference else 1
+        if wrong := too_many("entities", count):
+            raise ModelError([wrong])
+        if not is_reference:
             yield entity
+            continue
+        if len(waiting) > DEEPEST:
+            raise ModelError(["has blocks inside of each other without end"])
+        ones = entity.multi_insert() if entity.mcount > 1 else (entity,)
+        waiting.append(chain.from_iterable(one.virtual_entities() for one in ones))
 
 
 def _nothing(dimension: int, others: dict[str, int]) -> str:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from drystone.common.ranges import too_many
 from drystone.io.drawings.drawing import (
     Drawing,
     Shape,
@@ -38,7 +39,7 @@ def read(contents: bytes) -> Drawing:
     heading = "o" if any(line.split()[:1] == ["o"] for line in lines) else "g"
     vertices: list[tuple[float, ...]] = []
     found = [_Own("")]
-    group, material, ignored = "", "", set()
+    group, material, ignored, n_corners = "", "", set(), 0
     for row, line in enumerate(lines, 1):
         key, *words = line.split("#", 1)[0].split() or [""]
         place = f"line {row}"
@@ -47,6 +48,9 @@ def read(contents: bytes) -> Drawing:
                 raise ModelError([f"{place}: a vertex needs three numbers"])
             vertices.append(tuple(number(word, place) for word in words[:3]))
         elif key == "f":
+            n_corners += len(words)
+            if wrong := too_many("corners of faces", n_corners):
+                raise ModelError([wrong])
             face = tuple(_row(word, len(vertices), place) for word in words)
             if len(face) < 3:
                 raise ModelError([f"{place}: a face needs three vertices"])

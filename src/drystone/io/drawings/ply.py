@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from drystone.common.ranges import too_many
 from drystone.io.drawings.drawing import (
     MOST,
     Drawing,
@@ -116,6 +117,8 @@ def _header(text: str) -> tuple[str, list[_Element]]:
                 raise ModelError([f"header: {quoted(line)} is no property that PLY has"])
             size = _TYPES[kinds[0]] if len(kinds) == 2 else None
             elements[-1].columns.append((words[-1], _TYPES[kinds[-1]], size))
+    if wrong := too_many("rows of elements", sum(element.count for element in elements)):
+        raise ModelError([wrong])
     if order is None:
         raise ModelError(["its header says no format"])
     return order, elements

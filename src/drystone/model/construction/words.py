@@ -16,8 +16,9 @@ __all__ = [
     "suggestion",
 ]
 
-#: With these a cell of a spreadsheet begins that is calculated, not shown.
-FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")
+#: With these a cell of a spreadsheet begins that is calculated, not shown; the last four
+#: are the first ones in full width.
+FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "\uff1d", "\uff0b", "\uff0d", "\uff20")
 
 
 def in_a_cell(text: str) -> str:
