@@ -13,7 +13,15 @@ from pathlib import Path
 
 import numpy as np
 
-from drystone.io.drawings.drawing import MOST, Drawing, Shape, number, tidy_name, whole
+from drystone.io.drawings.drawing import (
+    MOST,
+    Drawing,
+    Shape,
+    check_counts,
+    number,
+    tidy_name,
+    whole,
+)
 from drystone.io.drawings.format import Format
 from drystone.model.construction.contents import read_bytes
 from drystone.model.construction.errors import ModelError
@@ -37,6 +45,7 @@ def read(contents: bytes, beside: Path | None = None) -> Drawing:
         Path of the file, where DRV_DOF.DAT may tell the supports.
     """
     text = contents.decode("utf-8", errors="replace")
+    check_counts(text.count("coo1"), text.count("ver1"))
     held, states = _held(beside), _states(beside)
     shapes: list[Shape] = []
     left_out: set[str] = set()

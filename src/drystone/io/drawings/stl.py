@@ -26,7 +26,8 @@ def read(contents: bytes) -> Drawing:
         check_counts(0, count)
         return _binary(contents, count)
     if contents.lstrip()[:5].lower() == b"solid":
-        check_counts(0, contents.count(b"endfacet"))
+        words = contents.lower()
+        check_counts(0, max(words.count(b"endfacet"), words.count(b"vertex") // 3))
         return _text(contents.decode("utf-8", errors="replace"))
     if count < 0:
         raise ModelError(["is too short for an STL file: export it anew"])
