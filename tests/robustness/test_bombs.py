@@ -135,6 +135,13 @@ class TestTables:
         told = said(AssessmentError, read_spectrum, path, unit="g", damping=0.05)
         assert "line 3: is not finite, or beyond 1e+06" in told
 
+    def test_a_spectrum_that_is_nothing_but_the_ground(self, tmp_path):
+        """Its corner period was zero, which was found where it was scaled."""
+        path = tmp_path / "s.csv"
+        path.write_text("T,Se\n0,0.2\n1,0\n2,0\n")
+        told = said(AssessmentError, read_spectrum, path, unit="g", damping=0.05)
+        assert "no value after the first is above zero" in told
+
     def test_a_record_of_uneven_steps(self):
         """None is longer than the median: so long a record would have 1e15."""
         record = Record(time=np.array([0.0, 1e-9, 2e-9, 1e6]), acceleration=np.ones(4))

@@ -28,7 +28,7 @@ from drystone.report.viewer.folder import Folder
 RUN = "window.ran = 1"
 NAMES = (
     "../../outside",
-    "/tmp/outside",
+    "/outside",
     f"</script><script>{RUN}</script>",
     f'"><img src=x onerror="{RUN}">',
     f"<svg onload='{RUN}'>",

@@ -52,6 +52,10 @@ class TableSpectrum:
                 f"{self.label}: the value at {t[i]:g} s is {a[i]:g}; accelerations are not below "
                 "zero, and that of the ground is above it"
             )
+        if not (a[1:] > 0.0).any():
+            raise AssessmentError(
+                f"{self.label}: no value after the first is above zero: that is no spectrum"
+            )
         damping_factor(self.table_damping)
         positive(self.soil_factor, "the soil factor S")
         if self.corner is not None:
