@@ -66,7 +66,9 @@ def from_inside(
     return Answer(
         status=OPTIMAL if np.isfinite(found.x).all() else FAILED,
         factor=float(found.x[n_amounts]),
-        forces=forces.reshape(equilibrium.n_contacts, -1),
+        forces=forces.reshape(
+            equilibrium.n_contacts, len(forces) // max(equilibrium.n_contacts, 1)
+        ),
         velocity=-found.y[:n_rows] / scale,
         n_iterations=found.n_iterations,
     )

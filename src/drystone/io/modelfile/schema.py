@@ -19,6 +19,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from drystone.common.keys import NEEDED, Key
+from drystone.common.ranges import POSITIVE
 from drystone.common.registry import Registry
 from drystone.control.stops import STOPS
 from drystone.io.drawings.registry import FORMATS
@@ -151,6 +152,9 @@ class CornerSection(Section):
     def _not_both(self) -> CornerSection:
         if self.radius is not None and self.chamfer is not None:
             raise sentence("has both radius and chamfer: leave one of them out")
+        size = self.radius or self.chamfer or 0.0
+        if 0.0 < size < POSITIVE.least:
+            raise sentence(f"is of {size:g} m, which no corner has: give 0 for sharp ones")
         return self
 
 

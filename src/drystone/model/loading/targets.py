@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.keys import Key, Text
-from drystone.common.names import there_is_no
+from drystone.common.names import quoted, there_is_no
 from drystone.model.assembly import Assembly
 from drystone.model.loading.base import Scale
 from drystone.model.loading.dead_forces import DeadForces
@@ -109,7 +109,7 @@ class PointForce(Target):
             return found
         if isinstance(self.point, str):
             names = '" or "'.join(POINTS)
-            return [f'{place}.point: there is no point "{self.point}": take "{names}"']
+            return [f'{place}.point: there is no point {quoted(self.point)}: take "{names}"']
         if self.block is None:
             return [f"{place}.point: the blocks of a group have no point in common: name a block"]
         row = assembly.index(self.block)
