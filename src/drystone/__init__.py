@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from drystone.report import plot_curve, plot_mechanism, plot_model
     from drystone.report.folder.directory import ResultsDirectory
     from drystone.report.folder.results import Results, load_results, save_results
+    from drystone.report.folder.resume import resume
     from drystone.results.curve import CapacityCurve, CurvePoint
 
 if TYPE_CHECKING:
@@ -98,6 +99,7 @@ _PLACES = {
     "published_wall": "drystone.model.builders",
     "pushover": "drystone.analysis.driver",
     "read_model": "drystone.io.modelfile",
+    "resume": "drystone.report.folder.resume",
     "save_results": "drystone.report.folder.results",
     "spring": "drystone.model.ties",
     "stack": "drystone.model.builders.column",

@@ -7,13 +7,15 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, closing, nullcontext
 from dataclasses import asdict, dataclass, field, fields, replace
 from functools import partial
-from typing import Any, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from drystone.analysis.plausible import Plausibility
+from drystone.analysis.sitting import SITTING, Sitting
+from drystone.common.codec import packed, unpacked
 from drystone.common.compilation import Compilation
 from drystone.common.language import say
 from drystone.common.progress.watched import points_shown
@@ -43,6 +45,7 @@ from drystone.engines.framed import framed
 from drystone.engines.refusal import others
 from drystone.model.model import REMOVE, STOP, Analysis, Model
 from drystone.model.ties import TieState, names_of
+from drystone.results.checkpoint import Checkpoint, Past, Standing
 from drystone.results.curve import (
     DYNAMIC,
     FINISHED,
@@ -82,7 +85,9 @@ class Recorder(Protocol):
     """Something that keeps points as they come.
 
     What it cannot keep it says by a `RecorderError`, which ends the analysis with what was reached.
-    One that has a method ``ties`` is told what ties carry (`ties.TieState`) before each point.
+    One that has a method ``ties`` is told what ties carry (`ties.TieState`) before each point.  One
+    that has a method ``keep`` is offered a checkpoint before each step, as a function that makes it
+    (`Checkpoint`), and the last one at the end: it takes one as often as it wants.
     """
 
     def begin(self, model: Model, engine: str, strategy: str) -> None:
@@ -184,6 +189,54 @@ def pushover(
     )
 
 
+def resumed(
+    past: Past,
+    *,
+    engine: Engine[Any] | None = None,
+    recorder: Recorder | None = None,
+    progress: Callable[[CurvePoint], None] | bool | None = None,
+    threads: int | None = None,
+) -> CapacityCurve:
+    """The curve of a run that stopped, as if it had not: from its last checkpoint on.
+
+    Parameters
+    ----------
+    past
+        The run as it was kept.  The ``analysis`` of its model may have another end.
+    engine
+        As `pushover` was given, where it was no name.
+    recorder, progress, threads
+        As of `pushover`; the recorder goes on after the points of the past.
+
+    Raises
+    ------
+    EngineError
+        The engine cannot go on from states that were kept.
+    """
+    kept = past.checkpoint
+    solver = make_engine(kept.engine) if engine is None else framed(checked(engine))
+    if not solver.capabilities.resumes:
+        raise EngineError(cannot_resume(kept.engine))
+    run = _Run(
+        model=past.model,
+        solver=solver,
+        strategy=kept.strategy,
+        later=False,
+        stops=kept.stops,
+        recorder=recorder,
+        progress=None,
+        keep_poses=False,
+        keep_contacts=False,
+        past=past,
+    )
+    return _traced(run, progress, threads)
+
+
+def cannot_resume(engine: str) -> str:
+    """That an engine keeps no states, as a sentence."""
+    return str(say("end.engine_keeps_none", engine=engine))
+
+
 def _is_enough(curve: CapacityCurve, model: Model) -> bool:
     """Whether a curve shows all that another control point could: it was interrupted, somebody has
     named its control point, or this is part of the first collapse."""
@@ -212,7 +265,17 @@ def _traced(
     with closing(run.solver), lapack, limited(threads), Compilation() as compilation, shows as told:
         run.progress = told
         end = run.traced(control)
-    return run.finished(*end, time.perf_counter() - begun, compilation.seconds)
+    seconds = 0.0 if run.past is None else run.past.checkpoint.seconds
+    return run.finished(*end, seconds + time.perf_counter() - begun, compilation.seconds)
+
+
+class _Stands(NamedTuple):
+    """A run between two steps; one object, so that an interrupt finds it whole."""
+
+    state: State
+    decision: Decision[Any]
+    n_points: int
+    n_left: int
 
 
 @dataclass(kw_only=True)
@@ -235,9 +298,14 @@ class _Run:
     left: list[BlockLeft] = field(default_factory=list)
     log: EventLog = field(init=False)
     settlement: float = 0.0  # m, of the control point before the load
+    past: Past | None = None  # of a run that goes on
+    notes: tuple[str, ...] = ()  # what the engine leaves out of the model
+    stands: _Stands | None = None  # between the last two steps
 
     def __post_init__(self) -> None:
         self.log = EventLog(self.model)
+        self.begun = time.perf_counter()
+        self.sitting = Sitting(self.model.analysis.options)
 
     def traced(self, control: Control[Any]) -> tuple[str, str]:
         """Trace the curve; status and reason of its end.  Without a point, errors are raised."""
@@ -253,31 +321,17 @@ class _Run:
             return "stopped", str(error)
 
     def _trace(self, control: Control[Any]) -> tuple[str, str]:
-        model, solver = self.model, self.solver
-        plausibility = Plausibility(model)
+        solver, plausibility = self.solver, Plausibility(self.model)
         limit = solver.capabilities.residual_limit
-        state, report = solver.start(
-            Problem(
-                assembly=model.assembly,
-                load=model.load,
-                dead_loads=model.dead_loads,
-                ties=model.ties,
-                settlement=model.settlement,
-                control_point=model.control_point,
-                ground=model.analysis.ground,
-            )
-        )
-        report = obeyed(report, limit)
-        if not report.converged:
-            raise EngineError(f"at rest under its own weight, {report.reason}")
-        plausibility.check(report, 0.0, partial(solver.contacts, state))
-        self.settlement = report.control_displacement
-        report = replace(report, control_displacement=0.0)
-        if self.recorder is not None:
-            self.recorder.begin(model, solver.name, self.strategy)
-        decision = control.first(report)
-        self._add(report, state, 0.0, decision)
+        if self.past is None:
+            state, decision = self._at_rest(control, plausibility)
+        else:
+            state, decision = self._taken_up(self.past)
         while decision.demand is not None:
+            self.stands = _Stands(state, decision, len(self.points), len(self.left))
+            self._keep()
+            if paused := self.sitting.over(len(self.points)):
+                return "stopped", paused
             demand = decision.demand
             new, report = solver.step(state, demand)
             report = self._since_rest(obeyed(report, limit))
@@ -292,6 +346,91 @@ class _Run:
                 decision = self._accept(state, new, demand, report, decision)
                 state = new
         return ("finished" if decision.finished else "stopped"), decision.reason
+
+    @property
+    def _problem(self) -> Problem:
+        model = self.model
+        return Problem(
+            assembly=model.assembly,
+            load=model.load,
+            dead_loads=model.dead_loads,
+            ties=model.ties,
+            settlement=model.settlement,
+            control_point=model.control_point,
+            ground=model.analysis.ground,
+        )
+
+    def _at_rest(
+        self, control: Control[Any], plausibility: Plausibility
+    ) -> tuple[State, Decision[Any]]:
+        """The structure at rest under its own weight, the first point; and what comes next."""
+        solver = self.solver
+        state, report = solver.start(self._problem)
+        report = obeyed(report, solver.capabilities.residual_limit)
+        if not report.converged:
+            raise EngineError(f"at rest under its own weight, {report.reason}")
+        plausibility.check(report, 0.0, partial(solver.contacts, state))
+        self.notes = solver.notes
+        self.settlement = report.control_displacement
+        report = replace(report, control_displacement=0.0)
+        if self.recorder is not None:
+            self.recorder.begin(self.model, solver.name, self.strategy)
+        decision = control.first(report)
+        self._add(report, state, 0.0, decision)
+        return state, decision
+
+    def _taken_up(self, past: Past) -> tuple[State, Decision[Any]]:
+        """Where a run that stopped stands; its points are seen again."""
+        kept, solver = past.checkpoint, self.solver
+        standing = unpacked(
+            kept.standing,
+            derived=solver.derived(self._problem),
+            packages={type(solver).__module__.partition(".")[0]},
+        )
+        self.settlement, self.notes = kept.settlement, kept.notes
+        self.begun -= kept.seconds
+        for k, point in enumerate(past.points):
+            left = [block for block in kept.left if block.step == point.step]
+            carried = None if past.ties is None else past.ties.at(k)
+            self.log.add(
+                point,
+                past.poses[k],
+                partial(past.contacts.__getitem__, k),
+                ties=carried,
+                left=[self.model.assembly.index(block.block) for block in left],
+            )
+            self.points.append(point)
+            self.left += left
+            self.ties += [] if carried is None else [carried]
+        if self.recorder is not None:
+            self.recorder.begin(self.model, solver.name, self.strategy)
+        decision: Decision[Any] = Decision(
+            accept=True, demand=standing.demand, state=standing.memory
+        )
+        self.sitting.begin(len(self.points))
+        return standing.state, decision
+
+    def _keep(self, *, last: bool = False) -> None:
+        """Offer the recorder a checkpoint."""
+        keep = getattr(self.recorder, "keep", None)
+        if keep is not None and self.stands is not None and self.solver.capabilities.resumes:
+            keep(self._checkpoint, last=last)
+
+    def _checkpoint(self) -> Checkpoint:
+        assert self.stands is not None
+        state, decision, n_points, n_left = self.stands
+        standing = Standing(state=state, memory=decision.state, demand=decision.demand)
+        return Checkpoint(
+            standing=packed(standing),
+            n_points=n_points,
+            engine=self.solver.name,
+            strategy=self.strategy,
+            stops=self.stops,
+            settlement=self.settlement,
+            left=tuple(self.left[:n_left]),
+            notes=self.notes,
+            seconds=time.perf_counter() - self.begun,
+        )
 
     def _since_rest(self, report: StepReport) -> StepReport:
         """The report, with control displacements since the rest under the dead load."""
@@ -399,13 +538,14 @@ class _Run:
 
     def finished(self, status: str, reason: str, seconds: float, compiling: float) -> CapacityCurve:
         """What was traced, told to the recorder; its seconds include those of compiling."""
+        self._keep(last=True)
         curve = CapacityCurve(
             engine=self.solver.name,
             strategy=self.strategy,
             points=tuple(self.points),
             status=status,
             # What was left out of the model belongs to how far the curve can be trusted.
-            reason="; ".join(filter(None, (reason, *map(str, self.left), *self.solver.notes))),
+            reason="; ".join(filter(None, (reason, *map(str, self.left), *self.notes))),
             stop_multiplier=self.model.analysis.stop_multiplier,
             settlement=self.settlement,
             motion_unit=self.model.settlement.unit if self.model.settlement else "m",
@@ -468,7 +608,7 @@ def _options_of(strategy: str, analysis: Analysis) -> dict[str, float]:
         for cls in (PublishedSettings, ExcessSettings, DisplacementSettings)
         for f in fields(cls)
     }
-    known = (known - {"stops"}) | {"mechanism_displacement"}
+    known = (known - {"stops"}) | {"mechanism_displacement", *SITTING}
     unknown = [key for key in options if key not in known and key not in STOPS]
     if unknown:
         raise EngineError(f'there is no setting "{unknown[0]}" of the analysis')

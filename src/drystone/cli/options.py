@@ -27,6 +27,10 @@ class Language(StrEnum):
 ModelFile = Annotated[
     Path, typer.Argument(metavar="MODEL", help="Model file, TOML or JSON.", show_default=False)
 ]
+OptionalModelFile = Annotated[
+    Path | None,
+    typer.Argument(metavar="MODEL", help="Model file, TOML or JSON.", show_default=False),
+]
 AsJson = Annotated[
     bool, typer.Option("--json", help="Print one JSON object on standard output, nothing else.")
 ]

@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drystone.cli.directions import Asked, number_of, run_directions
-from drystone.cli.options import AsJson, ModelFile, Quiet, StrategyName
+from drystone.cli.options import AsJson, OptionalModelFile, Quiet, StrategyName
 from drystone.cli.outcome import emit, exit_code, fail, outcome, tell
 
 if TYPE_CHECKING:
     from drystone.limit import Beside
     from drystone.model.model import Model
+    from drystone.report.folder.directory import ResultsDirectory
     from drystone.results.curve import CapacityCurve
 
 
@@ -81,9 +82,31 @@ Directions = Annotated[
 ]
 
 
+Resumed = Annotated[
+    Path | None,
+    typer.Option(
+        "--resume",
+        metavar="DIR",
+        help="Go on with the run of this folder of results, from the last state that was kept: the "
+        "curve is that of a run that never stopped. MODEL may be left out.",
+        show_default=False,
+    ),
+]
+Extended = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--extend",
+        metavar="KEY=VALUE",
+        help="With --resume: go on to another end, such as stop_multiplier=0.005 or "
+        "max_displacement=0.3; VALUE none takes an end out. May be repeated.",
+        show_default=False,
+    ),
+]
+
+
 # Long: what is asked for is checked, traced and told, in this order.
 def run(
-    model_file: ModelFile,
+    model_file: OptionalModelFile = None,
     engine: EngineName = None,
     out: Folder = None,
     strategy: StrategyName = None,
@@ -91,15 +114,32 @@ def run(
     threads: Threads = None,
     figures: Figures = None,
     directions: Directions = None,
+    resume: Resumed = None,
+    extend: Extended = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
     """Trace the pushover curve of a model file."""
     if mechanism_at is not None and math.isnan(mechanism_at):
         raise typer.BadParameter("it must be a number", param_hint="--mechanism-at")
+    formats = tuple(format.value for format in figures or ())
+    if resume is not None:
+        from drystone.cli.resuming import ends_of, resume_run
+
+        _refuse_beside_resume(engine=engine, out=out, strategy=strategy, directions=directions)
+        asked = Asked(None, None, mechanism_at, formats)
+        ends = ends_of(extend or ())
+        raise typer.Exit(
+            resume_run(
+                resume, model_file, ends, asked, threads=threads, as_json=as_json, quiet=quiet
+            )
+        )
+    if model_file is None:
+        raise typer.BadParameter("name a model file, or --resume a folder", param_hint="MODEL")
+    if extend:
+        raise typer.BadParameter("it goes with --resume", param_hint="--extend")
     folder = out or Path(f"{model_file.stem}-results")
     number = None if directions is None else number_of(directions)
-    formats = tuple(format.value for format in figures or ())
     begun = False
     with outcome(as_json=as_json, begun=lambda: begun):
         from drystone.cli.compiler import compiling
@@ -107,7 +147,6 @@ def run(
         from drystone.io.modelfile import read_model
         from drystone.io.results.folder import check_apart, check_writable
         from drystone.limit import limits_beside, on_what_moves
-        from drystone.model.construction.words import printable
         from drystone.model.inspection import inspect
         from drystone.report.folder.directory import ResultsDirectory, files_of
 
@@ -145,18 +184,44 @@ def run(
                         )
                 finally:
                     begun = results.begun
-        if not curve.points:
-            reason = f"{curve.status} before the first point, nothing was written: {curve.reason}"
-            fail(exit_code(curve.status), [reason], as_json=as_json, status=curve.status)
-        if curve.status != "finished":
-            tell([f"{curve.status}: {curve.reason}"])
-        told = _with_stored(curve, folder) if beside.is_exceeded(curve) else curve
-        tell(remarks(told, model, beside))
-        if as_json:
-            emit({**(results.summary or {}), "directory": str(folder)})
-        else:
-            typer.echo(report(printable(model.title), curve, folder, beside))
-    raise typer.Exit(exit_code(curve.status))
+        code = told(curve, model, beside, results, as_json=as_json)
+    raise typer.Exit(code)
+
+
+def _refuse_beside_resume(**given: object) -> None:
+    """Raise `typer.BadParameter` for what a run that goes on has said when it began."""
+    for name, value in given.items():
+        if value is not None:
+            raise typer.BadParameter(
+                "a run that goes on keeps what it began with: leave this out",
+                param_hint=f"--{name}",
+            )
+
+
+def told(
+    curve: CapacityCurve,
+    model: Model,
+    beside: Beside,
+    results: ResultsDirectory,
+    *,
+    as_json: bool,
+) -> int:
+    """Tell what came of a run; the exit status."""
+    from drystone.model.construction.words import printable
+
+    folder = results.path
+    if not curve.points:
+        reason = f"{curve.status} before the first point, nothing was written: {curve.reason}"
+        fail(exit_code(curve.status), [reason], as_json=as_json, status=curve.status)
+    if curve.status != "finished":
+        tell([f"{curve.status}: {curve.reason}"])
+    looked_at = _with_stored(curve, folder) if beside.is_exceeded(curve) else curve
+    tell(remarks(looked_at, model, beside))
+    if as_json:
+        emit({**(results.summary or {}), "directory": str(folder)})
+    else:
+        typer.echo(report(printable(model.title), curve, folder, beside))
+    return exit_code(curve.status)
 
 
 def _with_stored(curve: CapacityCurve, folder: Path) -> CapacityCurve:

@@ -95,6 +95,8 @@ RANGES = {
     "column_value": Range(least=-1e6, most=1e6),
     "time_step": Range(least=1e-9, most=1e6, unit="s"),
     "max_steps": Range(least=1, most=1_000_000_000, whole=True),
+    "max_points": Range(least=1, most=1_000_000_000, whole=True),
+    "max_time": Range(least=1e-3, most=1e9, unit="s"),
     "max_displacement": Range(least=1e-9, most=1e8, unit="m"),
     "mechanism_displacement": Range(least=0.0, most=1e8, unit="m"),
 }

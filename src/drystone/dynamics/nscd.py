@@ -132,6 +132,7 @@ class NscdEngine(Engine[NscdState]):
         moves_supports=True,
         in_own_frame=True,
         keeps_states=True,
+        resumes=True,
         residual_limit=NSCD_RESIDUAL,  # what a step is solved to, and the rounding of its poses
     )
 
@@ -140,10 +141,14 @@ class NscdEngine(Engine[NscdState]):
         #: That of the last step, which the next one takes where it fits its state.
         self.last: System | None = None
 
+    def derived(self, problem: Problem) -> tuple[Prepared]:
+        """See `Engine.derived`."""
+        return (Prepared.of(problem, self, shear=False),)
+
     def start(self, problem: Problem) -> tuple[NscdState, StepReport]:
         """Settle under the dead load; raises `UnstableError`, or `EngineError` for a joint law
         that this formulation does not have."""
-        prepared = Prepared.of(problem, self, shear=False)
+        (prepared,) = self.derived(problem)
         assembly, detector = prepared.assembly, prepared.detector
         pose = assembly.rest_pose()
         pairs = detector.pairs(pose)

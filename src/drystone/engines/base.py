@@ -13,6 +13,7 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.codec import Derived
 from drystone.contact.forces import ContactForces
 from drystone.model.assembly import Assembly
 from drystone.model.joint_law import Yielding
@@ -182,6 +183,9 @@ class Capabilities:
     in_own_frame: bool = False
     #: Whether contacts can be asked for of every state at any time, also once it is closed.
     keeps_states: bool = False
+    #: Whether a run goes on from a state that was kept in a file, by another engine of the same
+    #: settings, as if it had never stopped; see `Engine.derived`.
+    resumes: bool = False
     #: Residual, over the heaviest weight, that its steps keep: what exceeds it is no point of the
     #: curve.  None: it is not judged.
     residual_limit: float | None = None
@@ -235,6 +239,14 @@ class Engine(ABC, Generic[OwnState]):
     def pacing(self, assembly: Assembly) -> Pacing:
         """Steps that suit this engine."""
         return Pacing()
+
+    def derived(self, problem: Problem) -> tuple[Derived, ...]:
+        """What the states of a problem refer to and files do not hold, as it follows from the
+        problem; of engines that say ``resumes``.
+
+        Of what an engine holds beside its states, the next step must not depend.
+        """
+        return ()
 
     def gone_of(self, state: OwnState) -> BoolArray | None:
         """Blocks (n,) that have left the structure, see `engines.departure`; None where the engine

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.codec import Derived
 from drystone.common.records import changed
 from drystone.contact.forces import ContactForces
 from drystone.engines.base import Demand, Engine, Pacing, Problem, State, StepReport
@@ -29,7 +30,7 @@ def framed(engine: Engine[Any]) -> Engine[Any]:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Placed:
+class Placed(Derived):
     """Where a problem is taken to, made once from it."""
 
     frame: Frame
@@ -74,6 +75,18 @@ class FramedEngine(Engine[FramedState]):
 
     def start(self, problem: Problem) -> tuple[FramedState, StepReport]:
         """See `Engine.start`."""
+        placed, within = self._placed(problem)
+        own, report = self.engine.start(within)
+        self.notes = self.engine.notes  # which it may have found only now
+        return self._state(placed, own), self._report(placed, report)
+
+    def derived(self, problem: Problem) -> tuple[Derived, ...]:
+        """See `Engine.derived`."""
+        placed, within = self._placed(problem)
+        return (placed, *self.engine.derived(within))
+
+    def _placed(self, problem: Problem) -> tuple[Placed, Problem]:
+        """Where a problem is taken to, and the problem within."""
         frame, assembly = self._own(problem.assembly)
         control = frame.control_point(problem.control_point)
         order, rank = frame.order(assembly, control), None
@@ -88,21 +101,17 @@ class FramedEngine(Engine[FramedState]):
             rank=rank,
             turns=settlement is not None and settlement.rotates,
         )
-        own, report = self.engine.start(
-            replace(
-                problem,
-                assembly=assembly,
-                control_point=control,
-                load=problem.load.in_frame(frame),
-                dead_loads=tuple(load.in_frame(frame) for load in problem.dead_loads),
-                ties=tuple(tie.in_frame(frame) for tie in problem.ties),
-                settlement=problem.settlement and problem.settlement.in_frame(frame),
-                length=frame.length,
-                ground=None if ground is None else frame.height(ground),
-            )
+        return placed, replace(
+            problem,
+            assembly=assembly,
+            control_point=control,
+            load=problem.load.in_frame(frame),
+            dead_loads=tuple(load.in_frame(frame) for load in problem.dead_loads),
+            ties=tuple(tie.in_frame(frame) for tie in problem.ties),
+            settlement=problem.settlement and problem.settlement.in_frame(frame),
+            length=frame.length,
+            ground=None if ground is None else frame.height(ground),
         )
-        self.notes = self.engine.notes  # which it may have found only now
-        return self._state(placed, own), self._report(placed, report)
 
     def step(self, state: FramedState, demand: Demand) -> tuple[FramedState, StepReport]:
         """See `Engine.step`."""

@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.codec import Derived
 from drystone.common.tolerances import TINY
 from drystone.contact.detection import Detector
 from drystone.engines.base import Engine, EngineError, Problem
@@ -23,7 +24,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Prepared:
+class Prepared(Derived):
     """A problem with what is derived from it."""
 
     problem: Problem

@@ -163,6 +163,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         moves_supports=True,
         in_own_frame=True,
         keeps_states=True,
+        resumes=True,
         residual_limit=COARSEST,
     )
 
@@ -181,9 +182,13 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             displacement_step=step, easy_iterations=60, hard_iterations=400, smooth=smooth
         )
 
+    def derived(self, problem: Problem) -> tuple[Prepared]:
+        """See `Engine.derived`."""
+        return (Prepared.of(problem, self),)
+
     def start(self, problem: Problem) -> tuple[EquilibriumState, StepReport]:
         """Settle under the dead load, stage by stage; raises `UnstableError`."""
-        prepared = Prepared.of(problem, self)
+        (prepared,) = self.derived(problem)
         assembly, detector, bars = prepared.assembly, prepared.detector, prepared.bars
         pose = assembly.rest_pose()
         pairs = detector.pairs(pose)

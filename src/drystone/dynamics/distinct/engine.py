@@ -75,6 +75,7 @@ class DistinctEngine(Engine[DistinctState]):
         moves_supports=True,
         in_own_frame=True,
         keeps_states=True,
+        resumes=True,
         # Rest is looked for with the forces of a cycle, its poses are those at the end of it.
         residual_limit=DISTINCT_RESIDUAL,
     )
@@ -89,6 +90,10 @@ class DistinctEngine(Engine[DistinctState]):
             easy_iterations=20_000,
             hard_iterations=100_000,
         )
+
+    def derived(self, problem: Problem) -> tuple[DistinctPrepared]:
+        """See `Engine.derived`."""
+        return (DistinctPrepared.of(problem, self),)
 
     def start(self, problem: Problem) -> Step:
         """Settle under the dead load; raises `UnstableError`."""
@@ -106,8 +111,9 @@ class DistinctEngine(Engine[DistinctState]):
     ) -> DistinctState:
         """A state in given poses (n, n_pose) and velocities (n, n_dof), as they are."""
         assembly = problem.assembly
+        (prepared,) = self.derived(problem)
         return released(
-            DistinctPrepared.of(problem, self),
+            prepared,
             assembly.rest_pose() if pose is None else np.array(pose, float),
             assembly.no_motion() if velocity is None else np.array(velocity, float),
         )

@@ -61,6 +61,8 @@ OPTION_NAMES = (
     "displacement_step",
     "time_step",
     "mechanism_displacement",
+    "max_points",
+    "max_time",
 )
 
 
@@ -331,6 +333,8 @@ class AnalysisSection(Extended):
     displacement_step: Annotated[float, ranged("displacement_step")] | None = None  # m
     time_step: Annotated[float, ranged("time_step")] | None = None  # s
     mechanism_displacement: Annotated[float, ranged("mechanism_displacement")] | None = None  # m
+    max_points: Annotated[float, ranged("max_points")] | None = None
+    max_time: Annotated[float, ranged("max_time")] | None = None  # s
 
     @classmethod
     def of(cls, table: Any) -> type[Self]:

@@ -3,7 +3,9 @@
 HDF5 does not survive a write that fails: it fails again as the file is closed, and ends the process
 as Python leaves.  Here its writes wait in memory, where none can fail, until `commit` brings them
 to the disk.  What makes the file longer goes first; where there is no room for it the file is cut
-back to what it was, which is a readable file with everything up to the commit before.
+back to what it was, which is a readable file with everything up to the commit before.  What is
+written over goes through a journal (`journal`): a process that is killed meanwhile leaves a file
+that can be read, too.
 """
 
 from __future__ import annotations
@@ -13,15 +15,22 @@ import os
 from pathlib import Path
 from typing import Any
 
+from drystone.io.results import journal
+
 
 class DiskFile(io.RawIOBase):
-    """A file object for h5py.  Replaces a file of that name."""
+    """A file object for h5py.  Replaces a file of that name, unless it goes ``on`` with it."""
 
-    def __init__(self, path: Path | str) -> None:
+    def __init__(self, path: Path | str, *, on: bool = False) -> None:
         super().__init__()
-        self._disk = io.FileIO(path, "w+")
-        self._length = 0  # bytes, on the disk
-        self._end = 0  # bytes, with what waits
+        self._path = Path(path)
+        if on:
+            journal.recover(self._path)
+        else:
+            journal.journal_of(self._path).unlink(missing_ok=True)
+        self._disk = io.FileIO(path, "r+" if on else "w+")
+        self._length = os.fstat(self._disk.fileno()).st_size  # bytes, on the disk
+        self._end = self._length  # bytes, with what waits
         self._place = 0
         self._waiting: list[tuple[int, bytes]] = []  # in the order in which they came
 
@@ -51,7 +60,7 @@ class DiskFile(io.RawIOBase):
         on_disk = self._disk.read(max(min(length, self._length - start), 0)) or b""
         content[: len(on_disk)] = on_disk
         for offset, data in self._waiting:
-            _lay(content, start, offset, data)
+            journal.lay(content, start, offset, data)
         buffer[:length] = content
         self._place += length
         return length
@@ -65,21 +74,29 @@ class DiskFile(io.RawIOBase):
         """Nothing: see `commit`."""
 
     def commit(self) -> None:
-        """Bring everything to the disk; raises `OSError` where it does not take it all."""
-        old = self._length
-        tail = bytearray(max(self._end - old, 0))
+        """Bring everything to the disk, where it is after a power cut, too; raises `OSError` where
+        it does not take it all."""
+        old, end, handle = self._length, self._end, self._disk.fileno()
+        tail = bytearray(max(end - old, 0))
         for offset, data in self._waiting:
-            _lay(tail, old, offset, data)
+            journal.lay(tail, old, offset, data)
+        over = [(offset, data[: old - offset]) for offset, data in self._waiting if offset < old]
+        if not tail and not over and end == old:
+            return
         try:
             self._put(old, tail)
+            os.fsync(handle)
+            kept = journal.written(self._path, end, over) if old else None
         except OSError:
-            os.ftruncate(self._disk.fileno(), old)
+            os.ftruncate(handle, old)
             raise
-        for offset, data in self._waiting:
-            if offset < old:
-                self._put(offset, data[: old - offset])
-        os.ftruncate(self._disk.fileno(), self._end)
-        self._length = self._end
+        for offset, data in over:
+            self._put(offset, data)
+        os.ftruncate(handle, end)
+        os.fsync(handle)
+        if kept is not None:
+            kept.unlink(missing_ok=True)
+        self._length = end
         self._waiting.clear()
 
     def close(self) -> None:
@@ -93,10 +110,3 @@ class DiskFile(io.RawIOBase):
         self._disk.seek(offset)
         while view:
             view = view[self._disk.write(view) or 0 :]
-
-
-def _lay(content: bytearray, start: int, offset: int, data: bytes) -> None:
-    """Put ``data``, which is for ``offset``, into ``content``, which begins at ``start``."""
-    first, last = max(offset, start), min(offset + len(data), start + len(content))
-    if first < last:
-        content[first - start : last - start] = data[first - offset : last - offset]

@@ -153,6 +153,17 @@ def whole_file(path: Path) -> Iterator[Path]:
         draft.unlink(missing_ok=True)
 
 
+def sync_folder(folder: Path) -> None:
+    """Bring names that have changed in a folder to the disk, where the system has a way to."""
+    if sys.platform == "win32":
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
 def as_output_error(error: OSError) -> OutputError:
     """What the operating system refused, in a sentence."""
     where = f" {str(error.filename).removesuffix('.part')}" if error.filename else ""

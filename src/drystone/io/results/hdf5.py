@@ -22,9 +22,10 @@ faces from ``part_faces[s]`` to ``part_faces[s + 1]``; ``axes`` are the principa
 in columns.  Poses are about the centroids, see `geometry.motion`; of contacts in space ``tangent``
 is the first of two directions of ``tangential_reaction``, the second is normal x tangent.
 
-Points are gathered in memory and written about once a second: what is on the disk is a readable
-file at every moment but those of a write, so that a process that is killed or a disk that is full
-leaves the points of up to a second ago.  The file is not locked: it can be read while it grows.
+Points are gathered in memory and written about once a second, more rarely where the disk is slow:
+what is on the disk is a readable file at every moment (see `diskfile`), so that a process that is
+killed, a power cut or a disk that is full leaves the points of up to a second ago.  The file is not
+locked: it can be read while it grows.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any, Self
+from uuid import uuid4
 
 import h5py
 import numpy as np
@@ -45,6 +47,7 @@ from drystone.io.modelfile import model_to_dict
 from drystone.io.modelfile.write import to_toml
 from drystone.io.results.diskfile import DiskFile
 from drystone.io.results.interrupts import uninterrupted
+from drystone.io.results.journal import Overlaid, pending
 from drystone.io.results.summary import package_version
 from drystone.model.assembly import Assembly
 from drystone.model.model import Model
@@ -56,8 +59,9 @@ Array = NDArray[np.float64]
 
 #: Status of a run that has not ended, or that was killed.
 RUNNING = "running"
-#: Points are written when this many seconds have passed since the last time ...
-SECONDS = 1.0
+#: Points are written when this many seconds have passed since the last time, and as many times
+#: those that writing took then ...
+SECONDS, TIMES = 1.0, 100.0
 #: ... or when this many bytes wait, whichever comes first.
 BYTES = 32_000_000
 #: States of more blocks than this are compressed: that takes little time beside their steps.
@@ -101,29 +105,57 @@ class ResultsWriter:
     def __init__(
         self, path: Path | str, model: Model, engine: str, strategy: str, *, part_of: str = ""
     ) -> None:
-        self._disk = DiskFile(path)
-        self._file = h5py.File(self._disk, "w")
-        self.whole = True  # the disk took everything so far
-        self.n_kept = 0  # points on the disk
-        self._points: list[CurvePoint] = []
-        self._poses: list[Array] = []
-        self._contacts: list[ContactForces] = []
-        self._ties: list[TieState] = []
-        self._waiting = 0  # bytes
-        self._n_points = self._n_contacts = 0  # in the file
-        self._written = time.monotonic()
+        self.run = uuid4().hex
+        self._open(DiskFile(path), "w", n_points=0, n_contacts=0)
         large = model.assembly.n_bodies > MANY_BODIES
         self._packing: dict[str, Any] = (
             {"compression": "gzip", "compression_opts": 1, "shuffle": True} if large else {}
         )
         try:
-            self._describe(model, engine, strategy, part_of)
+            self.describe(model, engine, strategy, part_of=part_of)
             self._lay_out(model)
             self.flush()
         except BaseException:
             self._let_go()
             Path(path).unlink(missing_ok=True)
             raise
+
+    @classmethod
+    def going_on(cls, path: Path | str, n_points: int) -> Self:
+        """A writer that goes on after the first points of a file; what it has beyond goes."""
+        with ResultsReader(path) as stored:
+            n_contacts = int(stored.n_contacts()[:n_points].sum())
+            run = stored.run()
+        writer = cls.__new__(cls)
+        writer.run = run
+        writer._open(DiskFile(path, on=True), "r+", n_points=n_points, n_contacts=n_contacts)
+        writer._cut()
+        return writer
+
+    def _open(self, disk: DiskFile, mode: str, *, n_points: int, n_contacts: int) -> None:
+        self._disk, self._file = disk, h5py.File(disk, mode)
+        self.whole = True  # the disk took everything so far
+        self.n_kept = n_points  # on the disk
+        self._points: list[CurvePoint] = []
+        self._poses: list[Array] = []
+        self._contacts: list[ContactForces] = []
+        self._ties: list[TieState] = []
+        self._waiting = 0  # bytes
+        self._n_points, self._n_contacts = n_points, n_contacts  # in the file
+        self._written, self._pause = time.monotonic(), SECONDS
+
+    def _cut(self) -> None:
+        """Leave the file with its first points, as that of a run that has not ended."""
+        n, file = self._n_points, self._file
+        for rows in (*file["curve"].values(), file["poses"]):
+            rows.resize(n, axis=0)
+        for name, _, _ in TIE_FIELDS if "ties" in file else ():
+            file["ties"][name].resize(n, axis=0)
+        for name, rows in file["contacts"].items():
+            rows.resize(n + 1 if name == "offset" else self._n_contacts, axis=0)
+        if "blocks_left" in file:
+            del file["blocks_left"]
+        file.attrs["status"], file.attrs["reason"] = RUNNING, ""
 
     def append(
         self,
@@ -143,11 +175,12 @@ class ResultsWriter:
             getattr(contacts, name).nbytes for name in CONTACT_FIELDS
         )
         first = self._n_points == 0
-        if first or self._waiting > BYTES or time.monotonic() - self._written > SECONDS:
+        if first or self._waiting > BYTES or time.monotonic() - self._written > self._pause:
             self.flush()
 
     def flush(self) -> None:
         """Write what waits and bring it to the disk; raises `OSError` where that takes no more."""
+        begun = time.monotonic()
         with uninterrupted():
             self._lay_down()
             self._file.flush()
@@ -157,6 +190,7 @@ class ResultsWriter:
                 self.whole = False
                 raise
         self._written = time.monotonic()
+        self._pause = max(SECONDS, TIMES * (self._written - begun))
         self.n_kept = self._n_points
 
     def close(self, curve: CapacityCurve | None = None) -> None:
@@ -215,7 +249,8 @@ class ResultsWriter:
         self._points, self._poses, self._contacts, self._waiting = [], [], [], 0
         self._ties = []
 
-    def _describe(self, model: Model, engine: str, strategy: str, part_of: str) -> None:
+    def describe(self, model: Model, engine: str, strategy: str, *, part_of: str) -> None:
+        """Say what is analysed, in place of what the file said before."""
         text = _text_of_file(model)
         if text is None:
             text = to_toml(model_to_dict(model))
@@ -234,6 +269,7 @@ class ResultsWriter:
                 "model_folder": text_of(_folder_of(model)),
                 "model_sha256": model.sha256,
                 "part_of": part_of,
+                "run": self.run,
                 "version": package_version(),
                 "units": "SI: m, N, s, rad",
             }
@@ -344,7 +380,7 @@ class ResultsReader:
     """Reads a ``results.h5`` point by point, so that memory holds one state at a time."""
 
     def __init__(self, path: Path | str) -> None:
-        self._file = h5py.File(path, "r", locking=False)
+        self._file = _opened(Path(path))
         self._offset = self._file["contacts"]["offset"][:]
 
     def __enter__(self) -> Self:
@@ -361,6 +397,10 @@ class ResultsReader:
     def attribute(self, name: str) -> Any:
         """One of the attributes of the file, see the module's description."""
         return self._file.attrs[name]
+
+    def run(self) -> str:
+        """A word that no other run has, nor a run that was begun anew; empty in older files."""
+        return str(self._file.attrs.get("run", ""))
 
     def part_of(self) -> str:
         """Digest of the model of which this is the other sense; empty where it is none."""
@@ -442,6 +482,14 @@ class ResultsReader:
         return ContactForces(
             **{n: v.astype(np.int64) if n in STORED_AS else v for n, v in values.items()}
         )
+
+
+def _opened(path: Path) -> h5py.File:
+    """A file to read, with what a writer that was killed has left to be written over it."""
+    found = pending(path)
+    if found is None:
+        return h5py.File(path, "r", locking=False)
+    return h5py.File(Overlaid(path, *found), "r")
 
 
 def text_of(text: str) -> str:

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
+from drystone.io.results.checkpoint import CHECKPOINT
+from drystone.io.results.journal import journal_of
 from drystone.io.results.names import PARAVIEW, RESULTS
 from drystone.io.results.outputs import file_names
 from drystone.io.results.paraview import remove_series
@@ -25,17 +27,24 @@ def clear(folder: Path) -> None:
     """Remove what runs, assessments, reports and viewers have left, folders of other senses and
     directions included.  Files of other names, and pages of someone else, stay.
     """
-    for name in (RESULTS, *file_names(), *OF_ASSESSMENT, *OF_DIRECTIONS):
+    for name in (CHECKPOINT, RESULTS, journal_of(Path(RESULTS)).name):
         (folder / name).unlink(missing_ok=True)
-    for name in PAGES:
-        if _is_ours(folder / name):
-            (folder / name).unlink()
-    remove_series(folder / PARAVIEW)
+    clear_derived(folder)
     for inner in list(_folders(folder)):
         clear(inner)
         for empty in (inner / PARAVIEW, inner):
             with suppress(OSError):  # of something else that is in it
                 empty.rmdir()
+
+
+def clear_derived(folder: Path) -> None:
+    """Remove from a folder what is made of ``results.h5``, which goes on."""
+    for name in (*file_names(), *OF_ASSESSMENT, *OF_DIRECTIONS):
+        (folder / name).unlink(missing_ok=True)
+    for name in PAGES:
+        if _is_ours(folder / name):
+            (folder / name).unlink()
+    remove_series(folder / PARAVIEW)
 
 
 def _folders(folder: Path) -> Iterator[Path]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.forces import ContactForces
+from drystone.io.results.checkpoint import CheckpointWriter
 from drystone.io.results.folder import (
     FolderLock,
     OutputError,
@@ -24,16 +26,22 @@ from drystone.io.results.hdf5 import ResultsReader, ResultsWriter
 from drystone.io.results.interrupts import uninterrupted
 from drystone.io.results.names import PARAVIEW, RESULTS
 from drystone.io.results.outputs import Finished, file_names, written_of
-from drystone.io.results.own_files import clear
+from drystone.io.results.own_files import clear, clear_derived
 from drystone.io.results.summary import plain, summarise
 from drystone.model.model import Model
 from drystone.model.ties import TieState
+from drystone.report.folder.kept import Kept, kept_in
+from drystone.results.checkpoint import Checkpoint
 from drystone.results.curve import CapacityCurve, CurvePoint
 
 if TYPE_CHECKING:
     from drystone.limit.beside import Beside
 
 Array = NDArray[np.float64]
+
+#: Seconds between two checkpoints: at least these, and as many times those that one takes, so that
+#: they cost a hundredth of the run; at most those, of work that a kill may cost.
+SECONDS, TIMES, MOST_SECONDS = 5.0, 100.0, 25.0
 
 
 class ResultsDirectory:
@@ -77,7 +85,7 @@ class ResultsDirectory:
         self.path = Path(path)
         from drystone.limit.beside import Beside  # takes long, which reading results need not
 
-        self._beside = beside or Beside()
+        self.beside = beside or Beside()  # may be said later, before the end
         self._formats = tuple(dict.fromkeys(("png", *formats)))
         self.summary: dict[str, Any] | None = None  # of the analysis, once it ended
         self._mechanism_displacement = mechanism_displacement
@@ -87,6 +95,9 @@ class ResultsDirectory:
         self._ties: TieState | None = None  # of the point to come
         self._writer: ResultsWriter | None = None
         self._lock: FolderLock | None = None
+        self._kept: Kept | None = None  # of a run that goes on
+        self._checkpoints: CheckpointWriter | None = None
+        self._keeps_at = 0.0  # s, of the clock, from which on a checkpoint is taken
         check_writable(self.path)
 
     @property
@@ -94,10 +105,26 @@ class ResultsDirectory:
         """Whether anything was written."""
         return self._writer is not None
 
+    def take_up(self) -> Kept:
+        """Hold the folder, whose run stopped, to go on with it; what it has kept.
+
+        Raises
+        ------
+        OutputError
+            Another run writes there, or nothing is kept that can be read.
+        """
+        self._lock = in_a_sentence(lambda: FolderLock(self.path))
+        self._kept = kept_in(self.path)
+        self._part_of = self._kept.part_of
+        return self._kept
+
     def begin(self, model: Model, engine: str, strategy: str) -> None:
         """Take note of what is analysed."""
         self._model, self._names = model, (engine, strategy)
         check_apart(model.source, files_of(self.path))
+        if self._kept is not None and self._kept.past is not None:
+            n_points = self._kept.past.checkpoint.n_points
+            self._writer = in_a_sentence(lambda: self._go_on(model, n_points))
 
     def ties(self, ties: TieState) -> None:
         """Take what ties carry at the point to come."""
@@ -114,6 +141,32 @@ class ResultsDirectory:
             if not writer.n_kept:
                 self._withdraw(writer)
             raise
+
+    def keep(self, make: Callable[[], Checkpoint], *, last: bool = False) -> None:
+        """Take a checkpoint where it is time for one, or it is the ``last``.
+
+        The points before it are on the disk first.  At the end of a run whose results found no
+        room the checkpoint before stays, whose points are there.
+        """
+        writer = self._writer
+        if writer is None or not writer.whole:
+            return
+        begun = time.monotonic()
+        if last:
+            with suppress(OSError):
+                self._put(writer, make())
+        elif begun >= self._keeps_at:
+            in_a_sentence(lambda: self._put(writer, make()))
+        taken = time.monotonic() - begun
+        self._keeps_at = begun + min(max(SECONDS, TIMES * taken), MOST_SECONDS)
+
+    def _put(self, writer: ResultsWriter, checkpoint: Checkpoint) -> None:
+        assert self._model is not None
+        writer.flush()
+        if self._checkpoints is None:
+            self._checkpoints = CheckpointWriter(self.path, self._model, writer.run)
+        with uninterrupted():
+            self._checkpoints.write(checkpoint)
 
     def end(self, curve: CapacityCurve) -> None:
         """Write everything that stands at the end: figures of the analysis first, pictures last."""
@@ -141,10 +194,19 @@ class ResultsDirectory:
         if self._model is None:
             raise RuntimeError("`begin` comes before the first point")
         self.path.mkdir(parents=True, exist_ok=True)
-        self._lock = FolderLock(self.path)
+        if self._lock is None:
+            self._lock = FolderLock(self.path)
         (self.path / PARAVIEW).mkdir(exist_ok=True)
         clear(self.path)
         return ResultsWriter(self.path / RESULTS, self._model, *self._names, part_of=self._part_of)
+
+    def _go_on(self, model: Model, n_points: int) -> ResultsWriter:
+        """Results whose points beyond a checkpoint, and files made of them, are gone."""
+        clear_derived(self.path)
+        (self.path / PARAVIEW).mkdir(exist_ok=True)
+        writer = ResultsWriter.going_on(self.path / RESULTS, n_points)
+        writer.describe(model, *self._names, part_of=self._part_of)
+        return writer
 
     def _withdraw(self, writer: ResultsWriter) -> None:
         """Leave nothing of results of which the disk does not take the first point."""
@@ -171,17 +233,17 @@ class ResultsDirectory:
         if writer.n_kept < len(curve.points):
             curve = _as_kept(curve, writer.n_kept)
         self.summary = summarise(curve, model) | {
-            "associative_multiplier": self._beside.associative,
-            "non_associative_multiplier": self._beside.non_associative,
-            "collapse_range": plain(self._beside.collapse_range),
-            "upper_bound": plain(self._beside.upper_bound),
+            "associative_multiplier": self.beside.associative,
+            "non_associative_multiplier": self.beside.non_associative,
+            "collapse_range": plain(self.beside.collapse_range),
+            "upper_bound": plain(self.beside.upper_bound),
         }
         done = Finished(
             folder=self.path,
             model=model,
             curve=curve,
             summary=self.summary,
-            beside=self._beside,
+            beside=self.beside,
             formats=self._formats,
             mechanism_displacement=self._mechanism_displacement,
             results=None,

@@ -7,21 +7,20 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.names import Named
 from drystone.contact.forces import ContactForces
-from drystone.io.modelfile.read import model_from_text
 from drystone.io.results.folder import OutputError
 from drystone.io.results.hdf5 import RUNNING, Array, ResultsReader
 from drystone.io.results.names import RESULTS, SUMMARY
 from drystone.io.results.summary import summarise
-from drystone.model.construction.errors import ModelError
 from drystone.model.model import Model
 from drystone.report.folder.directory import ResultsDirectory
+from drystone.report.folder.stored import StoredContacts, model_of
 from drystone.results.curve import CapacityCurve
 from drystone.results.event_log import events_of
 from drystone.results.events import Event
@@ -111,31 +110,6 @@ class Results:
         return f"<Results {str(self.path)!r}: {self.curve!r}>"
 
 
-class StoredContacts(Sequence[ContactForces]):
-    """Contact forces of a ``results.h5``, one point at a time: together they may be gigabytes."""
-
-    def __init__(self, path: Path, count: int) -> None:
-        self._path, self._count = path, count
-
-    def within(self, folder: Path) -> bool:
-        """Whether they are those of that folder of results."""
-        return self._path.resolve() == (folder / RESULTS).resolve()
-
-    def __len__(self) -> int:
-        return self._count
-
-    @overload
-    def __getitem__(self, k: int) -> ContactForces: ...
-    @overload
-    def __getitem__(self, k: slice) -> Sequence[ContactForces]: ...
-    def __getitem__(self, k: int | slice) -> ContactForces | Sequence[ContactForces]:
-        rows = range(self._count)[k]  # raises IndexError, counts from the end
-        with ResultsReader(self._path) as file:
-            if isinstance(rows, range):
-                return [file.contacts(row) for row in rows]
-            return file.contacts(rows)
-
-
 def load_results(path: Path | str) -> Results:
     """Read a folder of results, also of a run that was interrupted, killed or still goes on.
 
@@ -148,7 +122,7 @@ def load_results(path: Path | str) -> Results:
     file = folder / RESULTS
     try:
         with ResultsReader(file) as stored:
-            model = _model_of(stored)
+            model = model_of(stored)
             curve = _curve_of(stored, StoredContacts(file, stored.n_points), model)
             curve = _ended(curve, folder, str(stored.attribute("model_sha256")))
             groups: dict[str, Any] = Named("group", stored.groups())
@@ -179,19 +153,6 @@ def check_opposite(opposite: Results, forward: Results) -> None:
             f"trace both senses again, `drystone assess MODEL --out {forward.path}`, or remove "
             f"{opposite.path}"
         )
-
-
-def _model_of(stored: ResultsReader) -> Model | None:
-    try:
-        return model_from_text(
-            stored.attribute("model"),
-            source=stored.attribute("model_source") or None,
-            sha256=stored.attribute("model_sha256"),
-            need_engine=False,
-            folder=stored.folder_of_model(),
-        )
-    except ModelError:
-        return None
 
 
 def _curve_of(

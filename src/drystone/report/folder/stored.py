@@ -1,0 +1,53 @@
+"""Contacts and the model of a ``results.h5``, read when they are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import overload
+
+from drystone.contact.forces import ContactForces
+from drystone.io.modelfile.read import model_from_text
+from drystone.io.results.hdf5 import ResultsReader
+from drystone.io.results.names import RESULTS
+from drystone.model.construction.errors import ModelError
+from drystone.model.model import Model
+
+
+class StoredContacts(Sequence[ContactForces]):
+    """Contact forces of a ``results.h5``, one point at a time: together they may be gigabytes."""
+
+    def __init__(self, path: Path, count: int) -> None:
+        self._path, self._count = path, count
+
+    def within(self, folder: Path) -> bool:
+        """Whether they are those of that folder of results."""
+        return self._path.resolve() == (folder / RESULTS).resolve()
+
+    def __len__(self) -> int:
+        return self._count
+
+    @overload
+    def __getitem__(self, k: int) -> ContactForces: ...
+    @overload
+    def __getitem__(self, k: slice) -> Sequence[ContactForces]: ...
+    def __getitem__(self, k: int | slice) -> ContactForces | Sequence[ContactForces]:
+        rows = range(self._count)[k]  # raises IndexError, counts from the end
+        with ResultsReader(self._path) as file:
+            if isinstance(rows, range):
+                return [file.contacts(row) for row in rows]
+            return file.contacts(rows)
+
+
+def model_of(stored: ResultsReader) -> Model | None:
+    """The model that a file describes; None where this version cannot read it."""
+    try:
+        return model_from_text(
+            stored.attribute("model"),
+            source=stored.attribute("model_source") or None,
+            sha256=stored.attribute("model_sha256"),
+            need_engine=False,
+            folder=stored.folder_of_model(),
+        )
+    except ModelError:
+        return None
