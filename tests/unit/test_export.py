@@ -174,7 +174,8 @@ def test_much_data_does_not_wait_for_the_clock(tmp_path, monkeypatch, model):
 def test_killed_process_leaves_its_points(tmp_path):
     """Killed without any chance to tidy up: what was flushed is there."""
     code = (
-        "import sys, time, synthetic; from drystone.io.results import hdf5; hdf5.SECONDS = 0.0\n"
+        "import sys, time, synthetic; from drystone.io.results import hdf5\n"
+        "hdf5.SECONDS = hdf5.TIMES = 0.0\n"
         "from drystone.report.folder.directory import ResultsDirectory\n"
         "m = synthetic.wall_model(); d = ResultsDirectory(sys.argv[1]); d.begin(m, 'nscd', 'd')\n"
         "for p in synthetic.points():\n"
@@ -379,7 +380,7 @@ from drystone.io.results import hdf5
 from drystone.report.folder.directory import ResultsDirectory
 from drystone.io.results.folder import OutputError
 
-hdf5.SECONDS = 0.0  # every point goes to the disk at once
+hdf5.SECONDS = hdf5.TIMES = 0.0  # every point goes to the disk at once
 folder, limit = sys.argv[1], int(sys.argv[2])
 if limit:
     resource.setrlimit(resource.RLIMIT_FSIZE, (limit, resource.RLIM_INFINITY))
@@ -473,6 +474,7 @@ def heard():
 def test_interrupted_write_is_finished_first(tmp_path, model, curve, monkeypatch):
     """The signal comes in the middle of a write, and is heard after it."""
     monkeypatch.setattr(hdf5, "SECONDS", 0.0)
+    monkeypatch.setattr(hdf5, "TIMES", 0.0)
     commit = hdf5.DiskFile.commit
 
     def interrupted(self):

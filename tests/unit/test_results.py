@@ -34,17 +34,17 @@ def curve(model):
 
 
 def contents(folder: Path) -> dict[str, object]:
-    """Every file of a folder of results, but for times."""
+    """Every file of a folder of results, but for times and what a run goes on from."""
     found: dict[str, object] = {
         str(path.relative_to(folder)): path.read_bytes()
         for path in folder.rglob("*")
-        if path.is_file() and path.suffix not in {".h5", ".json", ".png"}
+        if path.is_file() and path.suffix not in {".h5", ".json", ".png", ".npz"}
     }
     summary = json.loads((folder / "summary.json").read_text())
     found["summary"] = {key: value for key, value in summary.items() if key not in TIMES}
     found["pictures"] = sorted(path.name for path in folder.glob("*.png"))
     with h5py.File(folder / "results.h5") as file:
-        found["attributes"] = {k: v for k, v in file.attrs.items() if k not in TIMES}
+        found["attributes"] = {k: v for k, v in file.attrs.items() if k not in {*TIMES, "run"}}
         file.visititems(
             lambda name, item: (
                 found.update({name: np.asarray(item).tolist()})

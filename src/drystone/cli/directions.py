@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import typer
 
 from drystone.cli.outcome import DONE, INTERRUPTED, UNFINISHED, WRONG, emit, fail, tell
+from drystone.io.results.names import RESULTS
 from drystone.io.results.senses import DIRECTION
 
 if TYPE_CHECKING:
     from drystone.model.model import Model
+    from drystone.report.folder.directory import ResultsDirectory
+    from drystone.results.curve import CapacityCurve
 
 #: What the file of all directions says of each, from the summary of its own folder.
 COLUMNS = (
@@ -59,14 +62,80 @@ def run_directions(
 
     Returns the exit status: that of the worst of them.
     """
+    from drystone.io.results.checkpoint import write_plan
+    from drystone.io.results.folder import locked
+    from drystone.io.results.own_files import clear
+
+    with locked(folder):
+        clear(folder)
+        write_plan(folder, model, {"number": number, "asked": list(asked)})
+        summary, code = _in_folders(
+            model, number, folder, asked, processes=processes, as_json=as_json, quiet=quiet
+        )
+    return _shown(summary, folder, code, as_json=as_json)
+
+
+def resume_directions(
+    folder: Path,
+    ends: Mapping[str, float | None],
+    *,
+    processes: int | None,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Go on with all curves of a folder that are not complete; returns the exit status."""
+    from drystone.io.results.checkpoint import CheckpointError, read_plan
+    from drystone.io.results.folder import OutputError, locked
+
+    with locked(folder):
+        try:
+            found = read_plan(folder)
+        except CheckpointError as error:
+            raise OutputError(f"{folder}: {error}: run the model again") from None
+        if found is None:
+            raise OutputError(f"{folder} tells no directions: run the model again")
+        model, plan = found
+        engine, strategy, mechanism_at, formats = plan["asked"]
+        summary, code = _in_folders(
+            model,
+            plan["number"],
+            folder,
+            Asked(engine, strategy, mechanism_at, tuple(formats)),
+            going_on=dict(ends),
+            processes=processes,
+            as_json=as_json,
+            quiet=quiet,
+        )
+    return _shown(summary, folder, code, as_json=as_json)
+
+
+def _shown(summary: dict[str, Any], folder: Path, code: int, *, as_json: bool) -> int:
+    if as_json:
+        emit({**summary, "directory": str(folder)})
+    else:
+        typer.echo(report(summary, folder))
+    return code
+
+
+def _in_folders(
+    model: Model,
+    number: int,
+    folder: Path,
+    asked: Asked,
+    *,
+    processes: int | None,
+    as_json: bool,
+    quiet: bool,
+    going_on: dict[str, float | None] | None = None,
+) -> tuple[dict[str, Any], int]:
+    """Trace all curves, or go on with them to whatever ends, in a folder that this process holds;
+    what they have in common, and the exit status."""
     from drystone.analysis.directions import around, evenly
     from drystone.common.threads import available
     from drystone.common.workers import in_processes
-    from drystone.io.results.folder import in_a_sentence
-    from drystone.io.results.own_files import clear
+    from drystone.io.results.checkpoint import PLAN
 
     angles = evenly(model, number)
-    in_a_sentence(lambda: clear(folder))
     models = around(model, angles)
     folders = [folder / folder_name(angle) for angle in angles]
     came = 0
@@ -80,7 +149,7 @@ def run_directions(
             tell([f"{came} of {number}: {angles[k]:g} degrees, {what}"])
 
     calls = [
-        (f"{__name__}:trace", (each, str(own), asked))
+        (f"{__name__}:trace", (each, str(own), asked, going_on))
         for each, own in zip(models, folders, strict=True)
     ]
     results = in_processes(calls, processes or available(), told)
@@ -91,17 +160,12 @@ def run_directions(
         rows.append({**found, **about})
     if not any(row.get("curve") for row in rows):
         code = INTERRUPTED if None in results else WRONG
+        (folder / PLAN).unlink(missing_ok=True)
         reasons = list(dict.fromkeys(row["reason"] for row in rows))
         fail(code, [*reasons, "nothing was written"], as_json=as_json, status=rows[0]["status"])
-    summary = write(model, rows, folder)
-    if as_json:
-        emit({**summary, "directory": str(folder)})
-    else:
-        typer.echo(report(summary, folder))
     statuses = {row["status"] for row in rows}
-    if "interrupted" in statuses:
-        return INTERRUPTED
-    return DONE if statuses == {"finished"} else UNFINISHED
+    code = DONE if statuses == {"finished"} else UNFINISHED
+    return write(model, rows, folder), INTERRUPTED if "interrupted" in statuses else code
 
 
 def folder_name(angle: float) -> str:
@@ -114,20 +178,26 @@ def trace(
     model: Model,
     folder: str,
     asked: Asked,
+    going_on: dict[str, float | None] | None = None,
 ) -> dict[str, Any]:
-    """The curve of one direction, written into its folder by a worker; its figures."""
+    """The curve of one direction, written into its folder by a worker; its figures.
+
+    A run that is ``going_on``, with whatever ends, leaves it where it is complete.
+    """
     from drystone.analysis.driver import pushover
     from drystone.engines.base import EngineError
     from drystone.limit import limits_beside
     from drystone.report.folder.directory import ResultsDirectory
+    from drystone.report.folder.resume import extended_to
 
     try:
         with ResultsDirectory(
-            Path(folder),
-            mechanism_displacement=asked.mechanism_at,
-            beside=limits_beside(model),
-            formats=asked.formats,
+            Path(folder), mechanism_displacement=asked.mechanism_at, formats=asked.formats
         ) as results:
+            if going_on is not None and (results.path / RESULTS).is_file():
+                return _taken_up(results, going_on)
+            model = extended_to(model, going_on or {})
+            results.beside = limits_beside(model)
             curve = pushover(
                 model,
                 engine=asked.engine,
@@ -140,15 +210,35 @@ def trace(
         return {"status": "failed", "reason": str(error)}
     except KeyboardInterrupt:
         return {"status": "interrupted", "reason": "interrupted before the first point"}
-    points = list(zip(curve.control_displacement, curve.load_multiplier, strict=True))
-    return {**(results.summary or {}), "curve": [(float(d), float(m)) for d, m in points]}
+    return _figures(results.summary or {}, curve)
+
+
+def _taken_up(results: ResultsDirectory, ends: dict[str, float | None]) -> dict[str, Any]:
+    """The figures of a direction that was begun, traced to its end."""
+    from drystone.limit import limits_beside
+    from drystone.report.folder.results import load_results
+    from drystone.report.folder.resume import extended_to, gone_on
+
+    kept = results.take_up()
+    if kept.complete and not ends:
+        stored = load_results(results.path)
+        return _figures(stored.summary, stored.curve)
+    model = extended_to(kept.model, ends)
+    results.beside = limits_beside(model)
+    curve = gone_on(kept, model, results, threads=1, progress=False)
+    return _figures(results.summary or {}, curve)
+
+
+def _figures(summary: dict[str, Any], curve: CapacityCurve) -> dict[str, Any]:
+    points = zip(curve.control_displacement, curve.load_multiplier, strict=True)
+    return {**summary, "curve": [(float(d), float(m)) for d, m in points]}
 
 
 def write(model: Model, rows: Sequence[dict[str, Any]], folder: Path) -> dict[str, Any]:
     """``summary.json``, ``directions.csv`` and ``directions.png`` of all directions."""
     import csv
 
-    from drystone.io.results.folder import in_a_sentence, locked, whole_file
+    from drystone.io.results.folder import in_a_sentence, whole_file
     from drystone.io.results.interrupts import uninterrupted
     from drystone.io.results.summary import package_version, plain, write_summary
     from drystone.report.directions_figure import Traced, draw_directions
@@ -167,7 +257,7 @@ def write(model: Model, rows: Sequence[dict[str, Any]], folder: Path) -> dict[st
             "directions": [{key: row.get(key) for key in COLUMNS} for row in rows],
         }
     )
-    with locked(folder), uninterrupted():
+    with uninterrupted():
 
         def files() -> None:
             write_summary(summary, folder / SUMMARY)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from drystone.cli.directions import Asked
+from drystone.cli.directions import Asked, resume_directions
 from drystone.cli.outcome import DONE, emit, outcome, tell
 
 if TYPE_CHECKING:
@@ -51,12 +51,19 @@ def resume_run(
         from drystone.cli.compiler import compiling
         from drystone.cli.run import told
         from drystone.common.progress import progress_for
+        from drystone.io.results.checkpoint import PLAN
+        from drystone.io.results.names import RESULTS
         from drystone.limit import limits_beside
         from drystone.report.folder.directory import ResultsDirectory
         from drystone.report.folder.resume import check_resumes, extended_to, gone_on
 
         if not folder.is_dir():
             raise typer.BadParameter(f"there is no folder {folder}", param_hint="--resume")
+        if (folder / PLAN).is_file() and not (folder / RESULTS).is_file():
+            begun = True
+            return resume_directions(
+                folder, ends, processes=threads, as_json=as_json, quiet=quiet or as_json
+            )
         with ResultsDirectory(
             folder, mechanism_displacement=asked.mechanism_at, formats=asked.formats
         ) as results:

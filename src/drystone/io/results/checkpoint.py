@@ -4,6 +4,9 @@ The file holds three records, each as a tree for JSON and one array of bytes tha
 (see `common.codec`).  It is written beside and then put in the place of the one before, so that one
 is whole at every moment.  It belongs to the ``results.h5`` beside it whose attribute ``run`` is its
 own; points that came after it are computed again.
+
+``directions.npz``, of a model that is pushed in several directions, holds the model and what was
+asked for.
 """
 
 from __future__ import annotations
@@ -12,6 +15,8 @@ import io
 import json
 import os
 import zipfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
@@ -19,7 +24,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.common.codec import CodecError, Packed, packed, unpacked
+from drystone.common.codec import Packed, packed, unpacked
 from drystone.io.results.folder import sync_folder, whole_file
 from drystone.io.results.summary import package_version
 from drystone.model.model import Model
@@ -28,8 +33,8 @@ from drystone.results.checkpoint import Checkpoint
 #: What is written of a `Standing` within its checkpoint: it stands beside it.
 NOTHING = Packed(None, [])
 
-#: Name of the file.
-CHECKPOINT = "checkpoint.npz"
+#: Names of the files.
+CHECKPOINT, PLAN = "checkpoint.npz", "directions.npz"
 
 
 class CheckpointError(ValueError):
@@ -52,14 +57,23 @@ class CheckpointWriter:
             **_entries("standing", checkpoint.standing),
             **_entries("checkpoint", packed(replace(checkpoint, standing=NOTHING))),
         }
-        content = io.BytesIO()
-        np.savez(content, **entries)
-        with whole_file(self._path) as draft, draft.open("wb", buffering=0) as file:
-            view = content.getbuffer()
-            while view:
-                view = view[file.write(view) or 0 :]
-            os.fsync(file.fileno())
-        sync_folder(self._path.parent)
+        _put(self._path, entries)
+
+
+def write_plan(folder: Path, model: Model, plan: Mapping[str, Any]) -> None:
+    """Keep what is asked for of a model in several directions; raises `OSError`."""
+    about = {"plan": plan, "version": package_version()}
+    _put(folder / PLAN, {"about": _text(about), **_entries("model", packed(model))})
+
+
+def read_plan(folder: Path) -> tuple[Model, dict[str, Any]] | None:
+    """Model and plan of several directions; None of other folders, `CheckpointError` of a file that
+    cannot be used."""
+    try:
+        with _opened(folder / PLAN) as file:
+            return _model(file), dict(json.loads(file["about"].tobytes())["plan"])
+    except FileNotFoundError:
+        return None
 
 
 def read_checkpoint(folder: Path, run: str) -> tuple[Model, Checkpoint] | None:
@@ -70,29 +84,54 @@ def read_checkpoint(folder: Path, run: str) -> tuple[Model, Checkpoint] | None:
     CheckpointError
         There is one that this version cannot use.
     """
-    path = folder / CHECKPOINT
     try:
-        with np.load(path, allow_pickle=False) as file:
-            about = json.loads(file["about"].tobytes())
-            if about["run"] != run:
+        with _opened(folder / CHECKPOINT) as file:
+            if json.loads(file["about"].tobytes())["run"] != run:
                 return None
-            if about["version"] != package_version():
-                raise CheckpointError(
-                    f"version {about['version']} has written it, and this is {package_version()}, "
-                    "whose curve may be another"
-                )
-            model = unpacked(_parts("model", file), packages=_packages())
-            checkpoint = unpacked(_parts("checkpoint", file))
+            model, checkpoint = _model(file), unpacked(_parts("checkpoint", file))
             standing = _parts("standing", file)
+            if not isinstance(checkpoint, Checkpoint):
+                raise CheckpointError("it is damaged (it holds something else)")
+            return model, replace(checkpoint, standing=standing)
     except FileNotFoundError:
         return None
-    except (OSError, KeyError, ValueError, TypeError, zipfile.BadZipFile, CodecError) as error:
-        if isinstance(error, CheckpointError):
-            raise
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """A file of this version; what is wrong with it is a `CheckpointError`."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            version = json.loads(file["about"].tobytes())["version"]
+            if version != package_version():
+                raise CheckpointError(
+                    f"version {version} has written it, and this is {package_version()}, whose "
+                    "curve may be another"
+                )
+            yield file
+    except (FileNotFoundError, CheckpointError):
+        raise
+    except (OSError, KeyError, ValueError, TypeError, AttributeError, zipfile.BadZipFile) as error:
         raise CheckpointError(f"it is damaged ({error})") from None
-    if not isinstance(model, Model) or not isinstance(checkpoint, Checkpoint):
+
+
+def _model(file: Any) -> Model:
+    model = unpacked(_parts("model", file), packages=_packages())
+    if not isinstance(model, Model):
         raise CheckpointError("it is damaged (it holds something else)")
-    return model, replace(checkpoint, standing=standing)
+    return model
+
+
+def _put(path: Path, entries: dict[str, Any]) -> None:
+    """Write a file beside, then put it in its place."""
+    content = io.BytesIO()
+    np.savez(content, **entries)
+    with whole_file(path) as draft, draft.open("wb", buffering=0) as file:
+        view = content.getbuffer()
+        while view:
+            view = view[file.write(view) or 0 :]
+        os.fsync(file.fileno())
+    sync_folder(path.parent)
 
 
 def _entries(name: str, parts: Packed) -> dict[str, NDArray[Any]]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
-from drystone.io.results.checkpoint import CHECKPOINT
+from drystone.io.results.checkpoint import CHECKPOINT, PLAN
 from drystone.io.results.journal import journal_of
 from drystone.io.results.names import PARAVIEW, RESULTS
 from drystone.io.results.outputs import file_names
@@ -27,7 +27,7 @@ def clear(folder: Path) -> None:
     """Remove what runs, assessments, reports and viewers have left, folders of other senses and
     directions included.  Files of other names, and pages of someone else, stay.
     """
-    for name in (CHECKPOINT, RESULTS, journal_of(Path(RESULTS)).name):
+    for name in (CHECKPOINT, PLAN, RESULTS, journal_of(Path(RESULTS)).name):
         (folder / name).unlink(missing_ok=True)
     clear_derived(folder)
     for inner in list(_folders(folder)):
