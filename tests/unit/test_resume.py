@@ -1,0 +1,370 @@
+"""Runs that stopped go on: the curve is that of a run that never did, to the last bit."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+
+import numpy as np
+import pytest
+import synthetic
+from typer.testing import CliRunner
+
+import drystone as ds
+from drystone.cli import app
+from drystone.common.codec import CodecError, Derived, Packed, packed, unpacked
+from drystone.engines.base import EngineError
+from drystone.io.results import hdf5, journal
+from drystone.io.results.checkpoint import CHECKPOINT
+from drystone.io.results.diskfile import DiskFile
+from drystone.io.results.folder import FolderLock, OutputError
+from drystone.report.folder import directory
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+@pytest.fixture
+def often(monkeypatch):
+    """A checkpoint before every step, and every point on the disk at once."""
+    for module in (directory, hdf5):
+        monkeypatch.setattr(module, "SECONDS", 0.0)
+        monkeypatch.setattr(module, "TIMES", 0.0)
+
+
+def same(first: ds.CapacityCurve, second: ds.CapacityCurve) -> bool:
+    """Whether two curves agree to the last bit, nan with nan."""
+    return (
+        repr(first.points) == repr(second.points)
+        and first.events == second.events
+        and first.blocks_left == second.blocks_left
+        and (first.status, first.reason) == (second.status, second.reason)
+    )
+
+
+# Records as trees and arrays.
+
+
+class Colour(Enum):
+    RED = 1
+
+
+@dataclass(frozen=True)
+class Remembered:
+    number: float
+    rows: np.ndarray
+    also: np.ndarray
+    inner: tuple[object, ...]
+
+
+class Known(Derived):
+    pass
+
+
+def test_what_a_control_remembers_comes_back_without_a_line_of_its_own():
+    rows = np.asfortranarray(np.arange(6.0).reshape(2, 3))
+    inner = (np.int64(3), None, {"a": [1, True]}, frozenset({2}), Colour.RED, ())
+    value = Remembered(-0.0, rows, rows, (float("nan"), float("-inf"), 0.1 + 0.2, *inner))
+    parts = packed(value)
+    parts = Packed(json.loads(json.dumps(parts.tree)), parts.arrays)
+    back = unpacked(parts, packages={__name__.partition(".")[0]})
+    assert repr(back) == repr(value)
+    assert back.rows is back.also  # one object stays one
+    assert back.rows.flags.f_contiguous and type(back.inner[3]) is np.int64
+
+
+def test_what_follows_from_the_problem_is_not_kept():
+    known = Known()
+    parts = packed((known, known))
+    assert unpacked(parts, derived=[known]) == (known, known)
+    with pytest.raises(CodecError, match="damaged"):
+        unpacked(parts)
+
+
+@pytest.mark.parametrize(
+    "tree",
+    [
+        {"record": "os:system", "fields": {}},
+        {"record": "subprocess:Popen", "fields": {}},
+        {"record": "drystone.__main__:Anything", "fields": {}},
+        {"record": "drystone.common.workers:_Worker", "fields": {}},
+        {"record": "drystone.engines.base:Demand", "fields": {"multiplier": 1.0}},
+        {"record": "drystone.engines.base:Demand.__init__", "fields": {}},
+        {"enum": "drystone.engines.base:Demand", "member": "x"},
+        {"array": 7},
+        {"same": 0},
+        [1],
+        {},
+    ],
+)
+def test_a_tree_that_is_none_of_ours_is_refused(tree):
+    with pytest.raises(CodecError):
+        unpacked(Packed(tree, []))
+
+
+def test_what_cannot_be_kept_is_told_with_its_place():
+    with pytest.raises(CodecError, match=r"it\.inner\[0\] is of builtins:function"):
+        packed(Remembered(0.0, np.zeros(1), np.zeros(1), (len.__class__, lambda: 0)[1:]))
+
+
+# Runs.
+
+SHORT = {
+    ("two_blocks.toml", "equilibrium"): {},
+    ("two_blocks.toml", "nscd"): {"max_steps": 30},
+    ("two_blocks.toml", "distinct"): {"max_steps": 6},
+    ("solids.toml", "equilibrium"): {"max_steps": 25},
+    ("solids.toml", "nscd"): {"max_steps": 25},
+    ("solids.toml", "distinct"): {"max_steps": 4},
+}
+
+
+@pytest.mark.usefixtures("often")
+@pytest.mark.parametrize(("name", "engine"), list(SHORT))
+def test_paused_again_and_again_the_curve_is_the_same(tmp_path, name, engine):
+    model = ds.read_model(EXAMPLES / name).with_analysis(**SHORT[name, engine])
+    whole = ds.pushover(model, engine=engine, recorder=ds.ResultsDirectory(tmp_path / "whole"))
+    n = max(len(whole.points) // 4, 1)
+    parts = ds.pushover(
+        model.with_analysis(max_points=n),
+        engine=engine,
+        recorder=ds.ResultsDirectory(tmp_path / "out"),
+    )
+    assert parts.status == "stopped" and len(parts.points) == n
+    for _ in range(6):
+        if not parts.reason.startswith("paused"):
+            break
+        parts = ds.resume(tmp_path / "out")
+    assert same(parts, whole)
+    stored, kept = ds.load_results(tmp_path / "whole"), ds.load_results(tmp_path / "out")
+    assert same(kept.curve, stored.curve)
+    assert np.array_equal(kept.poses, stored.poses)
+    for a, b in zip(kept.contacts, stored.contacts, strict=True):
+        assert np.array_equal(a.normal_reaction, b.normal_reaction)
+        assert np.array_equal(a.gap, b.gap)
+
+
+@pytest.mark.usefixtures("often")
+def test_points_after_the_last_checkpoint_are_computed_again(tmp_path, monkeypatch):
+    model = ds.read_model(EXAMPLES / "two_blocks.toml")
+    whole = ds.pushover(model)
+    taken = []
+
+    def some(self, make, *, last=False):
+        if not last and len(taken) < 10:  # then none, as of a process that is killed
+            taken.append(make())
+            self._put(self._writer, taken[-1])
+
+    with monkeypatch.context() as patch:
+        patch.setattr(ds.ResultsDirectory, "keep", some)
+        ds.pushover(model, recorder=ds.ResultsDirectory(tmp_path / "out"))
+    (tmp_path / "out/summary.json").unlink()
+    assert (
+        taken[-1].n_points
+        < len(whole.points)
+        == len(ds.load_results(tmp_path / "out").curve.points)
+    )
+    assert same(ds.resume(tmp_path / "out"), whole)
+
+
+def test_a_complete_curve_goes_on_to_another_end(tmp_path):
+    model = ds.read_model(EXAMPLES / "two_blocks.toml")
+    far = ds.pushover(model.with_analysis(max_displacement=0.05))
+    near = ds.pushover(
+        model.with_analysis(max_displacement=0.02), recorder=ds.ResultsDirectory(tmp_path / "out")
+    )
+    assert near.status == "finished"
+    assert len(ds.resume(tmp_path / "out").points) == len(near.points)  # nothing is left to do
+    assert same(ds.resume(tmp_path / "out", max_displacement=0.05), far)
+    with pytest.raises(EngineError, match='"friction" is no end'):
+        ds.resume(tmp_path / "out", friction=0.3)
+
+
+def test_max_time_pauses(tmp_path):
+    model = ds.read_model(EXAMPLES / "two_blocks.toml").with_analysis(max_time=1e-3)
+    curve = ds.pushover(model, recorder=ds.ResultsDirectory(tmp_path / "out"))
+    assert curve.status == "stopped" and "max_time" in curve.reason
+    whole = ds.pushover(model.with_analysis(max_time=None))
+    assert same(ds.resume(tmp_path / "out", max_time=None), whole)
+
+
+# Folders that cannot be gone on with.
+
+
+def paused(folder: Path, **options: float) -> ds.CapacityCurve:
+    """A run of two blocks that has paused after five points."""
+    model = ds.read_model(EXAMPLES / "two_blocks.toml").with_analysis(max_points=5, **options)
+    return ds.pushover(model, recorder=ds.ResultsDirectory(folder))
+
+
+def contents(folder: Path) -> dict[Path, bytes]:
+    return {path: path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def refused(folder: Path, *arguments: str) -> str:
+    """The sentence with which a run that goes on is refused; nothing in its folder has changed."""
+    before = contents(folder)
+    told = CliRunner().invoke(app, ["run", "--resume", str(folder), *arguments])
+    assert told.exit_code == 2 and "Traceback" not in told.output
+    assert contents(folder) == before
+    return told.output
+
+
+def test_one_run_at_a_time_goes_on(tmp_path):
+    paused(tmp_path / "out")
+    lock = FolderLock(tmp_path / "out")
+    try:
+        assert "another run is writing" in refused(tmp_path / "out")
+    finally:
+        lock.release()
+    assert CliRunner().invoke(app, ["run", "--resume", str(tmp_path / "out"), "-q"]).exit_code == 3
+
+
+def test_nothing_kept_damaged_or_of_another_run(tmp_path):
+    assert "there is nothing to go on with" in refused(tmp_path)
+    folder = tmp_path / "out"
+    paused(folder)
+    content = (folder / CHECKPOINT).read_bytes()
+    middle = len(content) // 2
+    (folder / CHECKPOINT).write_bytes(content[:middle] + bytes(64) + content[middle + 64 :])
+    assert "is damaged" in refused(folder)
+    (folder / CHECKPOINT).write_bytes(content[:middle])
+    assert "is damaged" in refused(folder)
+    other = EXAMPLES / "wall1.toml"
+    (folder / CHECKPOINT).write_bytes(content)
+    told = CliRunner().invoke(app, ["run", str(other), "--resume", str(folder)])
+    assert told.exit_code == 2 and "or is another model" in told.output
+    (folder / CHECKPOINT).unlink()  # killed before it kept any: it begins anew
+    assert len(ds.resume(folder, max_points=None).points) > 5
+
+
+def test_an_engine_that_keeps_no_states_says_so(tmp_path, monkeypatch):
+    from dataclasses import replace
+
+    from drystone.statics.equilibrium import EquilibriumEngine
+
+    can = replace(EquilibriumEngine.capabilities, resumes=False)
+    monkeypatch.setattr(EquilibriumEngine, "capabilities", can)
+    paused(tmp_path / "out")
+    assert not (tmp_path / "out" / CHECKPOINT).exists()
+    assert "keeps no states" in refused(tmp_path / "out")
+
+
+def test_a_file_that_is_gone_while_it_runs(tmp_path):
+    """The folder is removed meanwhile: an end with its reason, and what was reached."""
+    import shutil
+
+    def remove(point):
+        if point.step == 3:
+            shutil.rmtree(tmp_path / "out")
+
+    model = ds.read_model(EXAMPLES / "two_blocks.toml")
+    with pytest.raises(OutputError, match="cannot be written"):
+        ds.pushover(model, recorder=ds.ResultsDirectory(tmp_path / "out"), progress=remove)
+
+
+# Commands on the folder of a run that was killed.
+
+
+@pytest.fixture(scope="module")
+def killed(tmp_path_factory):
+    """The folder of a wall whose run ended by a kill."""
+    folder = tmp_path_factory.mktemp("killed") / "out"
+    code = (
+        "import os, sys, drystone as ds; from drystone.io.results import hdf5\n"
+        "hdf5.SECONDS = hdf5.TIMES = 0.0\n"
+        "def seen(point):\n    if point.step == 60: os.kill(os.getpid(), 9)\n"
+        "ds.pushover(ds.read_model(sys.argv[1]), recorder=ds.ResultsDirectory(sys.argv[2]), "
+        "progress=seen)\n"
+    )
+    model = EXAMPLES / "wall_at_a_site.toml"
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(model), str(folder)], env=synthetic.environment()
+    )
+    assert done.returncode == -signal.SIGKILL
+    return folder
+
+
+@pytest.mark.parametrize("command", ["report", "view", "compare", "assess"])
+def test_commands_read_the_folder_of_a_killed_run(killed, command):
+    told = CliRunner().invoke(app, [command, str(killed)])
+    assert told.exit_code == 0, told.output
+
+
+# The journal.
+
+
+def test_a_file_is_readable_wherever_its_writer_is_killed(tmp_path, monkeypatch):
+    """Every write of a commit fails once: what is on the disk is the state before or after."""
+    path = tmp_path / "file"
+
+    def states(count: int) -> tuple[bytes, bytes]:
+        before, after = b"a" * 100, b"b" * 40 + b"a" * 60 + b"c" * 50
+        path.unlink(missing_ok=True)
+        file = DiskFile(path)
+        file.write(before)
+        file.commit()
+        file.seek(0)
+        file.write(b"b" * 40)
+        file.seek(100)
+        file.write(b"c" * 50)
+        calls = iter(range(1000))
+
+        def dies(*arguments):
+            if next(calls) == count:
+                raise KeyboardInterrupt  # as if the process ended here
+            return sync(*arguments)
+
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "fsync", dies)
+            try:
+                file.commit()
+            except KeyboardInterrupt:
+                pass
+        file.close()
+        return before, after
+
+    sync, seen = os.fsync, set()
+    for count in range(5):
+        before, after = states(count)
+        found = journal.pending(path)
+        if found is None:
+            read = path.read_bytes()
+        else:
+            read = journal.Overlaid(path, *found).read()
+        assert read in (after, before, before + b"c" * 50)  # nobody reads what is behind the end
+        journal.recover(path)
+        assert path.read_bytes() == read and not journal.journal_of(path).exists()
+        seen.add(read)
+    assert len(seen) > 1
+
+
+def test_a_journal_that_is_cut_is_none(tmp_path):
+    path = tmp_path / "file"
+    path.write_bytes(b"a" * 10)
+    whole = journal.written(path, 10, [(2, b"bb")]).read_bytes()
+    assert journal.pending(path) == (10, [(2, b"bb")])
+    for length in range(len(whole)):
+        journal.journal_of(path).write_bytes(whole[:length])
+        assert journal.pending(path) is None
+
+
+# Killed at any moment, for each engine.
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "engine"), list(SHORT))
+def test_killed_at_random_moments(tmp_path, name, engine):
+    """The file opens, and what goes on ends as if it had never stopped; see killed.py."""
+    import killed as kills
+
+    found = kills.killed_at_random(
+        EXAMPLES / name, engine, SHORT[name, engine], tmp_path, kills=6, seed=1
+    )
+    assert found["unread"] == found["different"] == 0
+    assert found["kills"] == 6 and found["ended"] > 0
