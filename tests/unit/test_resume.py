@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
@@ -130,11 +131,8 @@ def test_paused_again_and_again_the_curve_is_the_same(tmp_path, name, engine):
     model = ds.read_model(EXAMPLES / name).with_analysis(**SHORT[name, engine])
     whole = ds.pushover(model, engine=engine, recorder=ds.ResultsDirectory(tmp_path / "whole"))
     n = max(len(whole.points) // 4, 1)
-    parts = ds.pushover(
-        model.with_analysis(max_points=n),
-        engine=engine,
-        recorder=ds.ResultsDirectory(tmp_path / "out"),
-    )
+    pausing, recorder = model.with_analysis(max_points=n), ds.ResultsDirectory(tmp_path / "out")
+    parts = ds.pushover(pausing, engine=engine, recorder=recorder)
     assert parts.status == "stopped" and len(parts.points) == n
     for _ in range(6):
         if not parts.reason.startswith("paused"):
@@ -264,7 +262,7 @@ def test_a_file_that_is_gone_while_it_runs(tmp_path):
             shutil.rmtree(tmp_path / "out")
 
     model = ds.read_model(EXAMPLES / "two_blocks.toml")
-    with pytest.raises(OutputError, match="cannot be written"):
+    with pytest.raises(OutputError, match="was removed"):
         ds.pushover(model, recorder=ds.ResultsDirectory(tmp_path / "out"), progress=remove)
 
 
@@ -290,10 +288,16 @@ def killed(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("command", ["report", "view", "compare", "assess"])
+@pytest.mark.parametrize("command", ["report", "view", "compare"])
 def test_commands_read_the_folder_of_a_killed_run(killed, command):
     told = CliRunner().invoke(app, [command, str(killed)])
     assert told.exit_code == 0, told.output
+
+
+def test_an_assessment_of_a_killed_run_says_what_it_lacks(killed):
+    told = CliRunner().invoke(app, ["assess", str(killed)])
+    assert told.exit_code == 3 and "the curve does not come down to it" in told.output
+    assert "was killed" in told.output
 
 
 # The journal.
@@ -322,10 +326,8 @@ def test_a_file_is_readable_wherever_its_writer_is_killed(tmp_path, monkeypatch)
 
         with monkeypatch.context() as patch:
             patch.setattr(os, "fsync", dies)
-            try:
+            with suppress(KeyboardInterrupt):
                 file.commit()
-            except KeyboardInterrupt:
-                pass
         file.close()
         return before, after
 

@@ -207,6 +207,7 @@ def told(
     as_json: bool,
 ) -> int:
     """Tell what came of a run; the exit status."""
+    from drystone.io.results.checkpoint import CHECKPOINT
     from drystone.model.construction.words import printable
 
     folder = results.path
@@ -215,6 +216,8 @@ def told(
         fail(exit_code(curve.status), [reason], as_json=as_json, status=curve.status)
     if curve.status != "finished":
         tell([f"{curve.status}: {curve.reason}"])
+    if curve.status == "interrupted" and (folder / CHECKPOINT).is_file():
+        tell([f"`drystone run --resume {folder}` goes on from here"])
     looked_at = _with_stored(curve, folder) if beside.is_exceeded(curve) else curve
     tell(remarks(looked_at, model, beside))
     if as_json:

@@ -166,6 +166,11 @@ def sync_folder(folder: Path) -> None:
 
 def as_output_error(error: OSError) -> OutputError:
     """What the operating system refused, in a sentence."""
+    if error.filename and not Path(error.filename).parent.is_dir():
+        return OutputError(
+            f"the folder of results {Path(error.filename).parent} was removed while the run wrote "
+            "into it: run the model again"
+        )
     where = f" {str(error.filename).removesuffix('.part')}" if error.filename else ""
     return OutputError(
         f"the results{where} cannot be written ({error.strerror or error}): "
