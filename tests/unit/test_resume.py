@@ -21,7 +21,7 @@ import drystone as ds
 from drystone.cli import app
 from drystone.common.codec import CodecError, Derived, Packed, packed, unpacked
 from drystone.engines.base import EngineError
-from drystone.io.results import hdf5, journal
+from drystone.io.results import diskfile, hdf5, journal
 from drystone.io.results.checkpoint import CHECKPOINT
 from drystone.io.results.diskfile import DiskFile
 from drystone.io.results.folder import FolderLock, OutputError
@@ -306,6 +306,7 @@ def test_an_assessment_of_a_killed_run_says_what_it_lacks(killed):
 def test_a_file_is_readable_wherever_its_writer_is_killed(tmp_path, monkeypatch):
     """Every write of a commit fails once: what is on the disk is the state before or after."""
     path = tmp_path / "file"
+    monkeypatch.setattr(diskfile, "YOUNG", 0.0)
 
     def states(count: int) -> tuple[bytes, bytes]:
         before, after = b"a" * 100, b"b" * 40 + b"a" * 60 + b"c" * 50

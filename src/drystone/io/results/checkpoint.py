@@ -48,8 +48,11 @@ class CheckpointWriter:
         self._path, self._run = folder / CHECKPOINT, run
         self._model = _entries("model", packed(model))
 
-    def write(self, checkpoint: Checkpoint) -> None:
-        """Put a checkpoint in the place of the last; raises `OSError`, and leaves that one then."""
+    def write(self, checkpoint: Checkpoint, *, sync: bool = True) -> None:
+        """Put a checkpoint in the place of the last; raises `OSError`, and leaves that one then.
+
+        With ``sync`` it outlasts a power cut.
+        """
         about = {"run": self._run, "version": package_version()}
         entries: dict[str, Any] = {
             "about": _text(about),
@@ -57,7 +60,7 @@ class CheckpointWriter:
             **_entries("standing", checkpoint.standing),
             **_entries("checkpoint", packed(replace(checkpoint, standing=NOTHING))),
         }
-        _put(self._path, entries)
+        _put(self._path, entries, sync=sync)
 
 
 def write_plan(folder: Path, model: Model, plan: Mapping[str, Any]) -> None:
@@ -122,7 +125,7 @@ def _model(file: Any) -> Model:
     return model
 
 
-def _put(path: Path, entries: dict[str, Any]) -> None:
+def _put(path: Path, entries: dict[str, Any], *, sync: bool = True) -> None:
     """Write a file beside, then put it in its place."""
     content = io.BytesIO()
     np.savez(content, **entries)
@@ -130,8 +133,10 @@ def _put(path: Path, entries: dict[str, Any]) -> None:
         view = content.getbuffer()
         while view:
             view = view[file.write(view) or 0 :]
-        os.fsync(file.fileno())
-    sync_folder(path.parent)
+        if sync:
+            os.fsync(file.fileno())
+    if sync:
+        sync_folder(path.parent)
 
 
 def _entries(name: str, parts: Packed) -> dict[str, NDArray[Any]]:

@@ -11,11 +11,18 @@ that can be read, too.
 from __future__ import annotations
 
 import io
+import math
 import os
+import time
 from pathlib import Path
 from typing import Any
 
 from drystone.io.results import journal
+
+#: Seconds after which a new file is brought to the disk for good at each commit: what a power cut
+#: takes of a younger one is soon computed again.  Waiting for a disk would be a tenth of a run of a
+#: second.
+YOUNG = 10.0
 
 
 class DiskFile(io.RawIOBase):
@@ -31,6 +38,7 @@ class DiskFile(io.RawIOBase):
         self._disk = io.FileIO(path, "r+" if on else "w+")
         self._length = os.fstat(self._disk.fileno()).st_size  # bytes, on the disk
         self._end = self._length  # bytes, with what waits
+        self._grown_up = -math.inf if on else time.monotonic() + YOUNG
         self._place = 0
         self._waiting: list[tuple[int, bytes]] = []  # in the order in which they came
 
@@ -73,9 +81,13 @@ class DiskFile(io.RawIOBase):
     def flush(self) -> None:
         """Nothing: see `commit`."""
 
+    @property
+    def syncs(self) -> bool:
+        """Whether what is committed outlasts a power cut."""
+        return time.monotonic() >= self._grown_up
+
     def commit(self) -> None:
-        """Bring everything to the disk, where it is after a power cut, too; raises `OSError` where
-        it does not take it all."""
+        """Bring everything to the disk; raises `OSError` where it does not take it all."""
         old, end, handle = self._length, self._end, self._disk.fileno()
         tail = bytearray(max(end - old, 0))
         for offset, data in self._waiting:
@@ -83,17 +95,18 @@ class DiskFile(io.RawIOBase):
         over = [(offset, data[: old - offset]) for offset, data in self._waiting if offset < old]
         if not tail and not over and end == old:
             return
+        sync = os.fsync if self.syncs else _no_wait
         try:
             self._put(old, tail)
-            os.fsync(handle)
-            kept = journal.written(self._path, end, over) if old else None
+            sync(handle)
+            kept = journal.written(self._path, end, over, sync) if old else None
         except OSError:
             os.ftruncate(handle, old)
             raise
         for offset, data in over:
             self._put(offset, data)
         os.ftruncate(handle, end)
-        os.fsync(handle)
+        sync(handle)
         if kept is not None:
             kept.unlink(missing_ok=True)
         self._length = end
@@ -110,3 +123,7 @@ class DiskFile(io.RawIOBase):
         self._disk.seek(offset)
         while view:
             view = view[self._disk.write(view) or 0 :]
+
+
+def _no_wait(handle: int) -> None:
+    """What is written outlasts the process, as it is with the operating system."""

@@ -157,6 +157,11 @@ class ResultsWriter:
             del file["blocks_left"]
         file.attrs["status"], file.attrs["reason"] = RUNNING, ""
 
+    @property
+    def syncs(self) -> bool:
+        """See `DiskFile.syncs`."""
+        return self._disk.syncs
+
     def append(
         self,
         point: CurvePoint,

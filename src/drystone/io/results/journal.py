@@ -12,7 +12,7 @@ import io
 import os
 import struct
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +30,9 @@ def journal_of(path: Path) -> Path:
     return path.with_name(f".{path.name}.journal")
 
 
-def written(path: Path, length: int, pieces: Pieces) -> Path:
+def written(
+    path: Path, length: int, pieces: Pieces, sync: Callable[[int], None] = os.fsync
+) -> Path:
     """Write the journal of a file that is to be so long; raises `OSError`, and leaves none then."""
     journal = journal_of(path)
     parts = [_MARK, _HEAD.pack(length, len(pieces))]
@@ -42,7 +44,7 @@ def written(path: Path, length: int, pieces: Pieces) -> Path:
             view = memoryview(content + _SUM.pack(zlib.crc32(content)))
             while view:
                 view = view[file.write(view) or 0 :]
-            os.fsync(file.fileno())
+            sync(file.fileno())
     except OSError:
         journal.unlink(missing_ok=True)
         raise

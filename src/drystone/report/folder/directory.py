@@ -166,7 +166,7 @@ class ResultsDirectory:
         if self._checkpoints is None:
             self._checkpoints = CheckpointWriter(self.path, self._model, writer.run)
         with uninterrupted():
-            self._checkpoints.write(checkpoint)
+            self._checkpoints.write(checkpoint, sync=writer.syncs)
 
     def end(self, curve: CapacityCurve) -> None:
         """Write everything that stands at the end: figures of the analysis first, pictures last."""
