@@ -31,7 +31,11 @@ from drystone.control import (
     DisplacementControl,
     DisplacementSettings,
     ExcessControl,
+    ExcessHistoryControl,
+    ExcessHistorySettings,
     ExcessSettings,
+    HistoryControl,
+    HistorySettings,
     PublishedControl,
     PublishedSettings,
     SettlingControl,
@@ -47,6 +51,7 @@ from drystone.model.model import REMOVE, STOP, Analysis, Model
 from drystone.model.ties import TieState, names_of
 from drystone.results.checkpoint import Checkpoint, Past, Standing
 from drystone.results.curve import (
+    CYCLIC,
     DYNAMIC,
     FINISHED,
     SETTLEMENT,
@@ -63,13 +68,23 @@ from drystone.results.events import falls_with, named
 
 Array = NDArray[np.float64]
 #: Settings of some strategy.
-Settings = TypeVar("Settings", PublishedSettings, DisplacementSettings, ExcessSettings)
+Settings = TypeVar(
+    "Settings",
+    PublishedSettings,
+    DisplacementSettings,
+    ExcessSettings,
+    HistorySettings,
+    ExcessHistorySettings,
+)
 
 #: Default displacement per step over the smallest extent of a block.
 STEP_SHARE = 0.005
 
 #: Largest one: what moves farther in a step no engine follows, and a peak goes by unseen.
 COARSEST_SHARE = 0.2
+
+#: Steps in the longest leg of a history, at least: a loop has an area and a shape.
+STEPS_IN_LEG = 20
 
 #: Time step of supports that move in dynamic formulations, in own units [s]: inertia of a step of
 #: a hundredth of a block is then 1e-4 of its weight.
@@ -159,7 +174,7 @@ def pushover(
         run = _Run(
             model=model,
             solver=solver,
-            strategy=SETTLEMENT if model.settlement else strategy or model.analysis.strategy,
+            strategy=_strategy(model, strategy),
             later=named and solver.capabilities.keeps_states,
             stops=(model.analysis.falling or default_falling) == STOP,
             recorder=recorder,
@@ -239,13 +254,29 @@ def cannot_resume(engine: str) -> str:
 
 def _is_enough(curve: CapacityCurve, model: Model) -> bool:
     """Whether a curve shows all that another control point could: it was interrupted, somebody has
-    named its control point, or this is part of the first collapse."""
+    named its control point or where that goes, or this is part of the first collapse."""
+    if model.history is not None:
+        return True
     if curve.status == "interrupted" or not model.control_point.default:
         return True
     first = curve.first_collapse
     if first is None:
         return curve.status == FINISHED
     return model.assembly.ids[model.control_point.block] in falls_with(curve.events, first)
+
+
+def _strategy(model: Model, asked: str | None) -> str:
+    """That which a model is traced by; raises `EngineError` where it cannot be what is asked."""
+    if model.settlement is not None:
+        return SETTLEMENT
+    strategy = asked or model.analysis.strategy
+    if model.history is None:
+        return strategy
+    if strategy == "published":
+        raise EngineError(
+            '[control] history: the strategy "published" pushes one way: take "displacement"'
+        )
+    return CYCLIC
 
 
 def _traced(
@@ -549,6 +580,7 @@ class _Run:
             stop_multiplier=self.model.analysis.stop_multiplier,
             settlement=self.settlement,
             motion_unit=self.model.settlement.unit if self.model.settlement else "m",
+            load_force=self.model.load_force,
             control_point=self.model.control_point,
             blocks_left=tuple(self.left),
             events=self.log.end(),
@@ -601,7 +633,7 @@ def obeyed(report: StepReport, limit: float | None) -> StepReport:
 def _options_of(strategy: str, analysis: Analysis) -> dict[str, float]:
     """The numerical settings of an analysis; raises `EngineError`."""
     options = {"stop_multiplier": analysis.stop_multiplier, **analysis.options}
-    if strategy not in (*STRATEGIES, SETTLEMENT):
+    if strategy not in (*STRATEGIES, SETTLEMENT, CYCLIC):
         raise EngineError(f'there is no strategy "{strategy}": take {" or ".join(STRATEGIES)}')
     known = {
         f.name
@@ -641,11 +673,25 @@ def make_control(strategy: str, engine: Engine[Any], model: Model) -> Control[An
                 _settings(PublishedSettings, frame.time, {**preferred, **step, **options})
             )
         chosen = {**step, **preferred, **options}
+        if model.history is not None:
+            return _cyclic({**chosen, "targets": model.history.targets}, engine, frame)
         if engine.capabilities.prescribes_displacement:
             return DisplacementControl(_settings(DisplacementSettings, frame.time, chosen))
         return ExcessControl(_settings(ExcessSettings, frame.time, chosen))
     except ControlError as error:
         raise EngineError(f"[analysis] {error}") from None
+
+
+def _cyclic(
+    options: Mapping[str, Any], engine: Engine[Any], frame: Frame
+) -> HistoryControl | ExcessHistoryControl:
+    """The control of a history; its steps are short beside its legs."""
+    legs = np.abs(np.diff((0.0, *options["targets"])))
+    step = min(options["displacement_step"], float(legs.max()) / STEPS_IN_LEG)
+    options = {**options, "displacement_step": step}
+    if engine.capabilities.prescribes_displacement:
+        return HistoryControl(_settings(HistorySettings, frame.time, options))
+    return ExcessHistoryControl(_settings(ExcessHistorySettings, frame.time, options))
 
 
 def _settling(
@@ -686,7 +732,7 @@ def _suited(pacing: Pacing) -> dict[str, float]:
     return {**known, **SMOOTH} if smooth else known
 
 
-def _settings(cls: type[Settings], second: float, options: Mapping[str, float]) -> Settings:
+def _settings(cls: type[Settings], second: float, options: Mapping[str, Any]) -> Settings:
     """A settings object from those options that it has; whole numbers where it wants them.
 
     Its default times are in the structure's own ``second`` [s]: what falls its own size in one,

@@ -131,6 +131,7 @@ LARGEST = {
     "rows": 100_000,  # of a spectrum or a record; 500 s in steps of 5 ms
     "file": 64_000_000,  # bytes
     "name": 200,  # letters
+    "displacements of a history": 1_000_000,
 }
 #: Pairs of boxes that meet, over the number of boxes, from 2 million pairs on: bricks have 6 to 26,
 #: and blocks on the same place as many as there are.

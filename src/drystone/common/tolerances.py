@@ -491,6 +491,22 @@ JUMP_MOTION = 1.0
 #: its weight; of supports that move, over the weight.  Convention.  Range: calm.
 STATIC_INERTIA = 1e-3
 
+# Control: displacements gone to one after another -------------------------------------------------
+
+#: Displacement steps within which a displacement of a history is reached by engines that prescribe
+#: it, and by those that step under a multiplier.  Derived: roundings; of the latter, what a step is
+#: solved to (`NSCD_RESIDUAL`) over what an excess moves blocks by.
+AT_TARGET = ROUNDING
+AT_TARGET_OF_EXCESS = 1e-6
+
+#: Displacement steps up to which a corner of a loop may be rounded off; and, over the excess, by
+#: how much the multiplier rises in a step to a corner, and is exceeded beyond it.  Not measured.
+CORNER = 1e-3
+LEAST_RISE = 1e-3
+
+#: Share of the way between two trial excesses that the next is away from both.  Not measured.
+LEAST_SHARE_TRIED = 0.01
+
 # Control: excess over the static multiplier ------------------------------------------------------
 
 #: Time step [s].  Not measured.

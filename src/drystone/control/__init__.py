@@ -6,6 +6,8 @@ They know nothing of blocks or contacts and hold no state of their own.
 from drystone.control.base import Control, ControlError, Decision
 from drystone.control.displacement import SMOOTH, DisplacementControl, DisplacementSettings
 from drystone.control.excess import ExcessControl, ExcessSettings
+from drystone.control.excess_history import ExcessHistoryControl, ExcessHistorySettings
+from drystone.control.history import HistoryControl, HistorySettings
 from drystone.control.published import PublishedControl, PublishedSettings
 from drystone.control.settling import SettlingControl, SettlingSettings
 
@@ -17,7 +19,11 @@ __all__ = [
     "DisplacementControl",
     "DisplacementSettings",
     "ExcessControl",
+    "ExcessHistoryControl",
+    "ExcessHistorySettings",
     "ExcessSettings",
+    "HistoryControl",
+    "HistorySettings",
     "PublishedControl",
     "PublishedSettings",
     "SettlingControl",

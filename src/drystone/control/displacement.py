@@ -106,7 +106,9 @@ class DisplacementSettings(EndSettings):
 
 
 @dataclass(frozen=True, kw_only=True)
-class _State:
+class PacingState:
+    """What the pacing remembers."""
+
     increment: float  # m
     highest: float = 0.0  # multiplier so far
     highest_at: float = 0.0  # m, control displacement there
@@ -132,15 +134,19 @@ class DisplacementControl:
     def __init__(self, settings: DisplacementSettings) -> None:
         self.settings = settings
 
-    def first(self, report: StepReport) -> Decision[_State]:
+    def first(self, report: StepReport) -> Decision[PacingState]:
         """A small first increment, in stiff joints no larger than what they close by."""
         s = self.settings
         closing = report.penetration if report.penetration > 0.0 else math.inf
         first = min(s.first_share * s.displacement_step, closing)
-        state = _State(increment=first, closing=closing)
+        state = self._begun(first, closing)
         return Decision(accept=True, demand=self._demand(state), state=state)
 
-    def _demand(self, state: _State) -> Demand:
+    def _begun(self, increment: float, closing: float) -> PacingState:
+        """What is remembered at first."""
+        return PacingState(increment=increment, closing=closing)
+
+    def _demand(self, state: PacingState) -> Demand:
         if state.released:
             return Demand(multiplier=0.0)
         if state.time_step == 0.0:
@@ -158,7 +164,7 @@ class DisplacementControl:
         thorough = state.shortened or not soon
         return Demand(increment=creep, time_step=state.time_step, thorough=thorough)
 
-    def _is_thorough(self, state: _State) -> bool:
+    def _is_thorough(self, state: PacingState) -> bool:
         """Whether a static step is worth all there is to find its end: not where one that fails is
         tried again with half of it, nor where it would only pass what can be followed in motion."""
         s = self.settings
@@ -167,7 +173,9 @@ class DisplacementControl:
         small = state.increment <= s.thorough_share * s.displacement_step
         return small and state.stage != CROSSING
 
-    def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision[_State]:
+    def decide(
+        self, state: PacingState, demand: Demand, report: StepReport
+    ) -> Decision[PacingState]:
         """Try again with less where a step fails; else go on."""
         if state.released:
             return self._begin_again(state, report)
@@ -212,7 +220,7 @@ class DisplacementControl:
             way=_way(report),
         )
 
-    def _begin_again(self, state: _State, report: StepReport) -> Decision[_State]:
+    def _begin_again(self, state: PacingState, report: StepReport) -> Decision[PacingState]:
         """The load begins again where the structure has come to rest without any."""
         if not report.converged:
             return Decision(accept=False, demand=None, state=state, reason=report.reason)
@@ -224,7 +232,15 @@ class DisplacementControl:
         )
         return Decision(accept=True, demand=self._demand(state), state=state, way=_way(report))
 
-    def _finer(self, state: _State, report: StepReport) -> float | None:
+    def _scale(self, state: PacingState) -> float:
+        """The multiplier that shares of the peak are of."""
+        return max(state.highest, tolerances.LEAST_PEAK * self.settings.stop_multiplier)
+
+    def _carried(self, state: PacingState) -> float:
+        """The highest multiplier so far, by which what falls has carried something."""
+        return state.highest
+
+    def _finer(self, state: PacingState, report: StepReport) -> float | None:
         """A smaller increment where the step hides the peak, a bend or the stop value."""
         s = self.settings
         multiplier = report.static_multiplier
@@ -242,7 +258,7 @@ class DisplacementControl:
                 share = 0.5 * share  # what is bent so much is found by halves
             finer = share * state.increment
             return finer if finer > tolerances.LEAST_CHORD * least else None
-        scale = max(state.highest, multiplier, tolerances.LEAST_PEAK * s.stop_multiplier)
+        scale = max(self._scale(state), multiplier)
         if report.path.excess is None or report.path.bend is None:  # the engine does not tell
             return self._nearer(state, report, scale, least)
         excess, share = report.path.excess
@@ -257,7 +273,7 @@ class DisplacementControl:
             return share * state.increment
         return self._straighter(state, report, scale)
 
-    def _straighter(self, state: _State, report: StepReport, scale: float) -> float | None:
+    def _straighter(self, state: PacingState, report: StepReport, scale: float) -> float | None:
         """A smaller increment where joints have changed within the step which way the blocks go.
 
         Its end does not tell when: a step knows only where it starts and ends, and blocks may have
@@ -274,7 +290,7 @@ class DisplacementControl:
         return max(0.25 * state.increment, least)
 
     def _nearer(
-        self, state: _State, report: StepReport, scale: float, least: float
+        self, state: PacingState, report: StepReport, scale: float, least: float
     ) -> float | None:
         """A smaller increment where the curve, going on as it rose, might peak within the step."""
         s = self.settings
@@ -307,7 +323,7 @@ class DisplacementControl:
         return max(tolerances.NEARER_TO_KINK * state.increment, least)
 
     def _calmer(
-        self, state: _State, report: StepReport, scale: float, finest: float
+        self, state: PacingState, report: StepReport, scale: float, finest: float
     ) -> float | None:
         """A smaller increment where the way through the step lay too far above both its ends.
 
@@ -325,11 +341,11 @@ class DisplacementControl:
             return None
         return max(min(max(most / crest, 0.25), 0.5) * state.increment, least)
 
-    def _leaps(self, state: _State, report: StepReport) -> bool:
+    def _leaps(self, state: PacingState, report: StepReport) -> bool:
         """Whether blocks have moved too far for a step of the increment, past no equilibria."""
         return report.motion > self.settings.snap_motion * state.increment
 
-    def _thrown_back(self, state: _State, report: StepReport) -> bool:
+    def _thrown_back(self, state: PacingState, report: StepReport) -> bool:
         """Whether in the rest found the control point lies behind where the load began.
 
         So it does where the structure fell while the load held it back: what stands there is not
@@ -338,7 +354,7 @@ class DisplacementControl:
         behind = report.control_displacement < -self.settings.displacement_step
         return behind and not state.time_step and self._leaps(state, report)
 
-    def _snaps(self, state: _State, report: StepReport) -> bool:
+    def _snaps(self, state: PacingState, report: StepReport) -> bool:
         """Whether a step has passed a jump worth showing, where the path turned back."""
         s = self.settings
         if state.time_step:
@@ -355,8 +371,7 @@ class DisplacementControl:
         expected = state.last + state.slope * state.increment
         if share > tolerances.TURN_KNOWN:
             expected = state.last + (multiplier - state.last) / share
-        scale = max(state.highest, tolerances.LEAST_PEAK * s.stop_multiplier)
-        return abs(report.static_multiplier - expected) > s.snap_share * scale
+        return abs(report.static_multiplier - expected) > s.snap_share * self._scale(state)
 
     def _falls_freely(self, report: StepReport) -> bool:
         """Whether in the motion on the way of a step the control point goes far without load, and
@@ -377,7 +392,7 @@ class DisplacementControl:
                 return True
         return False
 
-    def _would_end(self, state: _State, report: StepReport) -> bool:
+    def _would_end(self, state: PacingState, report: StepReport) -> bool:
         """Whether a step without motion between its ends comes down below the stop value.
 
         The equilibrium that it has found far off need not be the one that a structure falls to; an
@@ -386,20 +401,20 @@ class DisplacementControl:
         below = report.static_multiplier < self.settings.stop_multiplier < state.last
         return below and report.path.crest is None
 
-    def _retry(self, state: _State, report: StepReport) -> Decision[_State]:
+    def _retry(self, state: PacingState, report: StepReport) -> Decision[PacingState]:
         s = self.settings
         floor = s.floor_share * s.displacement_step
         if state.last == state.highest:
             floor = min(floor, tolerances.CLOSING_SHARE * state.closing)
             if state.slope > 0.0:  # a crossing is four times the floor
-                floor = min(floor, 0.25 * s.bend_share * state.highest / state.slope)
+                floor = min(floor, 0.25 * s.bend_share * self._carried(state) / state.slope)
         if state.time_step:
             if s.smooth:
                 state = changed(state, shortened=True, too_long=state.time_step, n_since=0)
             state = changed(state, time_step=0.5 * state.time_step)
             if state.time_step < tolerances.LEAST_JUMP * s.time_step:
                 reason: str = say("end.jump_lost", why=report.reason)
-                if state.highest <= 0.0:
+                if self._carried(state) <= 0.0:
                     reason = (
                         "the structure carries nothing along the load, as where joints have no "
                         f"friction, or no first step was found: {report.reason}"
@@ -424,7 +439,7 @@ class DisplacementControl:
                 state = changed(state, stage=CROSSING, increment=4.0 * floor)
         return Decision(accept=False, demand=self._demand(state), state=state)
 
-    def _lost(self, state: _State, report: StepReport, reason: str) -> Decision[_State]:
+    def _lost(self, state: PacingState, report: StepReport, reason: str) -> Decision[PacingState]:
         """The end where no step leads on: a collapse where blocks were seen to run away.
 
         What has only not come to rest yet may do so.
@@ -432,7 +447,7 @@ class DisplacementControl:
         end = End(reason=reason)
         if report.path.way and report.dynamic:
             how = f"no rest was found for what moves: {report.reason}"
-            end = collapsed(how, state.highest, self.settings.stop_multiplier)
+            end = collapsed(how, self._carried(state), self.settings.stop_multiplier)
         return Decision(
             accept=False,
             demand=None,
@@ -442,7 +457,7 @@ class DisplacementControl:
             way=_way(report),
         )
 
-    def _paced(self, state: _State, report: StepReport) -> _State:
+    def _paced(self, state: PacingState, report: StepReport) -> PacingState:
         s = self.settings
         if report.reached < 1.0:  # a bond is about to break, or has broken: no farther than to it
             least = s.floor_share * s.displacement_step
@@ -459,22 +474,22 @@ class DisplacementControl:
         increment = min(scale * state.increment, s.displacement_step)
         return changed(state, increment=increment, stage=FOLLOWING, rested=0.0, n_since=n_since)
 
-    def _growth(self, state: _State, report: StepReport) -> float:
+    def _growth(self, state: PacingState, report: StepReport) -> float:
         """Of increments where steps are easy: the less, the rougher the way through them was."""
         s = self.settings
         if s.smooth and report.path.bend is not None:
             # A bend goes with the square of the step.
-            most = s.bend_share * max(state.highest, tolerances.LEAST_PEAK * s.stop_multiplier)
+            most = s.bend_share * self._scale(state)
             bend = max(report.path.bend[0], tolerances.TINY)
             return min(max(math.sqrt(tolerances.BEND_AIM * most / bend), 0.5), 2.0)
         if report.path.crest is None:
             return 2.0
-        crest = report.path.crest / max(state.highest, tolerances.LEAST_PEAK * s.stop_multiplier)
+        crest = report.path.crest / self._scale(state)
         if crest <= tolerances.CALM_CREST * s.crest_share:
             return 3.0
         return 2.0 if crest <= 0.5 * s.crest_share else 1.0
 
-    def _jumping(self, state: _State, report: StepReport) -> _State:
+    def _jumping(self, state: PacingState, report: StepReport) -> PacingState:
         s = self.settings
         if self._rests(state, report):
             increment = 4.0 * s.floor_share * s.displacement_step
@@ -489,14 +504,14 @@ class DisplacementControl:
             return changed(state, time_step=longer, n_since=n_since)
         return state
 
-    def _fallen(self, state: _State, report: StepReport) -> float:
+    def _fallen(self, state: PacingState, report: StepReport) -> float:
         """How far a block has moved in a jump while the control point was held back [m]."""
         if not state.time_step:
             return 0.0
         held_back = report.dynamic and report.static_multiplier < -self.settings.stop_multiplier
         return state.fallen + (report.motion if held_back else 0.0)
 
-    def _rests(self, state: _State, report: StepReport) -> bool:
+    def _rests(self, state: PacingState, report: StepReport) -> bool:
         """Whether the structure is at rest: also with time for inertia to take it elsewhere."""
         s = self.settings
         if not state.time_step:
@@ -504,24 +519,10 @@ class DisplacementControl:
         inertia = max(report.inertia_ratio, report.acceleration)
         return inertia < s.static_inertia and state.time_step > tolerances.LONG_ENOUGH * s.time_step
 
-    def _over(self, state: _State, report: StepReport) -> End | None:
+    def _over(self, state: PacingState, report: StepReport) -> End | None:
         """Whether and why the analysis is over."""
-        s = self.settings
-        if self._thrown_back(state, report):
-            return collapsed(
-                "it falls back behind where it stood", state.highest, s.stop_multiplier
-            )
-        if self._falls_freely(report):
-            return fallen_freely(state.highest, s.stop_multiplier)
-        if state.fallen > s.fall_motion * s.displacement_step:
-            if carries_nothing(s, state.highest):
-                return nothing_carried(s, state.n_steps)
-            return fallen_freely(state.highest, s.stop_multiplier)
-        if state.n_jump_steps >= s.jump_steps:
-            how = say("end.no_rest", n=s.jump_steps)
-            return End(reason=say("end.collapsed", how=how))
-        return end_of_curve(
-            s,
+        return self._over_in_motion(state, report) or end_of_curve(
+            self.settings,
             Progress(
                 multiplier=report.static_multiplier,
                 highest=state.highest,
@@ -531,6 +532,22 @@ class DisplacementControl:
                 highest_at=state.highest_at,
             ),
         )
+
+    def _over_in_motion(self, state: PacingState, report: StepReport) -> End | None:
+        """Likewise, of what has fallen."""
+        s, carried = self.settings, self._carried(state)
+        if self._thrown_back(state, report):
+            return collapsed("it falls back behind where it stood", carried, s.stop_multiplier)
+        if self._falls_freely(report):
+            return fallen_freely(carried, s.stop_multiplier)
+        if state.fallen > s.fall_motion * s.displacement_step:
+            if carries_nothing(s, carried):
+                return nothing_carried(s, state.n_steps)
+            return fallen_freely(carried, s.stop_multiplier)
+        if state.n_jump_steps >= s.jump_steps:
+            how = say("end.no_rest", n=s.jump_steps)
+            return End(reason=say("end.collapsed", how=how))
+        return None
 
 
 def _way(report: StepReport) -> tuple[float, ...]:

@@ -36,7 +36,9 @@ class ExcessSettings(EndSettings):
 
 
 @dataclass(frozen=True, kw_only=True)
-class _State:
+class ExcessState:
+    """What the pacing remembers."""
+
     excess: float
     time_step: float
     static: float = 0.0  # multiplier of the last point
@@ -60,17 +62,19 @@ class ExcessControl:
     def __init__(self, settings: ExcessSettings) -> None:
         self.settings = settings
 
-    def first(self, report: StepReport) -> Decision[_State]:
+    def first(self, report: StepReport) -> Decision[ExcessState]:
         """A tenth of the largest excess."""
         s = self.settings
-        state = _State(excess=tolerances.FIRST_EXCESS * s.increment, time_step=s.time_step)
+        state = ExcessState(excess=tolerances.FIRST_EXCESS * s.increment, time_step=s.time_step)
         return Decision(accept=True, demand=self._demand(state), state=state)
 
-    def _demand(self, state: _State) -> Demand:
+    def _demand(self, state: ExcessState) -> Demand:
         # What would have to be held back falls, and the rest is not pulled the other way.
         return Demand(multiplier=max(state.static, 0.0) + state.excess, time_step=state.time_step)
 
-    def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision[_State]:
+    def decide(
+        self, state: ExcessState, demand: Demand, report: StepReport
+    ) -> Decision[ExcessState]:
         """Adapt the excess to the motion; a step that fails or goes too far is tried with less."""
         s = self.settings
         if not report.converged or report.motion > 2.0 * s.displacement_step:
@@ -132,11 +136,11 @@ class ExcessControl:
         """The excess that hides neither a peak of that height nor a bend after it."""
         return max(tolerances.HIDES * highest, tolerances.FIRST_EXCESS * self.settings.increment)
 
-    def _yields(self, state: _State, report: StepReport) -> bool:
+    def _yields(self, state: ExcessState, report: StepReport) -> bool:
         """Whether a step begins where less than half of the excess is carried."""
         return report.static_multiplier < report.applied_multiplier - 0.5 * state.excess
 
-    def _step(self, state: _State, report: StepReport) -> float:
+    def _step(self, state: ExcessState, report: StepReport) -> float:
         """The motion to aim at [m]: less where the multiplier, since its peak, falls steeply."""
         largest = self.settings.displacement_step
         gone = max(report.control_displacement - state.highest_at, largest)
@@ -144,7 +148,7 @@ class ExcessControl:
         share = tolerances.STEEP * state.highest / max(fallen, tolerances.TINY)
         return largest * min(1.0, max(share, tolerances.LEAST_STEEP))
 
-    def _steady(self, state: _State, report: StepReport) -> bool:
+    def _steady(self, state: ExcessState, report: StepReport) -> bool:
         """Whether the whole structure moves, and as it did in the step before.
 
         Its control point goes with what moves, and virtual work says again what it said then.
@@ -160,12 +164,12 @@ class ExcessControl:
             and abs(report.static_multiplier - state.told) < tolerances.SAME_MULTIPLIER * above
         )
 
-    def _low_since(self, state: _State, report: StepReport, dynamic: bool) -> float | None:
+    def _low_since(self, state: ExcessState, report: StepReport, dynamic: bool) -> float | None:
         if not dynamic or state.static >= self.settings.stop_multiplier:
             return None
         return report.control_displacement if state.low_since is None else state.low_since
 
-    def _begun(self, state: _State, report: StepReport, dynamic: bool) -> _State:
+    def _begun(self, state: ExcessState, report: StepReport, dynamic: bool) -> ExcessState:
         """The state with what is known of a motion that came to rest."""
         s, begun_at = self.settings, state.begun_at
         if dynamic:
@@ -178,7 +182,7 @@ class ExcessControl:
             begun_at = None
         return changed(state, moving=dynamic, begun_at=begun_at)
 
-    def _collapsed(self, state: _State, report: StepReport, dynamic: bool) -> End | None:
+    def _collapsed(self, state: ExcessState, report: StepReport, dynamic: bool) -> End | None:
         """The end of what has moved too far from where it stood to stand as it did, or None."""
         s = self.settings
         moved = (report.control_displacement - state.rest_at) / s.displacement_step
@@ -192,10 +196,10 @@ class ExcessControl:
             return collapsed("it rests without any load", state.highest, s.stop_multiplier)
         return None
 
-    def _go_on(self, state: _State, report: StepReport, dynamic: bool) -> Decision[_State]:
-        s = self.settings
-        end = self._collapsed(state, report, dynamic) or end_of_curve(
-            s,
+    def _over(self, state: ExcessState, report: StepReport, dynamic: bool) -> End | None:
+        """Whether and why the analysis is over."""
+        return self._collapsed(state, report, dynamic) or end_of_curve(
+            self.settings,
             Progress(
                 multiplier=state.static,
                 highest=state.highest,
@@ -205,6 +209,19 @@ class ExcessControl:
                 highest_at=state.highest_at,
             ),
         )
+
+    def _largest(self, state: ExcessState) -> float:
+        """The largest excess of the next step."""
+        largest = self.settings.increment * max(1.0, state.static)
+        if state.static < state.highest:
+            largest = min(largest, self._finest(state.highest))
+        return largest
+
+    def _go_on(
+        self, state: ExcessState, report: StepReport, dynamic: bool
+    ) -> Decision[ExcessState]:
+        s = self.settings
+        end = self._over(state, report, dynamic)
         if end:
             return Decision(
                 accept=True, demand=None, state=state, reason=end.reason, finished=end.finished
@@ -213,10 +230,8 @@ class ExcessControl:
         share = step / max(report.motion, tolerances.LEAST_MOTION * s.displacement_step)
         if report.control_displacement < state.displacement:
             share = 2.0  # pushed too little to go on
-        largest = s.increment * max(1.0, state.static)
-        if state.static < state.highest:
-            largest = min(largest, self._finest(state.highest))
-        excess = min(state.excess * min(max(share, 0.5), tolerances.EXCESS_GROWTH), largest)
+        growth = min(max(share, 0.5), tolerances.EXCESS_GROWTH)
+        excess = min(state.excess * growth, self._largest(state))
         time_step = min(tolerances.EXCESS_TIME_GROWTH * state.time_step, s.time_step)
         state = changed(
             state, excess=excess, time_step=time_step, displacement=report.control_displacement

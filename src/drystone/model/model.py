@@ -14,7 +14,9 @@ from drystone.common.errors import ModelError
 from drystone.common.vectors import direction_of
 from drystone.geometry.mended import Mended
 from drystone.model.assembly import Assembly, Corner
+from drystone.model.history import History, history_of
 from drystone.model.loading import DeadLoad, LoadPattern
+from drystone.model.loading.acting import Acting
 from drystone.model.monitor import ControlPoint
 from drystone.model.settlement import Settlement
 from drystone.model.site import AssessmentInput, Site
@@ -72,6 +74,7 @@ class Model:
     dead_loads: tuple[DeadLoad, ...] = ()  # beside the blocks' weight
     ties: tuple[Tie, ...] = ()
     settlement: Settlement | None = None  # of supports that move, in place of a load that grows
+    history: History | None = None  # of the control displacement, where it goes to and fro
     analysis: Analysis = field(default_factory=Analysis)
     origin: Origin | None = None
     notes: tuple[str, ...] = ()
@@ -93,6 +96,7 @@ class Model:
             self.dead_loads,
             self.ties,
             self.settlement,
+            self.history,
             self.title,
             self.analysis,
             self.site,
@@ -103,6 +107,11 @@ class Model:
     def load_along(self) -> Array:
         """(dim,) unit vector that the load pattern as a whole leads along."""
         return self.load.along(self.assembly)
+
+    @cached_property
+    def load_force(self) -> float:
+        """Sum [N] of the load pattern's forces along `load_along`, at multiplier one."""
+        return Acting.of(self.assembly, self.load, self.dead_loads).total
 
     @property
     def load_shown(self) -> Array | None:
@@ -138,8 +147,8 @@ class Model:
 
     def _as_read(self, origin: Origin) -> bool:
         now, read = self.contents, origin.contents
-        same = all(a is b for a, b in zip(now[:6], read[:6], strict=True))
-        return same and now[6:] == read[6:]
+        same = all(a is b for a, b in zip(now[:7], read[:7], strict=True))
+        return same and now[7:] == read[7:]
 
     def with_joint(
         self, *, between: tuple[str, str] | None = None, **values: float | None
@@ -212,7 +221,7 @@ class Model:
         """The model with supports that move in place of the load pattern."""
         from drystone.model.construction.vary import remade
 
-        return remade(self, settlement=settlement, load=None)
+        return remade(self, settlement=settlement, load=None, history=None)
 
     def with_control(
         self,
@@ -225,6 +234,33 @@ class Model:
         from drystone.model.construction.vary import remade
 
         return remade(self, control_block=block, control_point=point, control_direction=direction)
+
+    def with_history(
+        self,
+        targets: Sequence[float] | None = None,
+        *,
+        amplitudes: Sequence[float] | None = None,
+        cycles: int = 1,
+    ) -> Model:
+        """The model with control displacements gone to one after another; a monotonic one where
+        nothing is given.
+
+        Parameters
+        ----------
+        targets
+            Control displacements [m].
+        amplitudes, cycles
+            In their place: displacements [m] gone to in both senses, so many times each, and back
+            to zero at last.
+
+        Raises
+        ------
+        ModelError
+            Displacements that no control point can be brought to.
+        """
+        from drystone.model.construction.vary import remade
+
+        return remade(self, history=history_of(targets, amplitudes, cycles))
 
     def with_analysis(
         self,

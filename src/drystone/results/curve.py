@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from html import escape
@@ -15,6 +16,7 @@ from drystone.common.language import say
 from drystone.contact.forces import ContactForces
 from drystone.model.monitor import ControlPoint
 from drystone.model.ties import STATES, TieState
+from drystone.results.cycles import Cycle, cycles_of, envelope
 from drystone.results.events import PRINTED, Event, first_collapse
 
 if TYPE_CHECKING:
@@ -36,6 +38,9 @@ PASSED = 0.99
 
 #: Strategy of curves that supports pace which move.
 SETTLEMENT = "settlement"
+
+#: Strategy of curves whose control point goes to and fro, see `CapacityCurve.cycles`.
+CYCLIC = "cyclic"
 
 #: Status of a curve that is complete.
 FINISHED = "finished"
@@ -209,6 +214,7 @@ class CapacityCurve:
     ties: TieRecord | None = None  # None where there are none
     ended_by: Event | None = None  # of a curve that was cut off there, see `until`
     motion_unit: str = "m"  # of control displacements; "rad" where supports pace it that turn
+    load_force: float = math.nan  # N, of the load pattern at multiplier one
     control_point: ControlPoint | None = None  # None of curves that were read: that of their model
 
     def traced_of(self, model: Model) -> Model:
@@ -299,6 +305,41 @@ class CapacityCurve:
         return self.strategy == SETTLEMENT
 
     @property
+    def is_cyclic(self) -> bool:
+        """Whether its control point goes to and fro."""
+        return self.strategy == CYCLIC
+
+    @property
+    def cycles(self) -> tuple[Cycle, ...]:
+        """Of a cyclic curve; energies are areas of the load, as one force, against the control
+        displacement: the work of the load where all of it moves as the control point does."""
+        if not self.is_cyclic:
+            return ()
+        return cycles_of(self.control_displacement, self.load_force * self.load_multiplier)
+
+    def envelope(self, sense: float = 1.0) -> tuple[Array, Array]:
+        """Control displacements [m] and multipliers of points farther out in a sense, 1 or -1, than
+        any before."""
+        return envelope(self.control_displacement, self.load_multiplier, sense)
+
+    @property
+    def lowest(self) -> CurvePoint:
+        """The static point of lowest load multiplier: the peak of the other sense of a cyclic
+        curve."""
+        static = [p for p in self.points if p.status == STATIC] or list(self.points)
+        return min(static, key=lambda p: p.load_multiplier)
+
+    @property
+    def _ultimate_of_cycles(self) -> float | None:
+        """Where a cyclic curve ends in a collapse: farther out than ever before, with less than the
+        stop value."""
+        last = self.points[-1]
+        out = max(abs(p.control_displacement) for p in self.points[:-1] or self.points)
+        over = abs(last.load_multiplier) <= self.stop_multiplier
+        farthest = abs(last.control_displacement) >= out
+        return last.control_displacement if over and farthest else None
+
+    @property
     def reaction(self) -> Array:
         """(n_points,) of supports that move, along their motion [N], or about its axis [N m]."""
         return self.column("reaction")
@@ -334,6 +375,8 @@ class CapacityCurve:
         """
         if self.settles:
             return None
+        if self.is_cyclic:
+            return self._ultimate_of_cycles
         top = self.peak.step
         rest = max((p.step for p in self.points if p.status == STATIC), default=0)
         collapse = self.status == FINISHED

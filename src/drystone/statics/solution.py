@@ -367,7 +367,8 @@ def _from_inside(
             turn = turn or (1.0, step.multiplier)
     end = judged.slope if judged else math.nan
     reason = _reason(found, n_iterations, step, accuracy)
-    shape = _shape(multiplier, step.multiplier, slope, end, increment)
+    sense = -1.0 if increment < 0.0 else 1.0  # multipliers are looked at in that of the motion
+    shape = _shape(sense * multiplier, sense * step.multiplier, slope, end, sense * increment)
     if before.unstable and judged and judged.stable:
         shape = (0.0, 0.0), (0.0, 0.0)  # it has left what it would not keep: no point between is it
     return StepSolution(

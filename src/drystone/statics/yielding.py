@@ -308,16 +308,17 @@ def _shaped(
     """
     if increment is None:
         return replace(solved, excess=None)
-    before, after = start.multiplier, solved.multiplier
-    known = first.multiplier if first else after
-    rise = start.rise if np.isfinite(start.rise) else known - before
+    sense = -1.0 if increment < 0.0 else 1.0  # multipliers are looked at in that of the motion
+    before, after = sense * start.multiplier, sense * solved.multiplier
+    known = sense * first.multiplier if first else after
+    rise = sense * start.rise if np.isfinite(start.rise) else known - before
     change, top = after - before, max(before, after)
     if fallen and lets_go:
         return replace(solved, excess=None, bend=None)
     if fallen:
         off = abs(rise - change)
         return replace(solved, excess=(before + max(rise, 0.0) - top, 0.5), bend=(off, 0.5))
-    at_end = change if slope is None else slope * increment
+    at_end = change if slope is None else slope * abs(increment)
     excess = 0.0, 0.0
     if rise > 0.0 > at_end:  # no higher than where the tangents meet: joints give way at corners
         share = min((change - at_end) / (rise - at_end), 1.0)
@@ -325,7 +326,7 @@ def _shaped(
             share = 0.5
         excess = max(before + share * rise - top, 0.0), share
     if first and not np.isfinite(start.rise):
-        excess = _hidden(first, solved, before) or excess
+        excess = _hidden(first, solved, before, sense) or excess
     bend = max(solved.bend or (0.0, 0.0), bend_of_cubic(rise, change, at_end))
     bend = bend[0], min(bend[1], FARTHEST_AGAIN)
     if slope is None:
@@ -334,7 +335,7 @@ def _shaped(
 
 
 def _hidden(
-    first: StepSolution, last: StepSolution, multiplier: float
+    first: StepSolution, last: StepSolution, multiplier: float, sense: float
 ) -> tuple[float, float] | None:
     """By how much the multiplier may exceed both ends within the step, and where, see
     `StepSolution`.
@@ -344,15 +345,16 @@ def _hidden(
     """
     if first.excess is None or first.bend is None:
         return None
-    rise, drop = first.multiplier - multiplier, first.multiplier - last.multiplier
+    with_start, with_end = sense * first.multiplier, sense * last.multiplier
+    rise, drop = with_start - multiplier, with_start - with_end
     if abs(first.bend[0]) <= STRAIGHT * abs(drop) and first.excess[0] <= 0.0:
         if drop <= 0.0 or not 0.0 < rise < 2.0 * drop:
             return 0.0, 0.0
         top = multiplier + 0.25 * rise * rise / drop
-        return top - max(last.multiplier, multiplier), 0.5 * rise / drop
-    highest = max(first.multiplier, multiplier) + max(first.excess[0], 0.0)
+        return top - max(with_end, multiplier), 0.5 * rise / drop
+    highest = max(with_start, multiplier) + max(first.excess[0], 0.0)
     share = first.excess[1] if first.excess[0] > 0.0 else first.bend[1]
-    return highest - max(last.multiplier, multiplier), share
+    return highest - max(with_end, multiplier), share
 
 
 def _fitting(branch: IntArray, held: Array) -> IntArray:

@@ -18,7 +18,8 @@ STAGES = 4
 def drive_on(state: DistinctState, work: Workspace, increment: float) -> float:
     """Move on at a constant rate of F.x until the control displacement is reached, then stop.
 
-    Returns the highest multiplier on the way, of the means over its parts.
+    Returns the highest multiplier on the way in the sense of the increment, of the means over its
+    parts.
 
     The motion of the last step goes on at the pace of this one, so that nothing is shaken.  It
     ends in stages, each slower than the one before: joints that slide go on sliding while
@@ -30,9 +31,9 @@ def drive_on(state: DistinctState, work: Workspace, increment: float) -> float:
     rate = _set_out(state, work, increment, begin)
     # For the first stage, of the increment.
     left = 1.0 - SLOWER / (1.0 - SLOWER) * s.stage_cycles / s.drive_cycles
-    crest = -np.inf
+    crest, way = -np.inf, 1.0 if increment > 0.0 else -1.0
     for _ in range(10 * CREST_PARTS):
-        crest = max(crest, _part(work, max(s.drive_cycles // CREST_PARTS, 1), rate))
+        crest = max(crest, way * _part(work, max(s.drive_cycles // CREST_PARTS, 1), rate))
         gone = control.displacement(assembly, pose) - begin
         if gone / increment > left - 0.5 / CREST_PARTS:
             break

@@ -210,7 +210,8 @@ class DistinctEngine(Engine[DistinctState]):
         except RunAwayError as error:
             return state, failed(str(error), work, runs_away=True)
         new, figures = self._balance(state, work, guided=True)
-        excess = crest - max(state.multiplier, new.multiplier)
+        sense = 1.0 if increment >= 0.0 else -1.0
+        excess = crest - max(sense * state.multiplier, sense * new.multiplier)
         crest_of_step = max(excess, 0.0) if increment else None
         return new, replace(figures, path=replace(figures.path, crest=crest_of_step))
 

@@ -17,6 +17,7 @@ from drystone.geometry import GeometryError
 from drystone.io.modelfile.assessing import assessment_of, outside_problems, site_of
 from drystone.io.modelfile.builds import BuildSection
 from drystone.io.modelfile.groups import grouped
+from drystone.io.modelfile.histories import history_in
 from drystone.io.modelfile.holding import with_holders
 from drystone.io.modelfile.imports import Imports, imports_of
 from drystone.io.modelfile.loads import dead_loads_of, pattern_of
@@ -147,6 +148,7 @@ def _model(
         control_block, control_point = imports.control
     joint, between = _laws(section, blocks, need_stiffness, problems)
     section = with_holders(section, blocks, problems)
+    history = history_in(section.control, folder, problems)
     engine = section.analysis.engine
     if need_engine and engine not in BUILT_IN and engine not in (known := engine_names()):
         problems.append(
@@ -170,6 +172,7 @@ def _model(
         control_block=control_block,
         control_point=control_point,
         control_direction=section.control.direction,
+        history=history,
         analysis=_analysis(section.analysis, section.output),
         title=title if section.title is None else section.title,
         source=source,

@@ -294,6 +294,9 @@ class ControlSection(Section):
     block: str | None = None
     point: Annotated[Any, PlainValidator(point_of)] = None
     direction: Direction | None = None
+    history: Any = None  # m, or the name of a file; see `histories`, which checks these three
+    amplitudes: Any = None  # m
+    cycles: Any = None
 
 
 class ContactSection(Section):

@@ -68,6 +68,7 @@ def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
         "max_friction_violation": _largest(curve, "friction_violation"),
         "peak": {name: getattr(peak, name) for name in COLUMNS},
         **(_settling(curve, model) if curve.settles else {}),
+        **(_cyclic(curve, model) if curve.is_cyclic else {}),
         "wall_time": curve.wall_time,
         "compile_time": curve.compile_time,
         "version": package_version(),
@@ -76,6 +77,28 @@ def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
         "model_sha256": model.sha256,
     }
     return {key: plain(value) for key, value in summary.items()}
+
+
+def _cyclic(curve: CapacityCurve, model: Model) -> dict[str, Any]:
+    """Of displacements gone to and fro: cycles in N, m and J, envelopes of multipliers."""
+    from drystone.results.cycles import dissipated
+
+    cycles, lowest = curve.cycles, curve.lowest
+    return {
+        "history": [] if model.history is None else list(model.history.targets),
+        "load_force": curve.load_force,
+        "lowest_multiplier": lowest.load_multiplier,
+        "lowest_displacement": lowest.control_displacement,
+        "cycles": [cycle.as_dict() for cycle in cycles],
+        "dissipated_energy": dissipated(cycles),
+        "envelope": {
+            name: {"control_displacement": x, "load_multiplier": y}
+            for name, (x, y) in (
+                ("positive", curve.envelope(1.0)),
+                ("negative", curve.envelope(-1.0)),
+            )
+        },
+    }
 
 
 def _settling(curve: CapacityCurve, model: Model) -> dict[str, Any]:

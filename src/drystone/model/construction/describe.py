@@ -51,6 +51,7 @@ def model_to_dict(model: Model) -> dict[str, Any]:
         "block": assembly.blocks[model.control_point.block].id,
         "point": model.control_point.point.tolist(),
         "direction": model.control_point.direction.tolist(),
+        **({} if model.history is None else {"history": list(model.history.targets)}),
     }
     data["analysis"] = _asked(model.analysis)
     if model.analysis.outputs:

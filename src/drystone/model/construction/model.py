@@ -28,6 +28,7 @@ from drystone.model.construction.control import choose_control_point
 from drystone.model.construction.describe import material_names
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.fit import DRAWING_TOLERANCE, fitted, straightened, turned_round
+from drystone.model.history import History
 from drystone.model.joint_law import JointLaw
 from drystone.model.loading import DeadLoad, LoadPattern, MassPattern, NoPattern
 from drystone.model.model import Analysis, Model, Origin
@@ -59,6 +60,7 @@ def make_model(
     control_block: str | None = None,
     control_point: str | Sequence[float] | None = None,
     control_direction: Sequence[float] | None = None,
+    history: History | None = None,
     analysis: Analysis | None = None,
     title: str = "",
     source: str | None = None,
@@ -97,6 +99,8 @@ def make_model(
         one of four corners, 4, 9, 16 or the square of an odd number from 5 to 33, and 4.
     control_block, control_point, control_direction
         See `choose_control_point`.
+    history
+        Control displacements that are gone to one after another.
     source, sha256
         Path of the file it came from and digest of the file's bytes, if it did.
     place
@@ -142,6 +146,10 @@ def make_model(
         if not isinstance(pattern, NoPattern):
             problems.append("settlement: stands in place of [load]: take one of the two out")
     problems += _unknown_parts(assembly, assessment)
+    if history is not None:
+        problems += history.problems(assembly)
+        if settlement is not None:
+            problems.append("control.history: supports that move go one way: take one out")
     control = _control(assembly, pattern, problems, **wanted)
     model = Model(
         title=title,
@@ -151,6 +159,7 @@ def make_model(
         ties=tuple(ties),
         settlement=settlement,
         control_point=control,
+        history=history,
         analysis=analysis or Analysis(),
         notes=(*notes, *amended),
         mended=tuple(mended),

@@ -36,6 +36,7 @@ def remade(model: Model, **changes: Any) -> Model:
         "control_block": assembly.ids[control.block],
         "control_point": control.point,
         "control_direction": control.direction,
+        "history": model.history,
         "analysis": model.analysis,
         "title": model.title,
         "notes": model.notes,

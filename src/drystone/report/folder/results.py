@@ -181,6 +181,7 @@ def _curve_of(
         poses=poses,
         contacts=contacts,
         ties=ties,
+        load_force=model.load_force if model is not None else math.nan,
         motion_unit=model.settlement.unit if model is not None and model.settlement else "m",
     )
 

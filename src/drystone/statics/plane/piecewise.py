@@ -100,7 +100,8 @@ def follow(
             break
         step.evaluate(x, multiplier)
         if count == 1 and pace:
-            shape = _shape(step.bends(walk.changes), start, multiplier)
+            sense = -1.0 if pace.missing(np.zeros_like(x)) < 0.0 else 1.0
+            shape = _shape(step.bends(walk.changes), start, multiplier, sense)
         enough = step.enough(accuracy, moved)
         if enough > max(accuracy.coarsest, accuracy.tolerance):
             reason = TOO_STIFF
@@ -177,11 +178,16 @@ class _Shape:
     bend: tuple[float, float] = (0.0, 0.0)
 
 
-def _shape(bends: Array, start: float, end: float) -> _Shape:
-    """Excess and bend of a path from the multipliers at its changes, (n, 2)."""
+def _shape(bends: Array, start: float, end: float, sense: float) -> _Shape:
+    """Excess and bend of a path from the multipliers at its changes, (n, 2).
+
+    ``sense`` is that of the increment, 1 or -1: the excess is of multipliers in that sense.
+    """
     if len(bends) == 0:
         return _Shape()
     share, multiplier = bends.T.tolist()  # Python's numbers: there are few
+    if sense < 0.0:
+        start, end, multiplier = -start, -end, [-m for m in multiplier]
     top = max(range(len(share)), key=multiplier.__getitem__)
     off = [abs(m - start - t * (end - start)) for t, m in zip(share, multiplier, strict=True)]
     far = max(range(len(share)), key=off.__getitem__)

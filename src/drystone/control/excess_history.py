@@ -1,0 +1,180 @@
+"""Displacements gone to one after another by engines that step under a given multiplier.
+
+Each leg is paced by its excess over the static multiplier, as in `control.excess`, in the sense of
+the leg; `control.history` says how and what ends it.  The multiplier may lie on either side of
+zero: what would fall back is held back, and let go by an excess a step.
+
+How far a step goes is known only behind it.  One that leads beyond the displacement of its leg is
+taken again with less excess, by the rule of false position, until it ends there.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from drystone.common import tolerances
+from drystone.common.records import changed
+from drystone.control.base import Decision
+from drystone.control.ends import End, Progress
+from drystone.control.excess import ExcessControl, ExcessSettings, ExcessState
+from drystone.control.history import Leg, ended, gone_through, over_in_leg, seen, told
+from drystone.engines.base import Demand, StepReport
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExcessHistorySettings(ExcessSettings):
+    """Settings of the pacing, and where to."""
+
+    targets: tuple[float, ...] = ()  # m, control displacements gone to one after another
+    most_tries: int = 30  # at the excess that ends a step at its displacement
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExcessHistoryState(ExcessState):
+    """The pacing of a leg, in its sense, the leg, and what steps from its last point led to."""
+
+    leg: Leg = field(default_factory=Leg)
+    tries: int = 0
+    #: Excess, and what was left to the displacement of the leg [m]: least and most.
+    short: tuple[float, float] = (0.0, math.inf)
+    beyond: tuple[float, float] = (math.inf, 0.0)
+
+
+class ExcessHistoryControl(ExcessControl):
+    """See the module's text."""
+
+    settings: ExcessHistorySettings
+
+    def first(self, report: StepReport) -> Decision[ExcessState]:
+        """As of a monotonic curve, towards the first displacement."""
+        s = self.settings
+        state = ExcessHistoryState(
+            excess=tolerances.FIRST_EXCESS * s.increment, time_step=s.time_step
+        )
+        return Decision(accept=True, demand=self._demand(state), state=state)
+
+    def _demand(self, state: ExcessState) -> Demand:
+        assert isinstance(state, ExcessHistoryState)
+        multiplier = state.leg.sense(self.settings.targets) * (state.static + state.excess)
+        return Demand(multiplier=multiplier, time_step=state.time_step)
+
+    def decide(
+        self, state: ExcessState, demand: Demand, report: StepReport
+    ) -> Decision[ExcessState]:
+        """As in a monotonic curve, in the sense of the leg; then the next leg."""
+        assert isinstance(state, ExcessHistoryState)
+        leg, targets = state.leg, self.settings.targets
+        if report.converged:
+            again = self._again(state, report)
+            if again is not None:
+                return Decision(accept=False, demand=self._demand(again), state=again)
+        sense = leg.sense(targets)
+        decision = told(super().decide(state, demand, seen(report, sense)), sense)
+        if not decision.accept or decision.demand is None:
+            return ended(decision, leg, targets)
+        paced = decision.state
+        assert isinstance(paced, ExcessHistoryState)
+        leg = leg.at(report, decision.load_multiplier)
+        paced = changed(
+            paced,
+            leg=leg,
+            tries=0,
+            short=ExcessHistoryState.short,
+            beyond=ExcessHistoryState.beyond,
+        )
+        if leg.left(targets) <= self._near:
+            if leg.number + 1 == len(targets):
+                return gone_through(decision, paced, targets)
+            paced = self._turned(paced, decision.load_multiplier)
+        return changed(decision, state=paced, demand=self._demand(paced))
+
+    @property
+    def _near(self) -> float:
+        return tolerances.AT_TARGET_OF_EXCESS * self.settings.displacement_step
+
+    def _again(self, state: ExcessHistoryState, report: StepReport) -> ExcessHistoryState | None:
+        """The state with another excess, where a step has not ended at the leg's displacement but
+        could; None where it is taken as it is."""
+        s, leg = self.settings, state.leg
+        corner = self._corner(state, report)
+        if corner is not None:
+            return corner
+        before = leg.left(s.targets)
+        left = changed(leg, now=report.control_displacement).left(s.targets)
+        if abs(left) <= self._near or state.tries >= s.most_tries:
+            return None
+        short, beyond = state.short, state.beyond
+        if left < 0.0:
+            beyond = state.excess, left
+        elif beyond[1] < 0.0:
+            short = state.excess, left
+        else:
+            return None
+        if math.isinf(short[1]):
+            short = 0.0, before
+        share = short[1] / (short[1] - beyond[1])
+        # Where one end stays, what is off there counts for less and less.
+        share = min(max(share, tolerances.LEAST_SHARE_TRIED), 1.0 - tolerances.LEAST_SHARE_TRIED)
+        excess = short[0] + share * (beyond[0] - short[0])
+        if not short[0] < excess < beyond[0]:
+            return None
+        return changed(state, excess=excess, tries=state.tries + 1, short=short, beyond=beyond)
+
+    def _corner(self, state: ExcessHistoryState, report: StepReport) -> ExcessHistoryState | None:
+        """The state with hardly more than the excess with which the structure begins to move, where
+        it moved far with more, and more was carried at its end than at its start: the corner bounds
+        the area of a loop.  None where that is not so, or was tried."""
+        s, leg = self.settings, state.leg
+        sense = leg.sense(s.targets)
+        rise = sense * report.static_multiplier - state.static
+        far = abs(report.control_displacement - leg.now) > tolerances.CORNER * s.displacement_step
+        if state.tries or not far or rise <= tolerances.LEAST_RISE * state.excess:
+            return None
+        excess = (1.0 + tolerances.LEAST_RISE) * rise
+        if not excess < (1.0 - tolerances.LEAST_RISE) * state.excess:
+            return None
+        return changed(state, excess=excess, tries=1)
+
+    def _largest(self, state: ExcessState) -> float:
+        """As in a monotonic curve once the leg carries; before, there is no peak to be hidden."""
+        if state.static > 0.0:
+            return super()._largest(state)
+        return self.settings.increment * max(1.0, -state.static)
+
+    def _turned(self, state: ExcessHistoryState, multiplier: float) -> ExcessHistoryState:
+        """The state with which the next leg begins, at rest where it goes back."""
+        s, leg = self.settings, state.leg.next()
+        sense = leg.sense(s.targets)
+        if sense == state.leg.sense(s.targets):
+            return changed(state, leg=leg)
+        last = sense * multiplier
+        return ExcessHistoryState(
+            excess=tolerances.FIRST_EXCESS * s.increment,
+            time_step=s.time_step,
+            static=last,
+            highest=max(last, 0.0),
+            highest_at=-math.inf,
+            displacement=sense * leg.now,
+            rest_at=sense * leg.now,
+            n_steps=state.n_steps,
+            leg=leg,
+        )
+
+    def _over(self, state: ExcessState, report: StepReport, dynamic: bool) -> End | None:
+        assert isinstance(state, ExcessHistoryState)
+        if state.leg.number == 0:
+            return super()._over(state, report, dynamic)
+        outward = report.control_displacement > 0.0
+        collapsed = self._collapsed(state, report, dynamic) if outward else None
+        return collapsed or over_in_leg(
+            self.settings,
+            Progress(
+                multiplier=state.static,
+                highest=state.highest,
+                displacement=report.control_displacement,
+                n_steps=state.n_steps,
+                static=not dynamic,
+                highest_at=state.highest_at,
+            ),
+        )

@@ -1,0 +1,241 @@
+"""Displacements gone to one after another, in both senses: a cyclic analysis.
+
+The way from one displacement to the next is a leg.  A leg is followed as a monotonic curve is, in
+its own sense: what an engine reports is seen with displacement and multiplier in the sense of the
+leg, and what is decided is told to the engine in the structure's.  So steps adapt, bends and peaks
+are found, and jumps are passed as in `control.displacement`.  The last step of a leg ends at its
+displacement.  The multiplier changes its sign as equilibrium asks; on the way back it is the
+structure that pulls.
+
+A leg that leads away from zero may pass a collapse: the multiplier, having been above the stop
+value, falls below it at rest, or what moves finds no rest.  The curve ends there, complete, and its
+reason says on which leg; the displacements after it are not gone to.  On the way back towards zero
+a multiplier of any sign is no end.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from drystone.common import tolerances
+from drystone.common.language import say
+from drystone.common.records import changed
+from drystone.control.base import Decision, Memory
+from drystone.control.displacement import DisplacementControl, DisplacementSettings, PacingState
+from drystone.control.ends import End, EndSettings, Progress
+from drystone.engines.base import Demand, StepReport
+
+
+@dataclass(frozen=True, kw_only=True)
+class HistorySettings(DisplacementSettings):
+    """Settings of the pacing, and where to."""
+
+    targets: tuple[float, ...] = ()  # m, control displacements gone to one after another
+    most_shorter: int = 8  # times that a step is taken again to a corner of the path
+
+
+@dataclass(frozen=True, kw_only=True)
+class Leg:
+    """The way to one displacement."""
+
+    number: int = 0  # of its target
+    begun: float = 0.0  # m, control displacement where it begins
+    now: float = 0.0  # m, of the last point
+    largest: float = 0.0  # multiplier so far, whatever its sign, in all legs
+
+    def sense(self, targets: tuple[float, ...]) -> float:
+        """Of its motion, 1 or -1."""
+        return 1.0 if targets[self.number] >= self.begun else -1.0
+
+    def left(self, targets: tuple[float, ...]) -> float:
+        """How far it is yet [m]; negative beyond its target."""
+        return self.sense(targets) * (targets[self.number] - self.now)
+
+    def at(self, report: StepReport, multiplier: float) -> Leg:
+        """The leg with the last point where a report says, in the structure's sense."""
+        largest = max(self.largest, abs(multiplier))
+        return changed(self, now=report.control_displacement, largest=largest)
+
+    def next(self) -> Leg:
+        """That which begins where this one ends."""
+        return changed(self, number=self.number + 1, begun=self.now)
+
+    def named(self, targets: tuple[float, ...]) -> str:
+        """Which it is, for people."""
+        target = f"{targets[self.number]:.4g}"
+        return str(say("end.leg", k=self.number + 1, n=len(targets), target=target))
+
+
+def seen(report: StepReport, sense: float) -> StepReport:
+    """A report with displacements and multipliers in a sense; again, and it is as it was."""
+    if sense > 0.0:
+        return report
+    turn, way = report.path.turn, report.path.way
+    path = changed(
+        report.path,
+        turn=None if turn is None else (turn[0], -turn[1]),
+        way=tuple((state, seen(passed, sense)) for state, passed in way),
+    )
+    return changed(
+        report,
+        applied_multiplier=-report.applied_multiplier,
+        carried_multiplier=-report.carried_multiplier,
+        static_multiplier=-report.static_multiplier,
+        control_displacement=-report.control_displacement,
+        path=path,
+    )
+
+
+def told(decision: Decision[Memory], sense: float) -> Decision[Memory]:
+    """A decision with multipliers in the structure's sense again."""
+    if sense > 0.0:
+        return decision
+    return changed(
+        decision,
+        load_multiplier=0.0 - decision.load_multiplier,
+        way=tuple(-multiplier for multiplier in decision.way),
+    )
+
+
+def over_in_leg(settings: EndSettings, progress: Progress) -> End | None:
+    """The end of a leg beyond the first before its displacement, or None; in its own sense."""
+    s, p = settings, progress
+    onwards = p.static and p.displacement >= max(p.highest_at, 0.0)
+    if onwards and p.multiplier < s.stop_multiplier < p.highest:
+        return End(reason=say("end.fell_below", stop=s.stop_multiplier), finished=True)
+    for stop, value in s.stops:
+        if end := stop.end(value, p):
+            return end
+    return None
+
+
+def ended(decision: Decision[Memory], leg: Leg, targets: tuple[float, ...]) -> Decision[Memory]:
+    """A decision that ends the analysis, with the leg in its reason."""
+    if decision.demand is not None:
+        return decision
+    return changed(decision, reason=say("end.in_leg", how=decision.reason, leg=leg.named(targets)))
+
+
+def gone_through(
+    decision: Decision[Memory], state: Memory, targets: tuple[float, ...]
+) -> Decision[Memory]:
+    """The decision at the last displacement of all."""
+    reason = say("end.history", n=len(targets))
+    return changed(decision, state=state, demand=None, reason=reason, finished=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class HistoryState(PacingState):
+    """The pacing of a leg, in its sense, and the leg."""
+
+    leg: Leg = field(default_factory=Leg)
+
+
+class HistoryControl(DisplacementControl):
+    """See the module's text."""
+
+    settings: HistorySettings
+
+    def _begun(self, increment: float, closing: float) -> PacingState:
+        return HistoryState(increment=increment, closing=closing)
+
+    def _demand(self, state: PacingState) -> Demand:
+        """In the structure's sense, no farther than to the displacement of the leg."""
+        assert isinstance(state, HistoryState)
+        demand, targets = super()._demand(state), self.settings.targets
+        if demand.increment is None:
+            return demand
+        increment = min(demand.increment, max(state.leg.left(targets), 0.0))
+        return changed(demand, increment=state.leg.sense(targets) * increment)
+
+    def decide(
+        self, state: PacingState, demand: Demand, report: StepReport
+    ) -> Decision[PacingState]:
+        """As in a monotonic curve, in the sense of the leg; then the next leg."""
+        assert isinstance(state, HistoryState)
+        leg, targets = state.leg, self.settings.targets
+        sense = leg.sense(targets)
+        if not state.time_step and demand.increment is not None:
+            state = changed(state, increment=abs(demand.increment))
+        decision = told(super().decide(state, demand, seen(report, sense)), sense)
+        if not decision.accept or decision.demand is None:
+            return ended(decision, leg, targets)
+        paced = decision.state
+        assert isinstance(paced, HistoryState)
+        leg = leg.at(report, decision.load_multiplier)
+        paced = changed(paced, leg=leg)
+        if leg.left(targets) <= tolerances.AT_TARGET * self.settings.displacement_step:
+            if leg.number + 1 == len(targets):
+                return gone_through(decision, paced, targets)
+            paced = self._turned(paced, decision.load_multiplier)
+        return changed(decision, state=paced, demand=self._demand(paced))
+
+    def _turned(self, state: HistoryState, multiplier: float) -> HistoryState:
+        """The state with which the next leg begins, at rest where it goes back."""
+        s, leg = self.settings, state.leg.next()
+        sense = leg.sense(s.targets)
+        if sense == state.leg.sense(s.targets):
+            return changed(state, leg=leg)
+        last = sense * multiplier
+        return HistoryState(
+            increment=min(s.first_share * s.displacement_step, s.first_share * state.closing),
+            highest=max(last, 0.0),
+            highest_at=-math.inf,
+            last=last,
+            n_steps=state.n_steps,
+            closing=state.closing,
+            leg=leg,
+        )
+
+    def _finer(self, state: PacingState, report: StepReport) -> float | None:
+        """As in a monotonic curve, and to corners of the path however short the step: they bound
+        the area of a loop, where a contact sticks again at once."""
+        finer = super()._finer(state, report)
+        if finer is not None:
+            return finer
+        s = self.settings
+        if report.path.bend is not None:
+            bend, share = report.path.bend
+        else:  # as if the curve went on as it rose, and then level
+            ahead = state.slope * state.increment
+            bend = ahead - (report.static_multiplier - state.last)
+            share = 1.0 - bend / ahead if ahead > 0.0 else 0.0
+        finest = s.refined_share * state.closing
+        hidden = bend > s.bend_share * self._scale(state) and state.n_shorter < s.most_shorter
+        if hidden and finest < share * state.increment < state.increment - finest:
+            return share * state.increment
+        return None
+
+    def _scale(self, state: PacingState) -> float:
+        return max(super()._scale(state), self._carried(state))
+
+    def _carried(self, state: PacingState) -> float:
+        """Of all legs."""
+        assert isinstance(state, HistoryState)
+        return max(state.highest, state.leg.largest)
+
+    def _thrown_back(self, state: PacingState, report: StepReport) -> bool:
+        return False  # where the control point is, the history says
+
+    def _falls_freely(self, report: StepReport) -> bool:
+        return report.control_displacement > 0.0 and super()._falls_freely(report)
+
+    def _fallen(self, state: PacingState, report: StepReport) -> float:
+        return super()._fallen(state, report) if report.control_displacement > 0.0 else 0.0
+
+    def _over(self, state: PacingState, report: StepReport) -> End | None:
+        assert isinstance(state, HistoryState)
+        if state.leg.number == 0:
+            return super()._over(state, report)
+        return self._over_in_motion(state, report) or over_in_leg(
+            self.settings,
+            Progress(
+                multiplier=report.static_multiplier,
+                highest=state.highest,
+                displacement=report.control_displacement,
+                n_steps=state.n_steps,
+                static=self._rests(state, report),
+                highest_at=state.highest_at,
+            ),
+        )

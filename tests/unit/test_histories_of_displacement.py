@@ -1,0 +1,137 @@
+"""[control] history: what files say, and what is wrong with it; cycles of loops."""
+
+import math
+
+import numpy as np
+import pytest
+
+import drystone as ds
+from drystone.model.construction.errors import ModelError
+from drystone.results.cycles import cycles_of, envelope, reversals
+
+TEXT = """
+dimension = 2
+thickness = 1.0
+[material.stone]
+unit_weight = 10e3
+[joint]
+friction_coefficient = 0.3
+normal_stiffness = 1e8
+shear_stiffness = 1e8
+[[block]]
+id = "base"
+vertices = [[-1.0, -0.2], [1.0, -0.2], [1.0, 0.0], [-1.0, 0.0]]
+support = true
+[[block]]
+id = "b"
+vertices = [[-0.3, 0.0], [0.3, 0.0], [0.3, 0.4], [-0.3, 0.4]]
+[load]
+pattern = "mass"
+direction = [1.0, 0.0]
+[control]
+"""
+
+
+def read(tmp_path, control):
+    path = tmp_path / "model.toml"
+    path.write_text(TEXT + control)
+    return ds.read_model(path)
+
+
+def test_a_list_amplitudes_and_a_file(tmp_path):
+    assert read(tmp_path, "history = [0.005, -0.005]").history.targets == (0.005, -0.005)
+    twice = read(tmp_path, "amplitudes = [0.01, 0.02]\ncycles = 2").history.targets
+    assert twice == (0.01, -0.01, 0.01, -0.01, 0.02, -0.02, 0.02, -0.02, 0.0)
+    (tmp_path / "h.txt").write_text("# m\n0.01\n-0.01  # back\n\n0\n")
+    assert read(tmp_path, 'history = "h.txt"').history.targets == (0.01, -0.01, 0.0)
+    assert read(tmp_path, "").history is None
+
+
+@pytest.mark.parametrize(
+    ("control", "said"),
+    [
+        ("history = []", "control.history: is empty"),
+        ("history = [nan]", "control.history[1]: must be a finite number"),
+        ("history = [0.01, inf]", "control.history[2]: must be a finite number"),
+        ('history = ["a"]', "control.history[1]: must be a finite number"),
+        ("history = 0.01", "control.history: must be a list"),
+        ("history = [0.01, 0.01]", "control.history[2]: the control point is at 0.01 m already"),
+        ("history = [0.0, 0.01]", "control.history[1]: the control point is at zero"),
+        ("history = [0.01, 50.0]", "control.history[2]: 50 m is beyond the structure"),
+        ("amplitudes = [-0.01]", "control.amplitudes[1]: must be a positive number"),
+        ("amplitudes = [0.01]\ncycles = 0", "control.cycles: must be a whole number"),
+        ("amplitudes = [0.01]\ncycles = 1000000", "control.cycles: has 2,000,000 displacements"),
+        ("cycles = 3", "control.cycles: is of amplitudes"),
+        ("history = [0.01]\namplitudes = [0.01]", "has both history and amplitudes"),
+        ('history = "none.txt"', "there is no such file"),
+    ],
+)
+def test_bad_histories_are_refused_with_their_place(tmp_path, control, said):
+    with pytest.raises(ModelError) as error:
+        read(tmp_path, control)
+    assert said in str(error.value)
+
+
+def test_a_line_of_a_file_that_is_no_number_is_named(tmp_path):
+    (tmp_path / "h.txt").write_text("0.01\nmm\n")
+    with pytest.raises(ModelError, match="line 2: must be one number"):
+        read(tmp_path, 'history = "h.txt"')
+
+
+def test_it_is_part_of_the_model(tmp_path):
+    model = read(tmp_path, "history = [0.005, -0.005]")
+    ds.write_model(model, tmp_path / "again.toml")
+    assert ds.read_model(tmp_path / "again.toml").history == model.history
+    assert model.with_history(None).sha256 != model.with_history([0.01]).sha256
+
+
+def test_the_published_strategy_pushes_one_way(tmp_path):
+    model = read(tmp_path, "history = [0.005, -0.005]")
+    with pytest.raises(ds.EngineError, match="pushes one way"):
+        ds.pushover(model, strategy="published")
+
+
+def ellipse(n=4001, amplitude=2.0, force=3.0, lag=0.3, loops=2):
+    """Of a Kelvin solid: its loop encloses pi F a sin(lag)."""
+    phase = np.linspace(0.0, 2.0 * math.pi * loops, n)
+    return amplitude * np.sin(phase), force * np.sin(phase + lag)
+
+
+def test_an_ellipse_encloses_what_it_does():
+    x, y = ellipse()
+    cycles = cycles_of(x, y)
+    assert len(cycles) == 2 and all(cycle.closed for cycle in cycles)
+    for cycle in cycles:
+        assert cycle.energy == pytest.approx(math.pi * 6.0 * math.sin(0.3), rel=1e-4)
+        # Jacobsen's ratio of a Kelvin solid: half the tangent of its lag.
+        assert cycle.damping == pytest.approx(0.5 * math.tan(0.3), rel=1e-4)
+        assert cycle.secant_stiffness == pytest.approx(1.5 * math.cos(0.3), rel=1e-4)
+        assert cycle.residual_after_greatest == pytest.approx(2.0 * math.sin(0.3), rel=1e-3)
+
+
+def test_noise_is_no_reversal():
+    x, y = ellipse()
+    rng = np.random.default_rng(1)
+    shaken = x + 0.01 * rng.uniform(-1.0, 1.0, len(x))
+    assert len(reversals(shaken, noise=0.03)) == len(reversals(x))
+    assert len(cycles_of(shaken, y, noise=0.03)) == 2
+
+
+def test_a_path_that_does_not_come_back_is_open():
+    x, y = ellipse(loops=1)
+    (cycle,) = cycles_of(x[:3000], y[:3000])
+    assert not cycle.closed and cycle.damping is None
+
+
+def test_one_sided_cycles_begin_where_they_turn():
+    x = np.array([0.0, 2.0, 1.0, 2.0, 0.0])
+    y = np.array([0.0, 2.0, 0.0, 2.0, 0.0])
+    assert [(c.first, c.last) for c in cycles_of(x, y)] == [(0, 2), (2, 4)]
+
+
+def test_the_envelope_is_where_it_goes_farther_out():
+    x, y = ellipse(loops=2)
+    out, _ = envelope(x, y, 1.0)
+    assert np.all(np.diff(out) > 0.0) and out[-1] == pytest.approx(2.0)
+    back, _ = envelope(x, y, -1.0)
+    assert back.min() == pytest.approx(-2.0)

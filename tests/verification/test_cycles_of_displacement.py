@@ -1,0 +1,163 @@
+"""Displacements gone to and fro against closed forms: a block that slides, one that rocks, a stack.
+
+The sliding block of weight W on a bed of area A: the control point is its centroid, at the height
+h over the bed.  Its joint gives way by u = mu W / (k_s A) + mu W h^2 / (k_n A (L / 2)^2) before it
+slides, as the contacts lie at both ends of its length L.  A loop to +-a is then a parallelogram of
+the area 4 mu W (a - u).
+"""
+
+import numpy as np
+import pytest
+
+import drystone as ds
+from drystone.model.assembly import Block
+from drystone.model.construction.model import make_model
+
+UNIT_WEIGHT = 10e3  # N/m3
+ENGINES = ("equilibrium", "nscd", "distinct")
+
+
+def rectangle(name, low, high, support=False):
+    (x0, y0), (x1, y1) = low, high
+    corners = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], float)
+    return Block(id=name, vertices=corners, unit_weight=UNIT_WEIGHT, support=support)
+
+
+BASE = rectangle("base", (-1.0, -0.2), (1.0, 0.0), support=True)
+
+
+def model_of(blocks, friction, point, stiffness=1e9):
+    joint = ds.JointLaw(
+        friction_coefficient=friction, normal_stiffness=stiffness, shear_stiffness=stiffness
+    )
+    return make_model(
+        [BASE, *blocks],
+        joint=joint,
+        thickness=1.0,
+        load_direction=(1.0, 0.0),
+        control_block=blocks[-1].id,
+        control_point=point,
+    )
+
+
+FRICTION, LENGTH, HEIGHT, WEIGHT = 0.3, 0.6, 0.4, UNIT_WEIGHT * 0.6 * 0.4
+
+
+def sliding():
+    return model_of([rectangle("b", (-0.3, 0.0), (0.3, HEIGHT))], FRICTION, "centre")
+
+
+def gives_way_by(engine, stiffness=1e9):
+    """What the joint gives way by before it slides [m]; in `nscd` joints do not give way along."""
+    push = FRICTION * WEIGHT
+    turns = push * (0.5 * HEIGHT) ** 2 / (stiffness * LENGTH * (0.5 * LENGTH) ** 2)
+    return turns if engine == "nscd" else turns + push / (stiffness * LENGTH)
+
+
+def exact_rocking(angle, half_width, half_height):
+    """Multiplier under which a block stands on a corner, tilted by an angle (n,) [rad]."""
+    tilt = np.abs(angle)
+    lever = half_width * np.cos(tilt) - half_height * np.sin(tilt)
+    return lever / (half_height * np.cos(tilt) + half_width * np.sin(tilt))
+
+
+#: Of the energy, over it: of engines that prescribe displacements, sums over some hundred steps;
+#: of `nscd`, a step to a corner that is passed by 1e-3 of a displacement step.
+NEAR = {"equilibrium": 1e-6, "distinct": 1e-6, "nscd": 5e-6}
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_sliding_block_encloses_a_parallelogram(engine):
+    a = 0.01
+    curve = ds.pushover(sliding().with_history(amplitudes=[a], cycles=2), engine=engine)
+    assert curve.status == "finished" and "all 5 displacements" in curve.reason
+    assert curve.is_cyclic and len(curve.cycles) == 2 and all(c.closed for c in curve.cycles)
+    second = curve.cycles[1]
+    exact = 4.0 * FRICTION * WEIGHT * (a - gives_way_by(engine))
+    assert second.energy == pytest.approx(exact, rel=NEAR[engine])
+    assert second.greatest == pytest.approx(a, abs=1e-9)
+    assert second.least == pytest.approx(-a, abs=1e-9)
+    assert second.secant_stiffness == pytest.approx(FRICTION * WEIGHT / a, rel=1e-5)
+    assert second.damping == pytest.approx(2.0 / np.pi, rel=1e-3)  # of a rectangle
+    assert second.residual_after_greatest == pytest.approx(a, rel=1e-3)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_every_displacement_is_reached_and_every_point_is_in_balance(engine):
+    targets = (0.004, -0.002, 0.006, 0.003, 0.007, 0.0)
+    curve = ds.pushover(sliding().with_history(targets), engine=engine)
+    reached = curve.control_displacement
+    at = 0
+    for target in targets:  # in this order
+        near = np.flatnonzero(np.abs(reached[at:] - target) < 1e-9)
+        assert len(near), target
+        at += int(near[0])
+    assert curve.residual.max() < 1e-5
+
+
+def test_a_rocking_block_goes_there_and_back_on_one_curve():
+    """No loss: its load goes with its tilt alone, in both senses; the area is none."""
+    half_width, half_height = 0.1, 0.4
+    block = rectangle("b", (-half_width, 0.0), (half_width, 2.0 * half_height))
+    model = model_of([block], 0.7, "top right", stiffness=1e10)
+    curve = ds.pushover(model.with_history([0.05, -0.05, 0.0]), keep_poses=True)
+    assert curve.poses is not None and "all 3 displacements" in curve.reason
+    angle, load = curve.poses[:, 1, 2], curve.load_multiplier
+    tilted = np.abs(curve.control_displacement) > 1e-4  # stands on a corner
+    exact = -np.sign(angle) * exact_rocking(angle, half_width, half_height)
+    assert np.abs(load[tilted] - exact[tilted]).max() < 1e-6
+    (cycle,) = curve.cycles
+    assert abs(cycle.energy) < 1e-4 * cycle.force_at_greatest * 0.05
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_engines_agree_on_a_rocking_block(engine):
+    """Within 1 % of the closed form, seen from the displacement of the top."""
+    half_width, half_height = 0.1, 0.4
+    block = rectangle("b", (-half_width, 0.0), (half_width, 2.0 * half_height))
+    model = model_of([block], 0.7, "top right")
+    curve = ds.pushover(model.with_history([0.03, -0.03, 0.0]), engine=engine, keep_poses=True)
+    assert curve.poses is not None
+    angle, load = curve.poses[:, 1, 2], curve.load_multiplier
+    tilted = np.abs(curve.control_displacement) > 1e-3
+    exact = -np.sign(angle) * exact_rocking(angle, half_width, half_height)
+    assert np.abs(load[tilted] / exact[tilted] - 1.0).max() < 0.01
+
+
+def test_a_stack_of_two_rocks_as_one_there_and_back():
+    """Two equal blocks on each other turn about the corner of the lower: as one of both."""
+    blocks = [
+        rectangle("lower", (-0.1, 0.0), (0.1, 0.4)),
+        rectangle("upper", (-0.1, 0.4), (0.1, 0.8)),
+    ]
+    model = model_of(blocks, 0.7, "top right", stiffness=1e10)
+    curve = ds.pushover(model.with_history([0.03, -0.03, 0.0]), keep_poses=True)
+    assert curve.poses is not None and "all 3 displacements" in curve.reason
+    angle, load = curve.poses[:, 1, 2], curve.load_multiplier
+    tilted = np.abs(curve.control_displacement) > 1e-4
+    exact = -np.sign(angle) * exact_rocking(angle, 0.1, 0.4)
+    # The upper block tilts by what the joint between them gives way by, some 1e-6.
+    assert np.abs(load[tilted] - exact[tilted]).max() < 1e-5
+
+
+def test_a_cycle_that_passes_a_collapse_ends_there_and_says_so():
+    """The block overturns at about 0.2 m: the multiplier falls to zero there."""
+    block = rectangle("b", (-0.1, 0.0), (0.1, 0.8))
+    model = model_of([block], 0.7, "top right")
+    curve = ds.pushover(model.with_history([0.05, -0.05, 0.3, -0.3]))
+    assert curve.status == "finished"
+    assert "on the way to displacement 3 of 4, 0.3 m" in curve.reason
+    assert curve.ultimate_displacement == pytest.approx(0.19, abs=0.01)
+    assert curve.load_multiplier[-1] <= curve.stop_multiplier
+
+
+def test_a_monotonic_history_is_the_monotonic_curve():
+    """One displacement, and the curve that ends there: the same law on the same way."""
+    block = rectangle("b", (-0.1, 0.0), (0.1, 0.8))
+    model = model_of([block], 0.7, "top right")
+    there = ds.pushover(model.with_history([0.05]))
+    curve = ds.pushover(model.with_analysis(max_displacement=0.05))
+    at = np.linspace(0.001, 0.049, 25)
+    one = np.interp(at, there.control_displacement, there.load_multiplier)
+    other = np.interp(at, curve.control_displacement, curve.load_multiplier)
+    assert np.abs(one - other).max() < 1e-5
