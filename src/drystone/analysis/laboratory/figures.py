@@ -1,0 +1,91 @@
+"""Figures of a wall's curve, by the same functions for measured and computed ones."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.analysis.laboratory.walls import REVERSAL_NOISE, Wall
+from drystone.assessment.bilinear import RESIDUAL, Bilinear, bilinear, initial_stiffness
+from drystone.assessment.errors import AssessmentError
+from drystone.results.cycles import Cycle, cycles_of, envelope
+
+Array = NDArray[np.float64]
+
+#: Drifts [%] at which forces are compared.
+DRIFTS = (1.0, 2.0, 3.0)
+#: Jump of the force between two records, over its range in a cycle, from which on there is a gap.
+GAP = 0.4
+#: Share of the peak at which the initial stiffness is read, and rule of the bilinear.
+STIFFNESS_SHARE, RULE = 0.4, "eighty_percent"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Figures:
+    """Of one sense; in SI units, drifts in per cent."""
+
+    peak: float  # N
+    peak_drift: float  # %
+    stiffness: float  # N/m, secant at `STIFFNESS_SHARE` of the peak
+    at_drift: tuple[float | None, ...]  # N, at `DRIFTS`; None beyond the end
+    ultimate_drift: float  # %, at a drop by 20 %, or the end
+    ends_before_drop: bool  # whether it ends there without that drop
+    bilinear: Bilinear | None  # by `RULE`, up to the ultimate drift
+
+    @property
+    def as_dict(self) -> dict[str, object]:
+        """For JSON."""
+        line = self.bilinear
+        return {
+            "peak": self.peak,
+            "peak_drift": self.peak_drift,
+            "stiffness": self.stiffness,
+            "at_drift": dict(zip(map(str, DRIFTS), self.at_drift, strict=True)),
+            "ultimate_drift": self.ultimate_drift,
+            "ends_before_drop": self.ends_before_drop,
+            "bilinear_force": line and line.yield_acceleration,
+            "bilinear_yield_displacement": line and line.yield_displacement,
+        }
+
+
+def figures_of(wall: Wall, displacement: Array, force: Array, sense: float = 1.0) -> Figures:
+    """Figures of a curve (n,) [m], (n,) [N] in a sense; of loops, of their envelope."""
+    x, y = envelope(displacement, force, sense)
+    x, y = sense * x, sense * y
+    top = int(np.argmax(y))
+    below = np.flatnonzero(y[top:] <= RESIDUAL[RULE] * y[top])
+    end = float(x[top + below[0]]) if len(below) else float(x[-1])
+    at = [0.01 * drift * wall.load_height for drift in DRIFTS]
+    try:
+        line = bilinear(x, y, RULE, ultimate=end)
+    except AssessmentError:
+        line = None
+    return Figures(
+        peak=float(y[top]),
+        peak_drift=wall.drift(float(x[top])),
+        stiffness=initial_stiffness(x, y, STIFFNESS_SHARE),
+        at_drift=tuple(float(np.interp(d, x, y)) if d <= x[-1] else None for d in at),
+        ultimate_drift=wall.drift(end),
+        ends_before_drop=not len(below),
+        bilinear=line,
+    )
+
+
+def loops_of(displacement: Array, force: Array) -> tuple[Cycle, ...]:
+    """Closed cycles that go to both sides and have no gap in the record."""
+    noise = REVERSAL_NOISE * float(np.abs(displacement).max())
+    found = cycles_of(displacement, force, noise=noise)
+    jump = np.abs(np.diff(force))
+
+    def is_whole(c: Cycle) -> bool:
+        span = c.force_at_greatest - c.force_at_least
+        return float(jump[c.first : c.last].max()) < GAP * span
+
+    return tuple(c for c in found if c.closed and c.least < 0.0 < c.greatest and is_whole(c))
+
+
+def amplitude(cycle: Cycle) -> float:
+    """Mean of both senses [m]."""
+    return 0.5 * (cycle.greatest - cycle.least)
