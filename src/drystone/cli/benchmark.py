@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -73,7 +74,23 @@ Reference = Annotated[
 Loading = Annotated[Strategy, typer.Option(help="How the load is applied.")]
 
 
+class Which(StrEnum):
+    """What is computed."""
+
+    published = "published"
+    laboratory = "laboratory"
+
+
+Chosen = Annotated[
+    Which,
+    typer.Argument(
+        metavar="[published|laboratory]", help="Walls of the paper, or tests of laboratories."
+    ),
+]
+
+
 def benchmark(
+    which: Chosen = Which.published,
     engine: Engines = None,
     wall: Walls = None,
     out: Folder = Path("benchmark-results"),
@@ -82,8 +99,14 @@ def benchmark(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Analyse the published walls and print their table, ours beside the published values."""
+    """Analyse the published walls, or walls that laboratories have tested; print their table."""
     begun = False
+    if which is Which.laboratory:
+        with outcome(as_json=as_json):
+            from drystone.cli.laboratory import run_laboratory
+
+            run_laboratory(out, (), as_json=as_json, quiet=quiet)
+        raise typer.Exit(DONE)
     with outcome(as_json=as_json, begun=lambda: begun):
         from drystone.analysis.benchmark import benchmark as analyse
         from drystone.cli.compiler import compiling

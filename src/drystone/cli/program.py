@@ -18,6 +18,7 @@ from drystone.cli.limit import limit
 from drystone.cli.report import report
 from drystone.cli.run import run
 from drystone.cli.show import show
+from drystone.cli.verify import verify
 from drystone.cli.view import view
 
 app = typer.Typer(
@@ -59,3 +60,4 @@ app.command()(report)
 app.command()(view)
 app.command()(convert)
 app.command()(benchmark)
+app.command()(verify)

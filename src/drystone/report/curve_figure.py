@@ -77,7 +77,8 @@ def draw_curve(
     unit = _unit(labelled, reference)
     furthest = max((_furthest(curve) for _, curve in labelled), default=0.0)
     peak_at = max((curve.capacity.control_displacement for _, curve in labelled), default=0.0)
-    steep = 0.0 < peak_at < STEEP * furthest
+    cyclic = any(curve.is_cyclic for _, curve in labelled)
+    steep = not cyclic and 0.0 < peak_at < STEEP * furthest
 
     figure = canvas.new_figure(10.0 if steep else 7.5, 5.4)
     if title:
@@ -129,7 +130,9 @@ def plot_curves(
     A single curve has its peak and end written beside it (``marks``) and its two branches told
     apart (``branches``).  Colours and line styles of several begin with number ``first``.
     """
-    branches = branches and len(curves) == 1
+    cyclic = any(curve.is_cyclic for _, curve in curves)  # loops have neither branches nor an end
+    branches = branches and len(curves) == 1 and not cyclic
+    marks = marks and not cyclic
     canvas.plain_axes(axes)
     if branches:
         _plot_branches(axes, curves[0][1], unit)
@@ -204,10 +207,22 @@ def _plot_whole(axes: Axes, label: str, curve: CapacityCurve, unit: Unit, i: int
     if curve.rises_after_collapse:
         peak = curve.capacity
     name = "capacity" if curve.rises_after_collapse else curve.name_of_peak
-    text = f"{canvas.literal(label)}: {name} {peak.load_multiplier:.3f}"
+    text = f"{canvas.literal(label)}: {name} {peak.load_multiplier:.3f}".removeprefix(": ")
+    if curve.is_cyclic:
+        lowest = curve.lowest.load_multiplier
+        text = f"{canvas.literal(label)}: {lowest:.3f} to {peak.load_multiplier:.3f}"
+        text = text.removeprefix(": ")
     if curve.ultimate_displacement is not None:
         text += f", {curve.ultimate_displacement:.3f} m at {curve.stop_multiplier:g}"
-    axes.plot(x, y, color=colour, linestyle=style, linewidth=1.6, label=text, zorder=4)
+    axes.plot(
+        x,
+        y,
+        color=colour,
+        linestyle=style,
+        linewidth=1.0 if curve.is_cyclic else 1.6,
+        label=text,
+        zorder=4,
+    )
     axes.plot(
         peak.control_displacement * unit.per_metre,
         peak.load_multiplier,

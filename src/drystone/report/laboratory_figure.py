@@ -11,7 +11,7 @@ from drystone.report import canvas
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from drystone.analysis.laboratory.comparison import Compared
+    from drystone.laboratory.comparison import Compared
 
 #: Panels beside each other.
 COLUMNS = 3

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.analysis.laboratory.walls import REVERSAL_NOISE, Wall
 from drystone.assessment.bilinear import RESIDUAL, Bilinear, bilinear, initial_stiffness
 from drystone.assessment.errors import AssessmentError
+from drystone.laboratory.walls import REVERSAL_NOISE, Wall
 from drystone.results.cycles import Cycle, cycles_of, envelope
 
 Array = NDArray[np.float64]

@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.analysis.laboratory.figures import Figures, amplitude, figures_of, loops_of
-from drystone.analysis.laboratory.models import SHEAR_SHARES, model_of
-from drystone.analysis.laboratory.walls import Wall, measured, wall_named, walls
 from drystone.common.workers import Call, in_processes
+from drystone.laboratory.figures import Figures, amplitude, figures_of, loops_of
+from drystone.laboratory.models import SHEAR_SHARES, model_of
+from drystone.laboratory.walls import Wall, measured, wall_named, walls
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drystone.analysis.laboratory.walls import Wall, series
+from drystone.laboratory.walls import Wall, series
 from drystone.model.assembly import Block
 from drystone.model.builders.wall import coursed_wall
 from drystone.model.construction.model import make_model
@@ -28,6 +28,7 @@ SHEAR_SHARES = (0.2 * SHEAR_SHARE, 1.0)
 POINTS = 8
 
 
+# Long by its arguments, each with its words.
 def model_of(
     wall: Wall,
     *,

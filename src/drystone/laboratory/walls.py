@@ -87,7 +87,7 @@ def measured(wall: Wall) -> tuple[Array, Array]:
 
 
 def _text(name: str) -> str:
-    folder = resources.files("drystone.analysis.laboratory") / "data"
+    folder = resources.files("drystone.laboratory") / "data"
     return (folder / name).read_text(encoding="utf-8-sig")
 
 
