@@ -52,7 +52,8 @@ def run_laboratory(out: Path, names: Sequence[str], *, as_json: bool, quiet: boo
     else:
         from drystone.cli.benchmark import plain_table
 
-        typer.echo(plain_table(HEADS, _lines(found)))
+        heads = [head if "\n" in head else f"\n{head}" for head in HEADS]
+        typer.echo(plain_table(heads, _lines(found)))
         typer.echo(NOTE)
         typer.echo("\n".join(_sums(result)))
         typer.echo(f"Pictures and figures are in {out}/")
