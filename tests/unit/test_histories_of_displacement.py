@@ -64,6 +64,7 @@ def test_a_list_amplitudes_and_a_file(tmp_path):
         ("cycles = 3", "control.cycles: is of amplitudes"),
         ("history = [0.01]\namplitudes = [0.01]", "has both history and amplitudes"),
         ('history = "none.txt"', "there is no such file"),
+        ('history = "/etc/hostname"', "outside of the model file's folder"),
     ],
 )
 def test_bad_histories_are_refused_with_their_place(tmp_path, control, said):

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drystone.common.ranges import found
-from drystone.model.construction.contents import read_bytes
+from drystone.model.construction.contents import read_bytes, within
 from drystone.model.construction.errors import ModelError
 from drystone.model.history import History, history_of
 
@@ -28,7 +28,7 @@ def history_in(section: ControlSection, folder: str, problems: list[str]) -> His
         return None
     try:
         if isinstance(targets, str):
-            targets = _read(Path(folder) / targets)
+            targets = _read(_within(Path(folder), targets))
         for key, value in (("history", targets), ("amplitudes", amplitudes)):
             if value is not None and not isinstance(value, list):
                 what = f"must be a list of displacements in m, it is {found(value)}"
@@ -37,6 +37,14 @@ def history_in(section: ControlSection, folder: str, problems: list[str]) -> His
     except ModelError as error:
         problems += error.problems
         return None
+
+
+def _within(folder: Path, name: str) -> Path:
+    """The file of that name in the model's folder; raises `ModelError` where it lies outside."""
+    try:
+        return within(folder, name)
+    except ModelError as error:
+        raise ModelError([f"control.history: {error.problems[0]}"]) from None
 
 
 def _read(path: Path) -> list[float]:
