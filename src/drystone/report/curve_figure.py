@@ -99,7 +99,12 @@ def draw_curve(
         panels[1].set_ylabel("")
     if labels:
         figure.legend(
-            handles, labels, loc="outside lower center", ncols=3, fontsize=9, frameon=False
+            handles,
+            labels,
+            loc="outside lower center",
+            ncols=2 if cyclic else 3,
+            fontsize=9,
+            frameon=False,
         )
     canvas.save(figure, path, format)
 
