@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from drystone.report.folder.results import Results, load_results, save_results
     from drystone.report.folder.resume import resume
     from drystone.results.curve import CapacityCurve, CurvePoint
+    from drystone.studies.conduct import study
 
 if TYPE_CHECKING:
     from typing import Any
@@ -103,6 +104,7 @@ _PLACES = {
     "save_results": "drystone.report.folder.results",
     "spring": "drystone.model.ties",
     "stack": "drystone.model.builders.column",
+    "study": "drystone.studies.conduct",
     "wall": "drystone.model.builders:coursed_wall",
     "write_model": "drystone.io.modelfile",
 }

@@ -19,6 +19,7 @@ from drystone.cli.report import report
 from drystone.cli.run import run
 from drystone.cli.show import show
 from drystone.cli.verify import verify
+from drystone.cli.study import study
 from drystone.cli.view import view
 
 app = typer.Typer(
@@ -51,6 +52,7 @@ def drystone(
 
 
 app.command()(run)
+app.command()(study)
 app.command()(limit)
 app.command()(check)
 app.command()(show)

@@ -86,6 +86,58 @@ def in_processes(
     return results
 
 
+class Pool:
+    """Processes that take calls as they come; one that ends by itself is replaced.
+
+    Parameters
+    ----------
+    processes
+        How many.
+    """
+
+    def __init__(self, processes: int) -> None:
+        self._came: SimpleQueue[tuple[_Worker, int, str, Any]] = SimpleQueue()
+        self._workers = [_Worker(self._came) for _ in range(processes)]
+        self._idle = list(self._workers)
+
+    @property
+    def n_idle(self) -> int:
+        """Processes that wait for a call."""
+        return len(self._idle)
+
+    def begin(self, number: int, call: Call) -> None:
+        """Give a call, by a number of the caller's, to a process that waits."""
+        self._idle.pop(0).begin(number, call)
+
+    def next(self, timeout: float) -> tuple[int, str, Any] | None:
+        """What came of a call: its number, "done" with what it returned, "raised" with the error,
+        or "lost" with a `WorkerError` where its process ended; None where nothing came in time.
+
+        Parameters
+        ----------
+        timeout
+            s.
+        """
+        from queue import Empty
+
+        try:
+            worker, number, how, value = self._came.get(timeout=timeout)
+        except Empty:
+            return None
+        if how == "raised" and worker.ended:
+            self._workers.remove(worker)
+            worker.end()
+            worker, how = _Worker(self._came), "lost"
+            self._workers.append(worker)
+        self._idle.append(worker)
+        return number, how, value
+
+    def end(self) -> None:
+        """End all processes, with what they do."""
+        for worker in self._workers:
+            worker.end()
+
+
 def _first(todo: Iterator[int], most: int) -> Iterator[int]:
     for _ in range(most):
         number = next(todo, None)
@@ -144,6 +196,11 @@ class _Worker:
             how, value = "raised", WorkerError(f"what a process gave cannot be read: {error!r}")
         self._busy = False
         self._came.put((self, number, how, value))
+
+    @property
+    def ended(self) -> bool:
+        """Whether the process has ended."""
+        return self._process.poll() is not None
 
     def interrupt(self) -> None:
         """Interrupt what runs, once."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from os import PathLike
 from pathlib import Path
@@ -126,6 +126,41 @@ def model_from_text(
     )
 
 
+def model_from_data(
+    data: dict[str, Any],
+    *,
+    source: str | None,
+    sha256: str,
+    need_stiffness: bool = True,
+    reshaped: Callable[[list[Block]], list[Block]] | None = None,
+) -> Model:
+    """A model from nested dicts and lists with the keys of a model file.
+
+    Parameters
+    ----------
+    source, sha256
+        Path of the file that they come from, and digest of what they hold.
+    need_stiffness
+        As of `read_model`.
+    reshaped
+        Gives other blocks in place of those of the file, which may be fewer.
+
+    Raises
+    ------
+    ModelError
+        With a sentence on everything that was found wrong.
+    """
+    return _model(
+        data,
+        need_stiffness=need_stiffness,
+        need_engine=True,
+        title=Path(source).stem if source else "",
+        source=source,
+        sha256=sha256,
+        reshaped=reshaped,
+    )
+
+
 def _model(
     data: dict[str, Any],
     *,
@@ -135,6 +170,7 @@ def _model(
     source: str | None,
     sha256: str,
     folder: str | None = None,
+    reshaped: Callable[[list[Block]], list[Block]] | None = None,
 ) -> Model:
     section = checked(data)
     if folder is None:
@@ -143,6 +179,9 @@ def _model(
     else:
         problems = []  # what results hold says where the files of its model were
     blocks, places, imports = blocks_of(section, data, source, problems)
+    if reshaped is not None and not problems:
+        blocks = reshaped(blocks)
+        places = [f"block {quoted(block.id)}" for block in blocks]
     control_block, control_point = section.control.block, section.control.point
     if imports.control and control_block is None and control_point is None:
         control_block, control_point = imports.control

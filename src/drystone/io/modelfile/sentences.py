@@ -42,9 +42,12 @@ _BOUNDS = {
 }
 
 
-def sentences(error: ValidationError, data: dict[str, Any]) -> list[str]:
-    """One sentence for each error of a check of ``data`` against `ModelSection`, up to `MOST`."""
-    found = [_sentence(details, data) for details in error.errors(include_url=False)[:MOST]]
+def sentences(
+    error: ValidationError, data: dict[str, Any], schema: type[Section] = ModelSection
+) -> list[str]:
+    """One sentence for each error of a check of ``data`` against a schema of files, up to `MOST`."""
+    details = error.errors(include_url=False)[:MOST]
+    found = [_sentence(one, data, schema) for one in details]
     if (more := error.error_count() - MOST) > 0:
         found.append(f"the file: has {more:,} more faults: mend these first")
     return found
@@ -70,9 +73,9 @@ def place_of(keys: Sequence[str | int], data: Any) -> str:
     return text
 
 
-def _sentence(details: ErrorDetails, data: dict[str, Any]) -> str:
+def _sentence(details: ErrorDetails, data: dict[str, Any], schema: type[Section]) -> str:
     kind, value = details["type"], details["input"]
-    section, keys = _section_at(details["loc"][:-1], data), [*details["loc"]]
+    section, keys = _section_at(details["loc"][:-1], data, schema), [*details["loc"]]
     if kind == "missing":
         key = str(keys[-1])
         description = section.keys()[key].description
@@ -139,9 +142,9 @@ def _at(data: Any, key: str | int) -> Any:
         return None
 
 
-def _section_at(keys: Sequence[str | int], data: Any) -> type[Section]:
+def _section_at(keys: Sequence[str | int], data: Any, schema: type[Section]) -> type[Section]:
     """The schema of the table at a path."""
-    section: type[Section] = ModelSection
+    section = schema
     for key in keys:
         data = _at(data, key)
         field = section.keys().get(key) if isinstance(key, str) else None

@@ -1,0 +1,198 @@
+"""``drystone study``: many curves of one model with varied parameters."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from drystone.cli.options import AsJson, Quiet
+from drystone.cli.outcome import DONE, UNFINISHED, emit, outcome, tell
+
+if TYPE_CHECKING:
+    from drystone.studies.running import Progress
+    from drystone.studies.study import Study
+
+#: Seconds between two lines of progress where there is no terminal.
+BETWEEN_LINES = 10.0
+
+StudyFile = Annotated[
+    Path, typer.Argument(metavar="STUDY", help="Study file, TOML or JSON.", show_default=False)
+]
+Folder = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="DIR", help="Folder of results. [default: STUDY-results]", show_default=False
+    ),
+]
+Workers = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N",
+        min=1,
+        help="Processes that share the samples. [default: one a processor]",
+        show_default=False,
+    ),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Dask scheduler whose workers compute, as tcp://host:8786.",
+        show_default=False,
+    ),
+]
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with what DIR holds of this study.")]
+Sample = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N",
+        min=0,
+        help="Run sample N again alone, with all files, into DIR/sample_N.",
+        show_default=False,
+    ),
+]
+
+
+def study(
+    study_file: StudyFile,
+    out: Folder = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    resume: Resume = False,
+    sample: Sample = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Trace many curves of one model with varied parameters, and say what they show together."""
+    begun = False
+    with outcome(as_json=as_json, begun=lambda: begun):
+        from drystone.io.results.folder import check_writable
+        from drystone.studies.conduct import conclude, conduct, folder_of, opened
+        from drystone.studies.errors import needed
+        from drystone.studies.read import read_study
+
+        needed("pyarrow"), needed("pandas")
+        asked = read_study(study_file)
+        folder = folder_of(asked, out)
+        check_writable(folder)
+        if sample is not None:
+            _again(asked, folder, sample, as_json=as_json, quiet=quiet)
+            raise typer.Exit(DONE)
+        if asked.target is not None:
+            reached = _aimed(asked, folder, resume, workers, as_json=as_json, quiet=quiet)
+            raise typer.Exit(DONE if reached else UNFINISHED)
+        opened(asked, folder, resume=resume)  # better known before the work
+        begun = True
+        with _Shown(asked.title, quiet=quiet or as_json) as told:
+            conduct(asked, folder, workers=workers, scheduler=scheduler, resume=resume, told=told)
+        found = conclude(asked, folder)
+        if as_json:
+            emit({**found, "directory": str(folder)})
+        else:
+            typer.echo(report(found, folder))
+    raise typer.Exit(DONE)
+
+
+def _again(asked: Study, folder: Path, sample: int, *, as_json: bool, quiet: bool) -> None:
+    from drystone.studies.conduct import run_again
+
+    own = run_again(asked, folder, sample)
+    values = dict(zip(asked.task.names, asked.values_at(sample), strict=True))
+    if as_json:
+        emit({"status": "done", "sample": sample, "values": values, "directory": str(own)})
+    elif not quiet:
+        typer.echo("\n".join(f"{name} = {value}" for name, value in values.items()))
+        typer.echo(f"sample {sample} is written into {own}/")
+
+
+def _aimed(
+    asked: Study, folder: Path, resume: bool, workers: int | None, *, as_json: bool, quiet: bool
+) -> bool:
+    """Look for what [target] asks for; whether there is such a value."""
+    from drystone.studies.target import aim
+
+    def told(text: str) -> None:
+        if not quiet and not as_json:
+            tell([text])
+
+    found = aim(asked, folder, resume=resume, told=told, workers=workers)
+    if as_json:
+        emit({**found, "directory": str(folder)})
+    else:
+        typer.echo(f"{asked.title}\n  {found['sentence']}\n  {found['n_runs']} runs in {folder}/")
+    return bool(found["status"] == "finished")
+
+
+class _Shown:
+    """Progress on standard error: a bar on a terminal, a line now and then elsewhere."""
+
+    def __init__(self, title: str, *, quiet: bool) -> None:
+        self._title, self._quiet = title, quiet
+        self._bar: Any = None
+        self._task: Any = None
+        self._next = BETWEEN_LINES
+
+    def __enter__(self) -> _Shown:
+        if not self._quiet and sys.stderr.isatty():
+            from rich.console import Console
+            from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+            self._bar = Progress(
+                TextColumn("{task.description}", markup=False), BarColumn(bar_width=24),
+                MofNCompleteColumn(), TextColumn("{task.fields[state]}"),
+                console=Console(stderr=True), refresh_per_second=2, transient=True,
+            )  # fmt: skip
+            self._task = self._bar.add_task(self._title, total=None, state="")
+            self._bar.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+    def __call__(self, progress: Progress) -> None:
+        if self._quiet:
+            return
+        state = state_of(progress)
+        if self._bar is not None:
+            self._bar.update(self._task, total=progress.total, completed=progress.done, state=state)
+        elif progress.seconds >= self._next:
+            self._next = progress.seconds + BETWEEN_LINES
+            tell([f"{self._title}: {progress.done} of {progress.total}, {state}"])
+
+
+def state_of(progress: Progress) -> str:
+    """Rate, failures and time left."""
+    from drystone.common.progress.points import clock_time
+
+    left = progress.seconds_left
+    text = f"{progress.rate:.3g} a second, {progress.failed} failed"
+    return text if left is None else f"{text}, {clock_time(left)} left"
+
+
+def report(found: dict[str, Any], folder: Path) -> str:
+    """The few lines that a person wants to read first."""
+    from drystone.model.construction.words import printable
+
+    lines = [printable(str(found["title"]))]
+    counts = ", ".join(f"{n} {status}" for status, n in found["statuses"].items())
+    lines.append(f"  {'samples':<22} {found['n_samples']} by {found['design']}: {counts}")
+    if found.get("n_certified") is not None:
+        lines.append(f"  {'certified':<22} {found['n_certified']} of {found['n_samples']}")
+    for name, summary in list(found["columns"].items())[:8]:
+        lines.append(
+            f"  {printable(name):<22} median {summary['median']:.5g}, 5 % to 95 % "
+            f"{summary['p05']:.5g} to {summary['p95']:.5g}"
+        )
+    for one in found.get("fragility", []):
+        if one.get("median") is not None:
+            lines.append(
+                f"  {printable(one['name']):<22} median {one['median']:.5g} "
+                f"({one['median_confidence'][0]:.5g} to {one['median_confidence'][1]:.5g}), "
+                f"beta {one['beta']:.4g}"
+            )
+    lines.append(f"  {'results':<22} {folder}/")
+    return "\n".join(lines)

@@ -1,0 +1,246 @@
+"""A study from its file to its tables, and one sample of it alone."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from drystone.common.threads import available
+from drystone.io.results.folder import OutputError, in_a_sentence, locked
+from drystone.io.results.interrupts import uninterrupted
+from drystone.io.results.summary import package_version, plain, write_summary
+from drystone.studies.cluster import ClusterWorkers
+from drystone.studies.errors import StudyError, needed
+from drystone.studies.local import LocalWorkers
+from drystone.studies.read import read_study
+from drystone.studies.running import Progress, Workers, run
+from drystone.studies.study import Study
+from drystone.studies.tables import CURVES, KINDS, Parts, read_samples
+
+STUDY = "study.json"
+
+Told = Callable[[Progress], None]
+
+
+def study(
+    source: str | PathLike[str] | Mapping[str, Any],
+    *,
+    out: str | PathLike[str] | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    resume: bool = False,
+    figures: bool = True,
+    progress: Callable[[Progress], None] | None = None,
+) -> Any:
+    """Compute a study; a frame of pandas with a row for each sample.
+
+    Curves stand in ``curves.parquet`` of the folder, whose path is ``frame.attrs["folder"]``.  A
+    study with a [target] gives the frame of its runs.
+
+    Parameters
+    ----------
+    source
+        A study file, or its keys as a dict; ``model`` of a dict may be a `Model`.
+    out
+        Folder of results; by default that of ``drystone study``, beside a dict "study-results".
+    workers
+        Processes of this machine, by default one a processor.
+    scheduler
+        Address of a Dask scheduler, whose workers compute then.
+    resume
+        Go on with what the folder holds of the same study.
+    figures
+        Whether pictures are drawn.
+    progress
+        Is told how far the study is.
+
+    Raises
+    ------
+    StudyError
+        The study cannot be run; also where the extra of packages is missing, with the command that
+        installs it.
+    OutputError
+        The folder cannot be written, or holds another study.
+    """
+    needed("pyarrow"), needed("pandas")
+    asked = read_study(source)
+    folder = folder_of(asked, out)
+    if asked.target is not None:
+        from drystone.studies.target import aim  # type: ignore[import-not-found]
+
+        aim(asked, folder, resume=resume, figures=figures, workers=workers)
+        return needed("pandas").read_parquet(folder / "runs.parquet")
+    conduct(asked, folder, workers=workers, scheduler=scheduler, resume=resume, told=progress)
+    conclude(asked, folder, figures=figures)
+    frame = read_samples(folder)
+    frame.attrs |= {"folder": str(folder), "curves": str(folder / CURVES)}
+    return frame
+
+
+def folder_of(asked: Study, out: str | PathLike[str] | None) -> Path:
+    """The folder of results of a study."""
+    if out is not None:
+        return Path(out)
+    stem = asked.source.stem if asked.source is not None else "study"
+    return Path(f"{stem}-results")
+
+
+def conduct(
+    asked: Study,
+    folder: Path,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    resume: bool = False,
+    told: Told | None = None,
+) -> Progress:
+    """Compute what is missing of a study and put its tables in order.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        Was interrupted: what came until then is kept in parts, for ``resume``.
+    """
+    with locked(folder):
+        opened(asked, folder, resume=resume)
+        parts = Parts(folder)
+        parts.reopen()
+        _write_record(asked, folder, {"status": "running"})
+        progress = Progress(total=asked.count)
+        if not parts.done(asked.count).all():
+            team = _workers(asked, workers, scheduler)
+            try:
+                progress = run(asked, folder, team, told=told)
+            except KeyboardInterrupt:
+                _write_record(asked, folder, {"status": "interrupted"})
+                raise
+            finally:
+                team.end()
+        with uninterrupted():
+            in_a_sentence(Parts(folder).merge)
+            rate = {"rate": progress.rate, "run_seconds": progress.seconds}
+            _write_record(asked, folder, {"status": "computed", **rate})
+    return progress
+
+
+def _workers(asked: Study, workers: int | None, scheduler: str | None) -> Workers:
+    if scheduler is not None:
+        return ClusterWorkers(scheduler)
+    return LocalWorkers(min(workers or available(), asked.count), asked.task)
+
+
+def opened(asked: Study, folder: Path, *, resume: bool) -> None:
+    """See that a folder is empty, or holds the beginning of the same study.
+
+    Raises
+    ------
+    OutputError
+        Else; the message says what to do.
+    """
+    held = record_of(folder)
+    if held is None:
+        if resume:
+            raise OutputError(f"{folder} holds no study to resume: leave out --resume")
+        return
+    if not resume:
+        raise OutputError(
+            f"{folder} holds a study already: go on with it by --resume, or choose another folder "
+            "with --out"
+        )
+    if held.get("fingerprint") != asked.fingerprint:
+        raise OutputError(
+            f"{folder} holds another study than this file says: choose another folder with --out"
+        )
+
+
+def record_of(folder: Path) -> dict[str, Any] | None:
+    """What ``study.json`` says; None where there is none."""
+    try:
+        found: dict[str, Any] = json.loads((folder / STUDY).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError) as error:
+        raise OutputError(f"{folder / STUDY} cannot be read ({error}): remove it") from None
+    return found
+
+
+def _write_record(asked: Study, folder: Path, more: Mapping[str, Any]) -> None:
+    record = {
+        "title": asked.title,
+        "status": "running",
+        "design": asked.design,
+        "n_samples": asked.count,
+        "seed": asked.seed,
+        "parameters": list(asked.task.names),
+        "outputs": list(asked.task.outputs),
+        "version": package_version(),
+        "fingerprint": asked.fingerprint,
+        "source": None if asked.source is None else str(asked.source),
+        **more,
+        "study": plain(dict(asked.given)),
+    }
+    in_a_sentence(lambda: write_summary(record, folder / STUDY))
+
+
+def conclude(asked: Study, folder: Path, *, figures: bool = True) -> dict[str, Any]:
+    """What a study says, into ``study.json`` and figures; returns what the file says."""
+    from drystone.studies.findings import findings
+
+    found = findings(asked, folder)
+    drawn: list[str] = []
+    held = record_of(folder) or {}
+    kept: dict[str, Any] = {key: held[key] for key in ("rate", "run_seconds") if key in held}
+    _write_record(asked, folder, {**kept, "status": "finished", **found, "figures": drawn})
+    return record_of(folder) or {}
+
+
+def run_again(asked: Study, folder: Path, sample: int) -> Path:
+    """Run one sample again alone, with all files of ``drystone run``; the folder they are in.
+
+    Raises
+    ------
+    StudyError
+        There is no such sample, or it has no model.
+    """
+    from drystone.analysis.driver import pushover
+    from drystone.limit import limits_beside
+    from drystone.report.folder.directory import ResultsDirectory
+    from drystone.studies.sample import digest_of, document_of, model_of
+
+    if not 0 <= sample < asked.count:
+        raise StudyError(
+            [f"--sample {sample}: the study has samples 0 to {asked.count - 1}: give one of them"]
+        )
+    if asked.task.function is not None:
+        raise StudyError(["--sample: a function has no curve: call it from Python"])
+    from drystone.studies.designs import seed_of
+
+    task = asked.task
+    document = document_of(task, asked.values_at(sample))
+    seed = seed_of(asked.seed, sample)
+    model = model_of(task, document, seed, digest_of(document))
+    own = folder / f"sample_{sample}"
+    with ResultsDirectory(own, beside=limits_beside(model)) as results:
+        pushover(
+            model,
+            engine=task.engine,
+            strategy=task.strategy,
+            recorder=results,
+            threads=1,
+            progress=False,
+        )
+    from drystone.io.modelfile import write_model
+
+    in_a_sentence(lambda: write_model(model, own / "model.toml"))
+    return own
+
+
+def is_study(folder: Path) -> bool:
+    """Whether a folder holds a study."""
+    return (folder / STUDY).is_file()
+
+
+__all__ = ["KINDS", "STUDY", "conclude", "conduct", "folder_of", "is_study", "run_again", "study"]

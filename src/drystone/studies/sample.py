@@ -1,0 +1,324 @@
+"""One sample, from its values to its row; and many of them, as a worker is given them."""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+import json
+import math
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.io.results.summary import package_version, plain
+from drystone.model.construction.errors import ModelError
+from drystone.studies import paths
+from drystone.studies.designs import seed_of
+from drystone.studies.study import COLUMNS, Task
+
+Array = NDArray[np.float64]
+
+#: Status of a sample without a result.
+FAILED = "failed"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What came of a sample."""
+
+    row: Mapping[str, Any]
+    curve: Array | None = None  # (2, points): control displacement [m], load multiplier
+    model: str | None = None  # JSON of the model file, of a sample that failed
+
+
+@dataclass(frozen=True, kw_only=True)
+class Chunk:
+    """What came of several samples, and how long they took."""
+
+    outcomes: tuple[Outcome, ...]
+    seconds: float
+
+
+#: One analysis at a time in a process, whoever calls: clusters call from several threads.
+_ALONE = threading.Lock()
+
+
+def compute_chunk(task: Task, samples: Sequence[int], values: Sequence[Sequence[Any]]) -> Chunk:
+    """Outcomes of samples with their values, in their order.  Called in the processes of workers.
+
+    Never raises for what is wrong with a sample: its row tells.
+    """
+    begun = time.perf_counter()
+    with _ALONE:
+        outcomes = tuple(
+            compute(task, sample, own) for sample, own in zip(samples, values, strict=True)
+        )
+    return Chunk(outcomes=outcomes, seconds=time.perf_counter() - begun)
+
+
+def prepare(task: Task) -> None:
+    """Load what samples need, before there are any."""
+    if task.function is not None:
+        _function(task.function, task.folder)
+        return
+    for name in ("analysis.driver", "limit", "assessment.verdict", "io.modelfile.read"):
+        import_module(f"drystone.{name}")
+
+
+def compute(task: Task, sample: int, values: Sequence[Any]) -> Outcome:
+    """The outcome of a sample.
+
+    Parameters
+    ----------
+    values
+        Of the parameters, in their order.
+    """
+    begun = time.perf_counter()
+    seed = seed_of(task.seed, sample)
+    row: dict[str, Any] = {"sample": sample, "seed": seed}
+    row |= {name: _cell(value) for name, value in zip(task.names, values, strict=True)}
+    document: dict[str, Any] | None = None
+    curve, found, digest = None, dict[str, Any](), ""
+    try:
+        if task.function is not None:
+            told = _function(task.function, task.folder)(_named(task, values, seed))
+            found = {"status": "finished", "reason": "", **plain(dict(told))}
+        else:
+            document = document_of(task, values)
+            digest = digest_of(document)
+            found, curve = _analysed(task, document, seed, digest)
+    except Exception as error:  # whatever it is: the study goes on, and the row tells
+        found = {"status": FAILED, "reason": reason_of(error)}
+    row |= {"status": found.pop("status"), "reason": str(found.pop("reason"))}
+    names = () if task.function else [name for kind in task.outputs for name in COLUMNS[kind]]
+    row |= dict.fromkeys(names) | found
+    row |= {
+        "seconds": time.perf_counter() - begun,
+        "version": package_version(),
+        "digest": digest,
+    }
+    failed = row["status"] == FAILED and document is not None
+    return Outcome(row=row, curve=curve, model=_as_text(document) if failed else None)
+
+
+def document_of(task: Task, values: Sequence[Any]) -> dict[str, Any]:
+    """The model file of a sample, without what is drawn by its seed.
+
+    Raises
+    ------
+    ModelError
+        A parameter leads to nothing.
+    """
+    document: dict[str, Any] = copy.deepcopy(dict(task.model or {}))
+    for parameter, value in zip(task.parameters, values, strict=True):
+        for keys in parameter.paths:
+            try:
+                paths.put(
+                    document,
+                    keys,
+                    lambda old, how=parameter.apply, new=value: paths.changed(old, how, new),
+                )
+            except paths.PathError as error:
+                raise ModelError([f'parameter "{parameter.name}" {error}']) from None
+    return document
+
+
+def model_of(task: Task, document: dict[str, Any], seed: int, digest: str) -> Any:
+    """The model of a sample, imperfect where the study says so; raises `ModelError`."""
+    from drystone.io.modelfile.read import model_from_data
+    from drystone.studies.imperfections import imperfect
+
+    reshaped = None
+    if task.imperfection is not None:
+        what = task.imperfection
+        digest = hashlib.sha256(f"{digest} {seed}".encode()).hexdigest()
+        reshaped = lambda blocks: imperfect(blocks, what, seed)  # noqa: E731
+    return model_from_data(
+        document,
+        source=task.source,
+        sha256=digest,
+        need_stiffness=task.outputs != ("limit",),
+        reshaped=reshaped,
+    )
+
+
+def digest_of(document: Mapping[str, Any]) -> str:
+    """SHA-256 of a model file as canonical JSON."""
+    return hashlib.sha256(_as_text(document).encode()).hexdigest()
+
+
+def reason_of(error: Exception) -> str:
+    """Why a sample failed, in one line."""
+    from drystone.assessment.errors import AssessmentError
+    from drystone.engines.base import EngineError
+
+    if isinstance(error, ModelError):
+        return "; ".join(error.problems)
+    if isinstance(error, EngineError | AssessmentError):
+        return str(error)
+    return f"{type(error).__name__}: {error}"
+
+
+def _analysed(
+    task: Task, document: dict[str, Any], seed: int, digest: str
+) -> tuple[dict[str, Any], Array | None]:
+    """What the outputs tell, and the curve."""
+    model = model_of(task, document, seed, digest)
+    found: dict[str, Any] = {"status": "finished", "reason": ""}
+    traced = None
+    if "curve" in task.outputs or "assess" in task.outputs:
+        curve = _traced(task, model)
+        found |= {"status": curve.status, "reason": curve.reason}
+        found |= _of_curve(curve, task)
+        traced = resampled(curve.control_displacement, curve.load_multiplier, task.points)
+        if "assess" in task.outputs:
+            found |= _of_assessment(curve, model)
+    if "limit" in task.outputs:
+        limits = _of_limits(model)
+        if not limits.pop("status") and traced is None:
+            found["status"] = FAILED
+        found["reason"] = "; ".join(filter(None, (found["reason"], limits.pop("why"))))
+        found |= limits
+    return found, traced
+
+
+def _traced(task: Task, model: Any) -> Any:
+    """The curve, as `drystone run` traces it; one that takes too long is stopped."""
+    from drystone.analysis.driver import pushover
+    from drystone.model.model import REMOVE, STOP
+
+    assesses = "assess" in task.outputs
+    return pushover(
+        model,
+        engine=task.engine,
+        strategy=task.strategy,
+        threads=1,
+        progress=_watch(task.timeout) if task.timeout is not None else False,
+        keep_poses=assesses,
+        keep_contacts=False,
+        default_falling=STOP if assesses else REMOVE,
+    )
+
+
+def _watch(seconds: float) -> Callable[[Any], None]:
+    from drystone.results.curve import RecorderError
+
+    end = time.perf_counter() + seconds
+
+    def watch(point: Any) -> None:
+        if time.perf_counter() > end:
+            raise RecorderError(f"took longer than the timeout of the study, {seconds:g} s")
+
+    return watch
+
+
+def _of_curve(curve: Any, task: Task) -> dict[str, Any]:
+    peak, capacity = curve.peak, curve.capacity
+    return {
+        "peak_multiplier": peak.load_multiplier,
+        "peak_displacement": peak.control_displacement,
+        "ultimate_displacement": curve.ultimate_displacement,
+        "capacity_multiplier": capacity.load_multiplier,
+        "capacity_displacement": capacity.control_displacement,
+        "max_residual": _largest(curve.residual),
+        "max_penetration": _largest(curve.column("penetration")),
+        "n_points": len(curve.points),
+        "certified": _is_certified(curve),
+    }
+
+
+def _is_certified(curve: Any) -> bool:
+    """Whether a curve is complete, and every point at rest within what its engine keeps."""
+    from drystone.engines import make_engine
+    from drystone.results.curve import FINISHED, STATIC
+
+    limit = make_engine(curve.engine).capabilities.residual_limit
+    rest = [point.residual for point in curve.points if point.status == STATIC]
+    return bool(
+        curve.status == FINISHED and (limit is None or all(residual <= limit for residual in rest))
+    )
+
+
+def _of_assessment(curve: Any, model: Any) -> dict[str, Any]:
+    """Of the sense that the load has."""
+    verdict = curve.assess(model)
+    assessment = verdict.assessment
+    found: dict[str, Any] = {
+        "safety_index": verdict.safety_index,
+        "satisfied": verdict.satisfied,
+        "activation_multiplier": assessment.capacity.activation_multiplier,
+        "activation_acceleration": assessment.activation_acceleration,
+    }
+    for state in verdict.limit_states:
+        for name in ("ground_acceleration_capacity", "displacement_demand", "limit_displacement"):
+            found[f"{name}_{state.name}"] = getattr(state, name)
+        found[f"safety_index_{state.name}"] = state.safety_index
+    return plain(found)
+
+
+def _of_limits(model: Any) -> dict[str, Any]:
+    """Both multipliers; what is missing says why."""
+    from drystone.limit import limits_beside
+
+    beside = limits_beside(model)
+    return {
+        "status": beside.associative is not None,
+        "why": beside.note,
+        "limit_associative": beside.associative,
+        "limit_non_associative": beside.non_associative,
+    }
+
+
+def _largest(values: Array) -> float | None:
+    known = values[~np.isnan(values)]
+    return float(known.max()) if known.size else None
+
+
+def resampled(displacement: Array, multiplier: Array, points: int) -> Array:
+    """A curve at so many places along its way, denser where it begins, (2, points).
+
+    The way is the sum of what the control point has moved, so that curves that go back and forth
+    keep their shape; places are at squares of equal shares of it, as a peak comes early.
+    """
+    way = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(displacement)))))
+    at = way[-1] * (np.arange(points) / (points - 1)) ** 2
+    found: Array = np.vstack([np.interp(at, way, displacement), np.interp(at, way, multiplier)])
+    return found
+
+
+def _named(task: Task, values: Sequence[Any], seed: int) -> dict[str, Any]:
+    return {**dict(zip(task.names, values, strict=True)), "seed": seed}
+
+
+@cache
+def _function(place: str, folder: str) -> Callable[[dict[str, Any]], Mapping[str, Any]]:
+    """A function by "module:name", from where Python looks or from the study's folder."""
+    module, _, name = place.partition(":")
+    if folder and folder not in sys.path:
+        sys.path.append(folder)
+    found: Callable[[dict[str, Any]], Mapping[str, Any]] = getattr(import_module(module), name)
+    return found
+
+
+def _cell(value: Any) -> Any:
+    """A value for a table: numbers and texts as they are, all else as JSON."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return json.dumps(plain(value))
+    return value
+
+
+def _as_text(document: Mapping[str, Any] | None) -> str:
+    return json.dumps(document, sort_keys=True, default=str)
+
+
+def is_missing(value: Any) -> bool:
+    """Whether a number is none."""
+    return value is None or (isinstance(value, float) and math.isnan(value))

@@ -1,0 +1,133 @@
+"""A study as it was read: a model, what varies in it, and what is asked of each sample."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.studies import designs
+from drystone.studies.distributions import Law
+from drystone.studies.paths import Keys
+
+#: Columns of what each output tells, in their order; of "assess" more come with the method.
+COLUMNS: dict[str, tuple[str, ...]] = {
+    "curve": (
+        "peak_multiplier", "peak_displacement", "ultimate_displacement", "capacity_multiplier",
+        "capacity_displacement", "max_residual", "max_penetration", "n_points", "certified",
+    ),
+    "limit": ("limit_associative", "limit_non_associative"),
+    "assess": ("safety_index", "satisfied", "activation_multiplier"),
+}  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """What varies: its name, where it stands in the model file, and how it gets there."""
+
+    name: str
+    paths: tuple[Keys, ...]
+    apply: str = "set"  # "multiply" and "add" change what the file says
+
+
+@dataclass(frozen=True, kw_only=True)
+class Imperfection:
+    """What differs from the design in each sample."""
+
+    vertices: float | None = None  # m, standard deviation of how far corners are worn off
+    unit_sizes: float | None = None  # ratio, by which lengths of units and heights of courses vary
+    missing: float | None = None  # probability of a block
+    loose: float | None = None  # probability of a block
+    loose_gap: float | None = None  # m, by which a loose block is smaller
+    blocks: tuple[str, ...] = ()  # ids or groups, with * and ?; all that are no supports by default
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """What a sample is computed from, beside its values: all that workers are told."""
+
+    model: Mapping[str, Any] | None  # the model file as nested dicts
+    function: str | None  # "module:name" in place of a model
+    folder: str  # of the study, from where files are looked for
+    source: str | None  # path of the model file
+    parameters: tuple[Parameter, ...]
+    outputs: tuple[str, ...]
+    seed: int = 1
+    engine: str | None = None
+    strategy: str | None = None
+    points: int = 64  # of each curve in curves.parquet
+    timeout: float | None = None  # s
+    imperfection: Imperfection | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the parameters."""
+        return tuple(parameter.name for parameter in self.parameters)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """A study file, read and checked."""
+
+    title: str
+    design: str
+    n: int  # samples, or base samples of "saltelli" and "morris"
+    task: Task
+    laws: tuple[Law, ...]
+    steps: tuple[int | None, ...]
+    levels: int = 4
+    second_order: bool = False
+    correlation: NDArray[np.float64] | None = None
+    fragility: tuple[Mapping[str, Any], ...] = ()
+    target: Mapping[str, Any] | None = None
+    given: Mapping[str, Any] = field(default_factory=dict)  # the file as it was
+    source: Path | None = None
+
+    @property
+    def seed(self) -> int:
+        """Of all that is drawn."""
+        return self.task.seed
+
+    @property
+    def count(self) -> int:
+        """How many samples there are."""
+        return designs.count(self.design, self.n, self.laws, self.steps, self.second_order)
+
+    @cached_property
+    def values(self) -> list[list[Any]]:
+        """Values of all samples, a list for each parameter."""
+        return designs.values_of(
+            self.design,
+            self.n,
+            self.laws,
+            seed=self.seed,
+            steps=self.steps,
+            levels=self.levels,
+            second_order=self.second_order,
+            correlation=self.correlation,
+        )
+
+    def values_at(self, sample: int) -> list[Any]:
+        """Values of the parameters of a sample."""
+        return [column[sample] for column in self.values]
+
+    @property
+    def fingerprint(self) -> str:
+        """Digest of all that the samples' numbers follow from, beside the version.
+
+        Of designs that grow, how many samples are asked for is no part of it.
+        """
+        task = self.task
+        left_out = {"title", "fragility", "model", "timeout"}
+        if self.design in designs.GROWING:
+            left_out.add("samples")
+        given = {key: value for key, value in self.given.items() if key not in left_out}
+        text = json.dumps([given, task.model], sort_keys=True, default=str)
+        return hashlib.sha256(text.encode()).hexdigest()

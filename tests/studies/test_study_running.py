@@ -1,0 +1,163 @@
+"""Studies that run: the same numbers whoever computes them, killed or not; failures are told."""
+
+from __future__ import annotations
+
+import random
+import signal
+import time
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import drystone as ds
+from drystone.io.results.folder import OutputError
+from drystone.studies import tables
+from drystone.studies.sample import Outcome
+from studied import assert_same, command, rows, written
+
+WAVE = """
+    function = "FUNCTIONS:wave"
+    design = "random"
+    samples = 400
+    seed = 7
+    [[parameter]]
+    path = "a"
+    range = [0.0, 1.0]
+"""
+
+
+def test_the_same_numbers_whatever_the_workers(tmp_path):
+    file = written(tmp_path, WAVE)
+    one = ds.study(file, out=tmp_path / "one", workers=1, figures=False)
+    ds.study(file, out=tmp_path / "two", workers=2, figures=False)
+    assert_same(tmp_path / "one", tmp_path / "two")
+    assert one["sample"].tolist() == list(range(400))
+    assert one["seed"].is_unique
+    assert set(one["status"]) == {"finished"}
+    np.testing.assert_array_equal(one["z"], one["a"] ** 2)
+
+
+def test_a_longer_study_begins_as_the_shorter_one_and_goes_on_with_it(tmp_path):
+    short = written(tmp_path, WAVE.replace("400", "100"), "short.toml")
+    long = written(tmp_path, WAVE)
+    ds.study(short, out=tmp_path / "grown", workers=1, figures=False)
+    ds.study(long, out=tmp_path / "grown", workers=1, figures=False, resume=True)
+    ds.study(long, out=tmp_path / "whole", workers=1, figures=False)
+    assert_same(tmp_path / "grown", tmp_path / "whole")
+
+
+def killed_then_finished(file, folder, moments):
+    """A study that is killed after so many seconds each, and then goes on to its end."""
+    for moment in moments:
+        more = ["--resume"] if (folder / "study.json").exists() else []
+        process = command(file, "--out", folder, "--workers", 2, *more, WAVE_SECONDS="0.01")
+        time.sleep(moment)
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+    more = ["--resume"] if (folder / "study.json").exists() else []
+    process = command(file, "--out", folder, "--workers", 2, *more)
+    _, told = process.communicate(timeout=120)
+    assert process.returncode == 0, told
+
+
+def test_killed_it_goes_on_with_what_is_missing(tmp_path, monkeypatch):
+    file = written(tmp_path, WAVE.replace("400", "1500"))
+    killed_then_finished(file, tmp_path / "killed", [9.0])
+    ds.study(file, out=tmp_path / "whole", workers=2, figures=False)
+    assert_same(tmp_path / "killed", tmp_path / "whole")
+
+
+@pytest.mark.slow
+def test_killed_at_twenty_random_moments(tmp_path):
+    file = written(tmp_path, WAVE.replace("400", "6000"))
+    chance = random.Random(1)
+    moments = [chance.uniform(0.5, 12.0) for _ in range(20)]
+    killed_then_finished(file, tmp_path / "killed", moments)
+    ds.study(file, out=tmp_path / "whole", workers=2, figures=False)
+    assert_same(tmp_path / "killed", tmp_path / "whole")
+
+
+def test_interrupted_what_was_reached_is_kept(tmp_path):
+    file = written(tmp_path, WAVE.replace("400", "5000"))
+    folder = tmp_path / "out"
+    process = command(file, "--out", folder, "--workers", 1, WAVE_SECONDS="0.01")
+    for _ in range(300):
+        time.sleep(0.1)
+        if list(folder.glob("parts/samples-*.parquet")):
+            break
+    process.send_signal(signal.SIGINT)
+    _, told = process.communicate(timeout=60)
+    assert process.returncode == 130 and "what was reached is kept" in told
+    done = tables.Parts(folder).done(5000)
+    assert 0 < done.sum() < 5000
+
+
+def test_a_folder_is_not_written_over(tmp_path):
+    file = written(tmp_path, WAVE.replace("400", "5"))
+    ds.study(file, out=tmp_path / "out", workers=1, figures=False)
+    with pytest.raises(OutputError, match="--resume, or choose another folder"):
+        ds.study(file, out=tmp_path / "out", figures=False)
+    other = written(tmp_path, WAVE.replace("seed = 7", "seed = 8"), "other.toml")
+    with pytest.raises(OutputError, match="another study"):
+        ds.study(other, out=tmp_path / "out", resume=True, figures=False)
+    with pytest.raises(OutputError, match="no study to resume"):
+        ds.study(file, out=tmp_path / "new", resume=True, figures=False)
+
+
+def test_a_sample_that_fails_is_told_and_the_study_goes_on(tmp_path):
+    file = written(tmp_path, WAVE.replace(":wave", ":sometimes"))
+    frame = ds.study(file, out=tmp_path / "out", workers=1, figures=False)
+    failed = frame[frame["status"] == "failed"]
+    assert (frame["a"] > 0.75).equals(frame["status"] == "failed")
+    assert set(failed["reason"]) == {"ValueError: too much"}
+
+
+def test_a_sample_that_ends_its_process_is_told_and_the_study_goes_on(tmp_path):
+    """Others of its chunk, which went with the process, are computed again."""
+    file = written(tmp_path, WAVE.replace(":wave", ":dies"))
+    frame = ds.study(file, out=tmp_path / "out", workers=2, figures=False)
+    dies = frame["a"].between(0.5, 0.55, inclusive="neither")
+    assert 0 < dies.sum() < 40
+    assert (frame["status"] == "failed").equals(dies)
+    assert frame["reason"][dies].str.contains("ended with status 9").all()
+
+
+def test_parts_become_one_table_in_order(tmp_path, monkeypatch):
+    """Whatever the order in which samples came, and with columns that only some have."""
+    monkeypatch.setattr(tables, "WINDOW", 7)
+    order = np.random.default_rng(1).permutation(50).tolist()
+    parts = tables.Parts(tmp_path)
+    curve = np.arange(8.0).reshape(2, 4)
+    for begin in range(0, 50, 8):
+        parts.write(
+            [
+                Outcome(
+                    row={"sample": k, "status": "finished", "y": float(k)}
+                    | ({"more": 1.0} if k % 5 == 0 else {}),
+                    curve=curve + k,
+                )
+                for k in order[begin : begin + 8]
+            ]
+        )
+    parts.merge()
+    frame = pd.read_parquet(tmp_path / "samples.parquet")
+    assert frame["sample"].tolist() == list(range(50))
+    assert frame["more"].notna().sum() == 10
+    curves = pd.read_parquet(tmp_path / "curves.parquet")
+    assert curves["sample"].tolist() == sorted(list(range(50)) * 4)
+    np.testing.assert_array_equal(curves["load_multiplier"][4:8], curve[1] + 1)
+    assert not (tmp_path / "parts").exists()
+
+
+def test_what_was_half_written_is_computed_again(tmp_path):
+    file = written(tmp_path, WAVE.replace("400", "20"))
+    ds.study(file, out=tmp_path / "whole", workers=1, figures=False)
+    ds.study(file, out=tmp_path / "torn", workers=1, figures=False)
+    tables.Parts(tmp_path / "torn").reopen()
+    parts = tmp_path / "torn" / "parts"
+    (parts / "curves-000005.parquet").write_bytes(b"curves of samples that were not written")
+    (parts / "samples-000006.parquet.part").write_bytes(b"half a file")
+    ds.study(file, out=tmp_path / "torn", workers=1, figures=False, resume=True)
+    assert_same(tmp_path / "whole", tmp_path / "torn")
+    assert len(rows(tmp_path / "torn")) == 20
