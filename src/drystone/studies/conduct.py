@@ -69,7 +69,7 @@ def study(
     asked = read_study(source)
     folder = folder_of(asked, out)
     if asked.target is not None:
-        from drystone.studies.target import aim  # type: ignore[import-not-found]
+        from drystone.studies.target import aim
 
         aim(asked, folder, resume=resume, figures=figures, workers=workers)
         return needed("pandas").read_parquet(folder / "runs.parquet")
@@ -108,21 +108,21 @@ def conduct(
         opened(asked, folder, resume=resume)
         parts = Parts(folder)
         parts.reopen()
-        _write_record(asked, folder, {"status": "running"})
+        write_record(asked, folder, {"status": "running"})
         progress = Progress(total=asked.count)
         if not parts.done(asked.count).all():
             team = _workers(asked, workers, scheduler)
             try:
                 progress = run(asked, folder, team, told=told)
             except KeyboardInterrupt:
-                _write_record(asked, folder, {"status": "interrupted"})
+                write_record(asked, folder, {"status": "interrupted"})
                 raise
             finally:
                 team.end()
         with uninterrupted():
             in_a_sentence(Parts(folder).merge)
             rate = {"rate": progress.rate, "run_seconds": progress.seconds}
-            _write_record(asked, folder, {"status": "computed", **rate})
+            write_record(asked, folder, {"status": "computed", **rate})
     return progress
 
 
@@ -167,7 +167,8 @@ def record_of(folder: Path) -> dict[str, Any] | None:
     return found
 
 
-def _write_record(asked: Study, folder: Path, more: Mapping[str, Any]) -> None:
+def write_record(asked: Study, folder: Path, more: Mapping[str, Any]) -> None:
+    """Write ``study.json``: what the study is, and what is said here of it."""
     record = {
         "title": asked.title,
         "status": "running",
@@ -191,9 +192,13 @@ def conclude(asked: Study, folder: Path, *, figures: bool = True) -> dict[str, A
 
     found = findings(asked, folder)
     drawn: list[str] = []
+    if figures:
+        from drystone.studies.figures import draw_all
+
+        drawn = draw_all(asked, folder, found)
     held = record_of(folder) or {}
     kept: dict[str, Any] = {key: held[key] for key in ("rate", "run_seconds") if key in held}
-    _write_record(asked, folder, {**kept, "status": "finished", **found, "figures": drawn})
+    write_record(asked, folder, {**kept, "status": "finished", **found, "figures": drawn})
     return record_of(folder) or {}
 
 

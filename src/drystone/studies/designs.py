@@ -67,13 +67,13 @@ def values_of(
     if design == "grid":
         spread = [law.spread(k or STEPS) for law, k in zip(laws, steps, strict=True)]
         return [list(column) for column in zip(*itertools.product(*spread), strict=True)]
-    unit = _unit_cube(design, n, laws, seed, levels, second_order)
+    unit = unit_cube(design, n, laws, seed, levels, second_order)
     if correlation is not None:
         unit = _correlated(unit, correlation)
     return [law.at(unit[:, k]) for k, law in enumerate(laws)]
 
 
-def _unit_cube(
+def unit_cube(
     design: str, n: int, laws: Sequence[Law], seed: int, levels: int, second_order: bool
 ) -> Array:
     """Points of the unit cube, (count, d)."""

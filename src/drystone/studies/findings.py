@@ -6,31 +6,49 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drystone.io.results.summary import plain
+from drystone.studies import indices
+from drystone.studies.errors import needed
+from drystone.studies.fragility import fitted
 from drystone.studies.study import Study
-from drystone.studies.tables import column_names, needed, read_samples
+from drystone.studies.tables import column_names, read_samples
 
 #: Columns of samples that are no results of theirs.
 _ABOUT = ("sample", "seed", "status", "reason", "seconds", "version", "digest")
+#: Columns that indices and effects are told of; of a function all.
+MAIN = (
+    "peak_multiplier", "ultimate_displacement", "capacity_multiplier", "limit_associative",
+    "limit_non_associative", "safety_index",
+)  # fmt: skip
 
 
 def findings(asked: Study, folder: Path) -> dict[str, Any]:
     """Counts by status, quantiles of every number, and what the design is for."""
     frame = read_samples(folder)
+    columns = numbers(asked, folder, frame)
+    main = [name for name in columns if asked.task.function or name in MAIN]
+    values = {name: _array(frame, name) for name in main}
+    wrong = frame["status"] != "finished"
     found: dict[str, Any] = {
         "statuses": frame["status"].value_counts().to_dict(),
-        "reasons": frame["reason"][frame["status"] != "finished"].value_counts()[:10].to_dict(),
-        "n_certified": int(frame["certified"].fillna(False).sum())
-        if "certified" in frame
-        else None,
-        "columns": {name: _summary(frame[name]) for name in numbers(asked, folder, frame)},
+        "reasons": frame["reason"][wrong].value_counts()[:10].to_dict(),
+        "n_certified": _n_certified(frame),
+        "columns": {name: _summary(_array(frame, name)) for name in columns},
+        "effects": {name: indices.effects(asked, frame, name) for name in main},
+        "convergence": {name: indices.convergence(values[name]) for name in main},
+        "fragility": [fitted(one, frame, asked.seed) for one in asked.fragility],
+        "extremes": _extremes(values),
     }
-    return plain(found)
+    judge = {"saltelli": indices.sobol, "morris": indices.morris}.get(asked.design)
+    if judge is not None:
+        found["indices"] = {name: judge(asked, values[name]) for name in main}
+    return plain(found)  # type: ignore[no-any-return]
 
 
 def numbers(asked: Study, folder: Path, frame: Any) -> list[str]:
-    """Names of the columns of results that hold numbers which vary."""
+    """Names of the columns of results that hold numbers."""
     own = [n for n in column_names(folder) if n not in (*_ABOUT, *asked.task.names)]
     types = needed("pandas").api.types
     numeric = [
@@ -39,8 +57,27 @@ def numbers(asked: Study, folder: Path, frame: Any) -> list[str]:
     return [n for n in numeric if frame[n].notna().any()]
 
 
-def _summary(column: Any) -> dict[str, float]:
-    known = column.dropna().to_numpy(dtype=float)
+def _array(frame: Any, name: str) -> NDArray[np.float64]:
+    """A column as numbers, NaN where there is none."""
+    return frame[name].to_numpy(dtype=float, na_value=np.nan)  # type: ignore[no-any-return]
+
+
+def _n_certified(frame: Any) -> int | None:
+    if "certified" not in frame:
+        return None
+    return int((frame["certified"] == True).sum())  # noqa: E712  # of a column
+
+
+def _extremes(values: dict[str, NDArray[np.float64]]) -> dict[str, Any]:
+    """Samples of the least and the greatest value of each output."""
+    return {
+        name: {"least": int(np.nanargmin(own)), "greatest": int(np.nanargmax(own))}
+        for name, own in values.items()
+    }
+
+
+def _summary(column: NDArray[np.float64]) -> dict[str, float]:
+    known = column[np.isfinite(column)]
     q = np.quantile(known, [0.05, 0.16, 0.5, 0.84, 0.95])
     return {
         "n": len(known), "mean": known.mean(), "std": known.std(ddof=1) if len(known) > 1 else 0.0,

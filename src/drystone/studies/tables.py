@@ -73,11 +73,11 @@ class Parts:
         tables = {
             CURVES: _curves(outcomes),
             FAILURES: _failures(outcomes),
-            SAMPLES: _samples([outcome.row for outcome in outcomes]),
+            SAMPLES: samples_table([outcome.row for outcome in outcomes]),
         }
         for kind in KINDS:
             if tables[kind].num_rows:
-                _write(tables[kind], self._path(kind, self._next))
+                write_table(tables[kind], self._path(kind, self._next))
         self._next += 1
 
     def merge(self) -> None:
@@ -111,7 +111,7 @@ class Parts:
         return [(int(match[1]), path) for match, path in matches if match]
 
 
-def _samples(rows: Sequence[Mapping[str, Any]]) -> Any:
+def samples_table(rows: Sequence[Mapping[str, Any]]) -> Any:
     """A table of rows, which may have different columns."""
     arrow = needed("pyarrow")
     names = list(dict.fromkeys(name for row in rows for name in row))
@@ -162,7 +162,8 @@ def _failures(outcomes: Sequence[Outcome]) -> Any:
     )
 
 
-def _write(table: Any, path: Path) -> None:
+def write_table(table: Any, path: Path) -> None:
+    """Write a table, whole or not at all."""
     with whole_file(path) as draft:
         needed("pyarrow.parquet").write_table(table, draft, compression="zstd")
 

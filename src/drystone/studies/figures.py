@@ -1,0 +1,290 @@
+"""Figures of a study: bands of curves, effects, indices, scatter, fragility, convergence."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.io.results.folder import in_a_sentence, whole_file
+from drystone.report import canvas
+from drystone.report.curve_figure import DISPLACEMENT, MULTIPLIER
+from drystone.studies.study import Study
+from drystone.studies.tables import read_samples, some_curves
+
+Array = NDArray[np.float64]
+
+#: Curves that bands are made of, and those that are drawn one by one.
+MOST_CURVES, DRAWN = 4000, 60
+#: Samples that a scatter shows.
+MOST_POINTS = 4000
+_BLUE, _RED, _GREEN = canvas.CURVE_COLOURS[:3]
+
+
+def draw_all(asked: Study, folder: Path, found: Mapping[str, Any]) -> list[str]:
+    """Write all figures that a study has; their names."""
+    drawn: list[str] = []
+
+    def draw(name: str, make: Callable[[], Any]) -> None:
+        figure = make()
+        if figure is None:
+            (folder / name).unlink(missing_ok=True)
+            return
+        with whole_file(folder / name) as draft:
+            canvas.save(figure, draft)
+        drawn.append(name)
+
+    def files() -> None:
+        draw("bands.png", lambda: bands(folder, asked.title))
+        draw("tornado.png", lambda: tornado(found, asked.title))
+        draw("indices.png", lambda: indices(found, asked.title))
+        draw("scatter.png", lambda: scatter(folder, asked.title))
+        draw("fragility.png", lambda: fragility(folder, found, asked.title))
+        draw("convergence.png", lambda: convergence(found, asked.title))
+
+    in_a_sentence(files)
+    return drawn
+
+
+def bands_of(displacement: Array, multiplier: Array, points: int = 400) -> tuple[Array, Array]:
+    """Places (points,) [m] and multipliers at 5, 50 and 95 % of curves, (3, points).
+
+    Beyond its end a curve carries nothing.
+
+    Parameters
+    ----------
+    displacement, multiplier
+        (n, m): curves at m points each.
+    """
+    end = float(np.quantile(displacement.max(axis=1), 0.98))
+    at = end * (np.arange(points) / (points - 1)) ** 2
+    rows = np.empty((len(displacement), points))
+    for row, d, m in zip(rows, displacement, multiplier, strict=True):
+        onward = np.maximum.accumulate(d)
+        last = np.append(np.flatnonzero(np.diff(onward) > 0.0), len(d) - 1)
+        row[:] = np.interp(at, onward[last], m[last], right=0.0)
+    return at, np.quantile(rows, [0.05, 0.5, 0.95], axis=0)
+
+
+def bands(folder: Path, title: str) -> Any:
+    """Median and 5 to 95 % of the curves, with some of them."""
+    displacement, multiplier, _ = some_curves(folder, MOST_CURVES)
+    if not len(displacement):
+        return None
+    figure = canvas.new_figure(7.5, 4.8)
+    axes = figure.add_subplot()
+    every = max(1, len(displacement) // DRAWN)
+    for d, m in zip(displacement[::every], multiplier[::every], strict=True):
+        axes.plot(d, m, color=canvas.FAINT, lw=0.4, alpha=0.5)
+    if len(displacement) > 2:
+        at, (low, middle, high) = bands_of(displacement, multiplier)
+        axes.fill_between(at, low, high, color=_BLUE, alpha=0.22, lw=0, label="5 % to 95 %")
+        axes.plot(at, middle, color=_BLUE, lw=1.8, label="median")
+        axes.set_xlim(0.0, at[-1])
+        axes.legend(fontsize=9, frameon=False)
+    axes.set_ylim(bottom=min(0.0, float(np.quantile(multiplier, 0.01))))
+    axes.set_xlabel(f"{DISPLACEMENT} [m]")
+    axes.set_ylabel(MULTIPLIER)
+    _titled(axes, title)
+    return figure
+
+
+def tornado(found: Mapping[str, Any], title: str) -> Any:
+    """How far each output lies where a parameter is low and where it is high."""
+    told = {name: own for name, own in found["effects"].items() if own}
+    if not told:
+        return None
+    rows = max(map(len, told.values()))
+    shown = list(told.items())[:4]
+    figure = canvas.new_figure(7.5, (1.0 + 0.45 * rows) * len(shown) + 0.4)
+    for k, (name, own) in enumerate(shown, start=1):
+        axes = figure.add_subplot(len(shown), 1, k)
+        ordered = sorted(own.items(), key=lambda item: abs(item[1]["high"] - item[1]["low"]))
+        middle = found["columns"][name]["mean"]
+        for y, (_, one) in enumerate(ordered):
+            for key, colour in (("low", _BLUE), ("high", _RED)):
+                axes.barh(y, one[key] - middle, left=middle, height=0.6, color=colour)
+                right = one[key] >= middle
+                axes.annotate(
+                    f"{one[f'{key}_value']:.4g}", (one[key], y), fontsize=7.5, va="center",
+                    ha="left" if right else "right", xytext=(3 if right else -3, 0),
+                    textcoords="offset points",
+                )  # fmt: skip
+        axes.axvline(middle, color=canvas.INK, lw=0.8)
+        axes.set_yticks(range(len(ordered)), [canvas.literal(label) for label, _ in ordered])
+        axes.margins(x=0.12)
+        axes.set_xlabel(canvas.literal(f"mean {name}"), fontsize=9)
+        canvas.plain_axes(axes)
+    about = "means where a parameter is in its lowest (blue) and its highest (red) tenth"
+    figure.suptitle(f"{canvas.literal(title)}\n{about}", fontsize=10)
+    return figure
+
+
+def indices(found: Mapping[str, Any], title: str) -> Any:
+    """Sobol or Morris indices with their intervals."""
+    told = {name: own for name, own in (found.get("indices") or {}).items() if own}
+    if not told:
+        return None
+    shown = list(told.items())[:4]
+    figure = canvas.new_figure(7.5, 2.6 * len(shown) + 0.4)
+    for k, (name, own) in enumerate(shown, start=1):
+        axes = figure.add_subplot(len(shown), 1, k)
+        names = list(own["parameters"])
+        rows = list(own["parameters"].values())
+        place = np.arange(len(names), dtype=float)
+        sobol = "first" in rows[0]
+        keys = ("first", "total") if sobol else ("mu_star",)
+        for offset, (key, colour) in enumerate(zip(keys, (_BLUE, _RED), strict=False)):
+            values = [row[key] for row in rows]
+            errors = [row[f"{key}_confidence"] for row in rows]
+            label = {"first": "first order", "total": "total", "mu_star": "mean absolute effect"}
+            axes.bar(place + 0.36 * offset, values, width=0.34, color=colour, label=label[key],
+                     yerr=errors, error_kw={"lw": 1.0, "capsize": 3})  # fmt: skip
+        if not sobol:
+            axes.plot(place, [row["sigma"] for row in rows], "D", color=_RED, label="deviation")
+        axes.set_xticks(place + (0.18 if sobol else 0.0), list(map(canvas.literal, names)))
+        axes.set_ylabel(canvas.literal(name), fontsize=9)
+        axes.legend(fontsize=8, frameon=False)
+        canvas.plain_axes(axes)
+    figure.suptitle(canvas.literal(title), fontsize=11)
+    return figure
+
+
+def scatter(folder: Path, title: str) -> Any:
+    """Peak and ultimate displacement of the samples."""
+    try:
+        frame = read_samples(folder, ["peak_multiplier", "ultimate_displacement"])
+    except (OSError, ValueError, KeyError):
+        return None
+    frame = frame.dropna()
+    if len(frame) < 3:
+        return None
+    frame = frame.iloc[:: max(1, len(frame) // MOST_POINTS)]
+    figure = canvas.new_figure(6.2, 4.8)
+    axes = figure.add_subplot()
+    axes.plot(frame["ultimate_displacement"], frame["peak_multiplier"], "o", ms=3,
+              color=_BLUE, alpha=0.35, mew=0)  # fmt: skip
+    axes.set_xlabel("ultimate displacement [m]")
+    axes.set_ylabel("peak multiplier")
+    _titled(axes, title)
+    return figure
+
+
+def fragility(folder: Path, found: Mapping[str, Any], title: str) -> Any:
+    """Fragility curves with their intervals, and what they are fitted to."""
+    from scipy.stats import norm
+
+    told = [one for one in found["fragility"] if one.get("median") is not None]
+    if not told:
+        return None
+    figure = canvas.new_figure(7.0, 4.8)
+    axes = figure.add_subplot()
+    for one, colour in zip(told, canvas.CURVE_COLOURS, strict=False):
+        median, beta = one["median"], one["beta"]
+        at = np.geomspace(median * np.exp(-3.2 * beta), median * np.exp(3.2 * beta), 300)
+        label = f"{one['name']}: median {median:.4g}, β {beta:.3g}"
+        axes.plot(at, norm.cdf(np.log(at / median) / beta), color=colour, lw=1.6,
+                  label=canvas.literal(label))  # fmt: skip
+        edges = [
+            norm.cdf(np.log(at / m) / b)
+            for m in one["median_confidence"]
+            for b in one["beta_confidence"]
+        ]
+        axes.fill_between(at, np.min(edges, axis=0), np.max(edges, axis=0), color=colour,
+                          alpha=0.15, lw=0)  # fmt: skip
+        if one["method"] == "capacity":
+            values = np.sort(read_samples(folder, one["columns"]).to_numpy(dtype=float).ravel())
+            values = values[np.isfinite(values) & (values > 0.0)]
+            share = (np.arange(len(values)) + 0.5) / len(values)
+            every = max(1, len(values) // 300)
+            axes.plot(values[::every], share[::every], ".", color=colour, ms=3)
+        for level, n, k in one.get("stripes", []):
+            axes.plot([level], [k / n], "o", color=colour, ms=5)
+    axes.set_ylim(0.0, 1.0)
+    axes.set_xlim(left=0.0)
+    axes.set_xlabel(canvas.literal(told[0]["columns"][0]))
+    axes.set_ylabel("probability that the limit is exceeded")
+    axes.legend(fontsize=8.5, frameon=False)
+    _titled(axes, title)
+    return figure
+
+
+def convergence(found: Mapping[str, Any], title: str) -> Any:
+    """Mean with its standard error and quantiles, for more and more samples."""
+    told = [(name, own) for name, own in found["convergence"].items() if own][:4]
+    if not told:
+        return None
+    figure = canvas.new_figure(7.5, 2.4 * len(told) + 0.4)
+    for k, (name, own) in enumerate(told, start=1):
+        axes = figure.add_subplot(len(told), 1, k)
+        n, mean, error = (np.array(own[key], float) for key in ("n", "mean", "error"))
+        axes.fill_between(n, mean - 1.96 * error, mean + 1.96 * error, color=_BLUE, alpha=0.25,
+                          lw=0, label="95 % interval of the mean")  # fmt: skip
+        axes.plot(n, mean, color=_BLUE, lw=1.5, label="mean")
+        for key, style in (("p05", "--"), ("median", "-."), ("p95", "--")):
+            label = {"p05": "5 % and 95 %", "median": "median"}.get(key)
+            axes.plot(n, own[key], style, color=canvas.INK, lw=1.0, label=label)
+        axes.set_xscale("log")
+        axes.set_ylabel(canvas.literal(name), fontsize=9)
+        if k == len(told):
+            axes.set_xlabel("samples")
+        if k == 1:
+            axes.legend(fontsize=8, frameon=False, ncols=4)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.grid(visible=True, color="#dddddd", linewidth=0.6)
+        axes.tick_params(labelsize=9)
+    figure.suptitle(canvas.literal(title), fontsize=11)
+    return figure
+
+
+def target(asked: Study, found: Mapping[str, Any], folder: Path) -> None:
+    """Runs of a search, and the value that was looked for: ``target.png``."""
+    assert asked.target is not None
+    figure = canvas.new_figure(6.6, 4.4)
+    axes = figure.add_subplot()
+    if found["curve"]:
+        x, y = np.array(found["curve"], dtype=float).T
+        axes.plot(x, y, "o-", color=_BLUE, ms=4, lw=1.0, label="runs")
+    axes.axhline(asked.target["value"], color=_RED, lw=1.0, ls="--", label="target")
+    if found["value"] is not None:
+        axes.plot([found["value"]], [found["reached"]], "D", color=_RED, ms=7, mfc="none", mew=1.5)
+    axes.set_xlabel(canvas.literal(asked.task.names[0]))
+    axes.set_ylabel(canvas.literal(asked.target["output"]))
+    axes.legend(fontsize=9, frameon=False)
+    _titled(axes, found["sentence"])
+    with whole_file(folder / "target.png") as draft:
+        canvas.save(figure, draft)
+
+
+def target_map(asked: Study, grid: tuple[Array, Array, Array], folder: Path) -> None:
+    """An output over two parameters, with the line where it has its value: ``target.png``.
+
+    Parameters
+    ----------
+    grid
+        Values of both parameters and of the output, (n, m) each; NaN where a run has none.
+    """
+    assert asked.target is not None
+    x, y, z = grid
+    figure = canvas.new_figure(6.8, 5.0)
+    axes = figure.add_subplot()
+    filled = axes.contourf(x, y, np.ma.masked_invalid(z), levels=14, cmap="viridis")
+    figure.colorbar(filled, label=canvas.literal(asked.target["output"]))
+    value = asked.target["value"]
+    if np.nanmin(z) < value < np.nanmax(z):
+        line = axes.contour(x, y, np.ma.masked_invalid(z), levels=[value], colors=[_RED])
+        axes.clabel(line, fmt=f"{value:g}", fontsize=9)
+    axes.plot(x.ravel(), y.ravel(), ".", color="white", ms=2.5, alpha=0.7)
+    axes.set_xlabel(canvas.literal(asked.task.names[0]))
+    axes.set_ylabel(canvas.literal(asked.task.names[1]))
+    axes.set_title(canvas.literal(asked.title), fontsize=11)
+    with whole_file(folder / "target.png") as draft:
+        canvas.save(figure, draft)
+
+
+def _titled(axes: Any, title: str) -> None:
+    axes.set_title(canvas.literal(title), fontsize=11)
+    canvas.plain_axes(axes)

@@ -1,0 +1,123 @@
+"""[target]: the value for which an output is reached, runs that are kept, and where none is."""
+
+from __future__ import annotations
+
+import json
+
+import pandas as pd
+import pytest
+
+import drystone as ds
+from drystone.studies.errors import StudyError
+from studied import written
+
+LINE = """
+    function = "FUNCTIONS:line"
+    [target]
+    output = "y"
+    value = 3.0
+    tolerance = 1e-6
+    [[target.parameter]]
+    path = "a"
+    range = [0.0, 10.0]
+"""
+
+
+def record(folder):
+    return json.loads((folder / "study.json").read_text())
+
+
+def test_a_line_is_met_where_it_lies(tmp_path):
+    frame = ds.study(written(tmp_path, LINE), out=tmp_path / "out")
+    found = record(tmp_path / "out")
+    assert found["value"] == pytest.approx(1.5, rel=1e-6)
+    assert found["n_runs"] == len(frame) <= 6
+    assert (tmp_path / "out" / "target.png").exists()
+
+
+def test_runs_are_kept(tmp_path):
+    file = written(tmp_path, LINE)
+    first = ds.study(file, out=tmp_path / "out", figures=False)
+    again = ds.study(file, out=tmp_path / "out", figures=False, resume=True)
+    pd.testing.assert_frame_equal(first, again)
+
+
+def test_where_no_value_does_a_sentence_says_so(tmp_path):
+    ds.study(written(tmp_path, LINE.replace("value = 3.0", "value = 21.0")), out=tmp_path / "out")
+    found = record(tmp_path / "out")
+    assert found["status"] == "none" and found["n_runs"] == 9
+    assert found["sentence"] == (
+        "no value of a from 0 to 10 gives y = 21: the nearest of 9 runs is 20 at 10"
+    )
+
+
+def test_an_unknown_output_says_the_nearest(tmp_path):
+    with pytest.raises(StudyError, match="there is no"):
+        ds.study(written(tmp_path, LINE.replace('"y"', '"x"')), out=tmp_path / "out")
+
+
+def test_two_parameters_are_a_map(tmp_path):
+    second = '    [[target.parameter]]\n    path = "b"\n    range = [0.0, 2.0]\n    steps = 5\n'
+    ds.study(written(tmp_path, LINE + second), out=tmp_path / "out", workers=1)
+    found = record(tmp_path / "out")
+    assert found["n_runs"] == 9 * 5
+    assert found["contour"] and all(2.0 * a + b == pytest.approx(3.0) for a, b in found["contour"])
+
+
+BLOCK = """
+    title = "One block with a tie"
+    outputs = ["curve", "assess"]
+    [model]
+    dimension = 2
+    thickness = 1.0
+    [model.material.stone]
+    unit_weight = 20e3
+    [model.joint]
+    friction_coefficient = 2.0
+    normal_stiffness = 1e13
+    shear_stiffness = 1e13
+    [[model.block]]
+    id = "base"
+    vertices = [[-2.0, -0.5], [2.0, -0.5], [2.0, 0.0], [-2.0, 0.0]]
+    support = true
+    [[model.block]]
+    id = "wall"
+    vertices = [[-0.05, 0.0], [0.05, 0.0], [0.05, 3.0], [-0.05, 3.0]]
+    [[model.tie]]
+    name = "rod"
+    from = { block = "wall", point = [-0.05, 2.5] }
+    to = { block = "ground", point = [-5.05, 2.5] }
+    stiffness = 1e9
+    yield_force = 5e3
+    compression = false
+    [model.load]
+    pattern = "mass"
+    direction = [1.0, 0.0]
+    [model.site]
+    code = "ntc2018"
+    ag = 0.35
+    F0 = 2.45
+    TC_star = 0.32
+    soil = "A"
+    topography = "T1"
+    [model.assessment]
+    method = "ntc2018-local"
+    confidence_factor = 1.0
+    kinematics = "linear"
+    [target]
+    output = "safety_index"
+    value = 1.0
+    [[target.parameter]]
+    path = "tie.rod.yield_force"
+    range = [100.0, 10000.0]
+"""
+
+
+def test_the_tie_force_for_safety_index_1_is_that_of_the_closed_form(tmp_path):
+    """Moments about the toe: lambda W h/2 = W b/2 + T z, and lambda = a_g S/q with S = 1, q = 2."""
+    weight, width, height, z = 20e3 * 0.1 * 3.0, 0.1, 3.0, 2.5
+    force = (0.35 / 2.0 * weight * height / 2.0 - weight * width / 2.0) / z
+    ds.study(written(tmp_path, BLOCK), out=tmp_path / "out", figures=False)
+    found = record(tmp_path / "out")
+    assert found["value"] == pytest.approx(force, rel=1e-3)
+    assert found["n_runs"] <= 12

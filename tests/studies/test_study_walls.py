@@ -1,0 +1,163 @@
+"""Studies of walls: rows are those of `ds.pushover`, imperfect blocks fit, samples run again."""
+
+from __future__ import annotations
+
+import json
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import drystone as ds
+from drystone.model.builders import coursed_wall
+from drystone.studies.errors import StudyError
+from drystone.studies.imperfections import imperfect
+from drystone.studies.study import Imperfection
+from studied import assert_same, command, written
+
+WALL = """
+title = "Wall"
+dimension = 2
+thickness = 1.0
+[material.stone]
+unit_weight = 10e3
+[joint]
+friction_coefficient = 0.65
+normal_stiffness = 1e8
+shear_stiffness = 1e11
+[corner]
+radius = 0.02
+[wall]
+unit = [0.4, 0.175]
+courses = ["h1h", "11"]
+repeat = 2
+base = true
+[load]
+pattern = "mass"
+direction = [1.0, 0.0]
+[analysis]
+max_displacement = 0.02
+"""
+STUDY = """
+    model = "wall.toml"
+    design = "lhs"
+    samples = 4
+    outputs = ["curve", "limit"]
+    points = 16
+    [[parameter]]
+    path = "joint.friction_coefficient"
+    range = [0.5, 0.8]
+    [[parameter]]
+    path = "wall.unit[2]"
+    apply = "multiply"
+    range = [0.9, 1.1]
+    [imperfection]
+    unit_sizes = 0.05
+"""
+
+
+@pytest.fixture
+def study(tmp_path):
+    (tmp_path / "wall.toml").write_text(WALL)
+    return lambda text=STUDY: written(tmp_path, text)
+
+
+def test_rows_are_those_of_pushover(study, tmp_path):
+    frame = ds.study(study(STUDY.replace("[imperfection]\n    unit_sizes = 0.05", "")),
+                     out=tmp_path / "out", workers=2)  # fmt: skip
+    row = frame.iloc[2]
+    text = WALL.replace("0.65", repr(float(row["joint.friction_coefficient"])))
+    text = text.replace("0.175", repr(0.175 * float(row["wall.unit[2]"])))
+    (tmp_path / "one.toml").write_text(text)
+    curve = ds.pushover(ds.read_model(tmp_path / "one.toml"), progress=False)
+    assert row["peak_multiplier"] == curve.peak.load_multiplier
+    assert row["max_residual"] == curve.residual.max()
+    assert row["status"] == curve.status
+    curves = pd.read_parquet(tmp_path / "out" / "curves.parquet")
+    own = curves[curves["sample"] == 2]
+    assert len(own) == 16
+    assert own["control_displacement"].iloc[-1] == curve.control_displacement[-1]
+    assert (tmp_path / "out" / "bands.png").exists()
+
+
+def test_imperfect_walls_are_the_same_whatever_the_workers_and_run_again_alone(study, tmp_path):
+    file = study()
+    frame = ds.study(file, out=tmp_path / "one", workers=1, figures=False)
+    ds.study(file, out=tmp_path / "two", workers=2, figures=False)
+    assert_same(tmp_path / "one", tmp_path / "two")
+    assert frame["certified"].sum() == 4 or set(frame["status"]) == {"stopped"}
+    process = command(file, "--out", tmp_path / "one", "--sample", 3, "--json")
+    out, told = process.communicate()
+    assert process.returncode == 0, told
+    summary = json.loads((tmp_path / "one" / "sample_3" / "summary.json").read_text())
+    assert json.loads(out)["directory"].endswith("sample_3")
+    assert summary["peak_multiplier"] == frame["peak_multiplier"][3]
+    again = ds.read_model(tmp_path / "one" / "sample_3" / "model.toml")
+    assert again.assembly.n_blocks == 10
+
+
+def test_a_model_that_cannot_be_built_is_recorded_with_its_model(study, tmp_path):
+    text = STUDY.replace("range = [0.5, 0.8]", "values = [0.6, -1.0]")
+    frame = ds.study(study(text), out=tmp_path / "out", workers=1, figures=False)
+    failed = pd.read_parquet(tmp_path / "out" / "failures.parquet")
+    assert (frame["status"] == "failed").sum() == 2 == len(failed)
+    assert "friction_coefficient" in failed["reason"][0]
+    assert json.loads(failed["model"][0])["joint"]["friction_coefficient"] == -1.0
+
+
+def test_a_sample_that_takes_too_long_is_stopped(study, tmp_path):
+    text = STUDY.replace("points = 16", "timeout = 1e-6")
+    frame = ds.study(study(text), out=tmp_path / "out", workers=1, figures=False)
+    assert set(frame["status"]) == {"stopped"}
+    assert frame["reason"].str.contains("took longer than the timeout").all()
+    assert not frame["certified"].any()
+
+
+def blocks():
+    return coursed_wall(unit=(0.4, 0.2), courses=["h11h", "111"], unit_weight=1.0, repeat=2,
+                        base=True)  # fmt: skip
+
+
+def test_uneven_units_fill_their_courses():
+    made = imperfect(blocks(), Imperfection(unit_sizes=0.05), seed=4)
+    courses = {}
+    for block in made[1:]:
+        courses.setdefault(block.id.split("u")[0], []).append(block.vertices)
+    top = 0.0
+    for own in courses.values():
+        low, high = np.array(own).min(axis=(0, 1)), np.array(own).max(axis=(0, 1))
+        assert (low[0], high[0]) == pytest.approx((0.0, 1.2)) and low[1] == top
+        assert abs((high[1] - low[1]) / 0.2 - 1.0) <= 0.05
+        for left, right in pairwise(own):
+            assert left[1, 0] == right[0, 0]
+        top = high[1]
+    lengths = np.array([np.ptp(v[:, 0]) for v in courses["c2"]])
+    assert np.ptp(lengths) > 0.001
+    assert (made[0].vertices == blocks()[0].vertices).all()
+
+
+def test_missing_and_loose_blocks_are_as_many_as_asked():
+    many = [b for k in range(60) for b in imperfect(blocks(), Imperfection(missing=0.2), k)]
+    assert len(many) / (60 * 15) == pytest.approx(1 - 0.2 * 14 / 15, abs=0.04)
+    (one,) = [b for b in imperfect(blocks(), Imperfection(loose=1.0, loose_gap=0.01), 1)
+              if b.id == "c1u2"]  # fmt: skip
+    assert one.vertices.min(axis=0) == pytest.approx([0.21, 0.0])
+    assert one.vertices.max(axis=0) == pytest.approx([0.59, 0.19])
+
+
+def test_worn_corners_overlap_nothing():
+    before = {block.id: block.vertices for block in blocks()}
+    for block in imperfect(blocks(), Imperfection(vertices=0.002), 1)[1:]:
+        old = before[block.id]
+        assert (block.vertices >= old.min(axis=0)).all()
+        assert (block.vertices <= old.max(axis=0)).all()
+        assert (block.vertices != old).any()
+
+
+def test_uneven_units_are_of_courses():
+    from drystone.model.assembly import Block
+
+    leaning = Block(id="a", vertices=[[0, 0], [1, 0], [1.2, 1], [0, 1]], unit_weight=1.0)
+    with pytest.raises(StudyError, match="courses of rectangles"):
+        imperfect([leaning], Imperfection(unit_sizes=0.1), 1)
