@@ -40,6 +40,7 @@ def compare(
 
         if out.suffix.lower() not in ENDINGS:
             raise ModelError([f"--out: {out}: must end in {', '.join(ENDINGS)}"])
+        folders = with_extremes(folders)
         results = [load_results(folder) for folder in folders]
         check_place(out)
         empty = [str(found.path) for found in results if not found.curve.points]
@@ -65,6 +66,20 @@ def compare(
             if not quiet:
                 typer.echo(f"{out} is written")
     raise typer.Exit(DONE)
+
+
+def with_extremes(folders: Sequence[Path]) -> list[Path]:
+    """The folders; in place of a study those of its samples of least and greatest peak, which are
+    run again where they are not there."""
+    found: list[Path] = []
+    for folder in folders:
+        if not (folder / "study.json").is_file():
+            found.append(folder)
+            continue
+        from drystone.studies.conduct import extremes_of
+
+        found += extremes_of(folder)
+    return found
 
 
 def _names(folders: Sequence[Path]) -> list[str]:

@@ -41,6 +41,13 @@ def report(
         from drystone.report.viewer.folder import Folder
 
         path = folder / "report.html" if out is None else out
+        if (folder / "study.json").is_file():
+            from drystone.studies.page import write_page
+
+            check_place(path)
+            in_a_sentence(lambda: write_page(folder, path))
+            _tell(path, as_json=as_json, quiet=quiet)
+            raise typer.Exit(DONE)
         found = Folder.read(folder)
         tell(found.warnings)
         check_place(path)
@@ -49,8 +56,12 @@ def report(
         if found.results.model is not None:
             check_apart(found.results.model.source, [path])
         in_a_sentence(lambda: write_report(path, found, language=language))
-        if as_json:
-            emit({"status": "done", "file": str(path), "bytes": path.stat().st_size})
-        elif not quiet:
-            typer.echo(f"{path} is written ({path.stat().st_size / 1e6:.1f} MB)")
+        _tell(path, as_json=as_json, quiet=quiet)
     raise typer.Exit(DONE)
+
+
+def _tell(path: Path, *, as_json: bool, quiet: bool) -> None:
+    if as_json:
+        emit({"status": "done", "file": str(path), "bytes": path.stat().st_size})
+    elif not quiet:
+        typer.echo(f"{path} is written ({path.stat().st_size / 1e6:.1f} MB)")

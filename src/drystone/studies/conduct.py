@@ -18,7 +18,7 @@ from drystone.studies.local import LocalWorkers
 from drystone.studies.read import read_study
 from drystone.studies.running import Progress, Workers, run
 from drystone.studies.study import Study
-from drystone.studies.tables import CURVES, KINDS, Parts, read_samples
+from drystone.studies.tables import CURVES, Parts, read_samples
 
 STUDY = "study.json"
 
@@ -243,9 +243,24 @@ def run_again(asked: Study, folder: Path, sample: int) -> Path:
     return own
 
 
-def is_study(folder: Path) -> bool:
-    """Whether a folder holds a study."""
-    return (folder / STUDY).is_file()
+def extremes_of(folder: Path) -> list[Path]:
+    """Folders of the samples of least and greatest peak of a study, run again where they are not
+    there.
 
-
-__all__ = ["KINDS", "STUDY", "conclude", "conduct", "folder_of", "is_study", "run_again", "study"]
+    Raises
+    ------
+    StudyError
+        The study has no curves, or its file is gone.
+    """
+    record = record_of(folder) or {}
+    samples = (record.get("extremes") or {}).get("peak_multiplier")
+    if samples is None:
+        raise StudyError([f"{folder}: the study has no curves: finish it by --resume"])
+    found = []
+    for sample in dict.fromkeys((samples["least"], samples["greatest"])):
+        own = folder / f"sample_{sample}"
+        if not (own / "summary.json").is_file():
+            source = record.get("source") or record["study"]
+            run_again(read_study(source), folder, sample)
+        found.append(own)
+    return found

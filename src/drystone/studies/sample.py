@@ -102,7 +102,7 @@ def compute(task: Task, sample: int, values: Sequence[Any]) -> Outcome:
     row |= dict.fromkeys(names) | found
     row |= {
         "seconds": time.perf_counter() - begun,
-        "version": package_version(),
+        "version": _version(),
         "digest": digest,
     }
     failed = row["status"] == FAILED and document is not None
@@ -296,6 +296,12 @@ def resampled(displacement: Array, multiplier: Array, points: int) -> Array:
 
 def _named(task: Task, values: Sequence[Any], seed: int) -> dict[str, Any]:
     return {**dict(zip(task.names, values, strict=True)), "seed": seed}
+
+
+@cache
+def _version() -> str:
+    """Looked up once: it takes longer than a small sample."""
+    return package_version()
 
 
 @cache

@@ -1,0 +1,28 @@
+"""The report of a study, and its extremes beside each other."""
+
+from __future__ import annotations
+
+import json
+
+from test_study_walls import STUDY, WALL
+from typer.testing import CliRunner
+
+import drystone as ds
+from drystone.cli import app
+from studied import written
+
+
+def test_a_study_is_reported_and_its_extremes_are_compared(tmp_path):
+    (tmp_path / "wall.toml").write_text(WALL)
+    out = tmp_path / "out"
+    ds.study(written(tmp_path, STUDY), out=out, workers=2)
+    done = CliRunner().invoke(app, ["report", str(out)])
+    assert done.exit_code == 0, done.output
+    page = (out / "report.html").read_text()
+    assert "Effects on peak_multiplier" in page and page.count("data:image/png") >= 3
+    picture = tmp_path / "compare.png"
+    done = CliRunner().invoke(app, ["compare", str(out), "--out", str(picture), "--json"])
+    assert done.exit_code == 0, done.output
+    peaks = [curve["peak_multiplier"] for curve in json.loads(done.stdout)["curves"]]
+    summary = json.loads((out / "study.json").read_text())["columns"]["peak_multiplier"]
+    assert peaks == [summary["least"], summary["greatest"]]
