@@ -106,7 +106,8 @@ def main() -> None:
         found = run(STUB_STUDY.format(n=asked.samples), folder / "stub", 1)
         print(
             f"stub: {asked.samples} samples in {found['whole']:.1f} s, driver "
-            f"{found['memory']:.0f} MiB, {1e6 * found['seconds'] / asked.samples:.0f} microseconds a sample"
+            f"{found['memory']:.0f} MiB, {1e6 * found['seconds'] / asked.samples:.0f} "
+            "microseconds a sample"
         )
     print(f"load after: {os.getloadavg()[0]:.2f}")
 

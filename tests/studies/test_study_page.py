@@ -19,7 +19,7 @@ def test_a_study_is_reported_and_its_extremes_are_compared(tmp_path):
     done = CliRunner().invoke(app, ["report", str(out)])
     assert done.exit_code == 0, done.output
     page = (out / "report.html").read_text()
-    assert "Effects on peak_multiplier" in page and page.count("data:image/png") >= 3
+    assert "Effects on peak_multiplier" in page and page.count("data:image/png") == 2
     picture = tmp_path / "compare.png"
     done = CliRunner().invoke(app, ["compare", str(out), "--out", str(picture), "--json"])
     assert done.exit_code == 0, done.output

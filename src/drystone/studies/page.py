@@ -60,9 +60,10 @@ def render(record: Mapping[str, Any], folder: Path) -> str:
 
 def _facts(record: Mapping[str, Any]) -> list[tuple[str, str]]:
     counts = ", ".join(f"{n} {status}" for status, n in (record.get("statuses") or {}).items())
+    runs = record.get("n_runs")
     found = [
         ("design", f"{record.get('design')}, seed {record.get('seed')}"),
-        ("samples", f"{record.get('n_samples')}: {counts}" if counts else f"{record.get('n_runs')} runs"),
+        ("samples", f"{record.get('n_samples')}: {counts}" if counts else f"{runs} runs"),
         ("parameters", ", ".join(record.get("parameters", []))),
         ("outputs", ", ".join(record.get("outputs", []))),
         ("version", str(record.get("version"))),
