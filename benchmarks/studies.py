@@ -64,17 +64,19 @@ def inner(file: str, workers: int) -> None:
     from drystone.studies.tables import read_samples
 
     first: list[float] = []
+    starts: list[float] = []
 
     def told(progress: object) -> None:
         if not first and getattr(progress, "done", 0):
-            first.append(time.perf_counter() - begun)
+            first.append(getattr(progress, "seconds", 0.0))
+            starts.append(time.perf_counter() - begun)
 
     folder = Path(file).parent / "out"
     progress = conduct(read_study(file), folder, workers=workers, told=told)
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     whole = time.perf_counter() - begun
     seconds = read_samples(folder, ["seconds"])["seconds"]
-    start = first[0] - seconds.iloc[0]  # the first sample comes alone
+    start = starts[0] - seconds.iloc[0]  # the first sample comes alone
     steady = progress.seconds - first[0]
     busy = seconds.iloc[1:].sum() / (workers * steady)
     print(whole, start, progress.seconds, (len(seconds) - 1) / steady, busy, seconds.mean(), memory)

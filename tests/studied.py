@@ -38,6 +38,9 @@ def dies(x):
 def line(x):
     return {"y": 2.0 * x["a"] + x.get("b", 0.0)}
 
+def step(x):
+    return {"y": 5.0 * (x["a"] >= 4.0)}
+
 def capacity(x):
     return {"capacity": x["a"]}
 

@@ -53,6 +53,7 @@ def killed_then_finished(file, folder, moments):
         more = ["--resume"] if (folder / "study.json").exists() else []
         process = command(file, "--out", folder, "--workers", 2, *more, WAVE_SECONDS="0.01")
         time.sleep(moment)
+        assert process.poll() is None, process.communicate()
         process.send_signal(signal.SIGKILL)
         process.communicate()
     more = ["--resume"] if (folder / "study.json").exists() else []
@@ -70,7 +71,7 @@ def test_killed_it_goes_on_with_what_is_missing(tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_killed_at_twenty_random_moments(tmp_path):
-    file = written(tmp_path, WAVE.replace("400", "6000"))
+    file = written(tmp_path, WAVE.replace("400", "30000"))
     chance = random.Random(1)
     moments = [chance.uniform(0.5, 12.0) for _ in range(20)]
     killed_then_finished(file, tmp_path / "killed", moments)

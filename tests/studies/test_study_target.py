@@ -51,6 +51,17 @@ def test_where_no_value_does_a_sentence_says_so(tmp_path):
     )
 
 
+def test_a_jump_over_the_value_is_no_answer(tmp_path):
+    """As where another mechanism takes over: 0 below a = 4, 5 above."""
+    file = written(tmp_path, LINE.replace(":line", ":step"))
+    ds.study(file, out=tmp_path / "out")
+    found = record(tmp_path / "out")
+    assert found["status"] == "jump" and found["value"] is None
+    a, b = found["jump_at"]
+    assert a < 4.0 <= b and b - a < 1e-4
+    assert found["sentence"].startswith("y jumps over 3: it is 0 at a = 4")
+
+
 def test_an_unknown_output_says_the_nearest(tmp_path):
     with pytest.raises(StudyError, match="there is no"):
         ds.study(written(tmp_path, LINE.replace('"y"', '"x"')), out=tmp_path / "out")

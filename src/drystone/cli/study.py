@@ -71,10 +71,10 @@ def study(
     with outcome(as_json=as_json, begun=lambda: begun):
         from drystone.io.results.folder import check_writable
         from drystone.studies.conduct import conclude, conduct, folder_of, opened
-        from drystone.studies.errors import needed
+        from drystone.studies.errors import required
         from drystone.studies.read import read_study
 
-        needed("pyarrow"), needed("pandas")
+        required("pyarrow", "pandas")
         asked = read_study(study_file)
         folder = folder_of(asked, out)
         check_writable(folder)

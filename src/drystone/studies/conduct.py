@@ -13,7 +13,7 @@ from drystone.io.results.folder import OutputError, in_a_sentence, locked
 from drystone.io.results.interrupts import uninterrupted
 from drystone.io.results.summary import package_version, plain, write_summary
 from drystone.studies.cluster import ClusterWorkers
-from drystone.studies.errors import StudyError, needed
+from drystone.studies.errors import StudyError, needed, required
 from drystone.studies.local import LocalWorkers
 from drystone.studies.read import read_study
 from drystone.studies.running import Progress, Workers, run
@@ -65,7 +65,7 @@ def study(
     OutputError
         The folder cannot be written, or holds another study.
     """
-    needed("pyarrow"), needed("pandas")
+    required("pyarrow", "pandas")
     asked = read_study(source)
     folder = folder_of(asked, out)
     if asked.target is not None:

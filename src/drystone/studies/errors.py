@@ -8,12 +8,16 @@ from typing import Any
 
 from drystone.model.construction.errors import ModelError
 
-#: What `pip install 'drystone[study]'` adds, by the name of the module.
-EXTRA = ("pyarrow", "pandas", "SALib", "dask", "distributed")
-
 
 class StudyError(ModelError):
     """A study that cannot be run; one sentence for each problem."""
+
+
+def required(*names: str) -> None:
+    """See that packages of the extra are there, without loading them; raises as `needed` does."""
+    for name in names:
+        if find_spec(name) is None:
+            raise StudyError([f"{name} is not installed: pip install 'drystone[study]'"])
 
 
 def needed(name: str) -> Any:
@@ -24,7 +28,5 @@ def needed(name: str) -> Any:
     name
         Of the module, which may be one inside a package: "pyarrow.parquet".
     """
-    package = name.partition(".")[0]
-    if find_spec(package) is None:
-        raise StudyError([f"{package} is not installed: pip install 'drystone[study]'"])
+    required(name.partition(".")[0])
     return import_module(name)

@@ -29,6 +29,11 @@ RUNS = "runs.parquet"
 PLACES = ((0.0, 1.0), (0.5,), (0.25, 0.75), (0.125, 0.375, 0.625, 0.875))
 
 
+#: How far an output may be from its value where the search ends, over the tolerance: beyond it
+#: jumps there.
+_NEAR = 20.0
+
+
 class TooManyRunsError(Exception):
     """The search has used up its runs."""
 
@@ -112,8 +117,8 @@ def aim(
 ) -> dict[str, Any]:
     """Look for what [target] asks for; what ``study.json`` says of it.
 
-    ``status`` is "finished" where there is such a value, "none" where there is none in the range
-    and "stopped" where the search has not come to an end; ``sentence`` says it.
+    ``status`` is "finished" where there is such a value, "none" where there is none in the range,
+    "jump" where the output passes it without having it, and "stopped" where the search has not come to an end; ``sentence`` says it.
     """
     assert asked.target is not None
     if len(asked.target["parameter"]) == 2:
@@ -173,6 +178,8 @@ def _searched(asked: Study, runs: Runs) -> dict[str, Any]:
             "which all have one",
         }
     reached = runs.output_at(root)
+    if reached is None or abs(reached - value) > _NEAR * target["tolerance"] * (abs(value) or 1.0):
+        return _jump(runs, name, output, value, root)
     return {
         "status": "finished",
         "value": root,
@@ -190,6 +197,20 @@ def _bracket(runs: Runs, low: float, high: float, value: float) -> tuple[float, 
             if (ya - value) * (yb - value) <= 0.0 and low <= a and b <= high:
                 return a, b
     return None
+
+
+def _jump(runs: Runs, name: str, output: str, value: float, root: float) -> dict[str, Any]:
+    """The output passes the value without having it, as where another mechanism takes over."""
+    a, b = next(
+        (one, other)
+        for one, other in pairwise(runs.pairs())
+        if one[0] <= root <= other[0] and (one[1] - value) * (other[1] - value) <= 0.0
+    )
+    sentence = (
+        f"{output} jumps over {value:g}: it is {a[1]:.6g} at {name} = {a[0]:.6g} and {b[1]:.6g} at "
+        f"{b[0]:.6g}"
+    )
+    return {"status": "jump", "value": None, "jump_at": [a[0], b[0]], "sentence": sentence}
 
 
 class _NoNumberError(Exception):
