@@ -140,7 +140,7 @@ def fitted(one: Mapping[str, Any], frame: Any, seed: int) -> dict[str, Any]:
     method = one["method"]
     names = [one["capacity"]] if method == "capacity" else [one["intensity"], one["demand"]]
     told: dict[str, Any] = {
-        "name": one["name"] or " ".join(names),
+        "name": one["name"] or f"{method} of {names[-1]}",
         "method": method,
         "columns": names,
         "threshold": one["threshold"],

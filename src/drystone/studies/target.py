@@ -118,7 +118,8 @@ def aim(
     """Look for what [target] asks for; what ``study.json`` says of it.
 
     ``status`` is "finished" where there is such a value, "none" where there is none in the range,
-    "jump" where the output passes it without having it, and "stopped" where the search has not come to an end; ``sentence`` says it.
+    "jump" where the output passes it without having it, and "stopped" where the search has not
+    come to an end; ``sentence`` says it.
     """
     assert asked.target is not None
     if len(asked.target["parameter"]) == 2:
