@@ -45,7 +45,7 @@ _BOUNDS = {
 def sentences(
     error: ValidationError, data: dict[str, Any], schema: type[Section] = ModelSection
 ) -> list[str]:
-    """One sentence for each error of a check of ``data`` against a schema of files, up to `MOST`."""
+    """One sentence for each error of a check of ``data`` against a schema, up to `MOST`."""
     details = error.errors(include_url=False)[:MOST]
     found = [_sentence(one, data, schema) for one in details]
     if (more := error.error_count() - MOST) > 0:
