@@ -1,4 +1,4 @@
-"""Run every feature in every engine and in limit analysis, and write docs/features.md.
+"""Run every feature in every engine and in limit analysis, and write docs/reference/features.md.
 
     python docs/make_features.py [--engine NAME ...]
 
@@ -18,7 +18,7 @@ from drystone.engines.base import EngineError
 from drystone.io.modelfile.read import model_from_text
 from drystone.limit import ASSOCIATIVE, NON_ASSOCIATIVE
 
-PAGE = Path(__file__).with_name("features.md")
+PAGE = Path(__file__).parent / "reference" / "features.md"
 WORKS = "●"
 TITLES = {2: "In the plane", 3: "In space"}
 STEPS = 3  # points after the first: enough for every part of a step to have been asked
@@ -28,8 +28,8 @@ HEAD = """# What works where
 Made by running `docs/make_features.py`: a small wall on a base is pushed for three steps with one
 feature at a time, or its base is moved.  A dot: it works; a number: the words with which it is
 refused, below the table.  That a step is taken is not that its figures are right: these stand in
-[verification](verification.md) and in the pages of [loads](loads.md), [ties](ties.md),
-[settlements](settlements.md) and [joints](joints.md).
+[verification](verification.md) and in the pages of [loads](../explanation/loads.md), [ties](../explanation/ties.md),
+[settlements](../explanation/settlements.md) and [joints](../explanation/joints.md).
 """
 
 #: Blocks, by dimension.

@@ -1,4 +1,4 @@
-"""Run the verification cases and write docs/verification.md.
+"""Run the verification cases and write docs/reference/verification.md.
 
     python docs/make_verification.py [--engine NAME ...]
 
@@ -24,7 +24,7 @@ from drystone.model.joint_law import JointLaw
 from drystone.results.curve import STATIC
 
 Array = NDArray[np.float64]
-PAGE = Path(__file__).with_name("verification.md")
+PAGE = Path(__file__).parent / "reference" / "verification.md"
 
 B, H = 0.4, 0.9  # m, width and height of the rocking block
 STIFF = 1e11  # Pa/m
@@ -230,7 +230,7 @@ def walls_section(engines: Sequence[str]) -> str:
             "## The published walls",
             "Table 1 of Bouckaert, Godio and de Almeida (2022): peak multipliers, and the control",
             "displacement at the multiplier 0.01. Theirs are applied multipliers, biased after the",
-            "peak as derived in [theory](theory.md); ours are static, strategy `displacement`.",
+            "peak as derived in [theory](../explanation/theory.md); ours are static, strategy `displacement`.",
             "Limit analysis (Gilbert et al. 2006) is of rigid blocks with sharp corners. Residual:",
             "the largest at a static point, over the heaviest block's weight.",
             "",
@@ -313,7 +313,7 @@ def bias_section(engine: str) -> str:
         [
             "## The bias of the published strategy",
             "Applied over static multiplier after the peak, as measured and by the formula of",
-            f"[theory](theory.md); engine `{engine}`, {1e3 * BIAS_STEP:g} mm a step. The rocking",
+            f"[theory](../explanation/theory.md); engine `{engine}`, {1e3 * BIAS_STEP:g} mm a step. The rocking",
             "block (sharp corners) between 0.1 and 0.2 m against its closed form; wall 1 at",
             f"{BIAS_AT:g} m against the curve of the strategy `displacement`, with c from the",
             "motion of the run itself.",

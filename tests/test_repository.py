@@ -103,7 +103,7 @@ def test_every_command_in_the_documentation_exists():
     from drystone.cli import app
 
     known = {command.name or command.callback.__name__ for command in app.registered_commands}
-    pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    pages = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]
     for page in pages:
         for block in shell_blocks(page.read_text(encoding="utf-8")):
             used = re.findall(r"(?:^|[ /])drystone ([a-z]+)", block)
@@ -111,7 +111,7 @@ def test_every_command_in_the_documentation_exists():
 
 
 def test_links_lead_somewhere():
-    for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]:
+    for page in [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]:
         for target in re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text(encoding="utf-8")):
             if "://" not in target:
                 assert (page.parent / target).exists(), f"{page.name} links to {target}"
@@ -121,7 +121,7 @@ def test_every_key_of_the_model_file_is_documented():
     from drystone.io.modelfile.declared import sections_in
     from drystone.io.modelfile.schema import ModelSection, Section
 
-    page = (ROOT / "docs" / "model-file.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "reference" / "model-file.md").read_text(encoding="utf-8")
 
     def sections(annotation: object) -> list[type[Section]]:
         """Sections that a key's type is made of."""
@@ -142,23 +142,23 @@ def test_every_key_of_the_model_file_is_documented():
 
 
 def test_architecture_shows_the_loop_that_is_run():
-    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "explanation" / "architecture.md").read_text(encoding="utf-8")
     source = (ROOT / "examples" / "driver_loop.py").read_text(encoding="utf-8")
     (shown,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
     assert shown in source
 
 
 def test_architecture_names_every_module():
-    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "explanation" / "architecture.md").read_text(encoding="utf-8")
     for path in (ROOT / "src" / "drystone").iterdir():
         if path.name.startswith("_"):
             continue
         name = f"`{path.name}/`" if path.is_dir() else f"`{path.name}`"
-        assert name in page, f"{name} is not in docs/architecture.md"
+        assert name in page, f"{name} is not in docs/explanation/architecture.md"
 
 
 def test_what_a_stranger_would_touch_is_there_and_is_little():
-    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "explanation" / "architecture.md").read_text(encoding="utf-8")
     section = page.split("## A stranger's minute")[1].split("\n## ")[0]
     rows = [line.split("|")[1:3] for line in section.splitlines() if line.startswith("| ")][1:]
     assert len(rows) > 10
@@ -172,7 +172,7 @@ def test_what_a_stranger_would_touch_is_there_and_is_little():
 
 
 def test_every_registry_is_on_the_page_and_is_tried_from_outside():
-    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "explanation" / "architecture.md").read_text(encoding="utf-8")
     tried = (ROOT / "tests" / "unit" / "test_registries.py").read_text(encoding="utf-8")
     source = ROOT / "src" / "drystone"
     found = {}

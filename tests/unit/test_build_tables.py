@@ -19,7 +19,7 @@ from drystone.model.builders.base import Length, Metres
 from drystone.model.builders.kinds import BUILDERS
 
 LENGTH = Number(RANGES["unit"])  # as of `Length`
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "model-file.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "reference" / "model-file.md"
 
 HEAD = """
 dimension = {dimension}

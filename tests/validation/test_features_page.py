@@ -17,7 +17,7 @@ def making():
 
 
 def page(making, dimension):
-    return making.told((DOCS / "features.md").read_text(), making.TITLES[dimension])
+    return making.told((DOCS / "reference" / "features.md").read_text(), making.TITLES[dimension])
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

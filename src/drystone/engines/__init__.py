@@ -82,7 +82,7 @@ def checked(engine: object) -> Engine[Any]:
         raise EngineError(
             f"{kind.__module__}.{kind.__qualname__} is no engine: derive the class from "
             "drystone.engines.base.Engine, and say what it can do in its capabilities "
-            "(docs/own-engine.md)"
+            "(docs/howto/own-engine.md)"
         )
     if not engine.name:
         raise EngineError(f"{kind.__module__}.{kind.__qualname__}: the engine has no name")

@@ -1,4 +1,4 @@
-"""Ties and springs between points of two blocks, or of a block and the ground; see docs/ties.md.
+"""Ties and springs between points of two blocks, or of a block and the ground; see docs/explanation/ties.md.
 
 A tie is a straight bar without weight: elastic up to its strength, then perfectly plastic, slack
 instead of compressed unless it says otherwise, gone for good once it is elongated too far.  A
