@@ -1,0 +1,270 @@
+"""The documentation keeps its promises: what it shows is run, what it names is defined."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from documentation import (
+    PAGES,
+    ROOT,
+    CodeBlock,
+    agrees,
+    code_blocks,
+    missing,
+    prose,
+    shown_by_prints,
+)
+
+LANGUAGES = {"sh", "python", "toml", "text"}
+GLOSSARY = ROOT / "docs" / "glossary.md"
+#: Pages whose commands take more than some seconds.
+SLOW = {
+    "README.md",
+    "docs/coming-from/3muri.md",
+    "docs/coming-from/compas.md",
+    "docs/coming-from/lmgc90.md",
+    "docs/coming-from/udec-3dec.md",
+    "docs/explanation/assessment.md",
+    "docs/explanation/limit.md",
+    "docs/howto/compare.md",
+    "docs/howto/engine.md",
+    "docs/howto/stiffness.md",
+    "docs/howto/stopped.md",
+    "docs/reference/drawings.md",
+    "docs/reference/viewer.md",
+    "docs/tutorials/certificate.md",
+    "docs/tutorials/dxf-to-verdict.md",
+    "docs/tutorials/tied-facade.md",
+}
+
+
+def name_of(page: Path) -> str:
+    return page.relative_to(ROOT).as_posix()
+
+
+def read(page: Path) -> str:
+    return page.read_text(encoding="utf-8")
+
+
+# ---- what is shown is run ---------------------------------------------------------------------
+
+
+class Reader:
+    """Somebody who does what a page says, in an empty folder beside the examples."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.names = folder, {"__name__": "__main__"}
+        bin_ = folder / ".bin"
+        bin_.mkdir()
+        command = bin_ / "drystone"
+        call = "from drystone.cli import main; main()"
+        command.write_text(f"#!/bin/sh\nexec '{sys.executable}' -c '{call}' \"$@\"\n")
+        command.chmod(0o755)
+        for shared in ("examples", "benchmarks"):
+            (folder / shared).symlink_to(ROOT / shared, target_is_directory=True)
+        path = os.pathsep.join((str(bin_), str(Path(sys.executable).parent), os.environ["PATH"]))
+        self.environment = {**os.environ, "PATH": path, "MPLBACKEND": "Agg", "COLUMNS": "200"}
+
+    def shell(self, text: str) -> list[str]:
+        done = subprocess.run(
+            ["bash", "-euo", "pipefail", "-c", text],
+            cwd=self.folder, env=self.environment, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, f"{text}\n{done.stdout}{done.stderr}"
+        return (done.stdout + "\n" + done.stderr).splitlines()
+
+    def python(self, code: str) -> list[str]:
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            exec(compile(code, "<page>", "exec"), self.names)
+        return printed.getvalue().splitlines()
+
+    def write(self, block: CodeBlock) -> None:
+        if (named := block.remark("file")) is not None:
+            name, _, same_as = named.partition(" = ")
+            if same_as:
+                assert block.text.strip() in read(ROOT / same_as), f"it is not {same_as}"
+            (self.folder / name).write_text(block.text, encoding="utf-8")
+        if (name := block.remark("append")) is not None:
+            with (self.folder / name).open("a", encoding="utf-8") as file:
+                file.write(block.text)
+
+    def does(self, blocks: list[CodeBlock]) -> None:
+        printed: list[str] = []
+        for block in blocks:
+            if block.remark("not run") is not None:
+                continue
+            if (before := block.remark("run")) is not None:
+                self.shell(before)
+            if block.language == "sh":
+                printed = self.shell(block.text)
+            elif block.language == "text":
+                lost = missing([line for line in block.text.splitlines() if line], printed)
+                assert not lost, f"line {block.line}: {lost} is not in {printed}"
+            elif block.language == "python":
+                printed = self.python(block.text)
+                lost = missing(shown_by_prints(block.text), printed)
+                assert not lost, f"line {block.line}: {lost} is not in {printed}"
+            elif block.language == "toml":
+                self.write(block)
+
+
+def runnable(page: Path) -> bool:
+    return any(
+        block.language in ("sh", "python") and block.remark("not run") is None
+        for block in code_blocks(read(page))
+    )
+
+
+RUN = [
+    pytest.param(page, marks=pytest.mark.slow if name_of(page) in SLOW else (), id=name_of(page))
+    for page in PAGES
+    if runnable(page)
+]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="commands of a POSIX shell")
+@pytest.mark.parametrize("page", RUN)
+def test_what_a_page_shows_is_what_happens(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    monkeypatch.syspath_prepend(str(ROOT / "examples"))
+    Reader(tmp_path).does(code_blocks(read(page)))
+
+
+def test_slow_pages_are_pages():
+    assert {name_of(page) for page in PAGES if runnable(page)} >= SLOW
+
+
+def test_what_is_not_run_says_why():
+    for page in PAGES:
+        for block in code_blocks(read(page)):
+            assert block.language in LANGUAGES or block.language.startswith("{"), name_of(page)
+            assert len(block.remark("not run") or "a reason") > 5, name_of(page)
+
+
+def problems(text: str, dimension: int) -> list[str]:
+    """What the check of model files finds in a part of one, but for what is missing."""
+    from drystone.io.modelfile.schema import ModelSection
+
+    data = {"dimension": dimension, **tomllib.loads(text)}
+    try:
+        ModelSection.model_validate(data, context={"dimension": dimension})
+    except ValidationError as error:
+        return [str(one) for one in error.errors() if one["type"] != "missing"]
+    return []
+
+
+def test_parts_of_model_files_have_keys_that_there_are():
+    for page in PAGES:
+        for block in code_blocks(read(page)):
+            if block.language == "toml" and "project" not in tomllib.loads(block.text):
+                found = [problems(block.text, dimension) for dimension in (2, 3)]
+                assert [] in found, f"{name_of(page)}, line {block.line}: {found}"
+
+
+def test_a_wrong_key_is_found():
+    assert problems("[joint]\nfriction = 0.6", 2) and not problems(
+        "[joint]\nfriction_coefficient = 0.6", 2
+    )
+
+
+@pytest.mark.parametrize(
+    ("shown", "printed", "same"),
+    [
+        ("peak 0.578", "peak 0.5781", True),
+        ("peak 0.578", "peak 0.678", False),
+        ("peak 0.578", "top 0.578", False),
+        ("residual 1e-9", "residual 3e-11", True),
+        ("zeta = ... (governs)", "zeta = 1.2 (governs)", True),
+    ],
+)
+def test_a_line_agrees_where_words_and_numbers_do(shown, printed, same):
+    assert agrees(shown, printed) == same
+
+
+# ---- words ------------------------------------------------------------------------------------
+
+#: Words of earlier versions: what stands for them is in the glossary.
+BANNED = {
+    "leeway": r"leeways?",
+    "swerve": r"swerv\w*",
+    "crest": r"crests?",
+    "push along a mode": r"push\w* along (?:a|the|an unstable) modes?",
+    "let go": r"lets? go",
+    "leap": r"leaps?",
+    "pace": r"pac(?:e|es|ed|ing)",
+    "room": r"rooms?",
+    "settle": r"settl(?:e|es|ed|ing)",
+    "probe": r"prob(?:e|es|ed|ing)",
+    "calm": r"calm\w*",
+    "thorough": r"thorough\w*",
+    "gone": r"gone",
+    "set out": r"sets? out",
+}
+
+
+def glossary_terms() -> set[str]:
+    """Defined terms and those in bold within definitions, in small letters."""
+    text = read(GLOSSARY).split("## Words that are not used")[0]
+    return {term.lower() for term in re.findall(r"\*\*([^*]+)\*\*", text)}
+
+
+def singular(term: str) -> str:
+    return re.sub(r"(?<=[a-z])s\b", "", term.lower())
+
+
+def bold_terms(page: Path) -> set[str]:
+    """Bold words of a page, without symbols of vectors and headings that run into a paragraph."""
+    text = re.sub(r"^```.*?^```$", "", read(page), flags=re.DOTALL | re.MULTILINE)
+    found = re.findall(r"\*\*([^*\n]+)\*\*", text)
+    return {term for term in found if len(term) > 4 and not re.search(r"[.?:]$|[`δω_]", term)}
+
+
+def test_every_bold_term_is_in_the_glossary():
+    known = {singular(term) for term in glossary_terms()}
+    lost = {
+        f"{name_of(page)}: {term}"
+        for page in PAGES
+        for term in bold_terms(page)
+        if singular(term) not in known
+    }
+    assert not lost
+
+
+def test_the_glossary_is_in_short_sentences():
+    text = read(GLOSSARY).split("## Words that are not used")[0]
+    entries = re.findall(r"^\*\*([^*\n]+)\*\*\n: (.*?)(?=\n\n|\Z)", text, re.DOTALL | re.MULTILINE)
+    assert len(entries) > 60
+    assert len({name.lower() for name, _ in entries}) == len(entries)
+    for name, definition in entries:
+        assert 1 <= len(re.findall(r"[.?](?:\s|$)", definition)) <= 3, name
+
+
+@pytest.mark.parametrize("word", sorted(BANNED))
+def test_banned_words_occur_nowhere(word):
+    pattern = re.compile(rf"\b{BANNED[word]}\b", re.IGNORECASE)
+    lost = []
+    for page in PAGES:
+        text = read(page)
+        if page == GLOSSARY:
+            text = text.split("## Words that are not used")[0]
+        lost += [f"{name_of(page)}: {found}" for found in pattern.findall(prose(text))]
+    assert not lost
+
+
+def test_the_glossary_tells_what_stands_for_banned_words():
+    table = read(GLOSSARY).split("## Words that are not used")[1]
+    left = " ".join(line.split("|")[1] for line in table.splitlines() if line.startswith("|"))
+    for word in BANNED:
+        assert word.replace("push along a mode", "push along") in left, word
