@@ -225,10 +225,12 @@ def singular(term: str) -> str:
 
 
 def bold_terms(page: Path) -> set[str]:
-    """Bold words of a page, without symbols of vectors and headings that run into a paragraph."""
+    """Bold words within sentences of a page: no symbols of vectors, and no words that head a
+    paragraph, an entry of a list or a cell of a table."""
     text = re.sub(r"^```.*?^```$", "", read(page), flags=re.DOTALL | re.MULTILINE)
+    text = re.sub(r"(?:(?<=\n\n)|(?<=\n[-*] )|(?<=\n\d\. )|(?<=\| ))\*\*[^*\n]+\*\*", "", text)
     found = re.findall(r"\*\*([^*\n]+)\*\*", text)
-    return {term for term in found if len(term) > 4 and not re.search(r"[.?:]$|[`δω_]", term)}
+    return {term for term in found if len(term) > 4 and not re.search(r"[.?:]$|[`δω_⁻]", term)}
 
 
 def test_every_bold_term_is_in_the_glossary():
