@@ -6,6 +6,8 @@ python docs/make_figures.py [--built] [--engine NAME]
 from __future__ import annotations
 
 import argparse
+import shutil
+import tempfile
 from pathlib import Path
 
 import drystone as ds
@@ -36,6 +38,19 @@ def example(name: str, engine: str | None) -> None:
     )
     title = f"{model.title} at a control displacement of {point.control_displacement:.3f} m"
     draw_mechanism(mechanism, IMAGES / f"{name}_mechanism.png", title=title)
+
+
+def tutorials() -> None:
+    """The pictures of the tutorials: what their commands write, under the names that they show."""
+    target = IMAGES / "tutorials"
+    for name in ("first_wall", "gate", "tied_facade"):
+        model = ds.read_model(EXAMPLES / f"{name}.toml")
+        curve = ds.pushover(model, keep_poses=True, keep_contacts=True)
+        with tempfile.TemporaryDirectory() as folder:
+            ds.save_results(curve, model, folder)
+            for picture in ("curve", "mechanism"):
+                shutil.copy(Path(folder) / f"{picture}.png", target / f"{name}_{picture}.png")
+        ds.plot_model(model).figure.savefig(target / f"{name}_model.png")
 
 
 def bias() -> None:
