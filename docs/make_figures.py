@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import shutil
+import subprocess
 import tempfile
 from pathlib import Path
 
@@ -50,7 +51,8 @@ def tutorials() -> None:
             ds.save_results(curve, model, folder)
             for picture in ("curve", "mechanism"):
                 shutil.copy(Path(folder) / f"{picture}.png", target / f"{name}_{picture}.png")
-        ds.plot_model(model).figure.savefig(target / f"{name}_model.png")
+        subprocess.run(["drystone", "show", EXAMPLES / f"{name}.toml", "--out",
+                        target / f"{name}_model.png"], check=True)  # fmt: skip
 
 
 def bias() -> None:
@@ -112,6 +114,7 @@ def main() -> None:
         return
     for name in ("wall1", "facade"):
         example(name, arguments.engine)
+    tutorials()
     bias()
 
 

@@ -314,8 +314,8 @@ def bias_section(engine: str) -> str:
         [
             "## The bias of the published strategy",
             "Applied over static multiplier after the peak, as measured and by the formula of",
-            f"[theory](../explanation/theory.md); engine `{engine}`, {1e3 * BIAS_STEP:g} mm a step.",
-            "The rocking",
+            "[theory](../explanation/theory.md);",
+            f"engine `{engine}`, {1e3 * BIAS_STEP:g} mm a step. The rocking",
             "block (sharp corners) between 0.1 and 0.2 m against its closed form; wall 1 at",
             f"{BIAS_AT:g} m against the curve of the strategy `displacement`, with c from the",
             "motion of the run itself.",
