@@ -28,7 +28,7 @@ HEAD = """# What works where
 This page is made by running `docs/make_features.py`. A small wall on a base is pushed for three
 steps with one feature at a time, or its base is moved. A dot means that the feature works. A
 number leads to the sentence of the refusal, below the table. A dot does not mean that the
-figures are right: for that see [verification](verification.md), and on the pages about
+figures are right: for that see [verification](verification.md) and the pages about
 [loads](../explanation/loads.md), [ties](../explanation/ties.md), [support
 displacements](../explanation/settlements.md) and [joints](../explanation/joints.md).
 """
