@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib.util
 import io
 import os
 import re
@@ -153,6 +154,33 @@ def test_what_is_not_run_says_why():
             assert len(block.remark("not run") or "a reason") > 5, name_of(page)
 
 
+def options_of_commands() -> dict[str, set[str]]:
+    """Options of each command, as the page of commands has them."""
+    spec = importlib.util.spec_from_file_location(
+        "declared", ROOT / "docs" / "extensions" / "declared.py"
+    )
+    declared = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(declared)
+    found: dict[str, set[str]] = {}
+    for section in declared.commands_page().split("\n## drystone ")[1:]:
+        found[section.split("\n")[0]] = {"--help", *re.findall(r"`(-[-a-z]+)`", section)}
+    return found
+
+
+def test_commands_within_sentences_and_tables_have_options_that_there_are():
+    pytest.importorskip("sphinx", reason="the page of commands is written for it")
+    known = options_of_commands()
+    assert "--out" in known["run"] and len(known) >= 10
+    for page in PAGES:
+        text = read(page)
+        for command, rest in re.findall(r"drystone ([a-z]+)((?: [^`\n|&#]*)?)", text):
+            if command in known:
+                for asked in re.findall(r"(?<= )(--?[a-z][-a-z]*)", rest):
+                    assert asked in known[command], f"{name_of(page)}: drystone {command}{rest}"
+        for script in re.findall(r"python ((?:benchmarks|docs|examples|tests)/\w+\.py)", text):
+            assert (ROOT / script).is_file(), f"{name_of(page)}: {script}"
+
+
 def problems(text: str, dimension: int) -> list[str]:
     """What the check of model files finds in a part of one, but for what is missing."""
     from drystone.io.modelfile.schema import ModelSection
@@ -228,8 +256,8 @@ def bold_terms(page: Path) -> set[str]:
     """Bold words within sentences of a page: no symbols of vectors, and no words that head a
     paragraph, an entry of a list or a cell of a table."""
     text = re.sub(r"^```.*?^```$", "", read(page), flags=re.DOTALL | re.MULTILINE)
-    text = re.sub(r"(?:(?<=\n\n)|(?<=\n[-*] )|(?<=\n\d\. )|(?<=\| ))\*\*[^*\n]+\*\*", "", text)
-    found = re.findall(r"\*\*([^*\n]+)\*\*", text)
+    text = re.sub(r"(?:(?<=\n\n)|(?<=\n[-*] )|(?<=\n\d\. )|(?<=\| ))\*\*[^*]+\*\*", "", text)
+    found = re.findall(r"\*\*([^*]+)\*\*", re.sub(r"(?<=\S)\n *(?=\S)", " ", text))
     return {term for term in found if len(term) > 4 and not re.search(r"[.?:]$|[`δω_⁻]", term)}
 
 

@@ -1,4 +1,6 @@
-"""Ties and springs between points of two blocks, or of a block and the ground; see docs/explanation/ties.md.
+"""Ties and springs between points of two blocks, or of a block and the ground.
+
+Their equations are in docs/explanation/ties.md.
 
 A tie is a straight bar without weight: elastic up to its strength, then perfectly plastic, slack
 instead of compressed unless it says otherwise, gone for good once it is elongated too far.  A
