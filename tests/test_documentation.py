@@ -30,16 +30,11 @@ LANGUAGES = {"sh", "python", "toml", "text"}
 GLOSSARY = ROOT / "docs" / "glossary.md"
 #: Pages whose commands take more than some seconds.
 SLOW = {
-    "README.md",
     "docs/coming-from/3muri.md",
     "docs/coming-from/compas.md",
-    "docs/coming-from/lmgc90.md",
-    "docs/coming-from/udec-3dec.md",
     "docs/explanation/assessment.md",
-    "docs/explanation/limit.md",
     "docs/howto/compare.md",
     "docs/howto/engine.md",
-    "docs/howto/stiffness.md",
     "docs/howto/stopped.md",
     "docs/reference/drawings.md",
     "docs/reference/viewer.md",
