@@ -18,8 +18,8 @@ from drystone.cli.limit import limit
 from drystone.cli.report import report
 from drystone.cli.run import run
 from drystone.cli.show import show
-from drystone.cli.verify import verify
 from drystone.cli.study import study
+from drystone.cli.verify import verify
 from drystone.cli.view import view
 
 app = typer.Typer(
