@@ -43,6 +43,7 @@ class Unit:
 METRE, MILLIMETRE = Unit(name="m", per_metre=1.0), Unit(name="mm", per_metre=1e3)
 
 
+# Long: it is asked for in many ways, which its docstring lists.
 def draw_curve(
     curves: CapacityCurve | Labelled,
     path: Path | str,

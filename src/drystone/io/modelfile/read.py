@@ -161,6 +161,7 @@ def model_from_data(
     )
 
 
+# Long: one section of the file after another.
 def _model(
     data: dict[str, Any],
     *,
