@@ -6,7 +6,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TypeVar
 
@@ -44,8 +44,11 @@ class FolderLock:
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Make a folder and hold it while files are written; `OutputError` where that fails."""
-    lock = None
+    """Make a folder and hold it while files are written; `OutputError` where that fails.
+
+    A folder that was made and into which nothing was written goes again.
+    """
+    lock, made = None, not folder.exists()
     try:
         folder.mkdir(parents=True, exist_ok=True)
         lock = FolderLock(folder)
@@ -55,6 +58,9 @@ def locked(folder: Path) -> Iterator[None]:
     finally:
         if lock is not None:
             lock.release()
+        if made:
+            with suppress(OSError):  # something is in it
+                folder.rmdir()
 
 
 if sys.platform == "win32":
