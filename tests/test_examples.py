@@ -185,3 +185,14 @@ def test_assess_wall():
     # place of 2: both a0 and d0 grow by a third, and so does what is borne at the least.
     assert found["block by block"] > 1.3 * found["soil B"] > 1.3
     assert found["soil D"] < 1.0 < found["rules of 2009"]
+
+
+@pytest.mark.slow
+def test_compas_arch():
+    pytest.importorskip("compas_dem", reason="pip install 'drystone[compas]'")
+    results, curve, model = example("compas_arch").pushed()
+    rigid = ds.collapse_load(model, flow="associative").load_multiplier
+    # Elastic joints of 1e10 Pa/m lower what rigid blocks carry, by less than a tenth.
+    assert 0.9 * rigid < curve.peak.load_multiplier < 1.001 * rigid
+    assert set(results.nodes()) == set(range(8))
+    assert len(list(results.edges())) == 7

@@ -71,12 +71,19 @@ def imported(
             raise ModelError(
                 [f"holds blocks of {drawing.dimension} dimensions, the model has {dimension}"]
             )
-        return _blocks(settings, drawing, material_of)
+        return blocks_of(drawing, settings, material_of)
     except ModelError as error:
         raise ModelError(f"{quoted(name)}: {problem}" for problem in error.problems) from None
 
 
-def _blocks(settings: ImportSettings, drawing: Drawing, material_of: MaterialOf) -> Imported:
+def blocks_of(drawing: Drawing, settings: ImportSettings, material_of: MaterialOf) -> Imported:
+    """Make blocks of what was drawn; the arguments are those of `imported`.
+
+    Raises
+    ------
+    ModelError
+        A shape is no block, or the settings name what is not there.
+    """
     notes = list(drawing.notes)
     scale = UNITS[_unit(settings, drawing, notes)]
     up = _up(settings, drawing, notes)
