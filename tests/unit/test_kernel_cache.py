@@ -6,6 +6,7 @@ import os
 
 from numba.core.caching import IndexDataCacheFile
 
+import drystone.common.compiled  # noqa: F401 - names files of the cache by process
 from drystone.common.kernel_cache import STAMP, discard_outdated
 
 

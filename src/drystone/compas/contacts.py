@@ -30,7 +30,7 @@ class Edge:
     frames: Array  # (n, 3, 3) rows: first tangent, second tangent, normal from v to u
     gap: Array  # (n,) m, positive open
     status: tuple[str, ...]
-    flat: bool  # whether the points span an area
+    is_face: bool  # whether the points span an area
 
     def reversed(self) -> Edge:
         """The same as seen from the other block."""
@@ -68,7 +68,7 @@ def edges_of(contacts: ContactForces, nodes: Sequence[int]) -> Iterator[Edge]:
             frames=np.stack((tangents[rows, 0], tangents[rows, 1], contacts.normal[rows]), axis=1),
             gap=contacts.gap[rows],
             status=tuple("sliding" if contacts.status[k] == SLIDING else "sticking" for k in found),
-            flat=True,
+            is_face=True,
         )
         yield _around(_merged(own))
 
@@ -108,7 +108,7 @@ def _around(edge: Edge) -> Edge:
     if len(edge.points) < 3 or extents[1] <= SAME * extents[0]:
         along = np.argsort(arms @ axes[0], kind="stable")
         ends = np.concatenate((along[:1], along[-1:], along[1:-1])) if len(along) > 2 else along
-        return replace(_taken(edge, ends), flat=False)
+        return replace(_taken(edge, ends), is_face=False)
     first, second, _ = edge.frame
     order = np.argsort(np.arctan2(arms @ second, arms @ first), kind="stable")
     return _taken(edge, order)
@@ -123,8 +123,8 @@ def put_edge(results: Any, edge: Edge) -> None:
     resultant = edge.forces.sum(axis=0)
     origins = [Frame(point, *own[:2]) for point, own in _listed(edge.points, edge.frames)]
     values = {
-        "face_contact": edge.flat,
-        "edge_contact": not edge.flat and len(edge.points) > 1,
+        "face_contact": edge.is_face,
+        "edge_contact": not edge.is_face and len(edge.points) > 1,
         "point_contact": len(edge.points) == 1,
         "contact_points": edge.points.tolist(),
         "gap": edge.gap.tolist(),
@@ -155,7 +155,7 @@ def _geometry(edge: Edge, frame: Array) -> dict[str, Any]:
         {"c_np": max(n, 0.0), "c_nn": max(-n, 0.0), "c_u": first, "c_v": second}
         for first, second, n in (edge.forces @ frame.T).tolist()
     ]
-    if edge.flat:
+    if edge.is_face:
         contact = FrictionContact(points=points, frame=own, forces=forces)
         found = {"contact_data": contact, "contact_polygon": Polygon(points)}
     elif len(points) > 1:

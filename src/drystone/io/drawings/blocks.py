@@ -116,14 +116,7 @@ def blocks_of(drawing: Drawing, settings: ImportSettings, material_of: MaterialO
             block = replace(block, support=True)
         blocks.append(block)
     records = [replace(record, block=prefix + record.block) for record in records]
-    if settings.support_below is not None and not any(block.support for block in blocks):
-        lowest = min(float(block.vertices[:, -1].min()) for block in blocks)
-        raise ModelError(
-            [
-                f"support_below: no block reaches below {settings.support_below:g} m, the "
-                f"lowest is at {lowest:.6g} m"
-            ]
-        )
+    _check_supports(blocks, settings.support_below)
     control = None
     if drawing.control is not None:
         point = turned_up(scale * np.array([drawing.control]), up)
@@ -137,6 +130,15 @@ def blocks_of(drawing: Drawing, settings: ImportSettings, material_of: MaterialO
         control=control,
         sha256=drawing.sha256,
     )
+
+
+def _check_supports(blocks: Sequence[Block], below: float | None) -> None:
+    """Raise `ModelError` where none reaches below the height that makes supports [m]."""
+    if below is not None and not any(block.support for block in blocks):
+        lowest = min(float(block.vertices[:, -1].min()) for block in blocks)
+        raise ModelError(
+            [f"support_below: no block reaches below {below:g} m, the lowest is at {lowest:.6g} m"]
+        )
 
 
 def sentences(records: Sequence[Mended]) -> list[str]:
