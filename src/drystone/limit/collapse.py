@@ -107,6 +107,21 @@ class Collapse:
             f"{len(self.moving)} blocks move, status {self.status}>"
         )
 
+    def _repr_html_(self) -> str:
+        """A small table, for notebooks; `plot_mechanism` draws the mechanism on the model."""
+        from drystone.report.notebook import table
+
+        low, high = self.collapse_range
+        facts = {
+            "flow": self.flow,
+            "multiplier": f"{self.load_multiplier:.4f}",
+            "range": f"{low:.4f} to {high:.4f}",
+            "blocks that move": ", ".join(self.moving) or "none",
+            "status": self.status,
+            "reason": self.reason,
+        }
+        return table(facts)
+
 
 def collapse_load(
     model: Model,

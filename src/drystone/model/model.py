@@ -303,3 +303,9 @@ class Model:
             f"<Model {self.title!r}: {self.assembly!r}, pushed along ({along}), "
             f"{self.analysis.engine}>"
         )
+
+    def _repr_html_(self) -> str:
+        """The viewer with the model as designed, for notebooks."""
+        from drystone.report.notebook import model_viewer
+
+        return model_viewer(self)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from html import escape
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, overload
 
@@ -494,6 +493,7 @@ class CapacityCurve:
         return f"<CapacityCurve {engine}: {', '.join(f'{k} {v}' for k, v in facts.items())}>"
 
     def _repr_html_(self) -> str:
-        """A small table, for notebooks."""
-        rows = (f"<tr><th>{k}</th><td>{escape(v)}</td></tr>" for k, v in self._facts.items())
-        return f"<table>{''.join(rows)}</table>"
+        """A small table and the curve, for notebooks."""
+        from drystone.report.notebook import curve_picture, table
+
+        return table(self._facts) + (curve_picture(self) if self.points else "")

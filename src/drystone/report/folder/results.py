@@ -109,6 +109,12 @@ class Results:
     def __repr__(self) -> str:
         return f"<Results {str(self.path)!r}: {self.curve!r}>"
 
+    def _repr_html_(self) -> str:
+        """The viewer with the structure that moves along its curve, for notebooks."""
+        from drystone.report.notebook import results_viewer
+
+        return results_viewer(self)
+
 
 def load_results(path: Path | str) -> Results:
     """Read a folder of results, also of a run that was interrupted, killed or still goes on.
