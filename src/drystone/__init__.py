@@ -1,7 +1,5 @@
 """drystone: pushover curves of masonry made of blocks, past the peak and down to nothing."""
 
-__version__ = "0.1.0"
-
 # The command line begins here: no module is imported before it has seen to signals.
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -44,6 +42,8 @@ if TYPE_CHECKING:
 
 if TYPE_CHECKING:
     from typing import Any
+
+    __version__: str
 
 #: Where each name is, and its name there if that is another.  Heavy imports wait until a name is
 #: used, so that the command line starts at once.
@@ -113,6 +113,10 @@ __all__ = [*_PLACES, "__version__"]
 
 
 def __getattr__(name: str) -> "Any":
+    if name == "__version__":
+        from drystone.common.version import package_version
+
+        return package_version()
     if name not in _PLACES:
         raise AttributeError(f"module 'drystone' has no attribute {name!r}")
     from importlib import import_module

@@ -45,7 +45,7 @@ def by_file(model, folder: Path, load: str) -> ds.Model:
 
 
 def balance(problem, solution) -> float:
-    """Largest unbalanced force on a block by the results alone, over the largest force that acts."""
+    """Largest unbalanced force on a block by the results alone, over the largest load."""
     results, assembly = solution.results, solution.model.assembly
     multiplier = results.metadata["load_multiplier"]
     total = -assembly.weight[:, None] * assembly.up

@@ -238,9 +238,10 @@ def write(model: Model, rows: Sequence[dict[str, Any]], folder: Path) -> dict[st
     """``summary.json``, ``directions.csv`` and ``directions.png`` of all directions."""
     import csv
 
+    from drystone.common.version import package_version
     from drystone.io.results.folder import in_a_sentence, whole_file
     from drystone.io.results.interrupts import uninterrupted
-    from drystone.io.results.summary import package_version, plain, write_summary
+    from drystone.io.results.summary import plain, write_summary
     from drystone.report.directions_figure import Traced, draw_directions
 
     known = [row for row in rows if row.get("peak_multiplier") is not None]

@@ -33,7 +33,7 @@ app = typer.Typer(
 
 def _version(wanted: bool) -> None:
     if wanted:
-        from drystone.io.results.summary import package_version
+        from drystone.common.version import package_version
 
         typer.echo(f"drystone {package_version()}")
         raise typer.Exit

@@ -11,7 +11,6 @@ process that wrote them; what is lost is compiled again.
 
 from __future__ import annotations
 
-import hashlib
 import os
 import stat
 import tempfile
@@ -22,8 +21,13 @@ from typing import Any
 from numba.core import config
 from numba.core.caching import CompileResultCacheImpl, IndexDataCacheFile
 
+from drystone.common.shipped_kernels import CODE, FOLDER, LIST, Shipped, digest_of
+
 #: What a user should know of it; None where the compiler finds a place by itself.
 note: str | None = None
+
+#: Folder of the package.
+PACKAGE = Path(__file__).parents[1]
 
 #: What a file says that holds kernels.
 IMPORT = b"from drystone.common.compiled import njit"
@@ -54,14 +58,15 @@ def provide() -> None:
             "be written: set NUMBA_CACHE_DIR to keep them elsewhere"
         )
         folders = _folders(kernels)
-    for folder in folders:
+    for folder in folders.values():
         discard_outdated(folder, made_from)
+    if (PACKAGE / FOLDER).is_dir():  # of a wheel that was built so
+        _look_into(Shipped.of(folders, PACKAGE, digest_of(made_from)))
 
 
 def sources() -> list[Path]:
     """Files of the package that hold kernels."""
-    package = Path(__file__).parents[1]
-    return [p for p in sorted(package.rglob("*.py")) if IMPORT in p.read_bytes()]
+    return [p for p in sorted(PACKAGE.rglob("*.py")) if IMPORT in p.read_bytes()]
 
 
 def modules() -> list[str]:
@@ -70,32 +75,51 @@ def modules() -> list[str]:
     return [".".join(p.relative_to(above).with_suffix("").parts) for p in sources()]
 
 
-def _folders(kernels: list[Path]) -> list[Path]:
-    """Where the compiler keeps what it makes of these sources; `RuntimeError` if nowhere."""
-    folders = {source.parent: source for source in kernels}
-    return [_kept_in(source) for source in folders.values()]
+def kept_here() -> tuple[dict[Path, Path], str]:
+    """Where the compiler keeps the kernels of each folder, and the digest of their sources."""
+    kernels = sources()
+    return _folders(kernels), digest_of([*kernels, Path(__file__).with_name(NUMBERS)])
 
 
-def _kept_in(source: Path) -> Path:
+def _folders(kernels: list[Path]) -> dict[Path, Path]:
+    """Where the compiler keeps what it makes of sources, by the folders that these are in;
+    `RuntimeError` if nowhere."""
+    found = {source.parent: source for source in kernels}
+    return {folder: Path(_locator(found[folder]).get_cache_path()) for folder in found}
+
+
+def _locator(source: Path) -> Any:
+    """What finds the place of a source's kernels."""
     for locator in CompileResultCacheImpl._locator_classes:
         found = locator.from_function(provide, str(source))
         if found is not None:
-            return Path(found.get_cache_path())
+            return found
     raise RuntimeError(f"no place for what is compiled from {source}")
+
+
+def _look_into(shipped: Shipped | None) -> None:
+    """Let the compiler look for what it has not kept among the kernels of a wheel."""
+    if shipped is None:
+        return
+    kept = IndexDataCacheFile.load
+
+    def load(cache: Any, key: Any) -> Any:
+        found = kept(cache, key)
+        return shipped.load(cache, key) if found is None else found
+
+    IndexDataCacheFile.load = load
 
 
 def discard_outdated(folder: Path, sources: list[Path]) -> None:
     """Delete the kernels compiled into a folder where they were made from other sources."""
-    digest = hashlib.sha256()
-    for source in sources:
-        digest.update(source.name.encode() + b"\0" + source.read_bytes())
-    stamp = folder / STAMP
+    digest, stamp = digest_of(sources), folder / STAMP
     with suppress(OSError):  # what cannot be written cannot be out of date either
-        if stamp.is_file() and stamp.read_text() == digest.hexdigest():
+        if stamp.is_file() and stamp.read_text() == digest:
             return
-        for compiled in folder.glob("*.nb[ic]"):
-            compiled.unlink(missing_ok=True)
-        stamp.write_text(digest.hexdigest())
+        for ending in (LIST, CODE):
+            for compiled in folder.glob(ending):
+                compiled.unlink(missing_ok=True)
+        stamp.write_text(digest)
 
 
 def _name_by_process(cache: Any, number: int) -> str:

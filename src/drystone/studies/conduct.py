@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from drystone.common.threads import available
+from drystone.common.version import package_version
 from drystone.io.results.folder import OutputError, in_a_sentence, locked
 from drystone.io.results.interrupts import uninterrupted
-from drystone.io.results.summary import package_version, plain, write_summary
+from drystone.io.results.summary import plain, write_summary
 from drystone.studies.cluster import ClusterWorkers
 from drystone.studies.errors import StudyError, needed, required
 from drystone.studies.local import LocalWorkers

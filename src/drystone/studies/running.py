@@ -11,8 +11,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from drystone.common.version import package_version
 from drystone.common.workers import Call
-from drystone.io.results.summary import package_version
 from drystone.studies.designs import seed_of
 from drystone.studies.sample import FAILED, Chunk, Outcome
 from drystone.studies.study import Study

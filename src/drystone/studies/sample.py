@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.io.results.summary import package_version, plain
+from drystone.common.version import package_version
+from drystone.io.results.summary import plain
 from drystone.model.construction.errors import ModelError
 from drystone.studies import paths
 from drystone.studies.designs import seed_of

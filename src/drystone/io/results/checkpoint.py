@@ -25,8 +25,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.codec import Packed, packed, unpacked
+from drystone.common.version import package_version
 from drystone.io.results.folder import sync_folder, whole_file
-from drystone.io.results.summary import package_version
 from drystone.model.model import Model
 from drystone.results.checkpoint import Checkpoint
 

@@ -42,13 +42,13 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.version import package_version
 from drystone.contact.forces import ContactForces
 from drystone.io.modelfile import model_to_dict
 from drystone.io.modelfile.write import to_toml
 from drystone.io.results.diskfile import DiskFile
 from drystone.io.results.interrupts import uninterrupted
 from drystone.io.results.journal import Overlaid, pending
-from drystone.io.results.summary import package_version
 from drystone.model.assembly import Assembly
 from drystone.model.model import Model
 from drystone.model.ties import TieState, names_of

@@ -8,22 +8,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drystone.common.version import package_version
 from drystone.io.results.names import SUMMARY
 from drystone.io.results.outputs import Output
 
 if TYPE_CHECKING:
     from drystone.model.model import Model
     from drystone.results.curve import CapacityCurve
-
-
-def package_version() -> str:
-    """Version of this package; "unknown" where it runs without having been installed."""
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        return version("drystone")
-    except PackageNotFoundError:
-        return "unknown"
 
 
 def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from drystone.common.language import Saying, current
+from drystone.common.version import package_version
 from drystone.io.results.folder import in_a_sentence, whole_file
 from drystone.io.results.own_files import ASSESSMENT, OF_ASSESSMENT
-from drystone.io.results.summary import package_version, write_summary
+from drystone.io.results.summary import write_summary
 
 
 def written(result: Mapping[str, Any]) -> dict[str, Any]:

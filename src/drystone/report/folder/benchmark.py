@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from drystone.analysis.benchmark import Benchmark, BenchmarkRow, BenchmarkRun
+from drystone.common.version import package_version
 from drystone.io.results.csv import write_curve
 from drystone.io.results.folder import locked, whole_file
-from drystone.io.results.summary import package_version, write_summary
+from drystone.io.results.summary import write_summary
 from drystone.report import draw_benchmark_wall
 from drystone.report.curve_figure import Reference
 from drystone.report.folder.pictures import MECHANISM_DISPLACEMENT, mechanism_row, mechanism_title

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.version import package_version
 from drystone.geometry.motion import rotations
 from drystone.io.results.folder import check_apart, locked
-from drystone.io.results.summary import package_version, plain, write_summary
+from drystone.io.results.summary import plain, write_summary
 from drystone.limit import FLOWS, Collapse
 from drystone.model.model import Model
 from drystone.report import Mechanism, canvas, draw_mechanism

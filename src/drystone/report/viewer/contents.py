@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.language import Saying, say
+from drystone.common.version import package_version
 from drystone.contact.forces import ContactForces
 from drystone.geometry import motion
 from drystone.geometry.interfaces import Interfaces
@@ -34,7 +35,7 @@ from drystone.geometry.plane.outlines import Outlines
 from drystone.geometry.space.polyhedra import Polyhedra
 from drystone.io.results.hdf5 import ResultsReader
 from drystone.io.results.names import RESULTS
-from drystone.io.results.summary import package_version, plain
+from drystone.io.results.summary import plain
 from drystone.model.model import Model
 from drystone.report.folder.results import Results
 from drystone.report.quantities import Quantities

@@ -1,0 +1,13 @@
+"""The version of this package, as its installation knows it."""
+
+from __future__ import annotations
+
+
+def package_version() -> str:
+    """Version of this package; "unknown" where it runs without having been installed."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("drystone")
+    except PackageNotFoundError:
+        return "unknown"
