@@ -8,6 +8,7 @@ import numpy as np
 
 from drystone.laboratory.walls import Wall, series
 from drystone.model.assembly import Block
+from drystone.model.builders.stones import rectangle
 from drystone.model.builders.wall import coursed_wall
 from drystone.model.construction.model import make_model
 from drystone.model.history import history_of
@@ -71,12 +72,10 @@ def model_of(
         material="stone",
     )
     top = 2.0 * wall.load_height - wall.height
-    low, high = (0.0, wall.height), (wall.length, top)
-    corners = [low, (high[0], low[1]), high, (low[0], high[1])]
     blocks.append(
         Block(
             id=BEAM,
-            vertices=np.array(corners),
+            vertices=rectangle(0.0, wall.height, wall.length, top),
             unit_weight=wall.unit_weight,
             material="stone",
         )
