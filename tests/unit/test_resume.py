@@ -339,7 +339,7 @@ def test_a_file_is_readable_wherever_its_writer_is_killed(tmp_path, monkeypatch)
         if found is None:
             read = path.read_bytes()
         else:
-            read = journal.Overlaid(path, *found).read()
+            read = journal.overlaid(path, *found).read()
         assert read in (after, before, before + b"c" * 50)  # nobody reads what is behind the end
         journal.recover(path)
         assert path.read_bytes() == read and not journal.journal_of(path).exists()

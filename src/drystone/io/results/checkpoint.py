@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from drystone.common.codec import Packed, packed, unpacked
 from drystone.common.version import package_version
 from drystone.io.results.folder import sync_folder, whole_file
+from drystone.io.results.laidover import put_all
 from drystone.model.model import Model
 from drystone.results.checkpoint import Checkpoint
 
@@ -130,9 +131,7 @@ def _put(path: Path, entries: dict[str, Any], *, sync: bool = True) -> None:
     content = io.BytesIO()
     np.savez(content, **entries)
     with whole_file(path) as draft, draft.open("wb", buffering=0) as file:
-        view = content.getbuffer()
-        while view:
-            view = view[file.write(view) or 0 :]
+        put_all(file, content.getbuffer())
         if sync:
             os.fsync(file.fileno())
     if sync:

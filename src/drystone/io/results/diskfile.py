@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from drystone.io.results import journal
+from drystone.io.results.laidover import LaidOver, lay, put_all
 
 #: Seconds after which a new file is brought to the disk for good at each commit: what a power cut
 #: takes of a younger one is soon computed again.  Waiting for a disk would be a tenth of a run of a
@@ -25,32 +26,20 @@ from drystone.io.results import journal
 YOUNG = 10.0
 
 
-class DiskFile(io.RawIOBase):
+class DiskFile(LaidOver):
     """A file object for h5py.  Replaces a file of that name, unless it goes ``on`` with it."""
 
     def __init__(self, path: Path | str, *, on: bool = False) -> None:
-        super().__init__()
         self._path = Path(path)
         if on:
             journal.recover(self._path)
         else:
             journal.journal_of(self._path).unlink(missing_ok=True)
-        self._disk = io.FileIO(path, "r+" if on else "w+")
-        self._length = os.fstat(self._disk.fileno()).st_size  # bytes, on the disk
-        self._end = self._length  # bytes, with what waits
-        self._grown_up = -math.inf if on else time.monotonic() + YOUNG
-        self._place = 0
+        disk = io.FileIO(path, "r+" if on else "w+")
+        length = os.fstat(disk.fileno()).st_size
         self._waiting: list[tuple[int, bytes]] = []  # in the order in which they came
-
-    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
-        """Go to a place."""
-        start = {io.SEEK_SET: 0, io.SEEK_CUR: self._place, io.SEEK_END: self._end}[whence]
-        self._place = start + offset
-        return self._place
-
-    def tell(self) -> int:
-        """The place."""
-        return self._place
+        super().__init__(disk, length, length, self._waiting)
+        self._grown_up = -math.inf if on else time.monotonic() + YOUNG
 
     def write(self, data: Any) -> int:
         """Take note of bytes for the place."""
@@ -59,19 +48,6 @@ class DiskFile(io.RawIOBase):
         self._place += len(taken)
         self._end = max(self._end, self._place)
         return len(taken)
-
-    def readinto(self, buffer: Any) -> int:
-        """Read from the place on, what waits included."""
-        start, length = self._place, max(min(len(buffer), self._end - self._place), 0)
-        content = bytearray(length)
-        self._disk.seek(start)
-        on_disk = self._disk.read(max(min(length, self._length - start), 0)) or b""
-        content[: len(on_disk)] = on_disk
-        for offset, data in self._waiting:
-            journal.lay(content, start, offset, data)
-        buffer[:length] = content
-        self._place += length
-        return length
 
     def truncate(self, size: int | None = None) -> int:
         """Let the file end at ``size``."""
@@ -91,7 +67,7 @@ class DiskFile(io.RawIOBase):
         old, end, handle = self._length, self._end, self._disk.fileno()
         tail = bytearray(max(end - old, 0))
         for offset, data in self._waiting:
-            journal.lay(tail, old, offset, data)
+            lay(tail, old, offset, data)
         over = [(offset, data[: old - offset]) for offset, data in self._waiting if offset < old]
         if not tail and not over and end == old:
             return
@@ -115,14 +91,11 @@ class DiskFile(io.RawIOBase):
     def close(self) -> None:
         """Let go of the file; what was not committed is dropped."""
         self._waiting.clear()
-        self._disk.close()
         super().close()
 
     def _put(self, offset: int, data: bytes | bytearray) -> None:
-        view = memoryview(data)
         self._disk.seek(offset)
-        while view:
-            view = view[self._disk.write(view) or 0 :]
+        put_all(self._disk, data)
 
 
 def _no_wait(handle: int) -> None:

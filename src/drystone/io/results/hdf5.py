@@ -48,7 +48,7 @@ from drystone.io.modelfile import model_to_dict
 from drystone.io.modelfile.write import to_toml
 from drystone.io.results.diskfile import DiskFile
 from drystone.io.results.interrupts import uninterrupted
-from drystone.io.results.journal import Overlaid, pending
+from drystone.io.results.journal import overlaid, pending
 from drystone.model.assembly import Assembly
 from drystone.model.model import Model
 from drystone.model.ties import TieState, names_of
@@ -494,7 +494,7 @@ def _opened(path: Path) -> h5py.File:
     found = pending(path)
     if found is None:
         return h5py.File(path, "r", locking=False)
-    return h5py.File(Overlaid(path, *found), "r")
+    return h5py.File(overlaid(path, *found), "r")
 
 
 def text_of(text: str) -> str:

@@ -12,12 +12,10 @@ import io
 import os
 import struct
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
-#: What a file is to hold: places and bytes, in the order in which they are laid down.
-Pieces = Sequence[tuple[int, bytes]]
+from drystone.io.results.laidover import LaidOver, Pieces, put_all
 
 _MARK = b"drystone journal 1\n"
 _HEAD = struct.Struct("<qq")  # length of the file, number of pieces
@@ -41,9 +39,7 @@ def written(
     content = b"".join(parts)
     try:
         with journal.open("wb", buffering=0) as file:
-            view = memoryview(content + _SUM.pack(zlib.crc32(content)))
-            while view:
-                view = view[file.write(view) or 0 :]
+            put_all(file, content + _SUM.pack(zlib.crc32(content)))
             sync(file.fileno())
     except OSError:
         journal.unlink(missing_ok=True)
@@ -87,45 +83,7 @@ def recover(path: Path) -> None:
     journal_of(path).unlink(missing_ok=True)
 
 
-class Overlaid(io.RawIOBase):
-    """A file to read, with a journal laid over it; for h5py."""
-
-    def __init__(self, path: Path, length: int, pieces: Pieces) -> None:
-        super().__init__()
-        self._file = io.FileIO(path, "r")
-        self._length, self._pieces, self._place = length, pieces, 0
-
-    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
-        """Go to a place."""
-        start = {io.SEEK_SET: 0, io.SEEK_CUR: self._place, io.SEEK_END: self._length}[whence]
-        self._place = start + offset
-        return self._place
-
-    def tell(self) -> int:
-        """The place."""
-        return self._place
-
-    def readinto(self, buffer: Any) -> int:
-        """Read from the place on."""
-        start, length = self._place, max(min(len(buffer), self._length - self._place), 0)
-        content = bytearray(length)
-        self._file.seek(start)
-        on_disk = self._file.read(length) or b""
-        content[: len(on_disk)] = on_disk
-        for place, data in self._pieces:
-            lay(content, start, place, data)
-        buffer[:length] = content
-        self._place += length
-        return length
-
-    def close(self) -> None:
-        """Let go of the file."""
-        self._file.close()
-        super().close()
-
-
-def lay(content: bytearray, start: int, place: int, data: bytes) -> None:
-    """Put ``data``, which is for ``place``, into ``content``, which begins at ``start``."""
-    first, last = max(place, start), min(place + len(data), start + len(content))
-    if first < last:
-        content[first - start : last - start] = data[first - place : last - place]
+def overlaid(path: Path, length: int, pieces: Pieces) -> LaidOver:
+    """A file to read, with a journal laid over it."""
+    disk = io.FileIO(path, "r")
+    return LaidOver(disk, min(os.fstat(disk.fileno()).st_size, length), length, pieces)
