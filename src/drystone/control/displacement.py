@@ -406,8 +406,9 @@ class DisplacementControl:
         floor = s.floor_share * s.displacement_step
         if state.last == state.highest:
             floor = min(floor, tolerances.CLOSING_SHARE * state.closing)
-            if state.slope > 0.0:  # a crossing is four times the floor
-                floor = min(floor, 0.25 * s.bend_share * self._carried(state) / state.slope)
+            if state.slope > 0.0:  # a crossing hides no more than a bend may
+                steepest = tolerances.CROSSING * state.slope
+                floor = min(floor, s.bend_share * self._carried(state) / steepest)
         if state.time_step:
             if s.smooth:
                 state = changed(state, shortened=True, too_long=state.time_step, n_since=0)
@@ -436,7 +437,7 @@ class DisplacementControl:
             if nearer >= floor:
                 state = changed(state, stage=NEARING, increment=nearer)
             else:
-                state = changed(state, stage=CROSSING, increment=4.0 * floor)
+                state = changed(state, stage=CROSSING, increment=tolerances.CROSSING * floor)
         return Decision(accept=False, demand=self._demand(state), state=state)
 
     def _lost(self, state: PacingState, report: StepReport, reason: str) -> Decision[PacingState]:
@@ -492,7 +493,7 @@ class DisplacementControl:
     def _jumping(self, state: PacingState, report: StepReport) -> PacingState:
         s = self.settings
         if self._rests(state, report):
-            increment = 4.0 * s.floor_share * s.displacement_step
+            increment = tolerances.CROSSING * s.floor_share * s.displacement_step
             state = changed(state, time_step=0.0, rested=state.time_step, increment=increment)
             return changed(state, too_long=math.inf, n_since=LONG_AGO)
         if state.shortened:
@@ -522,15 +523,18 @@ class DisplacementControl:
     def _over(self, state: PacingState, report: StepReport) -> End | None:
         """Whether and why the analysis is over."""
         return self._over_in_motion(state, report) or end_of_curve(
-            self.settings,
-            Progress(
-                multiplier=report.static_multiplier,
-                highest=state.highest,
-                displacement=report.control_displacement,
-                n_steps=state.n_steps,
-                static=self._rests(state, report),
-                highest_at=state.highest_at,
-            ),
+            self.settings, self._progress(state, report)
+        )
+
+    def _progress(self, state: PacingState, report: StepReport) -> Progress:
+        """What the ends of a curve are judged by."""
+        return Progress(
+            multiplier=report.static_multiplier,
+            highest=state.highest,
+            displacement=report.control_displacement,
+            n_steps=state.n_steps,
+            static=self._rests(state, report),
+            highest_at=state.highest_at,
         )
 
     def _over_in_motion(self, state: PacingState, report: StepReport) -> End | None:

@@ -65,8 +65,11 @@ class ExcessControl:
     def first(self, report: StepReport) -> Decision[ExcessState]:
         """A tenth of the largest excess."""
         s = self.settings
-        state = ExcessState(excess=tolerances.FIRST_EXCESS * s.increment, time_step=s.time_step)
+        state = self._fresh(tolerances.FIRST_EXCESS * s.increment, s.time_step)
         return Decision(accept=True, demand=self._demand(state), state=state)
+
+    def _fresh(self, excess: float, time_step: float) -> ExcessState:
+        return ExcessState(excess=excess, time_step=time_step)
 
     def _demand(self, state: ExcessState) -> Demand:
         # What would have to be held back falls, and the rest is not pulled the other way.
@@ -199,15 +202,18 @@ class ExcessControl:
     def _over(self, state: ExcessState, report: StepReport, dynamic: bool) -> End | None:
         """Whether and why the analysis is over."""
         return self._collapsed(state, report, dynamic) or end_of_curve(
-            self.settings,
-            Progress(
-                multiplier=state.static,
-                highest=state.highest,
-                displacement=report.control_displacement,
-                n_steps=state.n_steps,
-                static=not dynamic,
-                highest_at=state.highest_at,
-            ),
+            self.settings, self._progress(state, report, dynamic)
+        )
+
+    def _progress(self, state: ExcessState, report: StepReport, dynamic: bool) -> Progress:
+        """What the ends of a curve are judged by."""
+        return Progress(
+            multiplier=state.static,
+            highest=state.highest,
+            displacement=report.control_displacement,
+            n_steps=state.n_steps,
+            static=not dynamic,
+            highest_at=state.highest_at,
         )
 
     def _largest(self, state: ExcessState) -> float:

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from drystone.common import tolerances
 from drystone.common.records import changed
 from drystone.control.base import Decision
-from drystone.control.ends import End, Progress
+from drystone.control.ends import End
 from drystone.control.excess import ExcessControl, ExcessSettings, ExcessState
 from drystone.control.history import Leg, ended, gone_through, over_in_leg, seen, told
 from drystone.engines.base import Demand, StepReport
@@ -46,13 +46,8 @@ class ExcessHistoryControl(ExcessControl):
 
     settings: ExcessHistorySettings
 
-    def first(self, report: StepReport) -> Decision[ExcessState]:
-        """As of a monotonic curve, towards the first displacement."""
-        s = self.settings
-        state = ExcessHistoryState(
-            excess=tolerances.FIRST_EXCESS * s.increment, time_step=s.time_step
-        )
-        return Decision(accept=True, demand=self._demand(state), state=state)
+    def _fresh(self, excess: float, time_step: float) -> ExcessState:
+        return ExcessHistoryState(excess=excess, time_step=time_step)
 
     def _demand(self, state: ExcessState) -> Demand:
         assert isinstance(state, ExcessHistoryState)
@@ -167,14 +162,4 @@ class ExcessHistoryControl(ExcessControl):
             return super()._over(state, report, dynamic)
         outward = report.control_displacement > 0.0
         collapsed = self._collapsed(state, report, dynamic) if outward else None
-        return collapsed or over_in_leg(
-            self.settings,
-            Progress(
-                multiplier=state.static,
-                highest=state.highest,
-                displacement=report.control_displacement,
-                n_steps=state.n_steps,
-                static=not dynamic,
-                highest_at=state.highest_at,
-            ),
-        )
+        return collapsed or over_in_leg(self.settings, self._progress(state, report, dynamic))

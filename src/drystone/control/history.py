@@ -229,13 +229,5 @@ class HistoryControl(DisplacementControl):
         if state.leg.number == 0:
             return super()._over(state, report)
         return self._over_in_motion(state, report) or over_in_leg(
-            self.settings,
-            Progress(
-                multiplier=report.static_multiplier,
-                highest=state.highest,
-                displacement=report.control_displacement,
-                n_steps=state.n_steps,
-                static=self._rests(state, report),
-                highest_at=state.highest_at,
-            ),
+            self.settings, self._progress(state, report)
         )
