@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import pickle
+import subprocess
+import sys
 
-import numpy as np
 import pytest
 
-from drystone.common.workers import WorkerError, _message, in_processes
-from drystone.dynamics.distinct.state import RunAwayError
+from drystone.common.workers import WorkerError, in_processes
 from drystone.model.builders import ModelError
+
+#: Sends an exception that takes other arguments than it keeps.
+SENDS = """
+import sys
+import numpy as np
+from drystone.common.workers import _message
+from drystone.dynamics.distinct.state import RunAwayError
+sys.stdout.buffer.write(_message(("raised", RunAwayError("high", np.zeros(2)))))
+"""
 
 
 def test_results_come_in_the_order_of_the_calls():
@@ -43,7 +52,9 @@ def test_what_cannot_be_sent_is_told():
     """A result that is no data, and an exception that is not made again of its arguments."""
     with pytest.raises(WorkerError, match="TextIOWrapper"):
         in_processes([("os:fdopen", (0,))], 1)
-    how, error = pickle.loads(_message(("raised", RunAwayError("high", np.zeros(2)))))
+    # In a process of its own: libraries of clusters teach all exceptions to be made again.
+    sent = subprocess.run([sys.executable, "-c", SENDS], capture_output=True, check=True)
+    how, error = pickle.loads(sent.stdout)
     assert how == "raised"
     with pytest.raises(WorkerError, match='RunAwayError: the block "high" runs away'):
         raise error

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import typer
 
 from drystone.cli.outcome import DONE, INTERRUPTED, UNFINISHED, WRONG, emit, fail, tell
-from drystone.io.results.names import RESULTS
+from drystone.io.results.names import RESULTS, SUMMARY
 from drystone.io.results.senses import DIRECTION
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ COLUMNS = (
     "peak_passed", "ultimate_displacement", "associative_multiplier", "non_associative_multiplier",
     "n_points", "max_residual", "wall_time",
 )  # fmt: skip
-SUMMARY, TABLE, PICTURE = "summary.json", "directions.csv", "directions.png"
+TABLE, PICTURE = "directions.csv", "directions.png"
 BOTH = "both"
 
 

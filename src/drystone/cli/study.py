@@ -15,9 +15,6 @@ if TYPE_CHECKING:
     from drystone.studies.running import Progress
     from drystone.studies.study import Study
 
-#: Seconds between two lines of progress where there is no terminal.
-BETWEEN_LINES = 10.0
-
 StudyFile = Annotated[
     Path, typer.Argument(metavar="STUDY", help="Study file, TOML or JSON.", show_default=False)
 ]
@@ -133,7 +130,9 @@ class _Shown:
         self._title, self._quiet = title, quiet
         self._bar: Any = None
         self._task: Any = None
-        self._next = BETWEEN_LINES
+        from drystone.common.progress.points import SECONDS_BETWEEN_LINES
+
+        self._between = self._next = SECONDS_BETWEEN_LINES
 
     def __enter__(self) -> _Shown:
         if not self._quiet and sys.stderr.isatty():
@@ -160,7 +159,7 @@ class _Shown:
         if self._bar is not None:
             self._bar.update(self._task, total=progress.total, completed=progress.done, state=state)
         elif progress.seconds >= self._next:
-            self._next = progress.seconds + BETWEEN_LINES
+            self._next = progress.seconds + self._between
             tell([f"{self._title}: {progress.done} of {progress.total}, {state}"])
 
 

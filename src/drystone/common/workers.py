@@ -15,7 +15,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from importlib import import_module
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from threading import Thread
 from typing import Any, BinaryIO
 
@@ -118,8 +118,6 @@ class Pool:
         timeout
             s.
         """
-        from queue import Empty
-
         try:
             worker, number, how, value = self._came.get(timeout=timeout)
         except Empty:
@@ -147,8 +145,6 @@ def _first(todo: Iterator[int], most: int) -> Iterator[int]:
 
 def _next(came: SimpleQueue[Any]) -> Any:
     """What comes next; waits in pieces, so that signals are heard on every system."""
-    from queue import Empty
-
     while True:
         with suppress(Empty):
             return came.get(timeout=0.2)

@@ -51,11 +51,6 @@ class ClusterWorkers:
         self._came: SimpleQueue[int] = SimpleQueue()
         self._out: dict[int, Any] = {}
 
-    @property
-    def dashboard(self) -> str:
-        """Where the dashboard is seen."""
-        return str(self._client.dashboard_link)
-
     def count(self) -> int:
         """Threads of all workers, at least one: others may come."""
         return max(1, sum(self._client.nthreads().values()))

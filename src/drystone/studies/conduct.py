@@ -12,6 +12,7 @@ from drystone.common.threads import available
 from drystone.common.version import package_version
 from drystone.io.results.folder import OutputError, in_a_sentence, locked
 from drystone.io.results.interrupts import uninterrupted
+from drystone.io.results.names import SUMMARY
 from drystone.io.results.summary import plain, write_summary
 from drystone.studies.cluster import ClusterWorkers
 from drystone.studies.errors import StudyError, needed, required
@@ -70,10 +71,10 @@ def study(
     asked = read_study(source)
     folder = folder_of(asked, out)
     if asked.target is not None:
-        from drystone.studies.target import aim
+        from drystone.studies.target import RUNS, aim
 
         aim(asked, folder, resume=resume, figures=figures, workers=workers)
-        return needed("pandas").read_parquet(folder / "runs.parquet")
+        return needed("pandas").read_parquet(folder / RUNS)
     conduct(asked, folder, workers=workers, scheduler=scheduler, resume=resume, told=progress)
     conclude(asked, folder, figures=figures)
     frame = read_samples(folder)
@@ -260,7 +261,7 @@ def extremes_of(folder: Path) -> list[Path]:
     found = []
     for sample in dict.fromkeys((samples["least"], samples["greatest"])):
         own = folder / f"sample_{sample}"
-        if not (own / "summary.json").is_file():
+        if not (own / SUMMARY).is_file():
             source = record.get("source") or record["study"]
             run_again(read_study(source), folder, sample)
         found.append(own)

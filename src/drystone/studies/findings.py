@@ -12,11 +12,9 @@ from drystone.io.results.summary import plain
 from drystone.studies import indices
 from drystone.studies.errors import needed
 from drystone.studies.fragility import fitted
-from drystone.studies.study import Study
+from drystone.studies.study import ABOUT, Study
 from drystone.studies.tables import column_names, read_samples
 
-#: Columns of samples that are no results of theirs.
-_ABOUT = ("sample", "seed", "status", "reason", "seconds", "version", "digest")
 #: Columns that indices and effects are told of; of a function all.
 MAIN = (
     "peak_multiplier", "ultimate_displacement", "capacity_multiplier", "limit_associative",
@@ -49,7 +47,7 @@ def findings(asked: Study, folder: Path) -> dict[str, Any]:
 
 def numbers(asked: Study, folder: Path, frame: Any) -> list[str]:
     """Names of the columns of results that hold numbers."""
-    own = [n for n in column_names(folder) if n not in (*_ABOUT, *asked.task.names)]
+    own = [n for n in column_names(folder) if n not in (*ABOUT, *asked.task.names)]
     types = needed("pandas").api.types
     numeric = [
         n for n in own if types.is_numeric_dtype(frame[n]) and not types.is_bool_dtype(frame[n])

@@ -31,10 +31,7 @@ from drystone.studies.distributions import (
 )
 from drystone.studies.errors import StudyError
 from drystone.studies.schema import MOST_SAMPLES, ParameterSection, StudySection, VariedSection
-from drystone.studies.study import COLUMNS, Imperfection, Parameter, Study, Task
-
-#: Columns that no parameter may be named as.
-TAKEN = ("sample", "seed", "status", "reason", "seconds", "version", "digest")
+from drystone.studies.study import ABOUT, COLUMNS, Imperfection, Parameter, Study, Task
 
 
 def read_study(source: str | PathLike[str] | Mapping[str, Any]) -> Study:
@@ -152,7 +149,7 @@ def _parameters(
                         f'apply = "{one.apply}" could change: give it there'
                     )
         name = one.name or texts[0]
-        taken = [*TAKEN, *(column for names in COLUMNS.values() for column in names)]
+        taken = [*ABOUT, *(column for names in COLUMNS.values() for column in names)]
         if name in taken or any(name == other.name for other in found):
             problems.append(f"{here}: the name {quoted(name)} is taken: give it another name")
         found.append(Parameter(name=name, paths=tuple(keys), apply=one.apply))

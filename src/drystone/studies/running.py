@@ -13,8 +13,7 @@ import numpy as np
 
 from drystone.common.version import package_version
 from drystone.common.workers import Call
-from drystone.studies.designs import seed_of
-from drystone.studies.sample import FAILED, Chunk, Outcome
+from drystone.studies.sample import FAILED, Chunk, Outcome, begun_row
 from drystone.studies.study import Study
 from drystone.studies.tables import Parts
 
@@ -205,10 +204,6 @@ def _taken(
 
 def _without_result(study: Study, sample: int, reason: str) -> Outcome:
     """The row of a sample whose process could not tell."""
-    from drystone.studies.sample import _cell
-
-    values = study.values_at(sample)
-    row: dict[str, Any] = {"sample": sample, "seed": seed_of(study.seed, sample)}
-    row |= {name: _cell(v) for name, v in zip(study.task.names, values, strict=True)}
+    row = begun_row(study.task, sample, study.values_at(sample))
     row |= {"status": FAILED, "reason": reason, "seconds": None, "version": package_version()}
     return Outcome(row=row)

@@ -83,9 +83,8 @@ def compute(task: Task, sample: int, values: Sequence[Any]) -> Outcome:
         Of the parameters, in their order.
     """
     begun = time.perf_counter()
-    seed = seed_of(task.seed, sample)
-    row: dict[str, Any] = {"sample": sample, "seed": seed}
-    row |= {name: _cell(value) for name, value in zip(task.names, values, strict=True)}
+    row = begun_row(task, sample, values)
+    seed = row["seed"]
     document: dict[str, Any] | None = None
     curve, found, digest = None, dict[str, Any](), ""
     try:
@@ -103,11 +102,17 @@ def compute(task: Task, sample: int, values: Sequence[Any]) -> Outcome:
     row |= dict.fromkeys(names) | found
     row |= {
         "seconds": time.perf_counter() - begun,
-        "version": _version(),
+        "version": package_version(),
         "digest": digest,
     }
     failed = row["status"] == FAILED and document is not None
     return Outcome(row=row, curve=curve, model=_as_text(document) if failed else None)
+
+
+def begun_row(task: Task, sample: int, values: Sequence[Any]) -> dict[str, Any]:
+    """The row of a sample with its seed and values, before anything has come of it."""
+    own = {name: _cell(value) for name, value in zip(task.names, values, strict=True)}
+    return {"sample": sample, "seed": seed_of(task.seed, sample), **own}
 
 
 def document_of(task: Task, values: Sequence[Any]) -> dict[str, Any]:
@@ -297,12 +302,6 @@ def resampled(displacement: Array, multiplier: Array, points: int) -> Array:
 
 def _named(task: Task, values: Sequence[Any], seed: int) -> dict[str, Any]:
     return {**dict(zip(task.names, values, strict=True)), "seed": seed}
-
-
-@cache
-def _version() -> str:
-    """Looked up once: it takes longer than a small sample."""
-    return package_version()
 
 
 @cache

@@ -17,6 +17,9 @@ from drystone.studies import designs
 from drystone.studies.distributions import Law
 from drystone.studies.paths import Keys
 
+#: Columns of a sample that are neither parameters nor results.
+ABOUT = ("sample", "seed", "status", "reason", "seconds", "version", "digest")
+
 #: Columns of what each output tells, in their order; of "assess" more come with the method.
 COLUMNS: dict[str, tuple[str, ...]] = {
     "curve": (

@@ -19,7 +19,7 @@ from drystone.common.names import quoted, suggestion
 from drystone.io.results.folder import in_a_sentence, locked
 from drystone.studies.distributions import Uniform
 from drystone.studies.errors import StudyError, needed
-from drystone.studies.sample import compute, is_missing
+from drystone.studies.sample import FAILED, compute, is_missing
 from drystone.studies.study import Study
 from drystone.studies.tables import read_samples
 
@@ -79,7 +79,7 @@ class Runs:
         if len(self.rows) >= self._most:
             raise TooManyRunsError
         row = dict(compute(self._asked.task, len(self.rows), [value]).row)
-        if row["status"] != "failed" and self._output not in row:
+        if row["status"] != FAILED and self._output not in row:
             known = [name for name in row if isinstance(row[name], int | float)]
             raise StudyError(
                 [f"target output: there is no {quoted(self._output)}: "
