@@ -79,7 +79,12 @@ def element(figure: Figure, label: str, format: str, resolution: int = RESOLUTIO
     those who do not see it."""
     stream = io.BytesIO()
     save(figure, stream, format, resolution)
-    data = base64.b64encode(stream.getvalue()).decode("ascii")
+    return image(stream.getvalue(), label, format)
+
+
+def image(picture: bytes, label: str, format: str) -> str:
+    """The same of a picture that is a file already."""
+    data = base64.b64encode(picture).decode("ascii")
     return f'<img alt="{escape(label)}" src="data:{_KINDS[format]};base64,{data}">'
 
 

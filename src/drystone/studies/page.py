@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import json
 from collections.abc import Mapping
 from importlib import resources
@@ -10,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from drystone.io.results.folder import whole_file
+from drystone.report.canvas import image
+from drystone.report.document.template import template
 from drystone.studies.conduct import record_of
 
 #: Figures with what they show.
@@ -34,17 +35,8 @@ def write_page(folder: Path, path: Path) -> None:
 
 def render(record: Mapping[str, Any], folder: Path) -> str:
     """The page as text."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("drystone.studies"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     style = resources.files("drystone.report.document") / "templates" / "report.css"
-    return environment.get_template("study.html.j2").render(
+    return template("drystone.studies", "study.html.j2").render(
         title=record.get("title", ""),
         status=record.get("status", "unknown"),
         sentence=record.get("sentence"),
@@ -52,8 +44,11 @@ def render(record: Mapping[str, Any], folder: Path) -> str:
         facts=_facts(record),
         reasons=list((record.get("reasons") or {}).items()),
         tables=list(_tables(record)),
-        figures=[(what, _element(folder / name, what)) for name, what in FIGURES.items()
-                 if (folder / name).is_file()],
+        figures=[
+            (what, image((folder / name).read_bytes(), what, "png"))
+            for name, what in FIGURES.items()
+            if (folder / name).is_file()
+        ],
         study=json.dumps(record.get("study", {}), indent=2, ensure_ascii=False),
     )  # fmt: skip
 
@@ -124,8 +119,3 @@ def _number(value: Any) -> str:
 
 def _pair(values: Any) -> str:
     return " to ".join(map(_number, values))
-
-
-def _element(path: Path, label: str) -> str:
-    data = base64.b64encode(path.read_bytes()).decode("ascii")
-    return f'<img alt="{label}" src="data:image/png;base64,{data}">'

@@ -21,6 +21,7 @@ from drystone.model.assembly import GRAVITY
 from drystone.report import Mechanism
 from drystone.report.document import carried, facts, figures, settling
 from drystone.report.document.judged import Judged
+from drystone.report.document.template import template
 from drystone.report.mechanism import readable_magnification
 from drystone.report.quantities import Quantities
 from drystone.report.viewer import Mark, page
@@ -67,17 +68,9 @@ def write_report(
 
 def render(found: Folder, *, language: str | None = None, date: datetime | None = None) -> str:
     """The report as text, see `write_report`."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("drystone.report.document"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    document = template("drystone.report.document", "report.html.j2")
     with speaking(language or _language_asked(found)):
-        return environment.get_template("report.html.j2").render(context(found, date))
+        return document.render(context(found, date))
 
 
 def _language_asked(found: Folder) -> str:
