@@ -10,6 +10,19 @@ from pathlib import Path
 
 import pandas as pd
 
+#: What a model file begins with: all but blocks and load.
+HEAD = """
+title = "Wall"
+dimension = 2
+thickness = 1.0
+[material.stone]
+unit_weight = 10e3
+[joint]
+friction_coefficient = 0.65
+normal_stiffness = 1e8
+shear_stiffness = 1e11
+"""
+
 #: Functions that a study file names; some tests let them take their time.
 FUNCTIONS = """
 import math, os, time

@@ -10,18 +10,11 @@ import pytest
 from drystone.studies import paths
 from drystone.studies.errors import StudyError
 from drystone.studies.read import read_study
-from studied import written
+from studied import HEAD, written
 
-WALL = """
-title = "Wall"
-dimension = 2
-thickness = 1.0
-[material.stone]
-unit_weight = 10e3
-[joint]
-friction_coefficient = 0.65
-normal_stiffness = 1e8
-shear_stiffness = 1e11
+WALL = (
+    HEAD
+    + """
 [[block]]
 id = "base"
 vertices = [[-1.0, -0.2], [1.0, -0.2], [1.0, 0.0], [-1.0, 0.0]]
@@ -34,6 +27,7 @@ groups = ["top"]
 pattern = "mass"
 direction = [1.0, 0.0]
 """
+)
 GOOD = """
     model = "wall.toml"
     design = "lhs"

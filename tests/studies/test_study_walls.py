@@ -14,18 +14,11 @@ from drystone.model.builders import coursed_wall
 from drystone.studies.errors import StudyError
 from drystone.studies.imperfections import imperfect
 from drystone.studies.study import Imperfection
-from studied import assert_same, command, written
+from studied import HEAD, assert_same, command, written
 
-WALL = """
-title = "Wall"
-dimension = 2
-thickness = 1.0
-[material.stone]
-unit_weight = 10e3
-[joint]
-friction_coefficient = 0.65
-normal_stiffness = 1e8
-shear_stiffness = 1e11
+WALL = (
+    HEAD
+    + """
 [corner]
 radius = 0.02
 [wall]
@@ -39,6 +32,7 @@ direction = [1.0, 0.0]
 [analysis]
 max_displacement = 0.02
 """
+)
 STUDY = """
     model = "wall.toml"
     design = "lhs"

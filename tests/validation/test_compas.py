@@ -44,6 +44,10 @@ def by_file(model, folder: Path, load: str) -> ds.Model:
     return ds.read_model(folder / "model.toml")
 
 
+#: Masses pushed along x, as a model file says it.
+MASS = '[load]\npattern = "mass"\ndirection = [1.0, 0.0, 0.0]\n'
+
+
 def balance(problem, solution) -> float:
     """Largest unbalanced force on a block by the results alone, over the largest load."""
     results, assembly = solution.results, solution.model.assembly
@@ -97,8 +101,7 @@ def check(problem, solution, folder: Path, load: str) -> None:
 def test_an_arch_of_the_template(tmp_path):
     problem = compas_here.problem_of(compas_here.arch())
     solution = solve(problem, direction=X)
-    load = '[load]\npattern = "mass"\ndirection = [1.0, 0.0, 0.0]\n'
-    check(problem, solution, tmp_path, load)
+    check(problem, solution, tmp_path, MASS)
     # Tangential and normal: what presses is positive along the normal, towards the first node.
     results = solution.results
     for edge in results.edges():
@@ -111,8 +114,7 @@ def test_an_arch_of_the_template(tmp_path):
 def test_a_barrel_vault_of_the_template(tmp_path):
     problem = compas_here.problem_of(compas_here.barrel_vault())
     solution = solve(problem, direction=X)
-    load = '[load]\npattern = "mass"\ndirection = [1.0, 0.0, 0.0]\n'
-    check(problem, solution, tmp_path, load)
+    check(problem, solution, tmp_path, MASS)
 
 
 @pytest.mark.slow
@@ -122,8 +124,7 @@ def test_a_wall_of_boxes_under_a_body_force(tmp_path):
     problem.add_global_body_force(9.81, 0.0, 0.0, boundary_condition=wind)
     solution = solve(problem)
     assert isinstance(solution.model.load, AccelerationPattern)
-    load = '[load]\npattern = "mass"\ndirection = [1.0, 0.0, 0.0]\n'
-    check(problem, solution, tmp_path, load)
+    check(problem, solution, tmp_path, MASS)
 
 
 @pytest.mark.slow
@@ -158,8 +159,7 @@ force = [0.0, 0.0, -1e5]
 def test_the_dual_of_a_triangulation(tmp_path):
     problem = compas_here.problem_of(compas_here.triangulation_dual())
     solution = solve(problem, direction=X)
-    load = '[load]\npattern = "mass"\ndirection = [1.0, 0.0, 0.0]\n'
-    check(problem, solution, tmp_path, load)
+    check(problem, solution, tmp_path, MASS)
 
 
 @pytest.mark.slow
