@@ -18,7 +18,7 @@ from drystone.common.records import changed
 from drystone.control.base import Decision
 from drystone.control.ends import End
 from drystone.control.excess import ExcessControl, ExcessSettings, ExcessState
-from drystone.control.history import Leg, ended, gone_through, over_in_leg, seen, told
+from drystone.control.history import Leg, along, ended, over_in_leg, seen, told
 from drystone.engines.base import Demand, StepReport
 
 
@@ -68,21 +68,15 @@ class ExcessHistoryControl(ExcessControl):
         decision = told(super().decide(state, demand, seen(report, sense)), sense)
         if not decision.accept or decision.demand is None:
             return ended(decision, leg, targets)
-        paced = decision.state
-        assert isinstance(paced, ExcessHistoryState)
         leg = leg.at(report, decision.load_multiplier)
         paced = changed(
-            paced,
+            decision.state,
             leg=leg,
             tries=0,
             short=ExcessHistoryState.short,
             beyond=ExcessHistoryState.beyond,
         )
-        if leg.left(targets) <= self._near:
-            if leg.number + 1 == len(targets):
-                return gone_through(decision, paced, targets)
-            paced = self._turned(paced, decision.load_multiplier)
-        return changed(decision, state=paced, demand=self._demand(paced))
+        return along(decision, paced, leg, targets, self._near, self._turned, self._demand)
 
     @property
     def _near(self) -> float:

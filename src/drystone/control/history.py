@@ -16,7 +16,9 @@ a multiplier of any sign is no end.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 from drystone.common import tolerances
 from drystone.common.language import say
@@ -125,6 +127,36 @@ def gone_through(
     return changed(decision, state=state, demand=None, reason=reason, finished=True)
 
 
+# Many: what a leg is, and what its control does with it.
+def along(
+    decision: Decision[Memory],
+    state: Memory,
+    leg: Leg,
+    targets: tuple[float, ...],
+    near: float,
+    turned: Callable[[Any, float], Memory],
+    demand: Callable[[Memory], Demand],
+) -> Decision[Memory]:
+    """A decision to go on, or with which a leg ends: then with the next one, or with none.
+
+    Parameters
+    ----------
+    state, leg
+        At the last point.
+    near
+        How far from its displacement a leg may end [m].
+    turned
+        Gives the state with which the next leg begins, from this one and the multiplier.
+    demand
+        Gives the demand of a state.
+    """
+    if leg.left(targets) <= near:
+        if leg.number + 1 == len(targets):
+            return gone_through(decision, state, targets)
+        state = turned(state, decision.load_multiplier)
+    return changed(decision, state=state, demand=demand(state))
+
+
 @dataclass(frozen=True, kw_only=True)
 class HistoryState(PacingState):
     """The pacing of a leg, in its sense, and the leg."""
@@ -161,15 +193,10 @@ class HistoryControl(DisplacementControl):
         decision = told(super().decide(state, demand, seen(report, sense)), sense)
         if not decision.accept or decision.demand is None:
             return ended(decision, leg, targets)
-        paced = decision.state
-        assert isinstance(paced, HistoryState)
         leg = leg.at(report, decision.load_multiplier)
-        paced = changed(paced, leg=leg)
-        if leg.left(targets) <= tolerances.AT_TARGET * self.settings.displacement_step:
-            if leg.number + 1 == len(targets):
-                return gone_through(decision, paced, targets)
-            paced = self._turned(paced, decision.load_multiplier)
-        return changed(decision, state=paced, demand=self._demand(paced))
+        near = tolerances.AT_TARGET * self.settings.displacement_step
+        paced = changed(decision.state, leg=leg)
+        return along(decision, paced, leg, targets, near, self._turned, self._demand)
 
     def _turned(self, state: HistoryState, multiplier: float) -> HistoryState:
         """The state with which the next leg begins, at rest where it goes back."""
