@@ -140,7 +140,7 @@ def figures(wall: int, repeats: int) -> Figures:
         lambda: curves.append(ds.pushover(model, progress=False)), repeats
     )
     curve = curves[-1]
-    step = EquilibriumEngine().pacing(model.assembly).displacement_step
+    step = EquilibriumEngine().preferred_steps(model.assembly).displacement_step
     apart = distances(curve, ds.pushover(model, displacement_step=0.5 * step))
     nscd = ds.pushover(model, engine="nscd")
     fine = ds.pushover(model, engine="nscd", displacement_step=NSCD_STEP)

@@ -39,7 +39,7 @@ class Trace:
     bays: int
     storeys: int
     model_seconds: float
-    settling_seconds: float  # up to the first point
+    dead_load_seconds: float  # up to the first point
     seconds: float  # of the curve, settling included; all times are those of the processor
     n_points: int
     n_dynamic: int
@@ -56,7 +56,7 @@ class Trace:
     def seconds_per_point(self) -> float:
         """Without settling; not a number where there was nothing but it."""
         steps = self.n_points - 1
-        return (self.seconds - self.settling_seconds) / steps if steps > 0 else math.nan
+        return (self.seconds - self.dead_load_seconds) / steps if steps > 0 else math.nan
 
     @property
     def iterations_per_point(self) -> float:
@@ -104,7 +104,7 @@ def trace(
         bays=shape.bays,
         storeys=shape.storeys,
         model_seconds=made - begun,
-        settling_seconds=(times[0] if times else ended) - made,
+        dead_load_seconds=(times[0] if times else ended) - made,
         seconds=ended - made,
         n_points=len(points),
         n_dynamic=len(points) - len(static),
@@ -140,7 +140,7 @@ def row(t: Trace) -> dict[str, str]:
         "blocks": str(t.n_blocks),
         "bays x storeys": f"{t.bays} x {t.storeys}",
         "model [s]": f"{t.model_seconds:.2f}",
-        "settling [s]": f"{t.settling_seconds:.2f}",
+        "settling [s]": f"{t.dead_load_seconds:.2f}",
         "curve [s]": f"{t.seconds:.1f}",
         "points": str(t.n_points),
         "dynamic": str(t.n_dynamic),

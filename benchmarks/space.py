@@ -60,7 +60,7 @@ def main() -> None:
     print(harness.machine())
     for n in chosen.blocks or [1000, 10_000]:
         assembly = house(n)
-        detector, pose = Detector(assembly), assembly.rest_pose()
+        detector, pose = Detector(assembly), assembly.design_pose()
         pairs = detector.pairs(pose)
         slots = detector.find(pairs, pose)
         used = int(np.count_nonzero(slots.kind))

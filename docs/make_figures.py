@@ -32,7 +32,7 @@ def example(name: str, engine: str | None) -> None:
     mechanism = Mechanism(
         assembly=model.assembly,
         pose=curve.poses[row],
-        settled=curve.poses[0],
+        initial=curve.poses[0],
         contacts=curve.contacts[row],
         load_direction=model.load_along,
         control_point=model.control_point,
@@ -95,7 +95,7 @@ def built() -> None:
         assembly = ds.read_model(path).assembly
         figure = canvas.new_figure(5.0, 5.0)
         axes = figure.subplots()
-        plot_mechanism(axes, Mechanism(assembly=assembly, pose=assembly.rest_pose()))
+        plot_mechanism(axes, Mechanism(assembly=assembly, pose=assembly.design_pose()))
         axes.set_axis_off()
         (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
         ratio = (top - bottom) / (right - left)

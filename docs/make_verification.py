@@ -100,7 +100,7 @@ def rocking_branch(radius: float) -> tuple[Array, Array, Array]:
     return displacement, multiplier, theta
 
 
-def settled_bias(f: float, c: Array | float) -> Array | float:
+def last_bias(f: float, c: Array | float) -> Array | float:
     """Applied over static multiplier at which the published recursion settles (theory.md)."""
     return 1.0 / (1.0 - (f - 1.0) / f / c)
 
@@ -148,7 +148,7 @@ def rocking_bias(engine: str, f: float) -> tuple[float, float]:
     height = 0.5 * (H * np.cos(turned) + B * np.sin(turned))
     c = height**2 / ((B**2 + H**2) / 3.0)
     measured = np.median((curve.applied_multiplier / exact)[chosen])
-    return float(measured), float(np.median(settled_bias(f, c)[chosen]))
+    return float(measured), float(np.median(last_bias(f, c)[chosen]))
 
 
 def at(curve: ds.CapacityCurve, values: Array, displacement: float, width: float = 0.01) -> float:
@@ -187,7 +187,7 @@ def wall_bias(engine: str, factors: Sequence[float]) -> list[tuple[float, float,
         )
         c = mass_factor(model, curve, BIAS_AT)
         measured = at(curve, curve.applied_multiplier, BIAS_AT) / reference
-        rows.append((f, measured, float(settled_bias(f, c))))
+        rows.append((f, measured, float(last_bias(f, c))))
     return rows
 
 

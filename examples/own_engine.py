@@ -32,7 +32,7 @@ class RockingEngine(Engine):
         self.i, self.toe = i, np.array([a.outline(i)[:, 0].max(), a.outline(i)[:, 1].min()])
         arm = a.centroid[i] - self.toe
         self.program = Program(a.weight[i], a.mass[i, 2] + a.mass[i, 0] * arm @ arm, arm)
-        return self.step(State(a.rest_pose(), 0.0, 0.0), Demand(multiplier=0.0, time_step=1.0))
+        return self.step(State(a.design_pose(), 0.0, 0.0), Demand(multiplier=0.0, time_step=1.0))
 
     def step(self, state, demand):
         p, a, pose = self.program, self.problem.assembly, state.pose.copy()

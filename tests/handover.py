@@ -71,7 +71,7 @@ def to_equilibrium(begun: EquilibriumState, state: DistinctState) -> Equilibrium
         last_increment=np.zeros_like(state.pose),
         margin=state.margin,
         due=state.due,
-        gone=state.gone,
+        departed=state.departed,
         ties=state.ties,
     )
 
@@ -89,7 +89,7 @@ def to_distinct(engine: DistinctEngine, problem, state: EquilibriumState) -> Dis
         increment=state.last_increment,
         margin=state.margin,
         due=state.due,
-        gone=state.gone,
+        departed=state.departed,
         ties=state.ties,
     )
 
@@ -111,5 +111,5 @@ def from_nscd(
         reaction=state.reaction,
         status=np.zeros(len(state.status), np.int64),
         margin=np.full(len(state.reaction), np.inf),
-        gone=state.gone,
+        departed=state.departed,
     )

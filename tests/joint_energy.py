@@ -119,8 +119,8 @@ class _Watched(EquilibriumEngine):
             self.reached = new
         return new, report
 
-    def _paired(self, state, gone):
-        new = super()._paired(state, gone)
+    def _paired(self, state, departed):
+        new = super()._paired(state, departed)
         self.made_of[id(new)] = new, state
         return new
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
-from drystone.geometry.motion import moved_points, turned
+from drystone.geometry.motion import moved_points, rotated
 from drystone.io.results.hdf5 import ResultsWriter
 from drystone.io.results.names import RESULTS
 from drystone.model.model import Model
@@ -74,7 +74,7 @@ class _Made:
         self.rng = rng
         n = self.assembly.n_bodies
         self.phase = rng.uniform(0.0, 2.0 * math.pi, (n, 6))
-        self.pace = rng.uniform(1.0, 6.0, (n, 6))
+        self.rate = rng.uniform(1.0, 6.0, (n, 6))
         self.faces = self.assembly.interfaces
         k = len(self.faces.block_a)
         self.force_phase = rng.uniform(0.0, 2.0 * math.pi, k)
@@ -82,17 +82,17 @@ class _Made:
     def pose(self, share: float) -> np.ndarray:
         a = self.assembly
         high = a.centroid[:, 2] / a.centroid[:, 2].max()
-        wave = np.sin(self.pace * share * math.pi + self.phase) - np.sin(self.phase)
+        wave = np.sin(self.rate * share * math.pi + self.phase) - np.sin(self.phase)
         tremble = 2e-3 * share * wave + 1e-7 * self.rng.standard_normal(wave.shape)
         lean = 0.35 * share**2 * high
         vector = np.column_stack((lean, 0.02 * share * high, 0.0 * high)) + tremble[:, 3:]
         angle = np.linalg.norm(vector, axis=1, keepdims=True)
-        pose = a.rest_pose()
+        pose = a.design_pose()
         pose[:, :3] = tremble[:, :3]
         pose[:, 1] -= 0.8 * share**2 * high**2
         pose[:, 3:4] = np.cos(0.5 * angle)
         pose[:, 4:] = 0.5 * np.sinc(0.5 * angle / math.pi) * vector
-        pose[a.fixed] = a.rest_pose()[a.fixed]
+        pose[a.fixed] = a.design_pose()[a.fixed]
         return pose
 
     def contacts(self, share: float, pose: np.ndarray) -> ContactForces:
@@ -100,8 +100,8 @@ class _Made:
         joint = faces.joint
         block = faces.block_a[joint]
         place = moved_points(faces.corners, block, a.centroid, pose)
-        normal = turned(faces.normal[joint], pose[block])
-        tangent = turned(faces.tangent[joint], pose[block])
+        normal = rotated(faces.normal[joint], pose[block])
+        tangent = rotated(faces.tangent[joint], pose[block])
         above = 1.0 - a.centroid[block, 2] / (1.1 * a.centroid[:, 2].max())
         wave = np.sin(5.0 * share + self.force_phase[joint] + np.arange(len(joint)) % 4)
         rough = 1.0 + 1e-6 * self.rng.standard_normal(len(joint))

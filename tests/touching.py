@@ -10,7 +10,7 @@ from drystone.contact.contacts import KIND, NONE, PLANE_NORMAL_3, Pairs, Slots
 from drystone.contact.space import manifold, points, shapes
 from drystone.contact.space.rows import gradients_in_space
 from drystone.contact.space.solids import pack
-from drystone.geometry.motion import rest
+from drystone.geometry.motion import design_pose
 
 BOX = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 # Sums of products of lengths below 10 m: a few rounding errors of 1e-15.
@@ -66,7 +66,7 @@ class Scene:
         untreated = np.zeros(sum(len(face) for _, faces in cores for face in faces))
         self.shapes = pack(cores, np.arange(n), np.full(n, radius), untreated, centroid, self.axes)
         self.world = shapes.World.of(self.shapes)
-        self.pose = rest(n, 3)
+        self.pose = design_pose(n, 3)
         a, b = np.triu_indices(n, 1)
         n_slots = manifold.slots_of(self.shapes, points, a, b)
         self.pairs = Pairs.of((a, b, a, b, 0 * a), n_slots, self.pose)

@@ -79,7 +79,7 @@ class TestTimeStep:
         """Thrown apart by joints that are all closed by 0.2 mm, the blocks land where they were."""
         engine = DistinctEngine(DistinctSettings(safety=1.0, local_damping=local_damping))
         problem = problem_of(small_wall())
-        pose = problem.assembly.rest_pose()
+        pose = problem.assembly.design_pose()
         for i, block in enumerate(problem.assembly.blocks[1:], start=1):
             pose[i, 1] = -2e-4 * round(block.vertices[:, 1].max() / 0.175)
         work = Workspace(engine.settings, engine.release(problem, pose), real_masses=real)
@@ -122,7 +122,7 @@ class TestMasses:
         ]
         model = make_model(blocks, joint=JOINT, thickness=1.0, load_direction=(1.0, 0.0))
         engine = DistinctEngine()
-        lifted = model.assembly.rest_pose()
+        lifted = model.assembly.design_pose()
         lifted[2, 1] = 0.05  # out of the reach within which contacts count
         state = engine.release(problem_of(model), lifted)
         mass, _ = masses_of(engine, state, real=False)
@@ -151,7 +151,7 @@ class TestMasses:
 
         def mass_of_lower(n_blocks, lift):
             problem = problem_of(stack(*[(0.4, 0.4)] * n_blocks, joint=law))
-            pose = problem.assembly.rest_pose()
+            pose = problem.assembly.design_pose()
             pose[-1, 1] = lift
             state = engine.release(problem, pose)
             state.history[:, BROKEN] = np.where(state.slots.gap > 0.0, broken, 0.0)
@@ -165,7 +165,7 @@ class TestMasses:
     def test_where_nothing_touches_blocks_fall_with_their_own(self):
         engine = DistinctEngine()
         problem = problem_of(stack((0.4, 0.4), joint=JOINT))
-        pose = problem.assembly.rest_pose()
+        pose = problem.assembly.design_pose()
         pose[1, 1] = 0.3
         state = engine.release(problem, pose)
         mass, dt = masses_of(engine, state, real=False)
@@ -348,7 +348,7 @@ def test_an_end_in_a_jump_is_that_of_the_static_path():
     before, after = curve.points[-2:]
     assert after.jumped and before.load_multiplier > 10.0 * curve.stop_multiplier
     assert after.control_displacement < before.control_displacement
-    step = DistinctEngine().pacing(model.assembly).displacement_step
+    step = DistinctEngine().preferred_steps(model.assembly).displacement_step
     assert curve.ultimate_displacement == pytest.approx(static.ultimate_displacement, abs=step)
 
 
@@ -379,7 +379,7 @@ def test_settling_locks_no_friction_in(seed, end):
     """Put on at once, the dead load overshot: joints slipped, and the peaks were +1.2, -1.7 % off.
 
     Under a load that grows slowly they do not, which is what `equilibrium` finds; 0.5 % is what a
-    step may hide of a peak, `crest_share`.
+    step may hide of a peak, `overshoot_share`.
     """
     ours, other = (
         pushover(structure(seed), engine=engine, max_displacement=end).peak.load_multiplier
@@ -392,7 +392,7 @@ def test_settling_locks_no_friction_in(seed, end):
 def test_a_peak_that_is_passed_within_a_step_is_gone_back_to(seed, end):
     """The multipliers at both ends of the step said nothing of it: 1.7 and 1.1 % were missed.
 
-    By `crest_share` a step may hide 0.5 % of it.
+    By `overshoot_share` a step may hide 0.5 % of it.
     """
     ours, other = (
         pushover(structure(seed), engine=engine, max_displacement=end).peak.load_multiplier

@@ -260,7 +260,7 @@ def test_blocks_below_the_ground_have_left(level):
     problem = Problem(
         assembly=assembly, load=model.load, control_point=model.control_point, ground=level
     )
-    detector, pose = Detector(assembly), assembly.rest_pose()
+    detector, pose = Detector(assembly), assembly.design_pose()
     pose[1, 1] = 0.05  # lifted a little above the base
     pairs = detector.pairs(pose)
     slots = Slots.empty(pairs.n_slots, 2)
@@ -275,7 +275,7 @@ def test_blocks_leave_together_past_what_is_no_obstacle():
     model = falling()
     assembly = model.assembly
     problem = Problem(assembly=assembly, load=model.load, control_point=model.control_point)
-    detector, pose = Detector(assembly), assembly.rest_pose()
+    detector, pose = Detector(assembly), assembly.design_pose()
     pose[1, :2] = 0.5, -0.2  # the small one beside the base
     pose[2, :2] = 2.0, 0.5  # the tall one high above it
     pairs = detector.pairs(pose)

@@ -19,7 +19,7 @@ import solids
 from builders import PUBLISHED_JOINT, RockingBlock, problem_of, rectangle, stack, turned
 from drystone.analysis.driver import pushover
 from drystone.engines import make_engine
-from drystone.engines.base import Demand, EngineError, Pacing, UnstableError
+from drystone.engines.base import Demand, EngineError, PreferredSteps, UnstableError
 from drystone.geometry.space.solid import Part
 from drystone.model.assembly import Block, Corner
 from drystone.model.builders import make_model, published_wall
@@ -405,7 +405,7 @@ def test_a_shorter_time_step_is_taken_than_is_asked_for(monkeypatch):
     asked = []
     problem = problem_of(stack((0.4, 1.0)))
     longest = Lmgc90Settings().longest_time_step
-    assert solver.pacing(problem.assembly) == Pacing(time_step=longest)
+    assert solver.preferred_steps(problem.assembly) == PreferredSteps(time_step=longest)
     state, _ = solver.start(problem)
     original = solver._process.ask
     solver._process.ask = lambda message: asked.append(message) or original(message)
@@ -484,10 +484,10 @@ def test_contacts_seen_from_the_other_block_push_it_the_same_way():
 def test_time_steps_in_space_are_as_short_as_stiff_joints_ask_for():
     solver = Lmgc90Engine(driver="wheel")
     soft, stiff = (facade(stiffness).assembly for stiffness in (1e6, 1e10))
-    assert solver.pacing(soft) == Pacing(time_step=0.05)
+    assert solver.preferred_steps(soft) == PreferredSteps(time_step=0.05)
     # Half units 0.2 m wide weigh 80 N: k_n 0.04 m2 / 4 over m / h2 is a thousand.
     wanted = np.sqrt(1e3 * 80.0 / 9.81 / (1e10 * 0.2**2 / 4.0))
-    assert solver.pacing(stiff).time_step == pytest.approx(wanted)
+    assert solver.preferred_steps(stiff).time_step == pytest.approx(wanted)
 
 
 def test_a_missing_package_is_said_with_what_to_install(monkeypatch):

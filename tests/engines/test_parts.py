@@ -47,7 +47,7 @@ def tower(*, cut: bool) -> Model:
 
 def test_seams_are_no_contacts():
     assembly = tower(cut=True).assembly
-    _, pairs, slots = contacts_of(assembly, assembly.rest_pose())
+    _, pairs, slots = contacts_of(assembly, assembly.design_pose())
     assert (pairs.a != pairs.b).all()
     assert (pairs.which[:, PART_A] != pairs.which[:, PART_B]).all()
     touching = (slots.kind > 0) & (np.abs(slots.gap) < 1e-12)
@@ -60,8 +60,8 @@ def test_seams_are_no_contacts():
 
 def test_histories_follow_parts():
     assembly = tower(cut=True).assembly
-    detector, pairs, slots = contacts_of(assembly, assembly.rest_pose())
-    again = detector.pairs(assembly.rest_pose())
+    detector, pairs, slots = contacts_of(assembly, assembly.design_pose())
+    again = detector.pairs(assembly.design_pose())
     assert predecessor_slots(pairs, again).tolist() == list(range(len(slots.kind)))
 
 

@@ -28,11 +28,11 @@ ENGINES = pytest.mark.parametrize("engine", ["equilibrium", "nscd", "distinct"])
 def furthest(model, curve):
     """By how far of its smallest extent a block's centroid goes from each point to the next."""
     place = np.array([translations(pose) for pose in curve.poses])
-    gone = np.linalg.norm(np.diff(place, axis=0), axis=2)
-    return (gone / model.assembly.extents).max(axis=1)
+    moved = np.linalg.norm(np.diff(place, axis=0), axis=2)
+    return (moved / model.assembly.extents).max(axis=1)
 
 
-def leap(model, curve):
+def longest_jump(model, curve):
     """The largest such motion to a point at rest that has one at rest before it."""
     static = curve.column("status") == STATIC
     steps = furthest(model, curve)[static[1:] & static[:-1]]
@@ -74,7 +74,7 @@ def followed(engine):
 def test_no_static_step_hides_a_fall(engine):
     """A block that rests 0.6 m lower has passed points in motion, and an event tells of it."""
     model, curve = ledge(), followed(engine)
-    assert leap(model, curve) <= model.analysis.event_share
+    assert longest_jump(model, curve) <= model.analysis.event_share
     first = curve.first_collapse
     assert first.kind is EventKind.BLOCK_FALLEN and first.blocks == ("small",)
     assert first.motion > 0.5
@@ -93,8 +93,8 @@ class TestDistinct:
         at the end of a fall of 0.6 m, a cycle is some 2 mm long."""
         curve = followed("distinct")
         dynamic = curve.column("status") == DYNAMIC
-        gone = furthest(ledge(), curve)[dynamic[1:]]
-        assert gone.max() < 1.5 * BETWEEN_POINTS
+        moved = furthest(ledge(), curve)[dynamic[1:]]
+        assert moved.max() < 1.5 * BETWEEN_POINTS
         assert dynamic.sum() > 0.5 * 0.6 / (BETWEEN_POINTS * 0.1)
 
     def test_points_in_motion_are_certified(self):
@@ -128,10 +128,10 @@ class TestDistinct:
         curve = ds.pushover(model, engine="distinct", keep_poses=True)
         assert curve.status == "finished" and '"small" has collapsed' in curve.reason
         assert curve.points[-1].status == DYNAMIC
-        gone = np.linalg.norm(
+        moved = np.linalg.norm(
             curve.poses[-1][2, :2] - curve.poses[curve.first_collapse.step][2, :2]
         )
-        assert 0.05 < gone < 0.05 + 1.5 * BETWEEN_POINTS * 0.1
+        assert 0.05 < moved < 0.05 + 1.5 * BETWEEN_POINTS * 0.1
 
     def test_what_a_broken_bond_lets_fall_is_followed(self):
         """Steps of bonds are made of several: points in motion of all of them are told.
@@ -145,7 +145,7 @@ class TestDistinct:
         )
         model = ledge(bonded)
         curve = ds.pushover(model, engine="distinct", max_displacement=0.01, keep_poses=True)
-        assert leap(model, curve) <= model.analysis.event_share
+        assert longest_jump(model, curve) <= model.analysis.event_share
         assert curve.first_collapse.blocks == ("small",)
         assert curve.capacity.load_multiplier == pytest.approx(0.15 / 0.55, abs=4e-3)
 
@@ -171,7 +171,7 @@ def test_voussoirs_of_a_flat_arch_are_seen_to_fall(name, end):
     assert curve.status == "finished" and "collapsed" in curve.reason
     assert curve.capacity.load_multiplier == pytest.approx(0.083, rel=0.01)
     assert curve.capacity.load_multiplier == pytest.approx(other.capacity.load_multiplier, rel=5e-3)
-    assert leap(model, curve) <= model.analysis.event_share
+    assert longest_jump(model, curve) <= model.analysis.event_share
     lost, fallen = curve.events[-2:]
     assert lost.kind is EventKind.LOSS_OF_EQUILIBRIUM and fallen.is_collapse
     assert set(fallen.blocks) & {"b10", "b11", "b12", "b13", "b14"}
@@ -213,7 +213,7 @@ def test_a_wall_with_a_window_is_seen_to_lose_a_block(tmp_path):
     path.write_text(WINDOW)
     model = ds.read_model(path)
     curve = ds.pushover(model, engine="distinct", keep_poses=True)
-    assert leap(model, curve) <= model.analysis.event_share
+    assert longest_jump(model, curve) <= model.analysis.event_share
     first = curve.first_collapse
     assert first.kind is EventKind.BLOCK_FALLEN and "panel/c10u9" in first.blocks
     assert (curve.column("status")[first.step + 1 :] == DYNAMIC).sum() > 10
@@ -240,5 +240,5 @@ def test_wall106_ends_where_its_control_point_falls():
         assert found.ultimate_displacement == rest.control_displacement
         assert found.first_collapse.step == rest.step
     assert "u71" in curve.first_collapse.blocks  # on which the control point is
-    assert leap(model, curve) <= model.analysis.event_share
+    assert longest_jump(model, curve) <= model.analysis.event_share
     assert curve.ultimate_displacement == pytest.approx(other.ultimate_displacement, rel=0.1)

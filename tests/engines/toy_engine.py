@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.contact.forces import STICKING, ContactForces
-from drystone.engines.base import Capabilities, Engine, Pacing, StepReport
+from drystone.engines.base import Capabilities, Engine, PreferredSteps, StepReport
 
 
 @dataclass(frozen=True)
@@ -23,8 +23,8 @@ class MonolithEngine(Engine[MonolithState]):
     capabilities = Capabilities(prescribes_displacement=True, residual_limit=1e-9)
     notes = ("its joints do not open",)
 
-    def pacing(self, assembly):
-        return Pacing(displacement_step=0.05 * assembly.smallest_extent)
+    def preferred_steps(self, assembly):
+        return PreferredSteps(displacement_step=0.05 * assembly.smallest_extent)
 
     def start(self, problem):
         self.problem, self.assembly = problem, problem.assembly
@@ -44,7 +44,7 @@ class MonolithEngine(Engine[MonolithState]):
 
     def poses(self, angle):
         c, s = np.cos(angle), np.sin(angle)
-        pose, arm = self.assembly.rest_pose(), self.assembly.centroid[self.free] - self.toe
+        pose, arm = self.assembly.design_pose(), self.assembly.centroid[self.free] - self.toe
         pose[self.free, :2] = arm @ np.array([[c, -s], [s, c]]) - arm
         pose[self.free, 2] = -angle
         return pose

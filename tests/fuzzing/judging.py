@@ -200,7 +200,7 @@ def of_spectrum(path: Path, draw: Random) -> str:
 class _Block:
     """A stone of 1 m that rocks."""
 
-    limit, uplift, pace = 0.2, 2.0, 0.6
+    limit, uplift, speed = 0.2, 2.0, 0.6
 
     def acceleration(self, x: float, ground: float) -> float:
         return -self.uplift * (1.0 - x / self.limit) - ground

@@ -86,7 +86,7 @@ def pose_at(model: Model, control_displacement: float) -> np.ndarray:
     arm = model.control_point.point - pivot
     angle = -np.arcsin(control_displacement / arm[1])
     cosine, sine = np.cos(angle), np.sin(angle)
-    pose = assembly.rest_pose()
+    pose = assembly.design_pose()
     upper = assembly.centroid[:, 1] > COURSE
     relative = assembly.centroid[upper] - pivot
     turned = relative @ np.array([[cosine, sine], [-sine, cosine]])

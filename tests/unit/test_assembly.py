@@ -102,7 +102,7 @@ def test_index_by_name(assembly):
 
 @pytest.mark.parametrize("angle", [0.0, 0.3, -2.0])
 def test_displacement_of_a_point_is_that_of_the_moved_outline(assembly, angle):
-    pose = assembly.rest_pose()
+    pose = assembly.design_pose()
     pose[1] = (0.1, -0.05, angle)
     moved = assembly.outline(1, pose)
     for corner, place in zip(assembly.outline(1), moved, strict=True):
@@ -112,7 +112,7 @@ def test_displacement_of_a_point_is_that_of_the_moved_outline(assembly, angle):
 
 def test_quarter_turn(assembly):
     # (0.2, 0.45) from the centroid turns into (-0.45, 0.2).
-    pose = assembly.rest_pose()
+    pose = assembly.design_pose()
     pose[1, 2] = np.pi / 2
     corner = assembly.centroid[1] + (0.2, 0.45)
     assert assembly.displacement_at(1, corner, pose) == pytest.approx([-0.65, -0.25], abs=ROUNDING)

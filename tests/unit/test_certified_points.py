@@ -45,7 +45,7 @@ class Stub(Engine):
         )
 
     def start(self, problem):
-        return State(problem.assembly.rest_pose()), self._report(0.0)
+        return State(problem.assembly.design_pose()), self._report(0.0)
 
     def contacts(self, state):
         none = np.zeros(0)

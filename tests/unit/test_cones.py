@@ -10,9 +10,9 @@ from drystone.contact.contacts import (
     BODY_B,
     CRUSH,
     FRICTION,
+    INTERCEPT,
     LIFT,
     N_TABLE,
-    ROOM,
     SLOT,
     STIFF_N,
     STIFF_T,
@@ -58,7 +58,7 @@ def test_central_variables_have_the_products_of_their_barrier(energy):
         pair, slack = np.array([0.6 * v[PN], v[P1], v[P2]]), np.array([v[ZETA], -v[Z1], -v[Z2]])
         # Differences of what is much larger where the barrier is low.
         scale = 1e-11 * np.abs(pair).max() * np.abs(slack).max()
-        least = 2.0 * cones.LEAST_ROOM * pair[0] * np.hypot(t[1], t[2])
+        least = 2.0 * cones.LEAST_DISTANCE * pair[0] * np.hypot(t[1], t[2])
         expected = (2.0 * PENALTY * energy + least, 0.0, 0.0)
         assert product(pair, slack) == pytest.approx(expected, abs=scale, rel=1e-6)
         assert np.hypot(v[P1], v[P2]) < pair[0]
@@ -68,7 +68,7 @@ def test_central_variables_have_the_products_of_their_barrier(energy):
 def yielding_joints(n):
     """Joints that may be crushed and have room for shear; the last third only the latter."""
     joint = joints_of(n, 0.6)
-    joint[:, ROOM], joint[:, CRUSH] = 40.0, np.where(np.arange(n) < 2 * n // 3, 150.0, 0.0)
+    joint[:, INTERCEPT], joint[:, CRUSH] = 40.0, np.where(np.arange(n) < 2 * n // 3, 150.0, 0.0)
     joint[::4, FRICTION] = 0.0
     return joint
 
@@ -89,10 +89,10 @@ def test_central_variables_of_joints_that_yield(energy):
             assert v[CAP] * v[V] == pytest.approx(wanted, rel=1e-9)
             # Where it is crushed, what is left is below the rounding of the reaction.
             assert v[CAP] + v[PN] == pytest.approx(law[CRUSH], rel=1e-9)
-        most = law[FRICTION] * v[PN] + law[ROOM]
+        most = law[FRICTION] * v[PN] + law[INTERCEPT]
         pair, slack = np.array([most, v[P1], v[P2]]), np.array([v[ZETA], -v[Z1], -v[Z2]])
         scale = 1e-11 * np.abs(pair).max() * np.abs(slack).max()
-        least = 2.0 * cones.LEAST_ROOM * most * np.hypot(t[1], t[2])
+        least = 2.0 * cones.LEAST_DISTANCE * most * np.hypot(t[1], t[2])
         assert product(pair, slack) == pytest.approx(
             (2.0 * PENALTY * energy + least, 0.0, 0.0), abs=scale, rel=1e-6
         )
@@ -135,7 +135,7 @@ def test_changes_solve_the_equations_of_joints_that_yield_linearised(second):
     assert cones.energy_at(joint, 0.0, inner, change) == pytest.approx(before, rel=1e-9)
 
 
-def test_normal_reactions_leave_their_cones_by_the_leeway_and_are_put_back():
+def test_normal_reactions_leave_their_cones_within_the_radius_and_are_put_back():
     joint, energy = joints_of(2, np.full(2, 0.5)), 1e-3
     trial = np.array([[5.0, 0.0, 0.0], [-5.0, 0.0, 0.0]])
     inner, change = np.zeros((2, cones.N_INNER)), np.zeros((2, cones.N_INNER))

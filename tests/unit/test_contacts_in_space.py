@@ -9,11 +9,11 @@ from drystone.contact.contacts import (
     BOND,
     CRUSH,
     FRICTION,
-    HELD,
+    INTACT,
+    INTERCEPT,
     LIFT,
     N_TABLE,
     PULL,
-    ROOM,
     SHIFT,
     STIFF_N,
     STIFF_T,
@@ -72,7 +72,7 @@ class Heap:
         self.shear = rng.normal(size=(n, 2))
         self.axes_0 = np.array([rotation(rng) for _ in range(N)])
         self.motion = np.tile((0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0), (N, 1))
-        self.turn, self.axes = np.zeros((N, 3, 3)), self.axes_0.copy()
+        self.rotation, self.axes = np.zeros((N, 3, 3)), self.axes_0.copy()
         self.now, self.trial = np.zeros((n, contacts.N_NOW)), np.zeros((n, 3))
         self.reaction, self.response = np.zeros((n, 3)), np.zeros((n, 3, 3))
         self.branch = np.zeros(n, np.int64)
@@ -82,13 +82,13 @@ class Heap:
         self.begin = np.searchsorted(body[order], np.arange(N + 1)).astype(np.int64)
 
     def move(self, step, length=1.0):
-        contacts.turn_on(step, length, self.axes_0, self.motion, self.turn, self.axes)
+        contacts.rotate_on(step, length, self.axes_0, self.motion, self.rotation, self.axes)
         self.locate()
 
     def locate(self):
         contacts.locate(
-            self.which, self.start, self.law, self.shear, self.first, 0, 3, self.motion, self.turn,
-            self.now, self.trial,
+            self.which, self.start, self.law, self.shear, self.first, 0, 3, self.motion,
+            self.rotation, self.now, self.trial,
         )  # fmt: skip
         space_law.respond(
             self.law, self.trial, 0, self.n, self.branch, self.reaction, self.response
@@ -144,7 +144,7 @@ def dilatant(heap):
     """Friction with dilatancy, some bonds; sticking, sliding and open contacts among them."""
     heap.law[:, FRICTION], heap.law[:, LIFT] = 0.6, 0.3 * heap.law[:, STIFF_N]
     heap.law[:2, LIFT], heap.law[3, BOND] = 0.0, 1.0
-    heap.law[:, HELD][3] = 1.0
+    heap.law[:, INTACT][3] = 1.0
     heap.start[4, GAP_0] = 5.0  # beyond what dilatancy lifts it by
     heap.shear[:4] *= 0.01
 
@@ -183,12 +183,12 @@ def test_rigid_motions_of_all_bodies_change_no_gap_and_no_slip(size, radius):
     step = np.zeros((N, 6))
     step[:, 3:] = np.einsum("nij,i->nj", heap.axes_0, vector)
     heap.move(step)
-    heap.motion[:, :3] = way + np.einsum("nij,nj->ni", heap.turn, heap.centroid)
+    heap.motion[:, :3] = way + np.einsum("nij,nj->ni", heap.rotation, heap.centroid)
     heap.locate()
     # A dozen sums of terms of the motions' size.
     assert np.abs(heap.now[:, Y : Y + 3]).max() < 100.0 * np.finfo(float).eps * size
     axes = heap.start[:, AXES : AXES + 9].reshape(-1, 3, 3)
-    turned = axes + heap.turn[0] @ axes
+    turned = axes + heap.rotation[0] @ axes
     assert heap.now[:, NOW : NOW + 9].reshape(-1, 3, 3) == pytest.approx(turned, abs=1e-14)
 
 
@@ -253,14 +253,14 @@ def yielding(heap):
     """Joints that pull, that are sheared without pressure, and that are crushed; one has only the
     tip of its cone."""
     law = heap.law
-    law[:, FRICTION], law[:, SHIFT], law[:, PULL], law[:, ROOM], law[:, CRUSH] = (
+    law[:, FRICTION], law[:, SHIFT], law[:, PULL], law[:, INTERCEPT], law[:, CRUSH] = (
         0.6,
         0.3,
         0.3,
         0.2,
         1.0,
     )
-    law[0, ROOM], law[1, CRUSH] = 0.0, 0.0
+    law[0, INTERCEPT], law[1, CRUSH] = 0.0, 0.0
 
 
 def test_joints_that_yield_have_the_clipped_law_and_its_derivatives():
@@ -286,7 +286,7 @@ def test_joints_that_yield_have_the_clipped_law_and_its_derivatives():
         crush = np.where(law[:, CRUSH] > 0.0, law[:, CRUSH], np.inf)
         normal = np.clip(trial[:, 0], 0.0, crush)
         size = np.hypot(trial[:, 1], trial[:, 2])
-        share = np.minimum(1.0, (law[:, FRICTION] * normal + law[:, ROOM]) / size)
+        share = np.minimum(1.0, (law[:, FRICTION] * normal + law[:, INTERCEPT]) / size)
         expected = np.column_stack((normal - law[:, PULL], share[:, None] * trial[:, 1:]))
         assert heap.reaction == pytest.approx(expected, abs=1e-12)
         seen |= set(heap.branch)

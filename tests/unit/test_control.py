@@ -284,7 +284,7 @@ class TestExcess:
     def test_what_goes_on_steadily_after_a_fall_is_static_again(self):
         """Carried multipliers kept pushing with too much: points stayed dynamic to the end."""
 
-        # From 0.1 m on a tenth of the resistance is gone for good; supports carry nearly all.
+        # From 0.1 m on a tenth of the resistance is travelled for good; supports carry nearly all.
         def static(delta):
             return falling(delta) * (0.9 if delta > 0.1 else 1.0)
 
@@ -366,7 +366,7 @@ class RunningAway(SlidingStructure):
         reason = "blocks run away"
         way = ((new, replace(report, dynamic=True)),)
         return state, StepReport(
-            converged=False, reason=reason, path=StepPath(way=way), dynamic=True
+            converged=False, reason=reason, path=StepPath(dynamic_states=way), dynamic=True
         )
 
 
@@ -644,14 +644,16 @@ class TestJumps:
         assert 0.0 <= curve.ultimate_displacement - at_rest <= STEP
 
     @pytest.mark.parametrize(
-        ("gone", "multiplier", "ends"),
+        ("travelled", "multiplier", "ends"),
         [
             (26.0, -0.1, True),  # steps, of the control point, beyond `fall_motion`
             (24.0, -0.1, False),
             (26.0, 0.1, False),  # what carries on the way is no free fall
         ],
     )
-    def test_a_control_point_that_falls_within_a_step_ends_the_curve(self, gone, multiplier, ends):
+    def test_a_control_point_that_falls_within_a_step_ends_the_curve(
+        self, travelled, multiplier, ends
+    ):
         """The structure lets go at 0.1 m, and its engine follows it to where it would carry again.
 
         Points in motion are shown, and only what was at rest before them counts.
@@ -662,7 +664,7 @@ class TestJumps:
                 new, report = super().step(state, demand)
                 if new.delta < 0.1 or state.delta >= 0.1:
                     return new, report
-                places = new.delta + STEP * np.linspace(0.0, gone, 5)
+                places = new.delta + STEP * np.linspace(0.0, travelled, 5)
                 way = tuple(
                     (
                         SlidingState(delta),
@@ -680,8 +682,8 @@ class TestJumps:
                     report,
                     control_displacement=landed.delta,
                     static_multiplier=0.2,
-                    motion=2.0 * gone * STEP,
-                    path=StepPath(crest=0.0, way=way),
+                    motion=2.0 * travelled * STEP,
+                    path=StepPath(overshoot=0.0, dynamic_states=way),
                 )
                 return landed, rest
 
@@ -694,7 +696,7 @@ class TestJumps:
             rest = curve.control_displacement[~dynamic].max()
             assert curve.ultimate_displacement == rest and rest < 0.1
         else:
-            assert curve.control_displacement[-1] > 0.1 + STEP * gone
+            assert curve.control_displacement[-1] > 0.1 + STEP * travelled
 
     @pytest.mark.parametrize("runs_away", [True, False])
     def test_what_finds_no_rest_is_shown_to_the_end(self, runs_away):
@@ -710,7 +712,9 @@ class TestJumps:
                     return new, report
                 moved = [replace(report, control_displacement=0.1 + x) for x in (0.1, 0.2)]
                 way = tuple((SlidingState(found.control_displacement), found) for found in moved)
-                failed = StepReport(converged=False, reason="it moves on", path=StepPath(way=way))
+                failed = StepReport(
+                    converged=False, reason="it moves on", path=StepPath(dynamic_states=way)
+                )
                 return state, replace(failed, dynamic=runs_away)
 
         curve = trace(Lost(prescribes=True), "displacement")
@@ -738,7 +742,10 @@ class TestJumps:
                     return new, report
                 self.jumps += 1  # which its engine has followed in motion
                 return new, replace(
-                    report, static_multiplier=-0.05, motion=30.0 * STEP, path=StepPath(crest=0.0)
+                    report,
+                    static_multiplier=-0.05,
+                    motion=30.0 * STEP,
+                    path=StepPath(overshoot=0.0),
                 )
 
         structure = Falling(prescribes=True)
@@ -763,7 +770,7 @@ class TestJumps:
                     static_multiplier=-0.05,
                     motion=30.0 * STEP,
                     control_displacement=report.control_displacement - 20.0 * STEP,
-                    path=StepPath(crest=0.0),
+                    path=StepPath(overshoot=0.0),
                 )
 
         curve = trace(Falling(prescribes=True), "displacement")
@@ -853,12 +860,14 @@ class TestWhatAStepHides:
             def step(self, state, demand):
                 new, report = super().step(state, demand)
                 way = self.static(np.linspace(state.delta, new.delta, 101))
-                return new, replace(report, path=StepPath(crest=way.max() - max(way[0], way[-1])))
+                return new, replace(
+                    report, path=StepPath(overshoot=way.max() - max(way[0], way[-1]))
+                )
 
         structure = Driven(prescribes=True, static=lambda d: PEAK * np.interp(d, at, multiplier))
         curve = trace(structure, "displacement")
         assert curve.status == "finished"
-        assert curve.peak.load_multiplier == pytest.approx(PEAK, rel=5e-3)  # `crest_share`
+        assert curve.peak.load_multiplier == pytest.approx(PEAK, rel=5e-3)  # `overshoot_share`
         assert len(structure.demands) <= 1.5 * len(curve.points)
 
     def test_an_engine_whose_way_is_rough_takes_smaller_steps(self):
@@ -869,34 +878,36 @@ class TestWhatAStepHides:
             def step(self, state, demand):
                 new, report = super().step(state, demand)
                 rough = 0.1 * PEAK * demand.increment / STEP if state.delta > 0.1 else 0.0
-                return new, replace(report, path=StepPath(crest=rough))
+                return new, replace(report, path=StepPath(overshoot=rough))
 
         curve = trace(Rough(prescribes=True), "displacement")
         assert curve.status == "finished"
         d = curve.control_displacement
         assert np.diff(d)[d[:-1] > 0.1].max() <= 0.2 * STEP * (1.0 + ROUNDING)
 
-    @pytest.mark.parametrize("swerve, bend", [(0.5, 3e-4), (0.5, 3e-5), (0.05, 3e-4)])
-    def test_a_step_in_which_blocks_change_their_way_is_short(self, swerve, bend):
+    @pytest.mark.parametrize("deviation, bend", [(0.5, 3e-4), (0.5, 3e-5), (0.05, 3e-4)])
+    def test_a_step_in_which_blocks_change_their_way_is_short(self, deviation, bend):
         """Of one that leaves its way by a tenth or less, or bends the curve by less than 1e-4 of
-        the peak, little is to be had (`swerve_share`, `swerve_bend`); the shortest has 0.06 of the
-        largest."""
+        the peak, little is to be had (`deviation_share`, `deviation_bend`); the shortest has 0.06
+        of the largest."""
         place = 0.1537
 
-        class Swerving(SlidingStructure):
+        class Deviating(SlidingStructure):
             def step(self, state, demand):
                 new, report = super().step(state, demand)
                 there = state.delta < place <= new.delta
                 off = (bend * PEAK, 0.5) if there else (0.0, 0.0)
-                way = swerve if there else 0.0
-                return new, replace(report, path=StepPath(excess=(0.0, 0.0), bend=off, swerve=way))
+                way = deviation if there else 0.0
+                return new, replace(
+                    report, path=StepPath(excess=(0.0, 0.0), bend=off, deviation=way)
+                )
 
-        structure = Swerving(prescribes=True)
+        structure = Deviating(prescribes=True)
         curve = trace(structure, "displacement")
         assert curve.status == "finished"
         d = curve.control_displacement
         (across,) = np.diff(d)[(d[:-1] < place) & (place <= d[1:])]
-        if swerve > 0.1 and bend > 1e-4:
+        if deviation > 0.1 and bend > 1e-4:
             assert across <= 0.0601 * STEP
             assert len(structure.demands) <= len(curve.points) + 10
         else:

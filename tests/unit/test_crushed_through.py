@@ -38,7 +38,7 @@ def sunk(model, depth):
     """The pair of the pier and its base, its contacts and their detector, ``depth`` [m] into each
     other."""
     detector = Detector(model.assembly)
-    pose = model.assembly.rest_pose()
+    pose = model.assembly.design_pose()
     pose[model.assembly.index("pier"), 1] = -depth
     pairs = detector.pairs(pose)
     return detector, pose, pairs, detector.find(pairs, pose)

@@ -71,7 +71,9 @@ class Bench:
         self.mass = np.array(mass, float)
         inverse = 1.0 / self.mass
         inverse[list(fixed)] = 0.0
-        self.motion = Motion.of(poses.rest(n, 3), np.zeros((n, 6)), space.Turns.of(np.array(axes)))
+        self.motion = Motion.of(
+            poses.design_pose(n, 3), np.zeros((n, 6)), space.Rotations.of(np.array(axes))
+        )
         self.loads = Loads(
             centroid=self.centroid,
             dead=np.zeros((n, 6)),
@@ -121,7 +123,7 @@ class Bench:
         settings = {
             "dt": dt,
             "multiplier": 0.0,
-            "bonds_hold": False,
+            "keep_bonds": False,
             "guided": False,
             "rate": 0.0,
             "combined": False,
@@ -158,7 +160,7 @@ class TestFreeRotation:
 
     def momentum(self, bench):
         """Along the axes of the world."""
-        axes = rotation(bench).as_matrix() @ bench.motion.turn.designed[0]
+        axes = rotation(bench).as_matrix() @ bench.motion.rotation.designed[0]
         return axes @ (MOMENTS * bench.motion.velocity[0, 3:])
 
     def test_angular_momentum_is_kept_to_rounding(self):
@@ -277,7 +279,7 @@ class TestForces:
         np.testing.assert_allclose(force[0, :3], -force[1, :3], atol=1e-13 * size)
         # The poses have moved on by a millionth since: moments about the places before.
         place = bench.centroid + bench.motion.pose[:, :3] - 1e-4 * bench.motion.velocity[:, :3]
-        moment = bench.motion.turn.moment.sum(axis=0)
+        moment = bench.motion.rotation.moment.sum(axis=0)
         moment += np.cross(place, force[:, :3]).sum(axis=0)
         np.testing.assert_allclose(moment, 0.0, atol=1e-12 * size)
 
@@ -294,7 +296,7 @@ class TestForces:
         gaps = []
         start = bench.motion.pose.copy()
         for sign in (-1.0, 1.0):
-            moved = poses.moved(start, sign * small * move, bench.motion.turn.designed)
+            moved = poses.moved(start, sign * small * move, bench.motion.rotation.designed)
             bench.motion.pose[:] = moved
             space.place(bench.motion)
             bench.unpack()
@@ -318,7 +320,7 @@ class TestForces:
         bench.cycle(1, dt, gyroscopic=False)
         at = [
             v[:3] + np.cross(axes @ v[3:], arm)
-            for v, arm, axes in zip(velocity, arms, bench.motion.turn.axes, strict=True)
+            for v, arm, axes in zip(velocity, arms, bench.motion.rotation.axes, strict=True)
         ]
         slip = tangents @ (at[1] - at[0])
         reaction = bench.contacts.reaction[0]
@@ -345,7 +347,7 @@ class TestForces:
             after = step.apply(place)
             bench.motion.velocity[:, :3] = after - place
             for i in range(2):
-                turned = bench.motion.turn.axes[i].T @ (angle / n * axis)
+                turned = bench.motion.rotation.axes[i].T @ (angle / n * axis)
                 bench.motion.velocity[i, 3:] = turned
             place = after
             bench.cycle(1, 1.0, gyroscopic=False)

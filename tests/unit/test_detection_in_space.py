@@ -20,7 +20,7 @@ TOUCHING = 1e-9  # m
 
 
 def found(assembly: Assembly):
-    detector, pose = Detector(assembly), assembly.rest_pose()
+    detector, pose = Detector(assembly), assembly.design_pose()
     pairs = detector.pairs(pose)
     return detector, pairs, detector.find(pairs, pose)
 
@@ -90,7 +90,7 @@ def test_packed_contacts_balance_and_weigh_by_their_area():
     detector, pairs, slots = found(model.assembly)
     laws = np.zeros((1, 7))
     laws[0, MU], laws[0, 1], laws[0, 2] = 0.7, 1e9, 5e8
-    contacts = detector.pack(pairs, model.assembly.rest_pose(), slots, laws)
+    contacts = detector.pack(pairs, model.assembly.design_pose(), slots, laws)
     assert contacts.rows.shape == (4, 5, 12)
     np.testing.assert_allclose(contacts.rows[:, :, :3], -contacts.rows[:, :, 6:9], atol=1e-15)
     np.testing.assert_allclose(contacts.rows[:, 1:3], contacts.rows[:, 3:5], atol=0.0)
@@ -104,7 +104,7 @@ def test_no_contact_is_without_a_joint():
     share of the area, and without stiffness no step is solved."""
     drawn = buildings.dome().assembly
     assembly = Frame.of(drawn).assembly(drawn)
-    detector, pose = Detector(assembly), assembly.rest_pose()
+    detector, pose = Detector(assembly), assembly.design_pose()
     pose[19] = 0.008857, 0.044211, 0.001658, 0.999577, -0.011035, 0.024977, 0.010043
     pose[30] = 0.020606, 0.053465, 0.008265, 0.99945, -0.013373, 0.02818, 0.011282
     pairs = detector.pairs(pose)

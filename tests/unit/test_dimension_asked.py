@@ -137,7 +137,7 @@ def test_dimension_is_asked_for_in_no_more_places():
     counted = {"statics": 0, "all others": 0}
     for place in found:
         counted["statics" if place.startswith("statics/") else "all others"] += 1
-    assert all(counted[room] <= most for room, most in MOST.items()), "\n".join(found)
+    assert all(counted[margin] <= most for margin, most in MOST.items()), "\n".join(found)
 
 
 @pytest.mark.parametrize(

@@ -219,7 +219,7 @@ def test_the_picture_of_a_state_has_the_colours_of_its_bodies(asked):
     model, pose = results.model, results.poses[-3]
     bodies = np.arange(model.assembly.n_bodies) - 1
     mechanism = Mechanism(
-        assembly=model.assembly, pose=pose, settled=results.poses[0], bodies=bodies
+        assembly=model.assembly, pose=pose, initial=results.poses[0], bodies=bodies
     )
     picture = figures.state_picture(mechanism, 'a "state"')
     assert 'alt="a &quot;state&quot;"' in picture

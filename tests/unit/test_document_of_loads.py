@@ -112,8 +112,10 @@ def test_the_same_in_italian(loaded, tmp_path):
     seen = text_of(render(loaded, language="it", date=DATE))
     for words in ("Tiranti e molle", "terreno (-3;", "snervato", "in sommità", "verso il basso"):
         assert words in seen, words
-    settles = folder_of(spreading(direction=np.array([0.0, -1.0]), max=0.05), tmp_path / "out")
-    seen = text_of(render(settles, language="it", date=DATE))
+    moves_supports = folder_of(
+        spreading(direction=np.array([0.0, -1.0]), max=0.05), tmp_path / "out"
+    )
+    seen = text_of(render(moves_supports, language="it", date=DATE))
     # Half a millimetre more or less of the 0.05 m asked for would be written otherwise.
     assert re.search(r"appoggi spostati di (0,050 m|50,00 mm)", seen)
     assert "reazione minima" in seen

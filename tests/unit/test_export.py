@@ -142,11 +142,11 @@ def test_results_describe_themselves(tmp_path):
 
 def test_contacts_may_come_and_go(tmp_path, model):
     """From one point to the next their number changes, also to none."""
-    full = synthetic.contacts_at(model, model.assembly.rest_pose())
+    full = synthetic.contacts_at(model, model.assembly.design_pose())
     none = ContactForces(**{f.name: getattr(full, f.name)[:0] for f in fields(ContactForces)})
     writer = ResultsWriter(tmp_path / "r.h5", model, "nscd", "displacement")
     for k, contacts in enumerate((none, full, none, full)):
-        writer.append(synthetic.point(k, 0.0, 0.0), model.assembly.rest_pose(), contacts)
+        writer.append(synthetic.point(k, 0.0, 0.0), model.assembly.design_pose(), contacts)
     writer.close()
     with ResultsReader(tmp_path / "r.h5") as results:
         assert [results.contacts(k).n_contacts for k in range(4)] == [0, 24, 0, 24]
@@ -164,7 +164,7 @@ def test_large_assemblies_are_compressed(tmp_path, monkeypatch, model, curve):
 def test_much_data_does_not_wait_for_the_clock(tmp_path, monkeypatch, model):
     monkeypatch.setattr(hdf5, "BYTES", 1)
     writer = ResultsWriter(tmp_path / "r.h5", model, "nscd", "displacement")
-    pose = model.assembly.rest_pose()
+    pose = model.assembly.design_pose()
     writer.append(synthetic.point(0, 0.0, 0.0), pose, synthetic.contacts_at(model, pose))
     with ResultsReader(tmp_path / "r.h5") as results:  # still open for writing
         assert results.n_points == 1
@@ -294,7 +294,7 @@ def test_paraview_reads_large_arrays_and_empty_ones(tmp_path, model):
     vtu.write_vtu(tmp_path / "whole.vtu", points=whole, n_cells=len(whole), cells=cells)
     np.testing.assert_array_equal(pyvista.read(tmp_path / "whole.vtu").points, whole)
 
-    full = synthetic.contacts_at(model, model.assembly.rest_pose())
+    full = synthetic.contacts_at(model, model.assembly.design_pose())
     none = ContactForces(**{f.name: getattr(full, f.name)[:0] for f in fields(ContactForces)})
     write_contacts(tmp_path / "none.vtu", none)
     assert pyvista.read(tmp_path / "none.vtu").n_points == 0
@@ -334,7 +334,7 @@ def test_old_results_are_replaced_and_nothing_else(folder, model):
     assert (folder / "summary.json").exists()  # until there is something to replace it
     short = synthetic.curve(end=0.0)
     results.begin(model, "nscd", "displacement")
-    pose = model.assembly.rest_pose()
+    pose = model.assembly.design_pose()
     results.point(short.points[0], pose, synthetic.contacts_at(model, pose))
     assert not (folder / "summary.json").exists()
     results.end(short)
@@ -482,7 +482,7 @@ def test_interrupted_write_is_finished_first(tmp_path, model, curve, monkeypatch
         commit(self)
 
     monkeypatch.setattr(hdf5.DiskFile, "commit", interrupted)
-    pose = model.assembly.rest_pose()
+    pose = model.assembly.design_pose()
     writer = None
     with pytest.raises(KeyboardInterrupt):
         writer = ResultsWriter(tmp_path / "r.h5", model, "nscd", "displacement")
@@ -500,7 +500,7 @@ def test_interrupted_write_is_finished_first(tmp_path, model, curve, monkeypatch
 
 def test_two_runs_into_one_folder(tmp_path, model, curve):
     """The second is told at once, and may go on once the first has ended."""
-    pose = model.assembly.rest_pose()
+    pose = model.assembly.design_pose()
     contacts = synthetic.contacts_at(model, pose)
     first, second = ResultsDirectory(tmp_path / "out"), ResultsDirectory(tmp_path / "out")
     for results in (first, second):

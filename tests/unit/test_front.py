@@ -94,7 +94,7 @@ class TestGiven:
         down = ds.Settlement(blocks="base", direction=(0.0, -2.0), max=0.01)
         assert down.blocks == ("base",) and down.direction.tolist() == [0.0, -1.0]
         curve = ds.pushover(small_wall(load_direction=None, settlement=down), max_steps=2)
-        assert curve.settles and len(curve.points) == 3
+        assert curve.moves_supports and len(curve.points) == 3
 
     def test_a_settlement_has_the_names_and_units_of_files(self):
         turns = ds.Settlement(blocks=["base"], centre=(0, 0), max=30.0)
@@ -305,7 +305,7 @@ class TestPictures:
         model = wall_model()
         ax = Figure().subplots()
         pose = pose_at(model, 0.2)
-        assert ds.plot_mechanism(model, pose, ax, settled=curve.poses[0]) is ax
+        assert ds.plot_mechanism(model, pose, ax, initial=curve.poses[0]) is ax
         assert {"moving", "support"} <= set(ax.get_legend_handles_labels()[1])
 
     def test_model_as_designed(self):

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.kernels
 def of_wall(pose=None):
     """Detector, pairs and slots of a published wall, and a past without two like values."""
     wall = published_wall(3).assembly
-    detector, pairs, slots = contacts_of(wall, wall.rest_pose() if pose is None else pose)
+    detector, pairs, slots = contacts_of(wall, wall.design_pose() if pose is None else pose)
     n = len(slots.kind)
     past = Histories.own(
         slots,
@@ -57,9 +57,9 @@ def test_new_contacts_are_open_without_shear_and_not_bonded():
 
 def test_another_list_of_pairs_keeps_what_its_contacts_had_and_where_they_had_it():
     wall, detector, pairs, _, past = of_wall()
-    gone = np.zeros(wall.n_bodies, bool)
-    gone[wall.n_bodies // 2] = True
-    fewer = detector.pairs(wall.rest_pose(), gone)
+    departed = np.zeros(wall.n_bodies, bool)
+    departed[wall.n_bodies // 2] = True
+    fewer = detector.pairs(wall.design_pose(), departed)
     heirs = handed_on(detector.narrow, past, fewer, former=pairs)
     assert 0 < len(heirs.source) < len(past.source)
     assert np.array_equal(heirs.history, past.history[heirs.source])

@@ -31,14 +31,14 @@ def test_a_step_from_the_interior_ends_where_the_path_leads(number):
     for _ in range(12):
         demand = Demand(increment=2e-4, over_fold=True)  # by the implicit law
         followed, by_path = engine.step(state, demand)
-        leapt, from_within = within.step(state, demand)
+        jumped, from_within = within.step(state, demand)
         assert by_path.converged and from_within.converged
-        if by_path.path.turn is None:
+        if by_path.path.fold is None:
             compared += 1
             assert from_within.static_multiplier == pytest.approx(
                 by_path.static_multiplier, rel=1e-6
             )
-            np.testing.assert_allclose(leapt.pose, followed.pose, atol=1e-8)
+            np.testing.assert_allclose(jumped.pose, followed.pose, atol=1e-8)
         state = followed
     assert compared >= 8
 
@@ -74,7 +74,7 @@ def test_a_stack_settles_in_one_long_step():
     """From blocks that only touch, with gravity at once: every joint carries what is above it."""
     problem = problem_of(stack(*12 * [(1.0, 0.5)], corner=Corner(radius=0.02)))
     engine = EquilibriumEngine()
-    engine._settle = lambda state: (state, None)
+    engine._apply_dead_load = lambda state: (state, None)
     state, _ = engine.start(problem)
     state, report = engine.step(state, Demand(multiplier=0.0, time_step=30.0))
     assert report.converged

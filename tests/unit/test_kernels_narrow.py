@@ -25,7 +25,7 @@ from builders import (
     with_corner,
 )
 from drystone.contact.contacts import (
-    HELD,
+    INTACT,
     LIFT,
     NONE,
     SIZE,
@@ -90,7 +90,7 @@ def test_gaps_are_as_precise_as_displacements_however_far_away(angle, radius):
     lower = turned(rectangle(0.0, -0.3, 1.0, 0.3), angle) + place
     upper = turned(rectangle(0.1, 0.0, 0.7, 0.3), angle) + place
     assembly = pair_of(lower, upper, radius=radius)
-    pose = assembly.rest_pose()
+    pose = assembly.design_pose()
     detector, pairs, slots = contacts_of(assembly, pose)
     before, used = slots.gap.copy(), slots.kind != NONE
     moved, turn = 1e-10, 1e-10
@@ -292,7 +292,7 @@ class JointOfPair:
         table, count = self.contacts.table, self.count
         table[:count, LIFT] = table[:count, STIFF_N] * self.laws[0, TAN_PSI]
         bonded = self.laws[0, COHESION] + self.laws[0, TENSION] > 0.0
-        table[:count, HELD] = bonded & (self.history[self.contacts.slot[:count], BROKEN] == 0.0)
+        table[:count, INTACT] = bonded & (self.history[self.contacts.slot[:count], BROKEN] == 0.0)
         step_contacts.locate(
             self.slots, self.history, self.there, self.lines, self.contacts, count, increment,
             np.zeros((n, 3)),
@@ -599,7 +599,7 @@ class TestPublishedWalls:
     @staticmethod
     def touching(wall, corner):
         assembly = with_corner(published_wall(wall), corner).assembly
-        _, pairs, slots = contacts_of(assembly, assembly.rest_pose())
+        _, pairs, slots = contacts_of(assembly, assembly.design_pose())
         return assembly, pairs, slots, np.flatnonzero((slots.kind != NONE) & (slots.gap < 1e-9))
 
     @pytest.mark.parametrize(("wall", "n_contacts"), [(1, 166), (2, 282), (3, 204)])
@@ -644,7 +644,7 @@ class TestLaterContacts:
         ]
         law = JointLaw(friction_coefficient=0.5, normal_stiffness=1e8, shear_stiffness=1e8)
         assembly = Assembly.build(blocks, joint=law, corner=Corner(radius=0.01))
-        pose = assembly.rest_pose()
+        pose = assembly.design_pose()
         detector, pairs, slots = contacts_of(assembly, pose)
         for _ in range(20):
             move = random.normal(size=(10, 3))
@@ -680,7 +680,7 @@ class TestIdentity:
         assembly = pair_of(base, square + (0.0, 0.1), radius=radius, first_fixed=True)
         corner = assembly.shapes.of(1)[1]  # lower right
         history = 1
-        detector, pairs, slots = contacts_of(assembly, assembly.rest_pose())
+        detector, pairs, slots = contacts_of(assembly, assembly.design_pose())
         # Slot of the corner at the start, followed through all the turning.
         (slot,) = (k for k in range(2) if slots.arm_b[k, 0] > 0.0)
         edges = set()
@@ -701,7 +701,7 @@ class TestIdentity:
     def test_a_contact_goes_on_when_it_passes_from_edge_to_vertex(self):
         """A rounded block slides past the end of the one below: the slot stays the same."""
         assembly = pair_of(self.unit, self.unit + (0.0, 0.2), radius=0.02, first_fixed=True)
-        detector, pairs, slots = contacts_of(assembly, assembly.rest_pose())
+        detector, pairs, slots = contacts_of(assembly, assembly.design_pose())
         kinds = set()
         for x in np.arange(0.0, 0.398, 0.006):
             pose = np.zeros((2, 3))
@@ -717,14 +717,14 @@ class TestIdentity:
 
     def test_a_new_contact_has_no_past(self):
         assembly = pair_of(self.unit, self.unit + (0.0, 0.2), radius=0.02)
-        _, pairs, slots = contacts_of(assembly, assembly.rest_pose())
+        _, pairs, slots = contacts_of(assembly, assembly.design_pose())
         before, source = Slots.empty(pairs.n_slots, 2), np.zeros(2, np.int64)
         narrow.find_predecessors(pairs, before, slots, source)
         assert source.tolist() == [-1, -1]
 
     def test_pairs_are_found_again_in_a_new_list(self):
         wall = published_wall(3).assembly
-        pose = wall.rest_pose()
+        pose = wall.design_pose()
         _, before, _ = contacts_of(wall, pose)
         pose[wall.n_bodies // 2 :, 0] += 1.0  # the upper half slides along
         _, after, _ = contacts_of(wall, pose)
@@ -740,7 +740,7 @@ class TestTributaryLength:
     @staticmethod
     def lengths(assembly, corner, first, last, step):
         """Of the point at vertex ``corner`` of b, while b turns over it from angle to angle."""
-        detector, pairs, slots = contacts_of(assembly, assembly.rest_pose())
+        detector, pairs, slots = contacts_of(assembly, assembly.design_pose())
         vertex = assembly.shapes.of(1)[corner]
         found = []
         for angle in np.arange(first, last, step):

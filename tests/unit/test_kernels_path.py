@@ -22,7 +22,7 @@ from drystone.model.builders import make_model
 from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
 from drystone.statics import solution
-from drystone.statics.constants import Accuracy, PointPace
+from drystone.statics.constants import Accuracy, PointDisplacement
 from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumState
 from drystone.statics.plane import path
 from drystone.statics.plane.piecewise import PathSettings
@@ -76,7 +76,7 @@ class Taken:
         return self.step.finish()
 
 
-def settled(model):
+def begun(model):
     """An engine, and the state in which it holds the model under its own weight."""
     engine = EquilibriumEngine()
     state, _ = engine.start(problem_of(model))
@@ -92,7 +92,7 @@ def take(engine, state, increment, *, guess=None, whole=True, **options):
     control = model.control_point
     angle = state.pose[control.block, 2]
     c, s = np.cos(angle), np.sin(angle)
-    pace = PointPace(
+    prescribed = PointDisplacement(
         body=control.block,
         arm=np.array([[c, -s], [s, c]]) @ (control.point - assembly.centroid[control.block]),
         axis=control.direction,
@@ -101,7 +101,7 @@ def take(engine, state, increment, *, guess=None, whole=True, **options):
     )
     step = Recorded(engine.equations_of(state).constants, state.pairs)
     step.begin(
-        state.pose, state.slots, state.history, state.branch, TIME_STEP, pace, guess
+        state.pose, state.slots, state.history, state.branch, TIME_STEP, prescribed, guess
     )  # fmt: skip
     accuracy = Accuracy(
         tolerance=tolerance,
@@ -319,7 +319,7 @@ LAWS = {
 def states_of(model, seed, n=4):
     """States before, about and past the peak, with increments [m] and guesses to go on by."""
     random = np.random.default_rng(1000 + seed)
-    engine, state = settled(model)
+    engine, state = begun(model)
     size, last = model.assembly.smallest_extent, np.inf
     for _ in range(n):
         increment = size * 10.0 ** random.uniform(-4.5, -1.5)
@@ -382,13 +382,13 @@ class TestRandomAssemblies:
             for engine, state, increment, _ in states_of(random_model(seed), seed):
                 solved = take(engine, state, increment, whole=False).solved
                 for _ in range(3):  # where gradients change over the step, so does the place
-                    if solved.turn is not None:
-                        increment *= 1.1 * solved.turn[0]
+                    if solved.fold is not None:
+                        increment *= 1.1 * solved.fold[0]
                         solved = take(engine, state, increment, whole=False).solved
-                if solved.turn is None:
+                if solved.fold is None:
                     continue
                 turned += 1
-                share, multiplier = solved.turn
+                share, multiplier = solved.fold
                 for part in (0.5, 0.99, 1.01):
                     there = take(engine, state, part * share * increment, whole=False).solved
                     if part < 1.0:
@@ -442,7 +442,7 @@ class TestPeakWithinAStep:
             shear_stiffness=self.shear,
             **law,
         )
-        engine, state = settled(stack((self.width, self.height), joint=joints))
+        engine, state = begun(stack((self.width, self.height), joint=joints))
         at_peak = self.displacement(self.rotation(pull), pull, ends)
         for _ in range(18):
             state, report = engine.step(state, Demand(increment=0.05 * at_peak))
@@ -457,7 +457,7 @@ class TestPeakWithinAStep:
         rest = solve_for(self.displacement, 1.3 * at_peak, theta, 3.0 * theta)
         taken = take(engine, state, 0.4 * at_peak, whole=False)
         check(taken, whole=False)
-        assert taken.solved.turn is None
+        assert taken.solved.fold is None
         end = self.multiplier(rest)
         assert taken.solved.multiplier == pytest.approx(end, rel=1e-4)
         excess, share = taken.solved.excess
@@ -497,7 +497,7 @@ class TestPeakWithinAStep:
             normal_stiffness=self.normal,
             shear_stiffness=self.shear,
         )
-        engine, state = settled(stack((self.width, self.height), joint=joints))
+        engine, state = begun(stack((self.width, self.height), joint=joints))
         increment = 0.3 * self.displacement(self.rotation(0.0))
         solved = take(engine, state, increment, whole=False).solved
         assert solved.excess == solved.bend == (0.0, 0.0)
@@ -537,7 +537,7 @@ class TestSnap:
             control_block="wide",
             control_point="centre",
         )
-        return settled(model)
+        return begun(model)
 
     @property
     def farthest(self):
@@ -549,13 +549,13 @@ class TestSnap:
         for size in (1.01, 1.5, 4.0):
             solved = take(engine, state, size * self.farthest, whole=False).solved
             assert solved.reason == "the path of equilibria turns back"
-            assert solved.turn == pytest.approx((1.0 / size, self.peak), rel=1e-3)
+            assert solved.fold == pytest.approx((1.0 / size, self.peak), rel=1e-3)
             # The implicit law knows of no turn: only that nothing is there.
             solved = take(engine, state, size * self.farthest, whole=True).solved
-            assert (solved.reason, solved.turn) == ("the path of equilibria turns back", None)
+            assert (solved.reason, solved.fold) == ("the path of equilibria turns back", None)
         taken = take(engine, state, 0.99 * self.farthest, whole=False)
         check(taken, whole=False)
-        assert taken.solved.turn is None
+        assert taken.solved.fold is None
         assert taken.solved.multiplier == pytest.approx(0.99 * self.peak, rel=1e-3)
 
     @pytest.mark.parametrize("whole", [True, False], ids=["implicit law", "path"])
@@ -578,9 +578,9 @@ class TestSnap:
         multiplier, _ = np.linalg.solve(equations, right)
         assert taken.solved.multiplier == pytest.approx(multiplier, rel=1e-3)
         if whole:
-            assert taken.solved.turn is None
+            assert taken.solved.fold is None
         else:
-            assert taken.solved.turn == pytest.approx((1.0 / 1.5, self.peak), rel=1e-3)
+            assert taken.solved.fold == pytest.approx((1.0 / 1.5, self.peak), rel=1e-3)
 
 
 class TestSliding:
@@ -595,7 +595,7 @@ class TestSliding:
     @pytest.mark.parametrize("whole", [True, False], ids=["implicit law", "path"])
     def test_friction_opposes_it_both_ways(self, whole):
         law = replace(self.law, dilatancy_angle=0.0)
-        engine, state = settled(stack((1.0, 0.2), joint=law))
+        engine, state = begun(stack((1.0, 0.2), joint=law))
         state, _ = engine.step(state, Demand(increment=1e-3))
         for increment, branch, sense in (
             (1e-3, BACKWARD, 1.0),
@@ -612,7 +612,7 @@ class TestSliding:
 
     @pytest.mark.parametrize("whole", [True, False], ids=["implicit law", "path"])
     def test_a_dilatant_joint_opens_by_what_it_slides(self, whole):
-        engine, state = settled(stack((1.0, 0.2), joint=self.law))
+        engine, state = begun(stack((1.0, 0.2), joint=self.law))
         rest = state.pose[1, 1]
         for n in range(1, 7):
             taken = take(engine, state, 1e-3, whole=whole)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from drystone.contact.contacts import FRICTION, N_TABLE, STIFF_N, STIFF_T
 from drystone.law.branches import OPEN, STICKING
-from drystone.law.impulse import held_impulse_in_space, local_impulse, local_impulse_in_space
+from drystone.law.impulse import local_impulse, local_impulse_in_space, projected_impulse_in_space
 from drystone.law.status import SLIDING
 from drystone.law.violation import joint_law_violation
 
@@ -99,12 +99,12 @@ def test_turned_tangents_turn_the_impulse():
 
 
 def test_branches_of_a_held_contact():
-    assert held_impulse_in_space(-1.0, 3.0, 4.0, 0.5, False) == (0.0, 0.0, 0.0, OPEN)
-    assert held_impulse_in_space(20.0, 3.0, 4.0, 0.5, False) == (20.0, 3.0, 4.0, STICKING)
+    assert projected_impulse_in_space(-1.0, 3.0, 4.0, 0.5, False) == (0.0, 0.0, 0.0, OPEN)
+    assert projected_impulse_in_space(20.0, 3.0, 4.0, 0.5, False) == (20.0, 3.0, 4.0, STICKING)
     # 0.5 x 4 = 2 of 5 along (3, 4).
-    found = held_impulse_in_space(4.0, 3.0, 4.0, 0.5, False)
+    found = projected_impulse_in_space(4.0, 3.0, 4.0, 0.5, False)
     assert found == pytest.approx((4.0, 1.2, 1.6, SLIDING))
-    assert held_impulse_in_space(4.0, 3.0, 4.0, 0.5, True) == (4.0, 3.0, 4.0, STICKING)
+    assert projected_impulse_in_space(4.0, 3.0, 4.0, 0.5, True) == (4.0, 3.0, 4.0, STICKING)
 
 
 class TestMeasure:

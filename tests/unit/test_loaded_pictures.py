@@ -16,11 +16,11 @@ from drystone.results.shapes import MovingShapes, compliance, moving_blocks
 from piers import FAR, piers
 
 
-def shown(model: ds.Model, pose=None, settled=None) -> Mechanism:
+def shown(model: ds.Model, pose=None, initial=None) -> Mechanism:
     return Mechanism(
         assembly=model.assembly,
-        pose=model.assembly.rest_pose() if pose is None else pose,
-        settled=settled,
+        pose=model.assembly.design_pose() if pose is None else pose,
+        initial=initial,
         ties=model.ties,
         dead_loads=model.dead_loads,
         load_direction=model.load_shown,
@@ -66,39 +66,39 @@ def test_arrows_end_where_their_line_meets_the_block():
 
 def test_arrows_go_with_their_blocks_and_keep_their_direction():
     model = piers()
-    pose = model.assembly.rest_pose()
+    pose = model.assembly.design_pose()
     pose[2] = (0.3, 0.1, np.pi / 2.0)
     forces = [load.forces(model.assembly) for load in model.dead_loads]
     _, (roof,) = arrows_of(model.assembly, forces[:1], pose)
     # Its tip was 1 m above the centroid (2.25, 1), and is that far to the left of it now.
     np.testing.assert_allclose(roof[1], [2.55 - 1.0, 1.1], atol=1e-12)
     np.testing.assert_allclose(np.diff(roof, axis=0)[0, 0], 0.0, atol=1e-12)
-    gone = np.array([True, True, False])
-    assert len(arrows_of(model.assembly, forces, pose, present=gone)[1]) == 1
+    departed = np.array([True, True, False])
+    assert len(arrows_of(model.assembly, forces, pose, present=departed)[1]) == 1
 
 
 def test_what_has_moved_is_not_at_rest_however_far_another_part_falls():
     """One block falls by 7 m, the other has moved by 0.2 m: 3 % of that."""
     model = piers()
-    settled = model.assembly.rest_pose()
-    settled[1:, 1] = -1e-4
-    pose = settled.copy()
+    initial = model.assembly.design_pose()
+    initial[1:, 1] = -1e-4
+    pose = initial.copy()
     pose[1, 0], pose[2, 1] = 0.2, -7.0
-    drawn = Drawn.of(shown(model, pose, settled))
+    drawn = Drawn.of(shown(model, pose, initial))
     assert drawn.moving.tolist() == [False, True, True]
     assert drawn.visible < 0.2  # its joint has slid, and is drawn as slid
     pose[1, 0] = 5e-5  # less than the joints closed by under the dead load: it follows them
-    assert Drawn.of(shown(model, pose, settled)).moving.tolist() == [False, False, True]
+    assert Drawn.of(shown(model, pose, initial)).moving.tolist() == [False, False, True]
 
 
 def test_what_joints_give_way_by_is_what_settling_was():
     model = piers()
     shapes, fixed = MovingShapes.of(model.assembly), model.assembly.fixed
-    settled = model.assembly.rest_pose()
-    settled[1:, 1] = (-1e-3, -2e-3)
-    assert compliance(shapes, settled, fixed) == pytest.approx(2e-3, rel=1e-9)
+    initial = model.assembly.design_pose()
+    initial[1:, 1] = (-1e-3, -2e-3)
+    assert compliance(shapes, initial, fixed) == pytest.approx(2e-3, rel=1e-9)
     assert compliance(shapes, None, fixed) == np.inf
-    assert 0.0 < compliance(shapes, model.assembly.rest_pose(), fixed) < 1e-4
+    assert 0.0 < compliance(shapes, model.assembly.design_pose(), fixed) < 1e-4
     # Where all that moves is small, a twentieth of the largest motion counts.
     small = np.array([0.0, 1e-4, 1e-6])
     assert moving_blocks(small, fixed, 2e-3).tolist() == [False, True, False]

@@ -273,7 +273,7 @@ class TestDeadForces:
         points, forces = rng.normal(size=(2, 5, dimension))
         loads = DeadForces.at_points(assembly, body, points, forces)
         pose = assembly.moved(
-            assembly.rest_pose(), rng.normal(size=(assembly.n_bodies, assembly.n_dof))
+            assembly.design_pose(), rng.normal(size=(assembly.n_bodies, assembly.n_dof))
         )
         stiffness = loads.stiffness(assembly, pose)
         small = 1e-6
@@ -291,7 +291,7 @@ class TestDeadForces:
     def test_near_a_multiplier_tilted_loads_are_their_tangent(self, tmp_path):
         model = read(tmp_path, ('"mass"', '"tilt"'))
         acting = Acting.of(model.assembly, model.load)
-        pose = model.assembly.rest_pose()
+        pose = model.assembly.design_pose()
 
         def load(x):
             dead, pattern = acting.near(pose, x)

@@ -104,9 +104,9 @@ def test_a_foot_belongs_to_its_body_but_slow_halves_do_not():
 
 def test_blocks_that_have_left_are_at_rest():
     model = stack(3)
-    gone = np.array([False, False, False, True])
+    departed = np.array([False, False, False, True])
     field = field_of(model, [[0, 0, 0]] + [[0.5, 0, 0]] * 3)
-    labels = find_macro_blocks(model.assembly, field, X, gone=gone)
+    labels = find_macro_blocks(model.assembly, field, X, departed=departed)
     assert labels.tolist() == [AT_REST, 0, 0, AT_REST]
 
 

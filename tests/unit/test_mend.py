@@ -368,8 +368,8 @@ class TestPieces:
     def test_meshes(self):
         vertices, faces = box((0, 0, 0), (1, 1, 1))
         mesh = Mesh(np.vstack((vertices, vertices[0] + 1e-9)), (*faces[:-1], (3, 8, 4, 7)))
-        joined, gone = welded(mesh, 1e-6)
-        assert gone == 1
+        joined, removed = welded(mesh, 1e-6)
+        assert removed == 1
         assert len(joined.vertices) == 8
         assert once(Mesh(vertices, faces + faces))[1] == 6
         assert stitched(Mesh(vertices, faces), 1e-6)[1] == 0

@@ -17,7 +17,7 @@ def random() -> np.random.Generator:
 
 
 def poses(random: np.random.Generator, n: int) -> np.ndarray:
-    pose = motion.rest(n, 3)
+    pose = motion.design_pose(n, 3)
     pose[:, :3] = random.normal(size=(n, 3))
     pose[:, 3:] = Rotation.random(n, random_state=1).as_quat(scalar_first=True)
     return pose
@@ -51,7 +51,7 @@ def test_difference_is_the_inverse_of_moved(random: np.random.Generator) -> None
 
 def test_small_rotations_are_as_precise_as_they_are_small() -> None:
     """From rest, a turn of 1e-12 rad is known to its own rounding, not to that of one."""
-    pose, turn = motion.rest(1, 3), np.array([[0.0, 0.0, 0.0, 1e-12, -2e-12, 3e-12]])
+    pose, turn = motion.design_pose(1, 3), np.array([[0.0, 0.0, 0.0, 1e-12, -2e-12, 3e-12]])
     after = motion.moved(pose, turn, np.eye(3)[None])
     arm = np.array([0.3, -0.7, 1.1])
     expected = np.cross(turn[0, 3:], arm)
@@ -66,7 +66,7 @@ def test_points_and_vectors_go_with_their_body(random: np.random.Generator) -> N
     moved = motion.moved_points(points, owner, centroid, pose)
     np.testing.assert_allclose(moved, expected, atol=ROUNDING)
     np.testing.assert_allclose(
-        motion.turned(points, pose[owner]), turn.apply(points), atol=ROUNDING
+        motion.rotated(points, pose[owner]), turn.apply(points), atol=ROUNDING
     )
 
 
@@ -80,7 +80,7 @@ def test_compiled_rotations_are_the_same(random: np.random.Generator) -> None:
         for i in range(6):
             rotation.spin(spun, i, *increment[i, 3:])
             rotation.place_axes(spun, i, axes, less, matrix)
-            x, y, z = rotation.turn_by(*spun[i, 3:], 0.2, 0.5, -0.4)
+            x, y, z = rotation.rotate_by(*spun[i, 3:], 0.2, 0.5, -0.4)
             there = np.array([0.2, 0.5, -0.4]) + (x, y, z)
             np.testing.assert_allclose(there, matrix[i] @ (0.2, 0.5, -0.4), atol=ROUNDING)
         np.testing.assert_allclose(spun, expected, atol=ROUNDING)
@@ -91,7 +91,7 @@ def test_compiled_rotations_are_the_same(random: np.random.Generator) -> None:
 
 @pytest.mark.compiled
 def test_a_million_turns_leave_the_quaternion_at_length_one() -> None:
-    pose = motion.rest(1, 3)
+    pose = motion.design_pose(1, 3)
     _spin_often(pose)
     assert abs(np.linalg.norm(pose[0, 3:]) - 1.0) <= 1e-12
 

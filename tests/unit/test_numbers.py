@@ -46,11 +46,11 @@ def literals(tree: ast.AST) -> list[tuple[int, float]]:
     ]
 
 
-def outside(room: str) -> list[str]:
-    """``file:line: number`` of those of a room."""
+def outside(package: str) -> list[str]:
+    """``file:line: number`` of those of a package."""
     return [
         f"{file.relative_to(SOURCE).as_posix()}:{line}: {value:g}"
-        for file in sorted((SOURCE / room).rglob("*.py"))
+        for file in sorted((SOURCE / package).rglob("*.py"))
         for line, value in literals(ast.parse(file.read_text()))
     ]
 
@@ -73,10 +73,10 @@ def entries() -> dict[str, str]:
     return found
 
 
-@pytest.mark.parametrize("room", MOST)
-def test_no_number_stands_outside_the_register(room):
-    found = outside(room)
-    assert len(found) <= MOST[room], "\n".join(found)
+@pytest.mark.parametrize("package", MOST)
+def test_no_number_stands_outside_the_register(package):
+    found = outside(package)
+    assert len(found) <= MOST[package], "\n".join(found)
 
 
 def test_every_number_of_the_register_says_where_it_is_from():

@@ -27,7 +27,7 @@ def slots(*kinds: int) -> Slots:
 class Step:
     """As much of `PlaneStep` as is asked for: what was followed, and what is found."""
 
-    meet = PlaneStep.meet
+    update_contacts = PlaneStep.update_contacts
 
     def __init__(self, n_pairs: int) -> None:
         columns = np.zeros((5, n_pairs), np.int64)
@@ -49,7 +49,7 @@ class Step:
         self.detect, self.slots, self.solutions = detect, start, 1
         self.before, self.rounds = self.kept.copy(), 0
         self.changes = np.where(self.kept > 0, 2, 0)
-        while self.meet(accuracy):
+        while self.update_contacts(accuracy):
             pass
         return self.found, self.solutions
 

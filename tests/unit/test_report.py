@@ -62,14 +62,14 @@ def test_moving_blocks_are_those_of_the_mechanism():
 
 def test_nothing_moves_at_rest():
     model = synthetic.wall_model()
-    displacement = MovingShapes.of(model.assembly).displacement(model.assembly.rest_pose())
+    displacement = MovingShapes.of(model.assembly).displacement(model.assembly.design_pose())
     assert not moving_blocks(displacement, model.assembly.fixed).any()
 
 
 def test_blocks_that_only_settled_do_not_move():
     """The wall as a whole sank before the load began; since then only one block has moved."""
     model = synthetic.wall_model()
-    sunk = model.assembly.rest_pose()
+    sunk = model.assembly.design_pose()
     sunk[~model.assembly.fixed, 1] = -0.01
     pose = sunk.copy()
     row = model.assembly.n_bodies - 1
@@ -85,7 +85,7 @@ def test_blocks_that_only_settled_do_not_move():
     assert slip[others] == pytest.approx(0.0, abs=1e-14)
 
     axes = canvas.new_figure(4.0, 4.0).subplots()
-    plot_mechanism(axes, replace(mechanism(model, 0.0), pose=sunk, settled=sunk, contacts=None))
+    plot_mechanism(axes, replace(mechanism(model, 0.0), pose=sunk, initial=sunk, contacts=None))
     assert "moving" not in axes.get_legend_handles_labels()[1]
     # The sinking alone would have been magnified otherwise.
     alone = readable_magnification(model.assembly, pose - sunk)
@@ -111,7 +111,7 @@ def test_open_and_slid_joints_are_drawn_apart():
     assert {"moving", "at rest", "support", "open joint", "control point"} <= set(labels(axes))
     assert "slid joint" not in labels(axes)
 
-    pose = model.assembly.rest_pose()
+    pose = model.assembly.design_pose()
     pose[4:, 0] = 0.05  # the upper courses slide as one
     axes = canvas.new_figure(4, 4).subplots()
     plot_mechanism(axes, replace(mechanism(model, 0.0), pose=pose))
@@ -123,11 +123,11 @@ def test_open_and_slid_joints_are_drawn_apart():
 def test_joints_of_blocks_that_have_left_are_none():
     """The upper courses slide past what stays; of one that has left nothing is drawn but dashes."""
     model = synthetic.wall_model()
-    pose = model.assembly.rest_pose()
+    pose = model.assembly.design_pose()
     pose[4:, 0] = 0.05
     row = model.assembly.n_bodies - 1
-    gone = np.arange(model.assembly.n_bodies) == row
-    shown = replace(mechanism(model, 0.0), pose=pose, gone=gone)
+    departed = np.arange(model.assembly.n_bodies) == row
+    shown = replace(mechanism(model, 0.0), pose=pose, departed=departed)
     joints = Joints.of(model.assembly)
     opened, slid = Drawn.of(shown).changed(joints)
     of_it = (joints.designed.block_a == row) | (joints.designed.block_b == row)
@@ -149,7 +149,7 @@ def test_numbers_along_the_axes_have_the_decimal_mark_of_the_language(tmp_path):
 
 def test_picture_of_a_wall_at_rest(tmp_path):
     model = synthetic.wall_model()
-    pose = model.assembly.rest_pose()
+    pose = model.assembly.design_pose()
     draw_mechanism(Mechanism(assembly=model.assembly, pose=pose), tmp_path / "rest.png")
     assert is_picture(tmp_path / "rest.png")
 
@@ -173,7 +173,7 @@ def test_small_displacements_are_magnified_by_a_round_number():
     magnified = readable_magnification(model.assembly, synthetic.pose_at(model, 1e-3))
     assert magnified in {20.0, 50.0}  # to about a twentieth of the wall's 1.2 m
     assert readable_magnification(model.assembly, synthetic.pose_at(model, 0.2)) == 1.0
-    assert readable_magnification(model.assembly, model.assembly.rest_pose()) == 1.0
+    assert readable_magnification(model.assembly, model.assembly.design_pose()) == 1.0
 
 
 def test_mechanism_of_many_blocks(tmp_path):
@@ -275,10 +275,10 @@ def test_pyplot_is_not_touched(tmp_path):
 @pytest.mark.parametrize(("unit", "motion"), [("m", "0.200 m"), ("rad", "11.46°")])
 def test_curve_of_supports_that_move(tmp_path, unit, motion):
     """Reaction [N, N m] against their motion [m, degrees]; values stand in the legend alone."""
-    settles = settling(unit)
-    draw_curve(settles, tmp_path / "curve.png", title="Arch")
+    moves_supports = settling(unit)
+    draw_curve(moves_supports, tmp_path / "curve.png", title="Arch")
     assert is_picture(tmp_path / "curve.png")
-    axes = plot_curve(settles, canvas.new_figure(4, 4).subplots())
+    axes = plot_curve(moves_supports, canvas.new_figure(4, 4).subplots())
     degrees = unit == "rad"
     assert axes.get_xlabel().endswith("[°]" if degrees else "[m]")
     assert axes.get_ylabel() == f"support reaction [{'N m' if degrees else 'N'}]"
@@ -286,9 +286,9 @@ def test_curve_of_supports_that_move(tmp_path, unit, motion):
     # 9000 N at first, 7500 N at 0.05, 12000 N at 0.2, see `settling`.
     assert {f"greatest and last: 12000 {force} at {motion}", "support reaction"} < set(labels(axes))
     assert not axes.texts
-    told = report("arch", settles, Path("out"), Beside())
+    told = report("arch", moves_supports, Path("out"), Beside())
     assert f"12000 {force} at " in told and "peak" not in told
-    assert "peak" not in repr(settles)
+    assert "peak" not in repr(moves_supports)
 
 
 def settling(unit):

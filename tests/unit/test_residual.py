@@ -18,7 +18,7 @@ from drystone.contact.contacts import (
     TENSILE,
     Contacts,
 )
-from drystone.law.residual import add_contact_forces, mark_held, unbalanced_force
+from drystone.law.residual import add_contact_forces, mark_touched, unbalanced_force
 from drystone.law.violation import joint_law_violation
 
 pytestmark = pytest.mark.kernels
@@ -170,7 +170,7 @@ def test_a_block_is_held_by_contacts_that_push_it():
     body_a, body_b = np.array([0, 1, 3]), np.array([1, 2, 4])
     reaction = np.array([[5.0, 0.0], [5.0, 0.0], [0.0, 0.0]])
     held = np.zeros(6, bool)
-    mark_held(contacts_between(body_a, body_b), reaction, held)
+    mark_touched(contacts_between(body_a, body_b), reaction, held)
     assert held.tolist() == [True, True, True, False, False, False]
 
 

@@ -101,7 +101,7 @@ def test_blocks_that_left_are_loaded(tmp_path, model, curve):
     ds.save_results(replace(curve, blocks_left=left), model, tmp_path / "out")
     loaded = ds.load_results(tmp_path / "out").curve
     assert loaded.blocks_left == left
-    assert loaded.gone(model.assembly.ids, 5).sum() == 1
+    assert loaded.departed(model.assembly.ids, 5).sum() == 1
 
 
 def test_model_is_loaded_with_its_digest(tmp_path, model, curve):

@@ -20,7 +20,7 @@ from matplotlib.image import imread
 
 import solids
 from drystone.contact.forces import ContactForces
-from drystone.geometry.motion import turns
+from drystone.geometry.motion import rotation_vectors
 from drystone.geometry.space import solid
 from drystone.io.results import vtu
 from drystone.io.results.csv import write_curve
@@ -217,7 +217,7 @@ def test_grids_of_contacts_hold_vectors(folder, made):
 
 def test_blocks_of_several_parts_are_several_cells(tmp_path):
     model = stairs_model()
-    pose = model.assembly.rest_pose()
+    pose = model.assembly.design_pose()
     pose[1] = [0.3, 0.0, 0.1, np.cos(0.2), 0.0, 0.0, np.sin(0.2)]  # 0.4 rad about z
     BlockFrames(model.assembly).write(tmp_path / "b.vtu", pose)
     grid = arrays_of(tmp_path / "b.vtu")
@@ -238,6 +238,6 @@ def test_vtk_itself_reads_the_solids(folder, made):
 
 
 def test_rotations_of_either_dimension():
-    np.testing.assert_array_equal(turns(np.array([[0.0, 0.0, 2.5]])), [2.5])
+    np.testing.assert_array_equal(rotation_vectors(np.array([[0.0, 0.0, 2.5]])), [2.5])
     q = np.array([[0, 0, 0, np.cos(0.6), 0, np.sin(0.6), 0], [0, 0, 0, -1.0, 0, 0, 0]])
-    np.testing.assert_allclose(turns(q), [[0, 1.2, 0], [0, 0, 0]], atol=1e-15)
+    np.testing.assert_allclose(rotation_vectors(q), [[0, 1.2, 0], [0, 0, 0]], atol=1e-15)

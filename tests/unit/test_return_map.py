@@ -8,10 +8,10 @@ import pytest
 from drystone.contact.contacts import (
     CRUSH,
     FRICTION,
-    HELD,
+    INTACT,
+    INTERCEPT,
     LIFT,
     N_TABLE,
-    ROOM,
     STIFF_N,
     STIFF_T,
     TRIAL_N,
@@ -73,23 +73,23 @@ KINDS = {
 def draws(kind, n=400, seed=1):
     """Rows of r_n, T, k_s, mu, lift, room, C."""
     rng = np.random.default_rng(seed)
-    lift, room, crush = KINDS[kind]
+    lift, intercept, crush = KINDS[kind]
     for _ in range(n):
         ks = rng.uniform(0.5, 2.0)
         rn, shear = rng.normal(0.3, 1.0), abs(rng.normal(0.0, 1.0))
-        yield rn, shear, ks, rng.uniform(0.2, 0.9), lift * ks, room, crush
+        yield rn, shear, ks, rng.uniform(0.2, 0.9), lift * ks, intercept, crush
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_reactions_are_admissible_and_slip_opposes_shear(kind):
     seen = set()
     for rn, shear, *joint in draws(kind):
-        ks, mu, lift, room, crush = joint
+        ks, mu, lift, intercept, crush = joint
         now = branch_for(rn, shear, *joint, OPEN, FORWARD)
         seen.add(now)
         normal, tangential, slid = reactions_in(now, rn, shear, *joint)
         assert -1e-12 <= normal <= crush * (1.0 + 1e-12)
-        assert 0.0 <= tangential <= mu * normal + room + 1e-12
+        assert 0.0 <= tangential <= mu * normal + intercept + 1e-12
         assert slid >= 0.0
         # What the joint slid and lifted by makes up for what the trial reactions had too much.
         if now not in (OPEN, BONDED):
@@ -124,11 +124,11 @@ def test_derivatives(kind):
         assert by_t[:2] / (2.0 * h) == pytest.approx([nt, tt], abs=1e-11)
 
 
-def packed(rn, rt, ks, mu, lift, room, crush):
+def packed(rn, rt, ks, mu, lift, intercept, crush):
     """A row of the table of contacts; k_n is one."""
     table = np.zeros((1, N_TABLE))
-    table[0, [TRIAL_N, TRIAL_T, STIFF_N, STIFF_T, FRICTION, LIFT, ROOM]] = (
-        rn, rt, 1.0, ks, mu, lift, room,
+    table[0, [TRIAL_N, TRIAL_T, STIFF_N, STIFF_T, FRICTION, LIFT, INTERCEPT]] = (
+        rn, rt, 1.0, ks, mu, lift, intercept,
     )  # fmt: skip
     table[0, CRUSH] = crush if np.isfinite(crush) else 0.0
     return table
@@ -171,7 +171,7 @@ def test_the_form_of_space_is_the_map_along_the_shear(kind):
 
 def test_a_bond_that_holds_answers_with_its_trial_reactions():
     table = packed(-0.4, 0.0, 1.0, 0.5, 0.0, 0.0, np.inf)
-    table[0, HELD] = 1.0
+    table[0, INTACT] = 1.0
     trial, reaction = np.array([[-0.4, 2.0, -1.0]]), np.zeros((1, 3))
     branch = np.zeros(1, np.int64)
     space_law.respond(table, trial, 0, 1, branch, reaction, np.zeros((1, 3, 3)))
@@ -201,10 +201,10 @@ def test_the_form_of_impulses_is_the_map():
     """Sticking as a stiff hold of one kilogram, without dilation."""
     for rn, shear, _, mu, *_ in draws("dry"):
         joint = 1.0, mu, 0.0, 0.0, np.inf
-        pn, pt, _ = impulse.held_impulse(rn, shear, mu, False)
+        pn, pt, _ = impulse.projected_impulse(rn, shear, mu, False)
         branch = branch_for(rn, shear, *joint, OPEN, FORWARD)
         assert (pn, pt) == pytest.approx(reactions_in(branch, rn, shear, *joint)[:2], rel=2e-9)
-        p = impulse.held_impulse_in_space(rn, 0.6 * shear, -0.8 * shear, mu, False)
+        p = impulse.projected_impulse_in_space(rn, 0.6 * shear, -0.8 * shear, mu, False)
         assert p[:3] == pytest.approx((pn, 0.6 * pt, -0.8 * pt), rel=1e-9, abs=1e-12)
 
 
@@ -280,11 +280,11 @@ def test_joints_that_soften_have_the_map_of_their_strengths_where_a_step_ends(ki
         contact[0, [softening.C_GAP, softening.C_SHEAR]] = gap, shear
         softening.points(law, np.zeros(1, np.int64), contact, point)
         at = point[0]
-        trial, mu, pull, room, crush = held_where(
+        trial, mu, pull, intercept, crush = held_where(
             law, history, gap, at[softening.P_SOFTENED], at[softening.P_SLID],
             at[softening.P_CRUSHED],
         )  # fmt: skip
-        joint = law[0, KS], mu, 0.0, room, crush
+        joint = law[0, KS], mu, 0.0, intercept, crush
         now = branch_for(trial, shear, *joint, OPEN, FORWARD)
         normal, tangential, slid = reactions_in(now, trial, shear, *joint)
         seen.add(now)
@@ -300,10 +300,10 @@ def test_joints_that_yield_have_the_map_of_the_last_cycles_strengths(kind):
     for law, history, gap, shear in yielding_draws(kind, np.random.default_rng(4)):
         law[0, [BY_SLIP, BY_OPENING]] = 0.0  # what softens in the cycle itself is for the next
         before = history.copy()
-        trial, mu, pull, room, crush = held_where(
+        trial, mu, pull, intercept, crush = held_where(
             law, before, gap, before[0, SOFTENED], before[0, SLID], 0.0
         )
-        joint = law[0, KS], mu, 0.0, room, crush
+        joint = law[0, KS], mu, 0.0, intercept, crush
         now = branch_for(trial, shear, *joint, OPEN, FORWARD)
         normal, tangential, _ = reactions_in(now, trial, shear, *joint)
         found = cycles.react_in_cycle(law, history, 0, -gap, gap, shear, False)

@@ -51,7 +51,7 @@ def in_both(above):
     solid = ds.extruded(model)
     flat, used = contacts(model.assembly, np.array([[0.0, 0.0, 0.0], above]))
     x, y, turn = above
-    pose = solid.assembly.rest_pose()
+    pose = solid.assembly.design_pose()
     pose[1] = (x, 0.0, y, np.cos(0.5 * turn), 0.0, -np.sin(0.5 * turn), 0.0)
     deep, taken = contacts(solid.assembly, pose)
     table = np.column_stack((flat.gap[used], flat.normal[used]))
@@ -110,7 +110,7 @@ def test_rims_that_meet_touch_midway(past):
     apart = above - below
     distance = np.hypot(*apart)
     model = ds.extruded(stack())
-    place = model.assembly.rest_pose()
+    place = model.assembly.design_pose()
     place[1] = (pose[0], 0.0, pose[1], np.cos(0.5 * turn), 0.0, -np.sin(0.5 * turn), 0.0)
     slots, used = contacts(model.assembly, place)
     at = used[np.argsort(slots.gap[used])[:2]]

@@ -36,7 +36,7 @@ class BlockRocker:
         self._p2, self._alpha = block.frequency**2, block.slenderness
         self.limit = 0.5 * math.pi
         self.uplift = block.uplift_acceleration
-        self.pace = block.frequency * block.slenderness
+        self.speed = block.frequency * block.slenderness
 
     def acceleration(self, x, ground):
         tilt = self._alpha - x

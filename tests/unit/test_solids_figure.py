@@ -190,7 +190,7 @@ def test_magnified_blocks_stay_rigid():
     drawn = Drawn.of(replace(space, magnification=50.0))
     assembly, shapes = space.assembly, drawn.shapes
     np.testing.assert_allclose(drawn.pose[:, :3], 50.0 * space.pose[:, :3], rtol=1e-12)
-    once, often = (assembly.difference(p, assembly.rest_pose()) for p in (space.pose, drawn.pose))
+    once, often = (assembly.difference(p, assembly.design_pose()) for p in (space.pose, drawn.pose))
     np.testing.assert_allclose(often[:, 3:], 50.0 * once[:, 3:], atol=1e-14)
     moved = shapes.split(shapes.moved(drawn.pose))
     for before, after in zip(shapes.split(shapes.vertices), moved, strict=True):
@@ -228,7 +228,7 @@ def test_legend_is_that_of_the_plane():
 
 def test_slid_joints_are_drawn_where_they_are_seen():
     _, space = wall(0.0)
-    pose = space.assembly.rest_pose()
+    pose = space.assembly.design_pose()
     pose[4:, 0] = 0.05  # the upper courses slide as one
     axes = canvas.new_figure(4, 4).subplots()
     plot_on(axes, replace(space, pose=pose))
@@ -274,9 +274,9 @@ def test_pictures_are_written(tmp_path, linear):
         rates = space.assembly.no_motion()
         rates[4:, 0], rates[4:, 4] = 0.1, 0.1
         space = replace(space, pose=rates, linear=True)
-    gone = np.zeros(13, bool)
-    gone[-1] = True
-    for name, one in (("all", space), ("gone", replace(space, gone=gone))):
+    departed = np.zeros(13, bool)
+    departed[-1] = True
+    for name, one in (("all", space), ("gone", replace(space, departed=departed))):
         draw_mechanism(one, tmp_path / f"{name}.png", title="wall")
     pictures = [imread(tmp_path / f"{name}.png")[..., :3] for name in ("all", "gone")]
     assert all(float(picture.std()) > 0.05 for picture in pictures)
@@ -287,7 +287,7 @@ def test_colours_say_what_moves():
     """Of the pixels of the picture some have the hue of moving blocks, and at rest none."""
     model = solids.one_block()
     for angle, moving in ((0.0, False), (0.3, True)):
-        pose = model.assembly.rest_pose()
+        pose = model.assembly.design_pose()
         pose[1, 3:] = [np.cos(angle / 2), 0.0, np.sin(angle / 2), 0.0]
         axes = canvas.new_figure(4, 4).subplots()
         plot_on(axes, Mechanism(assembly=model.assembly, pose=pose))

@@ -49,7 +49,7 @@ def test_stiffness_is_the_change_of_forces(dimension):
     ties, random = forces_of(dimension), np.random.default_rng(dimension)
     assembly = ties.assembly
     n_dof, step = assembly.n_dof, 1e-6
-    begin = assembly.moved(assembly.rest_pose(), 0.2 * random.normal(size=(3, n_dof)))
+    begin = assembly.moved(assembly.design_pose(), 0.2 * random.normal(size=(3, n_dof)))
     ties.act(begin)
     (exact,), axes = ties.stiffness(), ties.axes
     found = np.zeros_like(exact)

@@ -11,9 +11,9 @@ from drystone.contact.contacts import (
     BODY_B,
     CRUSH,
     FRICTION,
+    INTERCEPT,
     LIFT,
     PULL,
-    ROOM,
     STIFF_N,
     STIFF_T,
     TRIAL_N,
@@ -27,7 +27,7 @@ from drystone.law.branches import BACKWARD, CRUSHED, FORWARD, OPEN, STICKING, TO
 
 pytestmark = pytest.mark.kernels
 
-ROOM_OF, CRUSH_OF, PULL_OF = 3e3, 800.0, 150.0  # N, beside trial reactions of 1e3 and 1e4
+INTERCEPT_OF, CRUSH_OF, PULL_OF = 3e3, 800.0, 150.0  # N, beside trial reactions of 1e3 and 1e4
 
 
 KN, KT = 2e7, 2e10  # N/m
@@ -50,14 +50,14 @@ def contacts(n, *, mu=0.65, dilation=0.0, seed=0):
 def yielding_contacts(n, **options):
     packed, n, branch = contacts(n, **options)
     table = packed.table
-    table[:, ROOM], table[:, CRUSH], table[:, PULL] = ROOM_OF, CRUSH_OF, PULL_OF
+    table[:, INTERCEPT], table[:, CRUSH], table[:, PULL] = INTERCEPT_OF, CRUSH_OF, PULL_OF
     return packed, n, branch
 
 
 def closed(tn, tt, mu):
     """Reactions from the tension on: each clipped, friction by the clipped pressure."""
     rn = np.clip(tn, 0.0, CRUSH_OF)
-    most = mu * rn + ROOM_OF
+    most = mu * rn + INTERCEPT_OF
     return rn, np.clip(tt, -most, most)
 
 
@@ -75,12 +75,12 @@ def test_branches_and_reactions_are_those_of_the_clipped_law():
     assert len(seen) == 9
 
 
-@pytest.mark.parametrize("room", [ROOM_OF, 0.0])
-def test_a_branch_ends_where_the_law_changes(room):
+@pytest.mark.parametrize("intercept", [INTERCEPT_OF, 0.0])
+def test_a_branch_ends_where_the_law_changes(intercept):
     """Up to the distance told the reactions are linear, and right beyond it in the branch told."""
     packed, n, _ = yielding_contacts(200)
     table, random, changed = packed.table, np.random.default_rng(3), 0
-    table[:, ROOM] = room
+    table[:, INTERCEPT] = intercept
     for c in range(n):
         rate_n, rate_t = random.normal(size=2) * (1e3, 1e4)
         now = plane_law.branch_of(table, c, OPEN)

@@ -152,7 +152,7 @@ def test_what_nscd_rests_on_before_its_fall_on_wall106_is_equilibrium():
 
     for place in (0.2, 0.36, 0.45, 0.5, 0.52):
         multiplier, state, report = taken_over(place)
-        assert report.converged and not report.path.way
+        assert report.converged and not report.path.dynamic_states
         assert report.static_multiplier == pytest.approx(multiplier, abs=0.01)
         engine = EquilibriumEngine()
         begun, _ = engine.start(path.kept[0].prepared.problem)
@@ -161,7 +161,7 @@ def test_what_nscd_rests_on_before_its_fall_on_wall106_is_equilibrium():
         assert found.applied_multiplier == pytest.approx(multiplier, abs=0.01)
         assert length * found.motion <= 2.0 * 2e-4  # as far as the control point, or twice that
     _, _, report = taken_over(lost - 1e-3)
-    assert not report.converged or report.path.way
+    assert not report.converged or report.path.dynamic_states
 
 
 @pytest.mark.slow

@@ -68,8 +68,8 @@ def test_no_peak_exceeds_the_associative_multiplier(seed):
     )
     highest = max(designed, key=lambda point: point.load_multiplier)
     tilt = highest.penetration / size
-    room = tilt * (1.0 + model.assembly.joint.friction_coefficient**2)
-    assert highest.load_multiplier <= bound.load_multiplier * (1.0 + 1e-6) + room
+    margin = tilt * (1.0 + model.assembly.joint.friction_coefficient**2)
+    assert highest.load_multiplier <= bound.load_multiplier * (1.0 + 1e-6) + margin
 
 
 def test_curves_end_for_true_reasons():

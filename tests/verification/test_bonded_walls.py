@@ -17,7 +17,7 @@ import pytest
 import drystone as ds
 from bonded_walls import KINDS, bonded_wall
 from builders import rectangle
-from drystone.contact.contacts import CRUSH, FRICTION, ROOM
+from drystone.contact.contacts import CRUSH, FRICTION, INTERCEPT
 from drystone.dynamics.distinct.engine import DistinctEngine
 from drystone.law.strengths import Strengths
 from drystone.model.joint_law import JointLaw
@@ -139,4 +139,4 @@ def test_contacts_made_on_the_way_are_crushed_and_have_residual_friction():
     fresh = Strengths(model.assembly).fresh
     assert np.allclose(fresh[:, CRUSH], 2e6)
     assert np.allclose(fresh[:, FRICTION], 0.5)
-    assert np.allclose(fresh[:, ROOM], 0.0)
+    assert np.allclose(fresh[:, INTERCEPT], 0.0)

@@ -34,7 +34,7 @@ def law(friction: float, stiffness: float = 1e10, **more: float) -> JointLaw:
     )
 
 
-def let_go(
+def released_for(
     engine: DistinctEngine, state: DistinctState, time: float, multiplier: float = 0.0
 ) -> DistinctState:
     """Real motion of a given length."""
@@ -43,7 +43,7 @@ def let_go(
 
 
 def raised(problem: Problem, height: float) -> np.ndarray:
-    pose = problem.assembly.rest_pose()
+    pose = problem.assembly.design_pose()
     pose[1, 1] = height
     return pose
 
@@ -61,7 +61,7 @@ class TestDrop:
     def test_free_fall(self):
         engine, state = self.start()
         time = 0.04  # s, before it lands at 0.0452 s
-        state = let_go(engine, state, time)
+        state = released_for(engine, state, time)
         # Semi-implicit Euler is ahead by g t dt / 2, dt being below 0.2 ms.
         assert state.pose[1, 1] == pytest.approx(
             self.height - 0.5 * GRAVITY * time**2, abs=0.5 * GRAVITY * time * 2e-4
@@ -71,7 +71,7 @@ class TestDrop:
         engine, state = self.start()
         heights = []
         for _ in range(500):
-            state = let_go(engine, state, 2e-4)
+            state = released_for(engine, state, 2e-4)
             heights.append(state.pose[1, 1])
         # From W (h + d) = k d^2 / 2.
         flat = self.weight / self.stiffness
@@ -83,7 +83,7 @@ class TestDrop:
     def test_energy(self):
         engine, state = self.start()
         for _ in range(20):
-            state = let_go(engine, state, 5e-3)
+            state = released_for(engine, state, 5e-3)
             assert abs(energy_of(engine, state).defect) < 1e-3 * self.weight * self.height
 
 
@@ -94,7 +94,7 @@ class TestSlide:
         alpha, friction, time = np.pi / 4, 0.5, 0.2
         model = stack((0.8, 0.2), joint=law(friction), tilt=-alpha)
         engine = DistinctEngine(UNDAMPED)
-        state = let_go(engine, engine.release(problem_of(model)), time)
+        state = released_for(engine, engine.release(problem_of(model)), time)
         along = np.array([np.cos(alpha), -np.sin(alpha)])
         distance = 0.5 * GRAVITY * (np.sin(alpha) - friction * np.cos(alpha)) * time**2
         # It drops on its springs at first, by twice W cos(alpha) / k = 0.4 um.
@@ -120,7 +120,7 @@ class TestRocking:
 
     def lean(self, angle: float) -> tuple[Problem, np.ndarray]:
         problem = problem_of(stack(self.size, joint=law(0.8, self.stiffness)))
-        pose = problem.assembly.rest_pose()
+        pose = problem.assembly.design_pose()
         toe = np.array([self.size[0] / 2, 0.0])
         arm = problem.assembly.centroid[1] - toe
         c, s = np.cos(angle), -np.sin(angle)
@@ -148,7 +148,7 @@ class TestRocking:
         step, time = 1e-3, 0.0
         angles = [first]
         while angles[-1] > 0.0:
-            state = let_go(engine, state, step)
+            state = released_for(engine, state, step)
             time += step
             angles.append(-state.pose[1, 2])
             energy = energy_of(engine, state)
@@ -183,14 +183,14 @@ class TestDilatancy:
         begin = state.pose.copy()
         engine.settings = UNDAMPED
         # Nothing damps the springs, which the load has shaken: velocities some 60 periods apart.
-        first = let_go(engine, state, 0.03, multiplier)
-        second = let_go(engine, first, 0.02, multiplier)
+        first = released_for(engine, state, 0.03, multiplier)
+        second = released_for(engine, first, 0.02, multiplier)
         slope = np.tan(np.radians(self.angle))
         acceleration = GRAVITY * (multiplier - self.friction) / (1.0 + self.friction * slope)
         gained = (second.velocity - first.velocity)[1, 0]
         assert gained == pytest.approx(acceleration * 0.02, rel=5e-3)
-        gone = second.pose[1] - begin[1]
-        assert gone[1] == pytest.approx(slope * gone[0], rel=1e-3)
+        moved = second.pose[1] - begin[1]
+        assert moved[1] == pytest.approx(slope * moved[0], rel=1e-3)
 
     def test_ends(self):
         # Driven slowly: a joint that lifts fast hops, and does not dilate while it is open.
@@ -203,10 +203,10 @@ class TestDilatancy:
             state, report = engine.step(state, Demand(increment=4e-4))
             # It lifts until it is stopped, and settles with a little less than all its friction.
             assert report.static_multiplier == pytest.approx(self.friction, abs=1e-3)
-            gone = state.pose[1] - begin[1]
+            moved = state.pose[1] - begin[1]
             # The elastic shear before sliding is 0.5 W / k_s = 1e-7 m, a cycle slides 1e-6 m.
-            assert gone[1] == pytest.approx(slope * min(gone[0], end), abs=1e-6)
-        assert gone[0] > 1.5 * end
+            assert moved[1] == pytest.approx(slope * min(moved[0], end), abs=1e-6)
+        assert moved[0] > 1.5 * end
 
 
 class TestBond:

@@ -30,7 +30,7 @@ UNDAMPED = DistinctSettings(local_damping=0.0, safety=0.05)
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def let_go(engine: DistinctEngine, state: DistinctState, time: float) -> DistinctState:
+def released_for(engine: DistinctEngine, state: DistinctState, time: float) -> DistinctState:
     """Real motion of a given length under the dead load."""
     demand = Demand(multiplier=0.0, time_step=time, stop_blocks=False)
     return engine.step(state, demand)[0]
@@ -121,7 +121,7 @@ class TestDrop:
         ]
         model = model_of(blocks, joint(0.4, 1e8), push=(1.0, 0.0, 0.0), corner=corner)
         assembly = model.assembly
-        pose = assembly.rest_pose()
+        pose = assembly.design_pose()
         pose[1, 3:] = rotation.as_quat(scalar_first=True)
         core = rotation.apply(assembly.shapes.of(1))
         lowest = core[:, 2].min() - assembly.shapes.radius[1]
@@ -147,7 +147,7 @@ class TestDrop:
         assert work.n_cycles * dt == pytest.approx(fall, abs=2.0 * dt)
         # Through the impact and what comes of it: it slides, tips, and flies up again.
         for _ in range(6):
-            state = let_go(engine, state, 0.02)
+            state = released_for(engine, state, 0.02)
             # Friction changes while it slides, and so its work is of first order in the time step.
             assert abs(energy_of(engine, state).defect) < 1e-2 * weight * self.height
 
@@ -156,7 +156,7 @@ class TestDrop:
         for safety in (0.1, 0.05):
             engine, state = self.start(Rotation.from_rotvec((0.5, -0.3, 0.9)), None)
             engine.settings = replace(UNDAMPED, safety=safety)
-            state = let_go(engine, let_go(engine, state, 0.05), 0.05)
+            state = released_for(engine, released_for(engine, state, 0.05), 0.05)
             missed.append(energy_of(engine, state).defect)
         assert missed[0] / missed[1] == pytest.approx(2.0, rel=0.15)
 
@@ -175,7 +175,7 @@ class TestFlight:
         model = model_of(blocks, joint(0.5, 1e8), push=(1.0, 0.0, 0.0))
         engine = DistinctEngine(replace(UNDAMPED, safety=0.2))
         assembly = model.assembly
-        pose, velocity = assembly.rest_pose(), assembly.no_motion()
+        pose, velocity = assembly.design_pose(), assembly.no_motion()
         pose[1:, 3:] = Rotation.random(2, random_state=random).as_quat(scalar_first=True)
         velocity[1:, 0] = 3.0, -3.0
         velocity[1:, 1:3] = random.uniform(-0.3, 0.3, (2, 2))
@@ -189,7 +189,7 @@ class TestFlight:
         for _ in range(100):
             place = (assembly.centroid + work.motion.pose[:, :3])[1:]
             v = work.motion.velocity[1:]
-            spin = np.einsum("nij,nj->ni", work.motion.turn.axes[1:], mass[:, 3:] * v[:, 3:])
+            spin = np.einsum("nij,nj->ni", work.motion.rotation.axes[1:], mass[:, 3:] * v[:, 3:])
             linear = mass[:, :3] * v[:, :3]
             total = np.array([linear.sum(axis=0), np.sum(np.cross(place, linear) + spin, axis=0)])
             first = total if first is None else first

@@ -316,7 +316,7 @@ class TestLimitAnalysis:
     def test_is_the_peak_of_stiff_joints(self, case):
         model, forces = CASES[case]
         tilt = model.load.name == "tilt"
-        rigid = multiplier_of(model, model.assembly.rest_pose(), forces, tilt=tilt)
+        rigid = multiplier_of(model, model.assembly.design_pose(), forces, tilt=tilt)
         for flow in ("associative", "non-associative"):
             found = ds.collapse_load(model, flow=flow)
             assert found.load_multiplier == pytest.approx(rigid, rel=1e-6)

@@ -95,7 +95,7 @@ def test_a_box_dropped_on_an_edge_or_a_corner_comes_to_rest(turn):
     model = model_of(blocks, joint(0.5, 1e8), push=(1.0, 0.0, 0.0))
     engine, assembly = NscdEngine(), model.assembly
     state, _ = engine.start(problem_of(model))
-    pose = assembly.rest_pose()
+    pose = assembly.design_pose()
     pose[1, 2] = 0.25
     pose[1, 3:] = Rotation.from_rotvec(turn).as_quat(scalar_first=True)
     state = replace(state, pose=pose, velocity=assembly.no_motion())

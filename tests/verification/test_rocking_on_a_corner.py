@@ -59,7 +59,7 @@ def test_distinct_falls_over_a_corner_as_integrated():
     pose, turn = tilted()
     engine = DistinctEngine(DistinctSettings(local_damping=0.0, safety=0.5))
     problem = Problem(assembly=model.assembly, load=model.load, control_point=model.control_point)
-    poses = model.assembly.rest_pose()
+    poses = model.assembly.design_pose()
     poses[1] = pose
     state = engine.release(problem, pose=poses)
     for _ in range(5):

@@ -99,7 +99,7 @@ def test_through_the_file(tmp_path):
     ds.write_model(carriage(), tmp_path / "m.toml")
     again = ds.read_model(tmp_path / "m.toml")
     assert again.assembly.blocks[1].held == ("y", "turn")
-    assert np.array_equal(again.assembly.held, carriage().assembly.held)
+    assert np.array_equal(again.assembly.restrained, carriage().assembly.restrained)
 
 
 @pytest.mark.parametrize(

@@ -236,7 +236,7 @@ def test_summary_names_what_it_is(tmp_path):
     assert summary["stands"] is True
     read = ds.load_results(tmp_path).curve
     assert np.array_equal(read.reaction, curve.reaction)
-    assert read.settles
+    assert read.moves_supports
 
 
 WRONG = (

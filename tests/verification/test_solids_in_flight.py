@@ -15,7 +15,7 @@ import pytest
 from builders import problem_of
 from drystone.dynamics.nscd import NscdEngine
 from drystone.engines.base import Demand
-from drystone.geometry.motion import moved, rest, turned
+from drystone.geometry.motion import design_pose, moved, rotated
 from drystone.geometry.rotation import spin_on
 from drystone.model.assembly import GRAVITY, Corner
 from solids import box, joint, model_of
@@ -35,7 +35,7 @@ class Flight:
         model = model_of([base, *boxes], joint(0.5, 1e8), push=(1.0, 0.0, 0.0), corner=corner)
         self.assembly, self.engine = model.assembly, NscdEngine()
         state, _ = self.engine.start(problem_of(model))
-        pose, velocity = self.assembly.rest_pose(), self.assembly.no_motion()
+        pose, velocity = self.assembly.design_pose(), self.assembly.no_motion()
         pose[1:, :3] = np.array(places) + (0.0, 0.0, HEIGHT) - self.assembly.centroid[1:]
         velocity[1:, :3], velocity[1:, 3:] = velocities, spins
         self.state = replace(state, pose=pose, velocity=velocity, increment=0.0 * velocity)
@@ -63,7 +63,7 @@ class Flight:
         m, v, axes = self.assembly.mass, state.velocity, self.assembly.axes
         x = self.assembly.centroid + state.pose[:, :3]
         amid = moved(state.pose, -0.5 * state.increment, axes)
-        spin = turned(np.einsum("nij,nj->ni", axes, m[:, 3:] * v[:, 3:]), amid)
+        spin = rotated(np.einsum("nij,nj->ni", axes, m[:, 3:] * v[:, 3:]), amid)
         angular = spin + np.cross(x, m[:, :3] * v[:, :3])
         return np.concatenate(((m[:, :3] * v[:, :3])[1:].sum(axis=0), angular[1:].sum(axis=0)))
 
@@ -157,7 +157,7 @@ def test_energy_of_a_free_spin_is_of_second_order_and_does_not_drift():
 
 
 def test_a_steady_spin_about_a_principal_axis_is_exact():
-    axes, pose, increment = np.eye(3)[None], rest(1, 3), np.zeros((1, 6))
+    axes, pose, increment = np.eye(3)[None], design_pose(1, 3), np.zeros((1, 6))
     mass, velocity = np.array([[1.0, 1, 1, 2, 3, 4]]), np.array([[0, 0, 0, 0, 0, 5.0]])
     for _ in range(100):
         spin_on(increment, mass, 0.01, velocity)

@@ -141,23 +141,23 @@ def towards(model: Model, angle: float) -> Model:
         return model
     if angle not in (model.assembly.kind.angles or (angle,)):
         raise EngineError(f"directions: a plane model has 0 and 180 degrees, and not {angle:g}")
-    turn = _turn(model.assembly.up, angle)
+    rotation = _rotation(model.assembly.up, angle)
     if angle == 180.0:
         load = model.load.opposite(model.assembly)
     else:
         try:
-            load = model.load.towards(turn @ model.load_along)
+            load = model.load.towards(rotation @ model.load_along)
         except ValueError as error:
             raise EngineError(f"directions: {error}, or take both senses") from None
     from drystone.model.construction.vary import control_beside_default, remade
 
     control = control_beside_default(model)
     if control["control_direction"] is not None:
-        control["control_direction"] = turn @ np.asarray(control["control_direction"])
+        control["control_direction"] = rotation @ np.asarray(control["control_direction"])
     return remade(model, load=load, **control)
 
 
-def _turn(up: Array, angle: float) -> Array:
+def _rotation(up: Array, angle: float) -> Array:
     """Rotation about the upright axis; in the plane half a turn about it."""
     dim, upright = len(up), np.outer(up, up)
     if angle == 180.0:

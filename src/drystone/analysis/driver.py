@@ -38,13 +38,21 @@ from drystone.control import (
     HistorySettings,
     PublishedControl,
     PublishedSettings,
-    SettlingControl,
-    SettlingSettings,
+    SupportControl,
+    SupportSettings,
     ends,
 )
 from drystone.control.stops import STOPS, stops_of
 from drystone.engines import checked, make_engine
-from drystone.engines.base import Demand, Engine, EngineError, Pacing, Problem, State, StepReport
+from drystone.engines.base import (
+    Demand,
+    Engine,
+    EngineError,
+    PreferredSteps,
+    Problem,
+    State,
+    StepReport,
+)
 from drystone.engines.frame import Frame
 from drystone.engines.framed import framed
 from drystone.engines.refusal import others
@@ -475,15 +483,19 @@ class _Run:
     def _since_rest(self, report: StepReport) -> StepReport:
         """The report, with control displacements since the rest under the dead load."""
         moved = report.control_displacement - self.settlement
-        way = tuple((state, self._since_rest(told)) for state, told in report.path.way)
-        return changed(report, control_displacement=moved, path=changed(report.path, way=way))
+        way = tuple((state, self._since_rest(told)) for state, told in report.path.dynamic_states)
+        return changed(
+            report, control_displacement=moved, path=changed(report.path, dynamic_states=way)
+        )
 
     def _pass(
         self, state: State, demand: Demand, report: StepReport, decision: Decision[Any]
     ) -> tuple[State, Decision[Any] | None]:
         """Add the points in motion on the way of a step; the state of the last of them, and what
         ends the analysis there, if anything does."""
-        for (passed, told), multiplier in zip(report.path.way, decision.way, strict=False):
+        for (passed, told), multiplier in zip(
+            report.path.dynamic_states, decision.dynamic_multipliers, strict=False
+        ):
             point = Decision(
                 accept=True,
                 demand=demand,
@@ -515,10 +527,10 @@ class _Run:
 
     def _fallen(self, before: State, after: State) -> list[int]:
         """Rows of the blocks that have left in between, where the engine tells."""
-        gone, then = self.solver.gone_of(after), self.solver.gone_of(before)
-        if gone is None or then is None or gone is then:
+        departed, then = self.solver.departed(after), self.solver.departed(before)
+        if departed is None or then is None or departed is then:
             return []
-        return [int(i) for i in np.flatnonzero(gone & ~then)]
+        return [int(i) for i in np.flatnonzero(departed & ~then)]
 
     def _add(
         self,
@@ -673,9 +685,9 @@ def make_control(strategy: str, engine: Engine[Any], model: Model) -> Control[An
             f"most {coarsest:.3g} m, a fifth of the smallest block"
         )
     step = {"displacement_step": STEP_SHARE * frame.size}
-    preferred = _suited(engine.pacing(model.assembly))
+    preferred = _suited(engine.preferred_steps(model.assembly))
     if model.settlement is not None:
-        return _settling({**step, **preferred, **options}, engine, model, frame)
+        return _support_control({**step, **preferred, **options}, engine, model, frame)
     try:
         if strategy == "published":
             return PublishedControl(
@@ -703,9 +715,9 @@ def _cyclic(
     return ExcessHistoryControl(_settings(ExcessHistorySettings, frame.time, options))
 
 
-def _settling(
+def _support_control(
     options: Mapping[str, float], engine: Engine[Any], model: Model, frame: Frame
-) -> SettlingControl:
+) -> SupportControl:
     """The control of supports that move; raises `EngineError` for engines that cannot move them."""
     if not engine.capabilities.moves_supports:
         raise EngineError(
@@ -720,22 +732,22 @@ def _settling(
         corners = np.vstack([assembly.blocks[i].vertices for i in rows])
         lever = float(np.linalg.norm(corners - settlement.centre, axis=1).max())
     step = options["displacement_step"]
-    return SettlingControl(
-        SettlingSettings(
+    return SupportControl(
+        SupportSettings(
             largest=settlement.largest,
             step=min(step, settlement.largest * lever) / lever,
             unit=weight * (lever if settlement.rotates else 1.0),
             scale=lever,
             time_step=0.0 if engine.capabilities.prescribes_displacement else STILL * frame.time,
-            easy_iterations=int(options.get("easy_iterations", SettlingSettings.easy_iterations)),
-            max_steps=int(options.get("max_steps", SettlingSettings.max_steps)),
+            grow_iterations=int(options.get("grow_iterations", SupportSettings.grow_iterations)),
+            max_steps=int(options.get("max_steps", SupportSettings.max_steps)),
         )
     )
 
 
-def _suited(pacing: Pacing) -> dict[str, float]:
+def _suited(preferred_steps: PreferredSteps) -> dict[str, float]:
     """Settings of the strategies that go with what an engine says of its steps."""
-    said = asdict(pacing)
+    said = asdict(preferred_steps)
     smooth = said.pop("smooth")
     known = {key: value for key, value in said.items() if value is not None}
     return {**known, **SMOOTH} if smooth else known

@@ -46,7 +46,7 @@ def compare(
         empty = [str(found.path) for found in results if not found.curve.points]
         if empty:
             raise ModelError([f"{path}: its curve has no points yet" for path in empty])
-        if len({(found.curve.settles, found.curve.motion_unit) for found in results}) > 1:
+        if len({(found.curve.moves_supports, found.curve.motion_unit) for found in results}) > 1:
             raise ModelError(
                 ["loads, supports that go along and supports that turn have curves of other kinds: "
                  "compare folders of one kind"]

@@ -217,7 +217,7 @@ def _taken_up(results: ResultsDirectory, ends: dict[str, float | None]) -> dict[
     """The figures of a direction that was begun, traced to its end."""
     from drystone.limit import limits_beside
     from drystone.report.folder.results import load_results
-    from drystone.report.folder.resume import extended_to, gone_on
+    from drystone.report.folder.resume import extended_to, go_on
 
     kept = results.take_up()
     if kept.complete and not ends:
@@ -225,7 +225,7 @@ def _taken_up(results: ResultsDirectory, ends: dict[str, float | None]) -> dict[
         return _figures(stored.summary, stored.curve)
     model = extended_to(kept.model, ends)
     results.beside = limits_beside(model)
-    curve = gone_on(kept, model, results, threads=1, progress=False)
+    curve = go_on(kept, model, results, threads=1, progress=False)
     return _figures(results.summary or {}, curve)
 
 

@@ -55,7 +55,7 @@ def resume_run(
         from drystone.io.results.names import RESULTS
         from drystone.limit import limits_beside
         from drystone.report.folder.directory import ResultsDirectory
-        from drystone.report.folder.resume import check_resumes, extended_to, gone_on
+        from drystone.report.folder.resume import check_resumes, extended_to, go_on
 
         if not folder.is_dir():
             raise typer.BadParameter(f"there is no folder {folder}", param_hint="--resume")
@@ -80,7 +80,7 @@ def resume_run(
             with compiling(kept.engine, model.assembly.dimension, quiet=quiet or as_json):
                 results.beside = beside = limits_beside(model)
                 with progress_for(title, stop, quiet=quiet) as progress:
-                    curve = gone_on(kept, model, results, progress=progress, threads=threads)
+                    curve = go_on(kept, model, results, progress=progress, threads=threads)
         return told(curve, model, beside, results, as_json=as_json)
     raise AssertionError("`outcome` lets nothing pass")
 

@@ -276,8 +276,8 @@ def report(title: str, curve: CapacityCurve, folder: Path, beside: Beside) -> st
     """The few lines that a person wants to read first."""
     from drystone.model.construction.words import printable
 
-    if curve.settles:
-        return _settling(title, curve, folder)
+    if curve.moves_supports:
+        return _support_text(title, curve, folder)
     peak, ultimate = curve.peak, curve.ultimate_displacement
     end = (
         f"{ultimate:.4f} m, where the multiplier falls to {curve.stop_multiplier:g}"
@@ -311,7 +311,7 @@ def event_rows(curve: CapacityCurve) -> list[tuple[str, str]]:
     return rows + [("", f"and {more} more, see summary.json")] * (more > 0)
 
 
-def _settling(title: str, curve: CapacityCurve, folder: Path) -> str:
+def _support_text(title: str, curve: CapacityCurve, folder: Path) -> str:
     """The same of supports that move."""
     from drystone.model.construction.words import printable
     from drystone.report.quantities import Quantities

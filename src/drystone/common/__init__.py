@@ -1,2 +1,2 @@
-"""What all rooms use: errors, names, records, ranges of numbers, threads, workers, compiled
+"""What all packages use: errors, names, records, ranges of numbers, threads, workers, compiled
 code."""

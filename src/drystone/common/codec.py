@@ -90,7 +90,7 @@ class _Writer:
     def __init__(self) -> None:
         self.arrays: list[NDArray[Any]] = []
         self.seen: dict[int, int] = {}  # numbers of objects, by their identity
-        self.held: list[Any] = []  # these objects, so that no other comes to have it
+        self.objects: list[Any] = []  # these objects, so that no other comes to have it
 
     def node(self, value: Any, where: str) -> Any:
         if value is None or type(value) in (bool, int, str):
@@ -107,8 +107,8 @@ class _Writer:
             return {"tuple": []}
         if (number := self.seen.get(id(value))) is not None:
             return {"same": number}
-        self.seen[id(value)] = number = len(self.held)
-        self.held.append(value)
+        self.seen[id(value)] = number = len(self.objects)
+        self.objects.append(value)
         return {"number": number, **self._whole(value, where)}
 
     def _whole(self, value: Any, where: str) -> dict[str, Any]:

@@ -1,7 +1,7 @@
-"""The register of numbers: every tolerance and threshold of the rooms that compute, by subject.
+"""The register of numbers: every tolerance and threshold of the packages that compute, by subject.
 
-``tests/unit/test_numbers.py`` holds every float literal of these rooms to this file or to a short
-list of exact numbers.  Kernels take the constants here as constants of theirs, at no cost.
+``tests/unit/test_numbers.py`` holds every float literal of these packages to this file or to a
+short list of exact numbers.  Kernels take the constants here as constants of theirs, at no cost.
 
 **Scales.** Engines work in a frame of their own (`engines.frame`): the smallest block is 0.175 m,
 the heaviest material weighs 10 kN/m3, times are those of blocks of that size.  A number in metres
@@ -139,7 +139,7 @@ FOLDED = -0.98
 
 #: Cosine between normals from which on faces that meet look the same way: 45 degrees.
 #: Not measured.
-SAME_WAY = 0.7
+SAME_DIRECTION = 0.7
 
 #: Cosine between the normals of faces of two blocks above which they do not lie on each other: less
 #: than 154 degrees between them.  Not measured.
@@ -164,7 +164,7 @@ SPARE_IN_LINE = 1e-10
 OFF_LINE = SUMS
 
 #: Weight of the motion of a vertex that is held, over that of others.  Not measured.
-HELD_VERTEX = 1e-3
+FIXED_VERTEX = 1e-3
 
 #: Share of what was missed that a further iteration must be better than.  Not measured.
 BETTER = 0.9
@@ -220,7 +220,7 @@ EDGE_ON = 0.05
 
 #: Faces are kept while others separate the parts by no more than this share of their size more, or
 #: are more opposed by no more than this.  Not measured.
-HELD_FACE = 1e-3
+KEPT_FACE = 1e-3
 
 #: Faces that separate the parts by this share of their size less do so alike: more than the
 #: rounding of places, and less than a gap that a drawing means.  Derived: `DRAWN`.
@@ -228,7 +228,7 @@ TIED = DRAWN
 
 #: Where parts meet in an edge or a point alone, another face separates them as soon as it does so
 #: by this share of their size more than the present one.  Such parts may come apart along each of
-#: these faces' normals.  If the face were kept as flush ones are (`HELD_FACE`), it would hold parts
+#: these faces' normals.  If the face were kept as flush ones are (`KEPT_FACE`), it would hold parts
 #: that slide past each other: two stones on two, head joints in line, carried a tenth to a half
 #: more.  Derived: a rounding.
 EDGED = ROUNDING
@@ -324,7 +324,7 @@ KEPT = 1e-2
 #: Room that a pair keeps of its cones, over their size: with less, what slides far is lost in
 #: rounding.  Reactions are wrong by no more than that where the barrier is none, and exact once the
 #: law itself is asked.  Not measured.
-LEAST_ROOM = 1e-10
+LEAST_DISTANCE = 1e-10
 
 #: Friction over what keeps a contact open, below which it is open: it slides freely.  Not measured.
 OPENING = 1e-2
@@ -386,7 +386,7 @@ FLOOR_SHARE = 0.01
 CROSSING = 4.0
 
 #: Increment over the largest up to which steps are worth more than one try.  Range: calm.
-THOROUGH_SHARE = 0.02
+FULL_SEARCH_SHARE = 0.02
 
 #: Increment of the first step of a jump over the largest.  Range: peaks by 8e-5, steps by 1.7 %;
 #: where doubled, two curves end by more than 1 % elsewhere.
@@ -410,15 +410,15 @@ CLOSING_SHARE = 0.1
 
 #: Of the peak, by which the way through a step may lie above it.  Range, by `distinct`: one peak
 #: (`plane` 8) by 4.4e-4, the others the same; steps by -8 %, nearly all of that one.
-CREST_SHARE = 5e-3
+OVERSHOOT_SHARE = 5e-3
 
 #: Of the peak, by which that may lie above both ends elsewhere.  Not measured.
 DRIVE_SHARE = 2e-2
 
-#: Of `CREST_SHARE`, under which there was no peak on the way of a step; and under which steps grow
-#: as fast as they may.  Not measured.
-NO_CREST = 0.2
-CALM_CREST = 0.05
+#: Of `OVERSHOOT_SHARE`, under which there was no peak on the way of a step; and under which steps
+#: grow as fast as they may.  Not measured.
+NO_OVERSHOOT = 0.2
+SMALL_OVERSHOOT = 0.05
 
 #: Of the peak, that the curve may bend within a step.  Range: plane: calm.
 BEND_SHARE = 2e-3
@@ -448,21 +448,21 @@ ALL_BUT = 0.98
 #: Part of a step at which a turn still gives it a length, by how much it is shortened where it does
 #: not, and the part of it from which the slope to a turn is known.  Range: the first two with
 #: `ALL_BUT` (see there); the third the same.
-TURN_WITHIN = 0.9
+FOLD_WITHIN = 0.9
 SHORTER = 0.6
-TURN_KNOWN = 0.05
+FOLD_KNOWN = 0.05
 
 #: Share of their motion by which blocks may leave in a step the direction in which it begins, where
 #: the curve bends by more than the second, of the peak, and the step is more than the third, of the
 #: largest.  Range: plane: the same.  Space: the first doubled, a peak by 3.6e-4, steps by 3.1 %;
 #: the second, no peak, steps by 3 %; the third, a peak by 1.1e-4, steps by -4.6 %.
-SWERVE_SHARE = 0.1
-SWERVE_BEND = 1e-4
-SWERVE_STEP = 0.06
+DEVIATION_SHARE = 0.1
+DEVIATION_BEND = 1e-4
+DEVIATION_STEP = 0.06
 
 #: By how much steps are shortened that were hard.  Range, from 0.5 to 0.85: by `equilibrium` the
 #: same, as no step is so hard; by `distinct` not measured.
-HARD_SHORTER = 0.7
+MANY_SHORTER = 0.7
 
 #: First time step of a jump [s].  Range: peaks by 4e-5; plane: steps by 2.2 %; space: by 11 % where
 #: halved, by -5 % where doubled.
@@ -594,23 +594,23 @@ MOST_CHANGE = 1.2
 # Control: supports that move ---------------------------------------------------------------------
 
 #: Smallest step over the largest.  Not measured.
-SETTLING_FLOOR = 1e-4
+SUPPORT_FLOOR = 1e-4
 
 #: Motion of a block over that of the supports, or over as much as it was in the last step, above
 #: which it jumps.  Not measured.
-LEAP = 5.0
+JUMP_RATIO = 5.0
 
 #: Of the largest reaction, by which it may leave its course in a step.  Not measured.
-SETTLING_BEND = 0.02
+SUPPORT_BEND = 0.02
 
 #: Steps that are looked at for a bend, over the smallest and over the first; and by how much a step
 #: is shortened.  Not measured.
 WORTH_BENDING = 20.0
 WORTH_OF_FIRST = 0.05
-SETTLING_SHORTER = 0.3
+SUPPORT_SHORTER = 0.3
 
 #: Way of the supports that is all of it, but for this.  Derived: a rounding.
-ALL_GONE = 1.0 - ROUNDING
+ALL_MOVED = 1.0 - ROUNDING
 # Engines: frames, measures, bonds ----------------------------------------------------------------
 
 #: Smallest side of a block of the published walls [m], and their unit weight [N/m3]: the size and
@@ -733,10 +733,10 @@ NSCD_RESIDUAL = 2.0 * NSCD_TOLERANCE
 
 #: Momentum defect at which the branches count as settled, over the tolerance.  Derived: a tenth of
 #: what is asked for.
-BRANCHES_SETTLED = 0.1
+BRANCHES_FIXED = 0.1
 
 #: Time step of settling [s], and the least share of it.  Not measured.
-SETTLING_TIME_STEP = 0.05
+DEAD_LOAD_TIME_STEP = 0.05
 LEAST_TIME_STEP = 1e-4
 
 #: Motion of a step from rest over what joints close by, under which it is at rest; and the least
@@ -748,10 +748,10 @@ LEAST_CLOSURE = ROUNDING
 #: mass at a contact: hard, harder, hardest and softly.  Softer ones, tried where Newton's method
 #: does not converge with the last, forgive wrong branches; stiffer ones settle forces that next to
 #: no slip decides.  Derived: each 30 times the one before, and the last two again.  Not measured.
-HOLD_SOFTLY = 30.0
-HOLD_HARD = 1e3
-HOLD_HARDER = HOLD_SOFTLY * HOLD_HARD
-HOLD_HARDEST = 1e6
+SOFT_PENALTY = 30.0
+STIFF_PENALTY = 1e3
+STIFFER_PENALTY = SOFT_PENALTY * STIFF_PENALTY
+STIFFEST_PENALTY = 1e6
 
 #: Least share of a Newton step that is worth trying.  Not measured.
 LEAST_NEWTON = 0.05
@@ -805,9 +805,9 @@ MOST_MOTION = 0.2
 
 #: Time steps from which a structure settles [s], the least of them, and how they grow.
 #: Not measured.
-SETTLING_STEP = 0.1
-LEAST_SETTLING_STEP = 1e-5
-LONGER_SETTLING = 100.0
+DEAD_LOAD_STEP = 0.1
+LEAST_DEAD_LOAD_STEP = 1e-5
+LONGER_DEAD_LOAD_STEP = 100.0
 
 #: Step of a control displacement over the height of the structure, and over the smallest block, at
 #: least and at most.  Derived: a mechanism turns by 1 in 500 in it.  The shares: not measured.
@@ -825,7 +825,7 @@ PRESSED = 1e-2
 #: Margin of a bond at which a step ends for it, and force over the heaviest weight by which what
 #: joints hold may still change where it ends.  Not measured.
 ENDS_FOR_BOND = 1e-5
-SETTLED = 1e-6
+STRENGTHS_FIXED = 1e-6
 
 # Statics: linear pieces, and matrices ------------------------------------------------------------
 
@@ -867,17 +867,17 @@ BY_REACH = 0.05
 
 #: Length of an iteration that is no way on, and the least barrier that contacts are centred on
 #: anew.  Range: without, iterations by 12 % and failed steps by 80 %.
-NO_WAY_ON = 0.2
+NO_PROGRESS = 0.2
 RECENTRED_BARRIER = 1e-3
 
 #: What may leave its cone, over what a barrier makes fuzzy: for the predictor, and by turning.
 #: Range: without either, iterations of 18 curves in space by less than 1 %.
-PREDICTOR_LEEWAY = 0.1
-TURNING_LEEWAY = 10.0
+PREDICTOR_RADIUS = 0.1
+SLIP_RADIUS = 10.0
 
 #: Barrier over the present one, at least and at most.  Convention of Mehrotra's method.
-LEAST_FALL = 1e-3
-MOST_FALL = 0.8
+LEAST_REDUCTION = 1e-3
+MOST_REDUCTION = 0.8
 
 #: Energy and unbalanced force at which branches may be told, and energy below which there is
 #: nothing more to be found.  Not measured.
@@ -887,18 +887,18 @@ NOTHING_MORE = 1e-24
 
 #: Unbalanced force with which Newton's method is tried on the way, by how much it must gain there,
 #: and from the start.  Not measured.
-CALM = 0.05
-PROBE_GAIN = 10.0
+NEWTON_RESIDUAL = 0.05
+NEWTON_GAIN = 10.0
 WARM_GAIN = 30.0
 
 #: Farthest rotation in an iteration [rad]: beyond, a direction is not of the linearised motion.
 #: Range: curves of six bonded walls are the same to the last bit with 0.02 to 1.
-FARTHEST_TURN = 0.2
+FARTHEST_ROTATION = 0.2
 
 #: Damping of an unstable matrix; that which says that something has lost its hold; and most of it.
 #: Range: four times more or less of the first, iterations in space by 5 %, peaks as they were.
 DAMPING = 10.0
-LOST_HOLD = 3e3
+LOST_SUPPORT = 3e3
 MOST_DAMPING = 1e9
 
 #: Length of an iteration that lets go of damping, and by which one is shortened that turns contacts
@@ -914,8 +914,8 @@ LAST_SHARE_SEEN = 0.95
 # Statics: joints that yield ----------------------------------------------------------------------
 
 #: Shares of what is missing that are gone at a time.  Not measured.
-LEAST_SHARE_GONE = 0.3
-MOST_SHARE_GONE = 10.0
+LEAST_RELAXATION = 0.3
+MOST_RELAXATION = 10.0
 
 #: Force that Newton's method may leave, over that by which what joints hold may still change.
 #: Not measured.

@@ -97,7 +97,7 @@ def _matrices(model: Model, pose: Array) -> Array:
     matrices = np.tile(np.eye(4), (len(centroid), 1, 1))
     for column in range(3):
         unit = np.broadcast_to(np.eye(3)[column], centroid.shape)
-        matrices[:, :3, column] = motion.turned(unit, pose)
+        matrices[:, :3, column] = motion.rotated(unit, pose)
     carried = np.einsum("nij,nj->ni", matrices[:, :3, :3], centroid)
     matrices[:, :3, 3] = centroid + motion.translations(pose) - carried
     return matrices

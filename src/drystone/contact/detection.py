@@ -54,7 +54,9 @@ class NarrowPhase(Protocol):
         """The slot that each one goes on with."""
         ...
 
-    def turn(self, before: Slots, now: Slots, source: IntArray, had: Array, shear: Array) -> None:
+    def rotate_shear(
+        self, before: Slots, now: Slots, source: IntArray, had: Array, shear: Array
+    ) -> None:
         """Tangential reactions taken along, along the new tangents."""
         ...
 
@@ -104,20 +106,20 @@ class Detector:
         lower = np.minimum.reduceat(along, first, axis=0) - radius
         return lower, np.maximum.reduceat(along, first, axis=0) + radius
 
-    def pairs(self, pose: Array, gone: BoolArray | None = None) -> Pairs:
+    def pairs(self, pose: Array, departed: BoolArray | None = None) -> Pairs:
         """Candidate pairs in the given poses, of parts of two blocks, not both of them supports.
 
-        Blocks that are ``gone`` (n,) have none.
+        Blocks that are ``departed`` (n,) have none.
         """
         fixed, of_part = self.assembly.fixed, self.assembly.shapes.body
         lower, upper = self._part_extents(pose, np.eye(self.assembly.dimension))
         part_a, part_b = candidate_pairs(lower - self.reach, upper + self.reach)
         a, b = of_part[part_a], of_part[part_b]
-        meet = (a != b) & ~(fixed[a] & fixed[b])
-        if gone is not None and gone.any():
-            meet &= ~(gone[a] | gone[b])
-        a, b = a[meet], b[meet]
-        part_a, part_b = part_a[meet], part_b[meet]
+        near = (a != b) & ~(fixed[a] & fixed[b])
+        if departed is not None and departed.any():
+            near &= ~(departed[a] | departed[b])
+        a, b = a[near], b[near]
+        part_a, part_b = part_a[near], part_b[near]
         columns = a, b, part_a, part_b, self.assembly.law_index(a, b)
         return Pairs.of(columns, self.narrow.n_slots(part_a, part_b), pose)
 
@@ -127,7 +129,7 @@ class Detector:
 
     def travelled(self, pose: Array) -> Array:
         """Bound on how far any point of each block is from its designed place [m], (n,)."""
-        return self.motion(self.assembly.difference(pose, self.assembly.rest_pose()))
+        return self.motion(self.assembly.difference(pose, self.assembly.design_pose()))
 
     def motion(self, increment: Array) -> Array:
         """Bound on the displacement of any point of each block [m], (n,), for pose increments."""

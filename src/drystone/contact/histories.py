@@ -98,8 +98,10 @@ def handed_on(
     _inherit(source, past[1:], heirs[1:])
     if former is None:
         if columns:
-            narrow.turn(past.slots, slots, source, past.history[:, SHEAR:], history[:, SHEAR:])
-        narrow.turn(past.slots, slots, source, past.reaction[:, 1:], reaction[:, 1:])
+            narrow.rotate_shear(
+                past.slots, slots, source, past.history[:, SHEAR:], history[:, SHEAR:]
+            )
+        narrow.rotate_shear(past.slots, slots, source, past.reaction[:, 1:], reaction[:, 1:])
     if bears is not None:
         beyond = slots.gap + bears[pairs.law_of_slot]
         deeper = (source < 0) & (beyond < 0.0)

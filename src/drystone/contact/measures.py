@@ -22,7 +22,7 @@ from drystone.contact.contacts import (
 
 @njit(cache=True, error_model="numpy")
 def sum_blocks(
-    increment, acceleration, velocity, contact, held, dead, pattern, mass, fixed, direction,
+    increment, acceleration, velocity, contact, touched, dead, pattern, mass, fixed, direction,
     multiplier,
 ):  # fmt: skip
     """Forces, works and energy of a step.
@@ -33,7 +33,7 @@ def sum_blocks(
         (n, n_dof) [m, m/s2, m/s; rad, rad/s2, rad/s].
     contact, dead, pattern
         Forces, (n, n_dof) [N, N m]; the pattern is that at multiplier one.
-    held
+    touched
         (n,) whether a contact acts on the block.
     mass
         (n, n_dof) [kg, kg m2].
@@ -74,7 +74,7 @@ def sum_blocks(
         for d in range(n_dof):
             kinetic += 0.5 * mass[i, d] * velocity[i, d] ** 2
             work += (dead[i, d] + multiplier * pattern[i, d]) * increment[i, d]
-        if not held[i]:
+        if not touched[i]:
             continue
         for d in range(n_dof):
             stroke = pattern[i, d] * increment[i, d]
@@ -140,13 +140,13 @@ def mark_loose(pairs, slots, reaction, fixed, part):
             part[b] = part[part[b]]
             b = part[b]
         part[max(a, b)] = min(a, b)
-    held = np.zeros(n, np.bool_)
+    attached = np.zeros(n, np.bool_)
     for i in range(n):
         part[i] = part[part[i]]  # which is the first: it has a smaller number
-        held[part[i]] |= fixed[i]
+        attached[part[i]] |= fixed[i]
     loose = False
     for i in range(n):
-        loose |= not held[part[i]]
+        loose |= not attached[part[i]]
     return loose
 
 
@@ -156,13 +156,13 @@ def left_behind(source, shear):
 
     ``source`` (m,) holds rows of ``shear``, or -1.
     """
-    gone_on = np.zeros(shear.shape[0], np.bool_)
+    persists = np.zeros(shear.shape[0], np.bool_)
     for k in range(source.shape[0]):
         if source[k] >= 0:
-            gone_on[source[k]] = True
+            persists[source[k]] = True
     total = 0.0
     for j in range(shear.shape[0]):
-        if not gone_on[j]:
+        if not persists[j]:
             square = 0.0
             for d in range(shear.shape[1]):
                 square += shear[j, d] * shear[j, d]

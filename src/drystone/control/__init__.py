@@ -9,7 +9,7 @@ from drystone.control.excess import ExcessControl, ExcessSettings
 from drystone.control.excess_history import ExcessHistoryControl, ExcessHistorySettings
 from drystone.control.history import HistoryControl, HistorySettings
 from drystone.control.published import PublishedControl, PublishedSettings
-from drystone.control.settling import SettlingControl, SettlingSettings
+from drystone.control.support_displacement import SupportControl, SupportSettings
 
 __all__ = [
     "SMOOTH",
@@ -26,6 +26,6 @@ __all__ = [
     "HistorySettings",
     "PublishedControl",
     "PublishedSettings",
-    "SettlingControl",
-    "SettlingSettings",
+    "SupportControl",
+    "SupportSettings",
 ]

@@ -61,7 +61,7 @@ class Decision(Generic[Memory]):
     finished: bool = False  # over because the curve is complete, not because it cannot go on
     #: Load multipliers that the curve shows at the points in motion on the way of the step, see
     #: `StepPath.way`: of all, or of none where the step is tried again.
-    way: tuple[float, ...] = ()
+    dynamic_multipliers: tuple[float, ...] = ()
 
 
 class Control(Protocol[Memory]):

@@ -36,7 +36,7 @@ from drystone.control.ends import (
     fallen_freely,
     nothing_carried,
 )
-from drystone.engines.base import CREST_PARTS, Demand, StepReport
+from drystone.engines.base import OVERSHOOT_PARTS, Demand, StepReport
 
 #: How a step is tried: along the path of equilibria; up to where that turns back; over that place,
 #: to any equilibrium beyond.
@@ -68,19 +68,19 @@ class DisplacementSettings(EndSettings):
     refined_share: float = tolerances.REFINED_SHARE
     peak_share: float = tolerances.PEAK_SHARE  # of the peak, that a step may hide of it
     # Of the peak, by which the way through a step may lie above it.
-    crest_share: float = tolerances.CREST_SHARE
+    overshoot_share: float = tolerances.OVERSHOOT_SHARE
     # Of the peak, by which that may lie above both ends elsewhere.
     drive_share: float = tolerances.DRIVE_SHARE
     bend_share: float = tolerances.BEND_SHARE  # of the peak, that the curve may bend within a step
     # Of their motion, by which blocks may leave in a step the direction in which it begins, where
-    # the curve bends by more than `swerve_bend` of the peak, and the step is more than
-    # `swerve_step` of the largest.
-    swerve_share: float = tolerances.SWERVE_SHARE
-    swerve_bend: float = tolerances.SWERVE_BEND
-    swerve_step: float = tolerances.SWERVE_STEP
+    # the curve bends by more than `deviation_bend` of the peak, and the step is more than
+    # `deviation_step` of the largest.
+    deviation_share: float = tolerances.DEVIATION_SHARE
+    deviation_bend: float = tolerances.DEVIATION_BEND
+    deviation_step: float = tolerances.DEVIATION_STEP
     smooth: bool = False  # whether curves bend all along, so that steps grow by how much they do
     # Increment over the largest, up to which such steps are worth more than one try.
-    thorough_share: float = tolerances.THOROUGH_SHARE
+    full_search_share: float = tolerances.FULL_SEARCH_SHARE
     # Of the peak, by which a snap that is passed over may move the curve.
     snap_share: float = tolerances.SNAP_SHARE
     time_step: float = tolerances.JUMP_TIME_STEP  # s, first one of a jump
@@ -88,8 +88,8 @@ class DisplacementSettings(EndSettings):
     snap_motion: float = tolerances.SNAP_MOTION
     # Of a block, over the largest increment, up to which the time step of a jump grows.
     jump_motion: float = tolerances.JUMP_MOTION
-    easy_iterations: int = 12  # of a step up to which increments grow
-    hard_iterations: int = 12  # of a step beyond which they shrink
+    grow_iterations: int = 12  # of a step up to which increments grow
+    shrink_iterations: int = 12  # of a step beyond which they shrink
     grown_after: int = 3  # steps after which increments grow again, of which one failed
     retried_after: int = 5  # steps of a jump after which a time step that failed is tried again
     # Inertia of a step that is static again, over the applied force and, of the fastest block, over
@@ -106,7 +106,7 @@ class DisplacementSettings(EndSettings):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PacingState:
+class DisplacementState:
     """What the pacing remembers."""
 
     increment: float  # m
@@ -123,7 +123,8 @@ class PacingState:
     shortened: bool = False  # whether the last one failed with a longer one
     too_long: float = math.inf  # s, time step of a jump that failed last
     n_since: int = LONG_AGO  # steps since one failed
-    rested: float = 0.0  # s, time step with which the last jump seemed to be over; 0 once it was
+    # s, time step with which the last jump seemed to be over; 0 once it was
+    jump_end_step: float = 0.0
     closing: float = math.inf  # m, of the joint that closes most under the dead load
     stage: int = FOLLOWING
 
@@ -134,7 +135,7 @@ class DisplacementControl:
     def __init__(self, settings: DisplacementSettings) -> None:
         self.settings = settings
 
-    def first(self, report: StepReport) -> Decision[PacingState]:
+    def first(self, report: StepReport) -> Decision[DisplacementState]:
         """A small first increment, in stiff joints no larger than what they close by."""
         s = self.settings
         closing = report.penetration if report.penetration > 0.0 else math.inf
@@ -142,18 +143,18 @@ class DisplacementControl:
         state = self._begun(first, closing)
         return Decision(accept=True, demand=self._demand(state), state=state)
 
-    def _begun(self, increment: float, closing: float) -> PacingState:
+    def _begun(self, increment: float, closing: float) -> DisplacementState:
         """What is remembered at first."""
-        return PacingState(increment=increment, closing=closing)
+        return DisplacementState(increment=increment, closing=closing)
 
-    def _demand(self, state: PacingState) -> Demand:
+    def _demand(self, state: DisplacementState) -> Demand:
         if state.released:
             return Demand(multiplier=0.0)
         if state.time_step == 0.0:
             return Demand(
                 increment=state.increment,
                 over_fold=state.stage == CROSSING,
-                thorough=self._is_thorough(state),
+                full_search=self._wants_full_search(state),
             )
         # In a jump the control point creeps with an acceleration that does not depend on the step.
         s = self.settings
@@ -161,21 +162,21 @@ class DisplacementControl:
         creep = s.creep_share * s.displacement_step * share
         # What was not found at once with a longer step is looked for here: it is far.
         soon = s.smooth and state.time_step > tolerances.SOON_SHARE * s.time_step
-        thorough = state.shortened or not soon
-        return Demand(increment=creep, time_step=state.time_step, thorough=thorough)
+        full_search = state.shortened or not soon
+        return Demand(increment=creep, time_step=state.time_step, full_search=full_search)
 
-    def _is_thorough(self, state: PacingState) -> bool:
+    def _wants_full_search(self, state: DisplacementState) -> bool:
         """Whether a static step is worth all there is to find its end: not where one that fails is
         tried again with half of it, nor where it would only pass what can be followed in motion."""
         s = self.settings
         if not s.smooth:
             return True
-        small = state.increment <= s.thorough_share * s.displacement_step
+        small = state.increment <= s.full_search_share * s.displacement_step
         return small and state.stage != CROSSING
 
     def decide(
-        self, state: PacingState, demand: Demand, report: StepReport
-    ) -> Decision[PacingState]:
+        self, state: DisplacementState, demand: Demand, report: StepReport
+    ) -> Decision[DisplacementState]:
         """Try again with less where a step fails; else go on."""
         if state.released:
             return self._begin_again(state, report)
@@ -184,11 +185,11 @@ class DisplacementControl:
         if self._thrown_back(state, report) or self._falls_freely(report):
             report = changed(report, dynamic=True)  # whatever it is that it came to rest as
         multiplier = report.static_multiplier
-        gone = report.reached * state.increment
-        jumped = bool(state.time_step or report.path.way) or self._leaps(state, report)
+        advanced = report.reached * state.increment
+        jumped = bool(state.time_step or report.path.dynamic_states) or self._is_jump(state, report)
         finer = None
-        if not state.time_step and gone:
-            finer = self._finer(changed(state, increment=gone), report)
+        if not state.time_step and advanced:
+            finer = self._finer(changed(state, increment=advanced), report)
         if finer is not None:
             state = changed(state, increment=finer, n_shorter=state.n_shorter + 1)
             return Decision(accept=False, demand=self._demand(state), state=state)
@@ -203,11 +204,13 @@ class DisplacementControl:
             fallen=self._fallen(state, report),
             released=back and not state.time_step,
             last=multiplier,
-            slope=(multiplier - state.last) / gone if gone and not state.time_step else 0.0,
+            slope=(multiplier - state.last) / advanced if advanced and not state.time_step else 0.0,
         )
         over = self._over(state, report)
         if over is None:
-            state = self._jumping(state, report) if state.time_step else self._paced(state, report)
+            state = (
+                self._jumping(state, report) if state.time_step else self._adapted(state, report)
+            )
         return Decision(
             accept=True,
             demand=None if over else self._demand(state),
@@ -217,10 +220,12 @@ class DisplacementControl:
             jumped=jumped,
             reason=over.reason if over else "",
             finished=over is not None and over.finished,
-            way=_way(report),
+            dynamic_multipliers=_dynamic_multipliers(report),
         )
 
-    def _begin_again(self, state: PacingState, report: StepReport) -> Decision[PacingState]:
+    def _begin_again(
+        self, state: DisplacementState, report: StepReport
+    ) -> Decision[DisplacementState]:
         """The load begins again where the structure has come to rest without any."""
         if not report.converged:
             return Decision(accept=False, demand=None, state=state, reason=report.reason)
@@ -230,17 +235,22 @@ class DisplacementControl:
         state = changed(
             state, n_steps=n_steps, last=0.0, slope=0.0, released=False, increment=first
         )
-        return Decision(accept=True, demand=self._demand(state), state=state, way=_way(report))
+        return Decision(
+            accept=True,
+            demand=self._demand(state),
+            state=state,
+            dynamic_multipliers=_dynamic_multipliers(report),
+        )
 
-    def _scale(self, state: PacingState) -> float:
+    def _scale(self, state: DisplacementState) -> float:
         """The multiplier that shares of the peak are of."""
         return max(state.highest, tolerances.LEAST_PEAK * self.settings.stop_multiplier)
 
-    def _carried(self, state: PacingState) -> float:
+    def _carried(self, state: DisplacementState) -> float:
         """The highest multiplier so far, by which what falls has carried something."""
         return state.highest
 
-    def _finer(self, state: PacingState, report: StepReport) -> float | None:
+    def _finer(self, state: DisplacementState, report: StepReport) -> float | None:
         """A smaller increment where the step hides the peak, a bend or the stop value."""
         s = self.settings
         multiplier = report.static_multiplier
@@ -249,7 +259,7 @@ class DisplacementControl:
             # Aim just below the stop value, along the chord; that of a jump has nothing upon it.
             if s.stop_multiplier - multiplier <= s.refined_share * s.stop_multiplier:
                 return None
-            if self._leaps(state, report):
+            if self._is_jump(state, report):
                 finer = 0.25 * state.increment
                 return finer if finer > s.floor_share * s.displacement_step else None
             aim = (1.0 - 0.5 * s.refined_share) * s.stop_multiplier
@@ -273,41 +283,46 @@ class DisplacementControl:
             return share * state.increment
         return self._straighter(state, report, scale)
 
-    def _straighter(self, state: PacingState, report: StepReport, scale: float) -> float | None:
+    def _straighter(
+        self, state: DisplacementState, report: StepReport, scale: float
+    ) -> float | None:
         """A smaller increment where joints have changed within the step which way the blocks go.
 
         Its end does not tell when: a step knows only where it starts and ends, and blocks may have
         gone all of it the way in which they end.  What they are off by they remain.
         """
         s = self.settings
-        if report.path.swerve is None or report.path.bend is None:
+        if report.path.deviation is None or report.path.bend is None:
             return None
-        least = s.swerve_step * s.displacement_step
-        if report.path.swerve <= s.swerve_share or report.path.bend[0] <= s.swerve_bend * scale:
+        least = s.deviation_step * s.displacement_step
+        if (
+            report.path.deviation <= s.deviation_share
+            or report.path.bend[0] <= s.deviation_bend * scale
+        ):
             return None
         if state.increment <= least:
             return None
         return max(0.25 * state.increment, least)
 
     def _nearer(
-        self, state: PacingState, report: StepReport, scale: float, least: float
+        self, state: DisplacementState, report: StepReport, scale: float, least: float
     ) -> float | None:
         """A smaller increment where the curve, going on as it rose, might peak within the step."""
         s = self.settings
         multiplier = report.static_multiplier
         finest = min(least, s.refined_share * state.closing)
         ahead = state.slope * state.increment
-        if report.path.crest is not None:
-            calmer = self._calmer(state, report, scale, finest)
-            if calmer is not None:
-                return calmer
+        if report.path.overshoot is not None:
+            finer = self._less_overshoot(state, report, scale, finest)
+            if finer is not None:
+                return finer
             # A mean over a part of the way shows no peak that is sharper than the part is long.
-            unseen = ahead / CREST_PARTS if state.last == state.highest else 0.0
-            seen = unseen <= s.crest_share * scale
+            unseen = ahead / OVERSHOOT_PARTS if state.last == state.highest else 0.0
+            seen = unseen <= s.overshoot_share * scale
             if (
                 multiplier < state.last
                 and seen
-                and report.path.crest <= tolerances.NO_CREST * s.crest_share * scale
+                and report.path.overshoot <= tolerances.NO_OVERSHOOT * s.overshoot_share * scale
             ):
                 return None  # nor was there a peak on the way
         if state.last != state.highest or ahead <= 0.0:
@@ -322,8 +337,8 @@ class DisplacementControl:
             return None
         return max(tolerances.NEARER_TO_KINK * state.increment, least)
 
-    def _calmer(
-        self, state: PacingState, report: StepReport, scale: float, finest: float
+    def _less_overshoot(
+        self, state: DisplacementState, report: StepReport, scale: float, finest: float
     ) -> float | None:
         """A smaller increment where the way through the step lay too far above both its ends.
 
@@ -331,45 +346,45 @@ class DisplacementControl:
         that would have come to rest, or the other way round, and remember it.
         """
         s = self.settings
-        crest, multiplier = report.path.crest or 0.0, report.static_multiplier
-        above = max(state.last, multiplier) + crest - max(state.highest, multiplier)
-        if above > s.crest_share * scale:
-            most, least = s.crest_share * scale, finest
+        overshoot, multiplier = report.path.overshoot or 0.0, report.static_multiplier
+        above = max(state.last, multiplier) + overshoot - max(state.highest, multiplier)
+        if above > s.overshoot_share * scale:
+            most, least = s.overshoot_share * scale, finest
         else:
             most, least = s.drive_share * scale, s.floor_share * s.displacement_step
-        if crest <= most or state.increment <= least:
+        if overshoot <= most or state.increment <= least:
             return None
-        return max(min(max(most / crest, 0.25), 0.5) * state.increment, least)
+        return max(min(max(most / overshoot, 0.25), 0.5) * state.increment, least)
 
-    def _leaps(self, state: PacingState, report: StepReport) -> bool:
+    def _is_jump(self, state: DisplacementState, report: StepReport) -> bool:
         """Whether blocks have moved too far for a step of the increment, past no equilibria."""
         return report.motion > self.settings.snap_motion * state.increment
 
-    def _thrown_back(self, state: PacingState, report: StepReport) -> bool:
+    def _thrown_back(self, state: DisplacementState, report: StepReport) -> bool:
         """Whether in the rest found the control point lies behind where the load began.
 
         So it does where the structure fell while the load held it back: what stands there is not
         what was pushed.
         """
         behind = report.control_displacement < -self.settings.displacement_step
-        return behind and not state.time_step and self._leaps(state, report)
+        return behind and not state.time_step and self._is_jump(state, report)
 
-    def _snaps(self, state: PacingState, report: StepReport) -> bool:
+    def _snaps(self, state: DisplacementState, report: StepReport) -> bool:
         """Whether a step has passed a jump worth showing, where the path turned back."""
         s = self.settings
         if state.time_step:
             return False
-        if self._leaps(state, report) and self._would_end(state, report):
+        if self._is_jump(state, report) and self._would_end(state, report):
             return True
-        if report.path.turn is None and state.stage != CROSSING:
+        if report.path.fold is None and state.stage != CROSSING:
             return False
-        if self._leaps(state, report):
+        if self._is_jump(state, report):
             return True
-        if report.path.turn is None or state.stage == CROSSING:
+        if report.path.fold is None or state.stage == CROSSING:
             return False
-        share, multiplier = report.path.turn
+        share, multiplier = report.path.fold
         expected = state.last + state.slope * state.increment
-        if share > tolerances.TURN_KNOWN:
+        if share > tolerances.FOLD_KNOWN:
             expected = state.last + (multiplier - state.last) / share
         return abs(report.static_multiplier - expected) > s.snap_share * self._scale(state)
 
@@ -383,7 +398,7 @@ class DisplacementControl:
         s, since = self.settings, math.inf
         if report.static_multiplier < s.stop_multiplier:
             return False
-        for _, passed in report.path.way:
+        for _, passed in report.path.dynamic_states:
             if passed.static_multiplier >= s.stop_multiplier:
                 since = math.inf
                 continue
@@ -392,16 +407,16 @@ class DisplacementControl:
                 return True
         return False
 
-    def _would_end(self, state: PacingState, report: StepReport) -> bool:
+    def _would_end(self, state: DisplacementState, report: StepReport) -> bool:
         """Whether a step without motion between its ends comes down below the stop value.
 
         The equilibrium that it has found far off need not be the one that a structure falls to; an
         engine that tells of the way through its steps has followed them in motion.
         """
         below = report.static_multiplier < self.settings.stop_multiplier < state.last
-        return below and report.path.crest is None
+        return below and report.path.overshoot is None
 
-    def _retry(self, state: PacingState, report: StepReport) -> Decision[PacingState]:
+    def _retry(self, state: DisplacementState, report: StepReport) -> Decision[DisplacementState]:
         s = self.settings
         floor = s.floor_share * s.displacement_step
         if state.last == state.highest:
@@ -421,17 +436,17 @@ class DisplacementControl:
                         f"friction, or no first step was found: {report.reason}"
                     )
                 return self._lost(state, report, reason)
-        elif state.stage == CROSSING and report.path.way and report.dynamic:
+        elif state.stage == CROSSING and report.path.dynamic_states and report.dynamic:
             # The step has followed the collapse itself: there is nothing to creep through.
             return self._lost(state, report, report.reason)
         elif state.stage == CROSSING:
             # A jump that seemed to be over was not: something moves slowly yet.
-            time_step = max(s.time_step, tolerances.JUMP_GROWTH * state.rested)
+            time_step = max(s.time_step, tolerances.JUMP_GROWTH * state.jump_end_step)
             state = changed(state, stage=FOLLOWING, time_step=time_step, n_since=LONG_AGO)
         else:
             state = changed(state, n_since=0)
-            share = report.path.turn[0] if report.path.turn else 0.5
-            within = share < tolerances.TURN_WITHIN
+            share = report.path.fold[0] if report.path.fold else 0.5
+            within = share < tolerances.FOLD_WITHIN
             shorter = tolerances.ALL_BUT * share if within else tolerances.SHORTER
             nearer = shorter * state.increment
             if nearer >= floor:
@@ -440,13 +455,15 @@ class DisplacementControl:
                 state = changed(state, stage=CROSSING, increment=tolerances.CROSSING * floor)
         return Decision(accept=False, demand=self._demand(state), state=state)
 
-    def _lost(self, state: PacingState, report: StepReport, reason: str) -> Decision[PacingState]:
+    def _lost(
+        self, state: DisplacementState, report: StepReport, reason: str
+    ) -> Decision[DisplacementState]:
         """The end where no step leads on: a collapse where blocks were seen to run away.
 
         What has only not come to rest yet may do so.
         """
         end = End(reason=reason)
-        if report.path.way and report.dynamic:
+        if report.path.dynamic_states and report.dynamic:
             how = f"no rest was found for what moves: {report.reason}"
             end = collapsed(how, self._carried(state), self.settings.stop_multiplier)
         return Decision(
@@ -455,27 +472,29 @@ class DisplacementControl:
             state=state,
             reason=end.reason,
             finished=end.finished,
-            way=_way(report),
+            dynamic_multipliers=_dynamic_multipliers(report),
         )
 
-    def _paced(self, state: PacingState, report: StepReport) -> PacingState:
+    def _adapted(self, state: DisplacementState, report: StepReport) -> DisplacementState:
         s = self.settings
         if report.reached < 1.0:  # a bond is about to break, or has broken: no farther than to it
             least = s.floor_share * s.displacement_step
             increment = max(2.0 * report.reached * state.increment, least)
             increment = min(increment, state.increment) if report.reached else state.increment
-            return changed(state, increment=increment, stage=FOLLOWING, rested=0.0)
-        if report.n_iterations <= s.easy_iterations:
+            return changed(state, increment=increment, stage=FOLLOWING, jump_end_step=0.0)
+        if report.n_iterations <= s.grow_iterations:
             scale = self._growth(state, report)
         else:
-            scale = 1.0 if report.n_iterations <= s.hard_iterations else tolerances.HARD_SHORTER
+            scale = 1.0 if report.n_iterations <= s.shrink_iterations else tolerances.MANY_SHORTER
         n_since = state.n_since + 1
         if s.smooth and n_since < s.grown_after:
             scale = min(scale, 1.0)  # what has just failed would fail again
         increment = min(scale * state.increment, s.displacement_step)
-        return changed(state, increment=increment, stage=FOLLOWING, rested=0.0, n_since=n_since)
+        return changed(
+            state, increment=increment, stage=FOLLOWING, jump_end_step=0.0, n_since=n_since
+        )
 
-    def _growth(self, state: PacingState, report: StepReport) -> float:
+    def _growth(self, state: DisplacementState, report: StepReport) -> float:
         """Of increments where steps are easy: the less, the rougher the way through them was."""
         s = self.settings
         if s.smooth and report.path.bend is not None:
@@ -483,18 +502,20 @@ class DisplacementControl:
             most = s.bend_share * self._scale(state)
             bend = max(report.path.bend[0], tolerances.TINY)
             return min(max(math.sqrt(tolerances.BEND_AIM * most / bend), 0.5), 2.0)
-        if report.path.crest is None:
+        if report.path.overshoot is None:
             return 2.0
-        crest = report.path.crest / self._scale(state)
-        if crest <= tolerances.CALM_CREST * s.crest_share:
+        overshoot = report.path.overshoot / self._scale(state)
+        if overshoot <= tolerances.SMALL_OVERSHOOT * s.overshoot_share:
             return 3.0
-        return 2.0 if crest <= 0.5 * s.crest_share else 1.0
+        return 2.0 if overshoot <= 0.5 * s.overshoot_share else 1.0
 
-    def _jumping(self, state: PacingState, report: StepReport) -> PacingState:
+    def _jumping(self, state: DisplacementState, report: StepReport) -> DisplacementState:
         s = self.settings
-        if self._rests(state, report):
+        if self._is_static(state, report):
             increment = tolerances.CROSSING * s.floor_share * s.displacement_step
-            state = changed(state, time_step=0.0, rested=state.time_step, increment=increment)
+            state = changed(
+                state, time_step=0.0, jump_end_step=state.time_step, increment=increment
+            )
             return changed(state, too_long=math.inf, n_since=LONG_AGO)
         if state.shortened:
             return changed(state, shortened=False)  # what has just failed would fail again
@@ -505,14 +526,14 @@ class DisplacementControl:
             return changed(state, time_step=longer, n_since=n_since)
         return state
 
-    def _fallen(self, state: PacingState, report: StepReport) -> float:
+    def _fallen(self, state: DisplacementState, report: StepReport) -> float:
         """How far a block has moved in a jump while the control point was held back [m]."""
         if not state.time_step:
             return 0.0
         held_back = report.dynamic and report.static_multiplier < -self.settings.stop_multiplier
         return state.fallen + (report.motion if held_back else 0.0)
 
-    def _rests(self, state: PacingState, report: StepReport) -> bool:
+    def _is_static(self, state: DisplacementState, report: StepReport) -> bool:
         """Whether the structure is at rest: also with time for inertia to take it elsewhere."""
         s = self.settings
         if not state.time_step:
@@ -520,24 +541,24 @@ class DisplacementControl:
         inertia = max(report.inertia_ratio, report.acceleration)
         return inertia < s.static_inertia and state.time_step > tolerances.LONG_ENOUGH * s.time_step
 
-    def _over(self, state: PacingState, report: StepReport) -> End | None:
+    def _over(self, state: DisplacementState, report: StepReport) -> End | None:
         """Whether and why the analysis is over."""
         return self._over_in_motion(state, report) or end_of_curve(
             self.settings, self._progress(state, report)
         )
 
-    def _progress(self, state: PacingState, report: StepReport) -> Progress:
+    def _progress(self, state: DisplacementState, report: StepReport) -> Progress:
         """What the ends of a curve are judged by."""
         return Progress(
             multiplier=report.static_multiplier,
             highest=state.highest,
             displacement=report.control_displacement,
             n_steps=state.n_steps,
-            static=self._rests(state, report),
+            static=self._is_static(state, report),
             highest_at=state.highest_at,
         )
 
-    def _over_in_motion(self, state: PacingState, report: StepReport) -> End | None:
+    def _over_in_motion(self, state: DisplacementState, report: StepReport) -> End | None:
         """Likewise, of what has fallen."""
         s, carried = self.settings, self._carried(state)
         if self._thrown_back(state, report):
@@ -554,6 +575,6 @@ class DisplacementControl:
         return None
 
 
-def _way(report: StepReport) -> tuple[float, ...]:
+def _dynamic_multipliers(report: StepReport) -> tuple[float, ...]:
     """What the curve shows of the points in motion on the way of a step."""
-    return tuple(passed.static_multiplier for _, passed in report.path.way)
+    return tuple(passed.static_multiplier for _, passed in report.path.dynamic_states)

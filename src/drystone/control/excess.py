@@ -50,7 +50,7 @@ class ExcessState:
     low_since: float | None = None  # m, control displacement where less than the stop value was
     # carried first, in motion, and ever since
     moving: bool = False  # whether inertia helped to carry the last point
-    rest_at: float = 0.0  # m, control displacement of the last point at rest
+    static_at: float = 0.0  # m, control displacement of the last point at rest
     begun_at: float | None = None  # m, where a motion came to rest with less than the stop value
     # carried and the load begins again, until the control point goes on from there
     n_steps: int = 0
@@ -130,7 +130,7 @@ class ExcessControl:
         state = changed(
             state,
             low_since=self._low_since(state, report, dynamic),
-            rest_at=state.rest_at if dynamic else report.control_displacement,
+            static_at=state.static_at if dynamic else report.control_displacement,
         )
         decision = self._go_on(state, report, dynamic)
         return changed(decision, load_multiplier=static, dynamic=dynamic)
@@ -146,8 +146,8 @@ class ExcessControl:
     def _step(self, state: ExcessState, report: StepReport) -> float:
         """The motion to aim at [m]: less where the multiplier, since its peak, falls steeply."""
         largest = self.settings.displacement_step
-        gone = max(report.control_displacement - state.highest_at, largest)
-        fallen = (state.highest - state.static) * largest / gone  # in a displacement step
+        advanced = max(report.control_displacement - state.highest_at, largest)
+        fallen = (state.highest - state.static) * largest / advanced  # in a displacement step
         share = tolerances.STEEP * state.highest / max(fallen, tolerances.TINY)
         return largest * min(1.0, max(share, tolerances.LEAST_STEEP))
 
@@ -188,7 +188,7 @@ class ExcessControl:
     def _collapsed(self, state: ExcessState, report: StepReport, dynamic: bool) -> End | None:
         """The end of what has moved too far from where it stood to stand as it did, or None."""
         s = self.settings
-        moved = (report.control_displacement - state.rest_at) / s.displacement_step
+        moved = (report.control_displacement - state.static_at) / s.displacement_step
         since = state.low_since
         fallen = 0.0 if since is None else report.control_displacement - since
         if fallen > s.fall * s.displacement_step and state.highest > s.stop_multiplier:

@@ -69,14 +69,14 @@ class ExcessHistoryControl(ExcessControl):
         if not decision.accept or decision.demand is None:
             return ended(decision, leg, targets)
         leg = leg.at(report, decision.load_multiplier)
-        paced = changed(
+        updated = changed(
             decision.state,
             leg=leg,
             tries=0,
             short=ExcessHistoryState.short,
             beyond=ExcessHistoryState.beyond,
         )
-        return along(decision, paced, leg, targets, self._near, self._turned, self._demand)
+        return along(decision, updated, leg, targets, self._near, self._reverse, self._demand)
 
     @property
     def _near(self) -> float:
@@ -131,7 +131,7 @@ class ExcessHistoryControl(ExcessControl):
             return super()._largest(state)
         return self.settings.increment * max(1.0, -state.static)
 
-    def _turned(self, state: ExcessHistoryState, multiplier: float) -> ExcessHistoryState:
+    def _reverse(self, state: ExcessHistoryState, multiplier: float) -> ExcessHistoryState:
         """The state with which the next leg begins, at rest where it goes back."""
         s, leg = self.settings, state.leg.next()
         sense = leg.sense(s.targets)
@@ -145,7 +145,7 @@ class ExcessHistoryControl(ExcessControl):
             highest=max(last, 0.0),
             highest_at=-math.inf,
             displacement=sense * leg.now,
-            rest_at=sense * leg.now,
+            static_at=sense * leg.now,
             n_steps=state.n_steps,
             leg=leg,
         )

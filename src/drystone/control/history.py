@@ -24,7 +24,11 @@ from drystone.common import tolerances
 from drystone.common.language import say
 from drystone.common.records import changed
 from drystone.control.base import Decision, Memory
-from drystone.control.displacement import DisplacementControl, DisplacementSettings, PacingState
+from drystone.control.displacement import (
+    DisplacementControl,
+    DisplacementSettings,
+    DisplacementState,
+)
 from drystone.control.ends import End, EndSettings, Progress
 from drystone.engines.base import Demand, StepReport
 
@@ -73,11 +77,11 @@ def seen(report: StepReport, sense: float) -> StepReport:
     """A report with displacements and multipliers in a sense; again, and it is as it was."""
     if sense > 0.0:
         return report
-    turn, way = report.path.turn, report.path.way
+    fold, way = report.path.fold, report.path.dynamic_states
     path = changed(
         report.path,
-        turn=None if turn is None else (turn[0], -turn[1]),
-        way=tuple((state, seen(passed, sense)) for state, passed in way),
+        fold=None if fold is None else (fold[0], -fold[1]),
+        dynamic_states=tuple((state, seen(passed, sense)) for state, passed in way),
     )
     return changed(
         report,
@@ -96,7 +100,7 @@ def told(decision: Decision[Memory], sense: float) -> Decision[Memory]:
     return changed(
         decision,
         load_multiplier=0.0 - decision.load_multiplier,
-        way=tuple(-multiplier for multiplier in decision.way),
+        dynamic_multipliers=tuple(-multiplier for multiplier in decision.dynamic_multipliers),
     )
 
 
@@ -119,7 +123,7 @@ def ended(decision: Decision[Memory], leg: Leg, targets: tuple[float, ...]) -> D
     return changed(decision, reason=say("end.in_leg", how=decision.reason, leg=leg.named(targets)))
 
 
-def gone_through(
+def completed(
     decision: Decision[Memory], state: Memory, targets: tuple[float, ...]
 ) -> Decision[Memory]:
     """The decision at the last displacement of all."""
@@ -134,7 +138,7 @@ def along(
     leg: Leg,
     targets: tuple[float, ...],
     near: float,
-    turned: Callable[[Any, float], Memory],
+    reverse: Callable[[Any, float], Memory],
     demand: Callable[[Memory], Demand],
 ) -> Decision[Memory]:
     """A decision to go on, or with which a leg ends: then with the next one, or with none.
@@ -145,20 +149,20 @@ def along(
         At the last point.
     near
         How far from its displacement a leg may end [m].
-    turned
+    reverse
         Gives the state with which the next leg begins, from this one and the multiplier.
     demand
         Gives the demand of a state.
     """
     if leg.left(targets) <= near:
         if leg.number + 1 == len(targets):
-            return gone_through(decision, state, targets)
-        state = turned(state, decision.load_multiplier)
+            return completed(decision, state, targets)
+        state = reverse(state, decision.load_multiplier)
     return changed(decision, state=state, demand=demand(state))
 
 
 @dataclass(frozen=True, kw_only=True)
-class HistoryState(PacingState):
+class HistoryState(DisplacementState):
     """The pacing of a leg, in its sense, and the leg."""
 
     leg: Leg = field(default_factory=Leg)
@@ -169,10 +173,10 @@ class HistoryControl(DisplacementControl):
 
     settings: HistorySettings
 
-    def _begun(self, increment: float, closing: float) -> PacingState:
+    def _begun(self, increment: float, closing: float) -> DisplacementState:
         return HistoryState(increment=increment, closing=closing)
 
-    def _demand(self, state: PacingState) -> Demand:
+    def _demand(self, state: DisplacementState) -> Demand:
         """In the structure's sense, no farther than to the displacement of the leg."""
         assert isinstance(state, HistoryState)
         demand, targets = super()._demand(state), self.settings.targets
@@ -182,8 +186,8 @@ class HistoryControl(DisplacementControl):
         return changed(demand, increment=state.leg.sense(targets) * increment)
 
     def decide(
-        self, state: PacingState, demand: Demand, report: StepReport
-    ) -> Decision[PacingState]:
+        self, state: DisplacementState, demand: Demand, report: StepReport
+    ) -> Decision[DisplacementState]:
         """As in a monotonic curve, in the sense of the leg; then the next leg."""
         assert isinstance(state, HistoryState)
         leg, targets = state.leg, self.settings.targets
@@ -195,10 +199,10 @@ class HistoryControl(DisplacementControl):
             return ended(decision, leg, targets)
         leg = leg.at(report, decision.load_multiplier)
         near = tolerances.AT_TARGET * self.settings.displacement_step
-        paced = changed(decision.state, leg=leg)
-        return along(decision, paced, leg, targets, near, self._turned, self._demand)
+        updated = changed(decision.state, leg=leg)
+        return along(decision, updated, leg, targets, near, self._reverse, self._demand)
 
-    def _turned(self, state: HistoryState, multiplier: float) -> HistoryState:
+    def _reverse(self, state: HistoryState, multiplier: float) -> HistoryState:
         """The state with which the next leg begins, at rest where it goes back."""
         s, leg = self.settings, state.leg.next()
         sense = leg.sense(s.targets)
@@ -215,7 +219,7 @@ class HistoryControl(DisplacementControl):
             leg=leg,
         )
 
-    def _finer(self, state: PacingState, report: StepReport) -> float | None:
+    def _finer(self, state: DisplacementState, report: StepReport) -> float | None:
         """As in a monotonic curve, and to corners of the path however short the step: they bound
         the area of a loop, where a contact sticks again at once."""
         finer = super()._finer(state, report)
@@ -234,24 +238,24 @@ class HistoryControl(DisplacementControl):
             return share * state.increment
         return None
 
-    def _scale(self, state: PacingState) -> float:
+    def _scale(self, state: DisplacementState) -> float:
         return max(super()._scale(state), self._carried(state))
 
-    def _carried(self, state: PacingState) -> float:
+    def _carried(self, state: DisplacementState) -> float:
         """Of all legs."""
         assert isinstance(state, HistoryState)
         return max(state.highest, state.leg.largest)
 
-    def _thrown_back(self, state: PacingState, report: StepReport) -> bool:
+    def _thrown_back(self, state: DisplacementState, report: StepReport) -> bool:
         return False  # where the control point is, the history says
 
     def _falls_freely(self, report: StepReport) -> bool:
         return report.control_displacement > 0.0 and super()._falls_freely(report)
 
-    def _fallen(self, state: PacingState, report: StepReport) -> float:
+    def _fallen(self, state: DisplacementState, report: StepReport) -> float:
         return super()._fallen(state, report) if report.control_displacement > 0.0 else 0.0
 
-    def _over(self, state: PacingState, report: StepReport) -> End | None:
+    def _over(self, state: DisplacementState, report: StepReport) -> End | None:
         assert isinstance(state, HistoryState)
         if state.leg.number == 0:
             return super()._over(state, report)

@@ -84,17 +84,19 @@ class Motion(NamedTuple):
 
     pose: Array  # (n, n_pose) m, rad
     velocity: Array  # (n, n_dof) m/s, rad/s, half a step behind the pose
-    turn: plane.Turns | space.Turns
+    rotation: plane.Rotations | space.Rotations
     force: Array  # (n, n_dof) N, N m, unbalanced, of the last cycle
     last: Array  # (n, n_dof) N, N m, unbalanced, of the last cycle with combined damping
     mean: Array  # (n, n_dof) sum of the unbalanced forces over the cycles
     opposed: Array  # (n, n_dof) sum over the cycles of what opposes them: inertia and damping
 
     @classmethod
-    def of(cls, pose: Array, velocity: Array, turn: plane.Turns | space.Turns) -> Motion:
+    def of(
+        cls, pose: Array, velocity: Array, rotation: plane.Rotations | space.Rotations
+    ) -> Motion:
         """Copies of poses and velocities, and the rotations that go with them."""
         sums = (np.zeros_like(velocity) for _ in range(4))
-        return cls(pose.copy(), velocity.copy(), turn, *sums)
+        return cls(pose.copy(), velocity.copy(), rotation, *sums)
 
 
 class Loads(NamedTuple):
@@ -189,7 +191,7 @@ class Drive(NamedTuple):
 
     dt: float  # s
     multiplier: float  # load multiplier; where guided only a start
-    bonds_hold: bool  # whatever they carry: waves on the way to rest break none that rest would not
+    keep_bonds: bool  # whatever they carry: waves on the way to rest break none that rest would not
     guided: bool  # see `cycle`
     rate: float  # N m/s, F.v of the guided pattern
     combined: bool  # damping is combined, see `cycle`
@@ -324,16 +326,16 @@ def cycle(dof, contacts, n_contacts, motion, loads, origin, drive, n_cycles, met
                 force[i, d] = dead[i, d]
         if len(dof) == 3:
             friction_work = plane.act(
-                contacts, n_contacts, motion, loads, drive.dt, drive.bonds_hold, friction_work
+                contacts, n_contacts, motion, loads, drive.dt, drive.keep_bonds, friction_work
             )
         else:
             friction_work = space.act(
-                contacts, n_contacts, motion, loads, drive.dt, drive.bonds_hold, friction_work
+                contacts, n_contacts, motion, loads, drive.dt, drive.keep_bonds, friction_work
             )
         if n_ties > 0:
             locate(ties.body, ties.value, motion.pose, ties.now)
-            add_forces(ties.body, ties.now, motion.turn.axes, force)
-            if not drive.bonds_hold:
+            add_forces(ties.body, ties.now, motion.rotation.axes, force)
+            if not drive.keep_bonds:
                 friction_work += age(ties.value, ties.now)
         if guided:
             driven = 0.0

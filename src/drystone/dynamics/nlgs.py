@@ -18,12 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.tolerances import (
-    BRANCHES_SETTLED,
-    HOLD_HARD,
-    HOLD_HARDER,
-    HOLD_HARDEST,
-    HOLD_SOFTLY,
+    BRANCHES_FIXED,
     LEAST_NEWTON,
+    SOFT_PENALTY,
+    STIFF_PENALTY,
+    STIFFER_PENALTY,
+    STIFFEST_PENALTY,
     TINY,
 )
 from drystone.contact.contacts import STIFF_N, STIFF_T
@@ -55,9 +55,9 @@ class NlgsSettings:
     # steps, the largest mass at a contact.  Softer ones, tried where Newton's method does not
     # converge with the last, forgive wrong branches; stiffer ones settle forces that next to no
     # slip decides.
-    holds: tuple[tuple[float, ...], ...] = (
-        (HOLD_HARD,) * 4 + (HOLD_HARDER,) * 2 + (HOLD_HARDEST,) * 2,
-        (HOLD_SOFTLY,) * 12,
+    penalties: tuple[tuple[float, ...], ...] = (
+        (STIFF_PENALTY,) * 4 + (STIFFER_PENALTY,) * 2 + (STIFFEST_PENALTY,) * 2,
+        (SOFT_PENALTY,) * 12,
         (1.0,) * 12,
     )
 
@@ -74,7 +74,7 @@ class NlgsResult:
 
 
 #: What leads from known impulses to better ones: impulses and velocities, trial after trial.
-Way = Callable[[Array], Iterator[tuple[Array, Array]]]
+Attempt = Callable[[Array], Iterator[tuple[Array, Array]]]
 
 #: Corrections of a trial that is given up soon.
 AT_ONCE = 6
@@ -147,9 +147,9 @@ def solve(
         residual = step.residual(impulse, velocity)
         if residual <= settings.tolerance:
             break
-        ways = accelerator.ways(before, guess if n_sweeps == chunk else None, impulse, velocity)
+        tries = accelerator.tries(before, guess if n_sweeps == chunk else None, impulse, velocity)
         known = impulse, velocity, residual
-        impulse, velocity, residual = step.best(ways, known, settings.tolerance)
+        impulse, velocity, residual = step.best(tries, known, settings.tolerance)
         chunk *= 2
     return NlgsResult(
         impulse=impulse,
@@ -170,9 +170,9 @@ class _Step:
         self.nothing = np.zeros(len(problem.gap))
         self.defect = np.zeros_like(free_velocity)
         self.ties, self.pulled = ties, np.zeros_like(free_velocity)
-        self.hold(self.pulled)
+        self.pull_with_ties(self.pulled)
 
-    def hold(self, velocity: Array) -> None:
+    def pull_with_ties(self, velocity: Array) -> None:
         """Sweep on with the impulses that ties have at velocities (n, n_dof)."""
         if self.ties:
             self.ties.act(velocity)
@@ -187,7 +187,7 @@ class _Step:
         return velocity
 
     def best(
-        self, ways: Iterable[Way], known: tuple[Array, Array, float], enough: float
+        self, tries: Iterable[Attempt], known: tuple[Array, Array, float], enough: float
     ) -> tuple[Array, Array, float]:
         """Impulses, velocities and residual of the first trial that is good ``enough`` [N], or of
         the best, that ``known`` included, which is held; each way goes on from the impulses known
@@ -196,13 +196,13 @@ class _Step:
         Velocities are kept beside impulses: made of them anew they would turn the last bit of an
         impulse, times the joint's stiffness over the mass, into forces.
         """
-        for impulse, velocity in (trial for way in ways for trial in way(known[0])):
+        for impulse, velocity in (trial for attempt in tries for trial in attempt(known[0])):
             residual = self.residual(impulse, velocity)
             if residual < known[2]:
                 known = impulse.copy(), velocity.copy(), residual
                 if residual <= enough:
                     break
-        self.hold(known[1])
+        self.pull_with_ties(known[1])
         return known
 
     def residual(self, impulse: Array, velocity: Array) -> float:
@@ -238,22 +238,22 @@ class _Accelerator:
         self.dof = dof_of(system.mass)
         self.problem, self.system = problem, system
         self.mass, self.free_velocity, self.h = system.mass, free_velocity, h
-        self.corrections, self.holds = settings.corrections, settings.holds
+        self.corrections, self.penalties = settings.corrections, settings.penalties
         # In short steps inertia is stiffer than joints, and a hold softer than it holds nothing.
         stiffness = problem.contacts.table[:, (STIFF_N, STIFF_T)]
         self.stiffest = h * h * stiffness.max(initial=0.0)
         self.penalty = 0.0  # kg
         # Momentum defect at which the branches count as settled, from the tolerance on forces.
         lightest = np.sqrt(problem.inverse_mass.max(initial=0.0))
-        self.enough = BRANCHES_SETTLED * settings.tolerance * h * lightest
+        self.enough = BRANCHES_FIXED * settings.tolerance * h * lightest
         self.defect = np.zeros_like(free_velocity)
         self.form = form_of(self.dof)
-        self.turn = np.zeros((len(problem.gap), self.form.N_TURN))  # see `space.sweeps`
+        self.slip = np.zeros((len(problem.gap), self.form.N_SLIP))  # see `space.sweeps`
         self.n_solved = 0
 
-    def ways(
+    def tries(
         self, before: Array, guess: Array | None, impulse: Array, velocity: Array
-    ) -> Iterator[Way]:
+    ) -> Iterator[Attempt]:
         """What to try, in turn.
 
         Parameters
@@ -266,8 +266,8 @@ class _Accelerator:
         if self.form.WITHIN is not None:
             if guess is not None:
                 yield partial(self.at_once, velocity=self.predicted(before, guess))
-            held, moving = (impulse, velocity) if guess is None else (before, guess)
-            yield lambda known: self.from_within(held, moving, known)
+            begin, moving = (impulse, velocity) if guess is None else (before, guess)
+            yield lambda known: self.from_within(begin, moving, known)
             if guess is None:
                 return
         elif guess is not None:
@@ -277,7 +277,7 @@ class _Accelerator:
 
     def at_once(self, impulse: Array, velocity: Array) -> Iterator[tuple[Array, Array]]:
         """`trials` that are given up soon: for where next to nothing has changed."""
-        return self._moves(impulse.copy(), velocity.copy(), self.holds[0], AT_ONCE)
+        return self._moves(impulse.copy(), velocity.copy(), self.penalties[0], AT_ONCE)
 
     def from_within(
         self, impulse: Array, velocity: Array, known: Array
@@ -287,7 +287,7 @@ class _Accelerator:
         pressed = known[known[:, 0] > 0.0, 0]
         if len(pressed) == 0:
             return
-        self.penalty = HOLD_SOFTLY * self.stiffest
+        self.penalty = SOFT_PENALTY * self.stiffest
         centre = impulse[:, 1:].copy()
         search = self.form.WITHIN(
             self.problem, self.system, self.free_velocity, self.h, self.penalty, centre, self.ties
@@ -301,18 +301,18 @@ class _Accelerator:
             if tried == MOST_TRIED:
                 return
             tried += 1
-            self.penalty = HOLD_SOFTLY * self.stiffest
+            self.penalty = SOFT_PENALTY * self.stiffest
             found, moved = impulse.copy(), search.velocity.copy()
             if self._newton(centre, moved, found, np.zeros(len(found), np.int64), AT_ONCE):
                 yield found, moved
-                yield from self._moves(found, moved, self.holds[0])
+                yield from self._moves(found, moved, self.penalties[0])
                 return
 
     def trials(self, impulse: Array, velocity: Array) -> Iterator[tuple[Array, Array]]:
         """Impulses and velocities after each move of the springs; the arrays are reused."""
-        for holds in self.holds:
+        for penalties in self.penalties:
             found = False
-            for trial in self._moves(impulse.copy(), velocity.copy(), holds):
+            for trial in self._moves(impulse.copy(), velocity.copy(), penalties):
                 found = True
                 yield trial
             if found:
@@ -326,10 +326,10 @@ class _Accelerator:
         """
         piece, centre = np.zeros(len(impulse), np.int64), impulse[:, 1:].copy()
         self.form.branches(self.problem, impulse, piece)
-        self.penalty = self.holds[0][0] * self.stiffest
+        self.penalty = self.penalties[0][0] * self.stiffest
         found = np.zeros_like(impulse)
         self.form.branch_law(
-            self.dof, self.problem, self.h, self.penalty, centre, piece, velocity, found, self.turn
+            self.dof, self.problem, self.h, self.penalty, centre, piece, velocity, found, self.slip
         )
         self._defect(velocity, found)
         try:
@@ -338,20 +338,20 @@ class _Accelerator:
             return velocity
 
     def _moves(
-        self, impulse: Array, velocity: Array, holds: Iterable[float], most: int | None = None
+        self, impulse: Array, velocity: Array, penalties: Iterable[float], most: int | None = None
     ) -> Iterator[tuple[Array, Array]]:
         piece = np.zeros(len(impulse), np.int64)
-        for hold in holds:
-            self.penalty = hold * self.stiffest
+        for penalty in penalties:
+            self.penalty = penalty * self.stiffest
             centre = impulse[:, 1:].copy()
             if not self._newton(centre, velocity, impulse, piece, most):
                 return
             yield impulse, velocity
 
-    def _law(self, centre, held, velocity, impulse, piece) -> float:
-        self.form.held_law(
-            self.dof, self.problem, self.h, self.penalty, centre, held, velocity, impulse, piece,
-            self.turn,
+    def _law(self, centre, stuck, velocity, impulse, piece) -> float:
+        self.form.penalty_law(
+            self.dof, self.problem, self.h, self.penalty, centre, stuck, velocity, impulse, piece,
+            self.slip,
         )  # fmt: skip
         return self._defect(velocity, impulse)
 
@@ -372,8 +372,8 @@ class _Accelerator:
             block[:] = 0.0
         diagonal = np.einsum("kii->ki", tangent.diagonal)
         diagonal += self.mass
-        self.form.held_law_tangent(
-            self.dof, self.problem, self.h, self.penalty, piece, self.turn, *tangent
+        self.form.penalty_law_tangent(
+            self.dof, self.problem, self.h, self.penalty, piece, self.slip, *tangent
         )
         if self.ties:
             self.ties.stiffen(tangent)
@@ -396,8 +396,8 @@ class _Accelerator:
         for _ in range(self.corrections if most is None else most):
             if merit <= self.enough:
                 return True
-            base, was, turned = velocity.copy(), piece.copy(), self.turn.copy()
-            held = none.copy()
+            base, was, turned = velocity.copy(), piece.copy(), self.slip.copy()
+            stuck = none.copy()
             try:
                 direction = self._direction(piece)
                 velocity[:] = base + direction
@@ -407,12 +407,12 @@ class _Accelerator:
                 for _ in range(8):
                     if trial <= merit:
                         break
-                    sense = self.form.sense(was, turned) * self.form.sense(piece, self.turn)
-                    skipped = (sense.sum(axis=1) < 0) & ~held
+                    sense = self.form.sense(was, turned) * self.form.sense(piece, self.slip)
+                    skipped = (sense.sum(axis=1) < 0) & ~stuck
                     if not skipped.any():
                         break
-                    held |= skipped
-                    self._law(centre, held, base, impulse, piece)
+                    stuck |= skipped
+                    self._law(centre, stuck, base, impulse, piece)
                     direction = self._direction(piece)
                     velocity[:] = base + direction
                     trial = self._law(centre, none, velocity, impulse, piece)

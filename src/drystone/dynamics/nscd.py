@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 
 from drystone.common.tolerances import (
     AT_REST_MOTION,
+    DEAD_LOAD_TIME_STEP,
     LEAST_CLOSURE,
     LEAST_TIME_STEP,
     NSCD_RESIDUAL,
     NSCD_TOLERANCE,
-    SETTLING_TIME_STEP,
 )
 from drystone.contact.contacts import Pairs, Slots
 from drystone.contact.forces import ActedContacts, ContactForces
@@ -63,7 +63,7 @@ class NscdSettings:
     tolerance: float = NSCD_TOLERANCE  # true residual over the heaviest weight, -
     max_sweeps: int = 6000  # of Gauss-Seidel in one step
     max_motion: float = 0.5  # share of the detection reach a block may move in one step
-    settling_time_step: float = SETTLING_TIME_STEP  # s
+    dead_load_time_step: float = DEAD_LOAD_TIME_STEP  # s
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,9 +79,9 @@ class NscdState:
     slots: Slots  # contacts in `pose`
     reaction: Array  # (n_slots, dim) N
     status: IntArray  # (n_slots,)
-    gone: BoolArray  # (n,) blocks that have left
+    departed: BoolArray  # (n,) blocks that have left
     ties: TieState
-    settled: float = 0.0  # m or rad, by which supports have moved
+    support_motion: float = 0.0  # m or rad, by which supports have moved
     acted: ActedContacts | None = None  # along the normals and tangents of the step's beginning
 
 
@@ -102,8 +102,8 @@ class System:
         """That which fits a state."""
         prepared, pairs = state.prepared, state.pairs
         assembly, bars = prepared.assembly, prepared.bars
-        loads = LoadArrays.of(prepared.problem, state.gone, state.stage)
-        ties = TieForces(bars, assembly, state.gone) if bars.n_ties else None
+        loads = LoadArrays.of(prepared.problem, state.departed, state.stage)
+        ties = TieForces(bars, assembly, state.departed) if bars.n_ties else None
         joined = ties.joined(pairs.a, pairs.b) if ties else pairs
         place = places(assembly.centroid, pairs.pose)
         return cls(
@@ -150,7 +150,7 @@ class NscdEngine(Engine[NscdState]):
         that this formulation does not have."""
         (prepared,) = self.derived(problem)
         assembly, detector = prepared.assembly, prepared.detector
-        pose = assembly.rest_pose()
+        pose = assembly.design_pose()
         pairs = detector.pairs(pose)
         slots = detector.find(pairs, pose)
         state = NscdState(
@@ -163,29 +163,29 @@ class NscdEngine(Engine[NscdState]):
             slots=slots,
             reaction=np.zeros_like(slots.normal),
             status=np.zeros(len(slots.kind), np.int64),
-            gone=np.zeros(assembly.n_bodies, np.bool_),
+            departed=np.zeros(assembly.n_bodies, np.bool_),
             ties=prepared.bars.first(),
         )
-        state, outcome = self._settle(state)
+        state, outcome = self._apply_dead_load(state)
         for stage in problem.stages[1:]:
-            state, outcome = self._settle(replace(state, stage=stage))
+            state, outcome = self._apply_dead_load(replace(state, stage=stage))
         return state, outcome
 
-    def _settle(self, state: NscdState) -> tuple[NscdState, StepReport]:
-        h, limit = self.settings.settling_time_step, state.prepared.assembly.smallest_extent
+    def _apply_dead_load(self, state: NscdState) -> tuple[NscdState, StepReport]:
+        h, limit = self.settings.dead_load_time_step, state.prepared.assembly.smallest_extent
         outcome = StepReport(converged=False)
         for _ in range(500):
             new, outcome = self.step(state, Demand(multiplier=0.0, time_step=h))
             if not outcome.converged:
                 h *= 0.5
-                if h < LEAST_TIME_STEP * self.settings.settling_time_step:
+                if h < LEAST_TIME_STEP * self.settings.dead_load_time_step:
                     break
                 continue
             state = new
             # At rest: what a step from rest would move by is far below the joints' own closing.
             if outcome.motion < AT_REST_MOTION * max(outcome.penetration, LEAST_CLOSURE):
                 return state, outcome
-            if state.gone.any() or state.prepared.detector.travelled(state.pose).max() > limit:
+            if state.departed.any() or state.prepared.detector.travelled(state.pose).max() > limit:
                 break
         motion = state.prepared.detector.travelled(state.pose)
         raise UnstableError(
@@ -202,7 +202,7 @@ class NscdEngine(Engine[NscdState]):
                 demand.multiplier, new.pairs, new.slots, new.reaction,
                 prepared.bars.whole(new.ties),
             )  # fmt: skip
-            new = self._paired(new, new.gone | left) if left.any() else new
+            new = self._paired(new, new.departed | left) if left.any() else new
         return new, outcome
 
     def _step(self, state: NscdState, demand: Demand) -> tuple[NscdState, StepReport]:
@@ -249,7 +249,7 @@ class NscdEngine(Engine[NscdState]):
         assembly, settlement = state.prepared.assembly, state.prepared.problem.settlement
         if settlement is None or not amount:
             return assembly.no_motion()
-        return settlement.increment(assembly, state.pose, state.settled + amount)
+        return settlement.increment(assembly, state.pose, state.support_motion + amount)
 
     def _ties(self, own: System, state: NscdState, h: float) -> TieImpulses | None:
         """Ties where the step starts."""
@@ -316,15 +316,15 @@ class NscdEngine(Engine[NscdState]):
             certificate=own.ties.marked(certificate) if own.ties else certificate,
             motion=motion,
             n_iterations=solved.n_sweeps + solved.n_corrections,
-            settled=state.settled + (demand.settlement or 0.0),
+            support_motion=state.support_motion + (demand.settlement or 0.0),
         )
-        new = replace(new, settled=outcome.settled)
+        new = replace(new, support_motion=outcome.support_motion)
         return new, report(state.prepared.problem, loads, outcome)
 
     def _refresh(self, state: NscdState) -> NscdState:
         """New pairs where the blocks have moved far."""
         if state.prepared.detector.outdated(state.pairs, state.pose):
-            state = self._paired(state, state.gone)
+            state = self._paired(state, state.departed)
         return state
 
     def _system_of(self, state: NscdState) -> System:
@@ -333,9 +333,9 @@ class NscdEngine(Engine[NscdState]):
             self.last = System.of(state)
         return self.last
 
-    def _paired(self, state: NscdState, gone: BoolArray) -> NscdState:
-        """The state with new pairs, without the blocks that are ``gone``."""
-        pairs = state.prepared.detector.pairs(state.pose, gone)
+    def _paired(self, state: NscdState, departed: BoolArray) -> NscdState:
+        """The state with new pairs, without the blocks that are ``departed``."""
+        pairs = state.prepared.detector.pairs(state.pose, departed)
         detector = state.prepared.detector
         past = self._past(state.slots, state.reaction)
         past = handed_on(detector.narrow, past, pairs, former=state.pairs)
@@ -343,13 +343,13 @@ class NscdEngine(Engine[NscdState]):
         reaction = handed_on(detector.narrow, past, pairs, slots).reaction
         return replace(
             state,
-            velocity=np.where(gone[:, None], 0.0, state.velocity),
-            increment=np.where(gone[:, None], 0.0, state.increment),
+            velocity=np.where(departed[:, None], 0.0, state.velocity),
+            increment=np.where(departed[:, None], 0.0, state.increment),
             pairs=pairs,
             slots=slots,
             reaction=reaction,
             status=self._status(state.prepared, pairs, reaction),
-            gone=gone,
+            departed=departed,
         )
 
     def _arrive(
@@ -378,7 +378,7 @@ class NscdEngine(Engine[NscdState]):
             slots=slots,
             reaction=carried,
             status=self._status(state.prepared, state.pairs, carried),
-            gone=state.gone,
+            departed=state.departed,
             ties=state.ties,
             acted=ActedContacts(
                 pairs=state.pairs,
@@ -400,9 +400,9 @@ class NscdEngine(Engine[NscdState]):
         status_of(pairs, prepared.laws, reaction, status)
         return status
 
-    def gone_of(self, state: NscdState) -> BoolArray:
+    def departed(self, state: NscdState) -> BoolArray:
         """Blocks (n,) that have left."""
-        return state.gone
+        return state.departed
 
     def ties_of(self, state: NscdState) -> TieState:
         """What the ties of a state carry."""

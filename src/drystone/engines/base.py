@@ -74,14 +74,14 @@ class Demand:
     increment: float | None = None  # m, of the control displacement
     settlement: float | None = None  # m or rad, by which the supports of the problem move on
     over_fold: bool = False  # with `increment`: any equilibrium there, not only one on the path
-    thorough: bool = True  # whether all ways are tried: no less will be asked for if this fails
+    full_search: bool = True  # whether all ways are tried: no less will be asked for if this fails
     time_step: float = 0.0  # s; engines of dynamic formulations only need a positive one
     stop_blocks: bool = True  # start the step from rest
 
 
-#: Parts of a step whose mean multipliers `StepPath.crest` is of: as many as an increment is looked
-#: at in, while it is driven.
-CREST_PARTS = 10
+#: Parts of a step whose mean multipliers `StepPath.overshoot` is of: as many as an increment is
+#: looked at in, while it is driven.
+OVERSHOOT_PARTS = 10
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,19 +92,21 @@ class StepPath:
     #: it did, whether or not the step then converged, as a share of the step and a multiplier; by
     #: how much the multiplier exceeds both its ends within the step, and how far it bends from its
     #: chord, each with the share of the step where it does so most.
-    turn: tuple[float, float] | None = None
+    fold: tuple[float, float] | None = None
     excess: tuple[float, float] | None = None
     bend: tuple[float, float] | None = None
     #: Of engines that know which way the blocks set out: how far from there the step has taken the
     #: one that it took farthest from it, over the farthest motion of all.
-    swerve: float | None = None
+    deviation: float | None = None
     #: Of engines that move through a step: by how much the multiplier on the way, inertia and all,
-    #: exceeded both its ends, in the mean of one of `CREST_PARTS` parts of it.  Where the curve has
-    #: no peak it fades with the step.
-    crest: float | None = None
+    #: exceeded both its ends, in the mean of one of `OVERSHOOT_PARTS` parts of it.  Where the curve
+    #: has no peak it fades with the step.
+    overshoot: float | None = None
     #: Of engines that move through a step: where blocks went far by themselves in it, states in
     #: motion on the way to its end and their reports, in order.
-    way: tuple[tuple[State, StepReport], ...] = field(default=(), compare=False, repr=False)
+    dynamic_states: tuple[tuple[State, StepReport], ...] = field(
+        default=(), compare=False, repr=False
+    )
 
 
 #: The path of a step of which nothing is known.
@@ -115,8 +117,8 @@ UNTOLD = StepPath()
 class StepReport:
     """What came of one step: what every engine tells.
 
-    Of one that failed, only `converged`, `reason`, `n_iterations`, and of its `path` `turn` and
-    `way` count, and `dynamic`, which is then whether blocks run away.
+    Of one that failed, only `converged`, `reason`, `n_iterations`, and of its `path` `fold` and
+    `dynamic_states` count, and `dynamic`, which is then whether blocks run away.
     """
 
     converged: bool
@@ -192,14 +194,14 @@ class Capabilities:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Pacing:
+class PreferredSteps:
     """Steps that suit an engine; None where those common to all do.  Strategies make of it what
     they need."""
 
     displacement_step: float | None = None  # m, longest
     time_step: float | None = None  # s
-    easy_iterations: int | None = None  # of a step, up to which it was easy
-    hard_iterations: int | None = None  # from which on it was hard
+    grow_iterations: int | None = None  # of a step, up to which it was easy
+    shrink_iterations: int | None = None  # from which on it was hard
     smooth: bool = False  # whether its curves bend all along, not from point to point
 
 
@@ -236,9 +238,9 @@ class Engine(ABC, Generic[OwnState]):
     def contacts(self, state: OwnState) -> ContactForces:
         """Contact points and reactions of a state."""
 
-    def pacing(self, assembly: Assembly) -> Pacing:
+    def preferred_steps(self, assembly: Assembly) -> PreferredSteps:
         """Steps that suit this engine."""
-        return Pacing()
+        return PreferredSteps()
 
     def derived(self, problem: Problem) -> tuple[Derived, ...]:
         """What the states of a problem refer to and files do not hold, as it follows from the
@@ -248,7 +250,7 @@ class Engine(ABC, Generic[OwnState]):
         """
         return ()
 
-    def gone_of(self, state: OwnState) -> BoolArray | None:
+    def departed(self, state: OwnState) -> BoolArray | None:
         """Blocks (n,) that have left the structure, see `engines.departure`; None where the engine
         takes none out."""
         return None

@@ -56,35 +56,37 @@ class BondSteps(Generic[State]):
         """
         if len(state.due):
             return self._break(state, state.due)
-        at, gone, parts = state, 0.0, 0
+        at, reached, parts = state, 0.0, 0
         motion, iterations = 0.0, 0
-        way: tuple[tuple[Any, StepReport], ...] = ()
+        passed: tuple[tuple[Any, StepReport], ...] = ()
         report = StepReport(converged=False)
         while True:
-            new, found = self._towards(at, 1.0 - gone)
-            way += found.path.way
+            new, found = self._towards(at, 1.0 - reached)
+            passed += found.path.dynamic_states
             if not found.converged:
-                return state, replace(found, path=replace(found.path, way=way))
+                return state, replace(found, path=replace(found.path, dynamic_states=passed))
             if found.reached > 0.0:
                 parts, report = parts + 1, found
                 motion, iterations = motion + found.motion, iterations + found.n_iterations
-            gone = gone + found.reached if len(new.due) else 1.0
+            reached = reached + found.reached if len(new.due) else 1.0
             if not len(new.due):
                 break
             if self._yields(new):
                 at = new = self.broken(new, new.due)
-                if gone > 0.0:
+                if reached > 0.0:
                     break
                 continue
             if self._released(new) > self.slight:
-                if gone == 0.0:
+                if reached == 0.0:
                     return self._break(new, new.due)
                 break
             at = self.broken(new, new.due)
-        path = replace(report.path, way=way)
+        path = replace(report.path, dynamic_states=passed)
         if parts > 1:  # what is known of the path is that of its last part
             path = replace(path, excess=None, bend=None)
-        return new, replace(report, reached=gone, motion=motion, n_iterations=iterations, path=path)
+        return new, replace(
+            report, reached=reached, motion=motion, n_iterations=iterations, path=path
+        )
 
     def _released(self, state: State) -> float:
         due, n_slots = state.due, len(state.reaction)
@@ -166,19 +168,19 @@ class BondSteps(Generic[State]):
 
     def _break(self, state: State, due: IntArray) -> Solved[State]:
         """Break bonds, and those that this overloads, with the displacement held."""
-        new, report = self.rest(self.broken(state, due), 0.0)
+        new, report = self.remainder(self.broken(state, due), 0.0)
         return (new if report.converged else state), replace(report, reached=0.0)
 
-    def rest(self, state: State, share: float) -> Solved[State]:
+    def remainder(self, state: State, share: float) -> Solved[State]:
         """A step, and further ones from its end while bonds are beyond their strength, the weakest
         of which break."""
         new, report = self.solve(state, share)
-        motion, iterations, way = report.motion, report.n_iterations, report.path.way
+        motion, iterations, passed = report.motion, report.n_iterations, report.path.dynamic_states
         while report.converged and len(due := weakest(new.margin)):
             new, report = self.solve(self.broken(new, due), share)
             motion, iterations = motion + report.motion, iterations + report.n_iterations
-            way += report.path.way
-        path = replace(report.path, way=way)
+            passed += report.path.dynamic_states
+        path = replace(report.path, dynamic_states=passed)
         return new, replace(report, motion=motion, n_iterations=iterations, path=path)
 
     def again(self, state: State) -> Solved[State]:

@@ -49,7 +49,7 @@ def departing(
         (n_ties, 2) bodies that whole ties join.
     """
     part = np.empty(len(pose), np.int64)
-    fixed = problem.assembly.fixed | problem.assembly.held.any(axis=1)
+    fixed = problem.assembly.fixed | problem.assembly.restrained.any(axis=1)
     if not kernels.mark_loose(pairs, slots, reaction, fixed | loads.fixed, part):
         return np.zeros(len(pose), np.bool_)
     for one, other in [] if tied is None else tied.tolist():

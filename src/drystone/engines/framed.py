@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from drystone.common.codec import Derived
 from drystone.common.records import changed
 from drystone.contact.forces import ContactForces
-from drystone.engines.base import Demand, Engine, Pacing, Problem, State, StepReport
+from drystone.engines.base import Demand, Engine, PreferredSteps, Problem, State, StepReport
 from drystone.engines.frame import Frame, plain
 from drystone.model.assembly import Assembly
 from drystone.model.ties import TieState
@@ -37,12 +37,12 @@ class Placed(Derived):
     #: Rows outside of the rows within, and the other way round; None where they are the same.
     order: IntArray | None
     rank: IntArray | None
-    turns: bool  # whether a rotation of supports paces the analysis, not a length
+    rotates: bool  # whether a rotation of supports paces the analysis, not a length
 
     @property
-    def pace(self) -> float:
+    def motion_unit(self) -> float:
         """Unit of what paces the analysis."""
-        return 1.0 if self.turns else self.frame.length
+        return 1.0 if self.rotates else self.frame.length
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +52,7 @@ class FramedState:
     placed: Placed
     own: Any  # state of the engine within
     pose: Array  # (n, n_dof) m, rad
-    gone: BoolArray | None = None  # (n,) blocks that have left, of engines that tell
+    departed: BoolArray | None = None  # (n,) blocks that have left, of engines that tell
 
 
 class FramedEngine(Engine[FramedState]):
@@ -65,10 +65,10 @@ class FramedEngine(Engine[FramedState]):
         #: An assembly, its frame and the assembly within, last asked for.
         self.seen: tuple[Assembly, Frame, Assembly] | None = None
 
-    def pacing(self, assembly: Assembly) -> Pacing:
-        """See `Engine.pacing`; the assembly is the one outside."""
+    def preferred_steps(self, assembly: Assembly) -> PreferredSteps:
+        """See `Engine.preferred_steps`; the assembly is the one outside."""
         frame, own = self._own(assembly)
-        suits = self.engine.pacing(own)
+        suits = self.engine.preferred_steps(own)
         if suits.displacement_step is None:
             return suits
         return replace(suits, displacement_step=plain(frame.length * suits.displacement_step))
@@ -99,7 +99,7 @@ class FramedEngine(Engine[FramedState]):
             frame=frame,
             order=None if rank is None else order,
             rank=rank,
-            turns=settlement is not None and settlement.rotates,
+            rotates=settlement is not None and settlement.rotates,
         )
         return placed, replace(
             problem,
@@ -122,7 +122,7 @@ class FramedEngine(Engine[FramedState]):
             changed(
                 demand,
                 increment=None if increment is None else plain(increment / frame.length),
-                settlement=demand.settlement and plain(demand.settlement / placed.pace),
+                settlement=demand.settlement and plain(demand.settlement / placed.motion_unit),
                 time_step=plain(demand.time_step / frame.time) if demand.time_step else 0.0,
             ),
         )
@@ -142,9 +142,9 @@ class FramedEngine(Engine[FramedState]):
         own = self.engine.ties_of(state.own)
         return None if own is None else state.placed.frame.ties_of(own)
 
-    def gone_of(self, state: FramedState) -> BoolArray | None:
-        """See `Engine.gone_of`."""
-        return state.gone
+    def departed(self, state: FramedState) -> BoolArray | None:
+        """See `Engine.departed`."""
+        return state.departed
 
     def close(self) -> None:
         """See `Engine.close`."""
@@ -159,23 +159,23 @@ class FramedEngine(Engine[FramedState]):
         return self.seen[1:]
 
     def _state(self, placed: Placed, own: State) -> FramedState:
-        pose, gone = placed.frame.pose_of(own.pose), self.engine.gone_of(own)
+        pose, departed = placed.frame.pose_of(own.pose), self.engine.departed(own)
         if (rank := placed.rank) is not None:
-            pose, gone = pose[rank], None if gone is None else gone[rank]
-        return FramedState(placed=placed, own=own, pose=pose, gone=gone)
+            pose, departed = pose[rank], None if departed is None else departed[rank]
+        return FramedState(placed=placed, own=own, pose=pose, departed=departed)
 
     def _report(self, placed: Placed, own: StepReport) -> StepReport:
         length = placed.frame.length
-        lever = length if placed.turns else 1.0  # of a rotation the reaction is a moment
+        lever = length if placed.rotates else 1.0  # of a rotation the reaction is a moment
         way = tuple(
             (self._state(placed, state), self._report(placed, report))
-            for state, report in own.path.way
+            for state, report in own.path.dynamic_states
         )
         return changed(
             own,
-            control_displacement=placed.pace * own.control_displacement,
+            control_displacement=placed.motion_unit * own.control_displacement,
             reaction=placed.frame.force * lever * own.reaction,
             penetration=length * own.penetration,
             motion=length * own.motion,
-            path=changed(own.path, way=way),
+            path=changed(own.path, dynamic_states=way),
         )

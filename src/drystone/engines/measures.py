@@ -35,7 +35,7 @@ class StepOutcome:
     certificate: Certificate
     motion: float  # m, of the fastest block
     n_iterations: int
-    settled: float = 0.0  # m or rad, by which supports have moved
+    support_motion: float = 0.0  # m or rad, by which supports have moved
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,15 +57,17 @@ class LoadArrays:
     def of(
         cls,
         problem: Problem,
-        gone: NDArray[np.bool_] | None = None,
+        departed: NDArray[np.bool_] | None = None,
         stage: int | None = None,
     ) -> LoadArrays:
-        """Those of a problem, without the blocks that are ``gone`` (n,); of the dead loads those up
-        to a ``stage``."""
+        """Those of a problem, without the blocks that are ``departed`` (n,); of the dead loads
+        those up to a ``stage``."""
         assembly = problem.assembly
-        fixed = assembly.fixed if gone is None else assembly.fixed | gone
-        acting = Acting.of(assembly, problem.load, problem.dead_loads, stage=stage, gone=gone)
-        dead, pattern = acting.near(assembly.rest_pose(), 0.0)
+        fixed = assembly.fixed if departed is None else assembly.fixed | departed
+        acting = Acting.of(
+            assembly, problem.load, problem.dead_loads, stage=stage, departed=departed
+        )
+        dead, pattern = acting.near(assembly.design_pose(), 0.0)
         return cls(
             dead=dead,
             pattern=pattern,
@@ -110,14 +112,14 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     ``loads`` are those near where it ended.
     """
     assembly, multiplier, slots = problem.assembly, outcome.multiplier, outcome.slots
-    mass = np.where(assembly.held, 0.0, loads.mass) if assembly.on_rollers else loads.mass
+    mass = np.where(assembly.restrained, 0.0, loads.mass) if assembly.on_rollers else loads.mass
     carried, inertia, fastest, kinetic, work, push, strokes, resistance = kernels.sum_blocks(
         outcome.increment, outcome.acceleration, outcome.velocity, outcome.contact_force,
-        outcome.certificate.held, loads.dead, loads.pattern, mass, loads.fixed,
+        outcome.certificate.touched, loads.dead, loads.pattern, mass, loads.fixed,
         loads.along, multiplier,
     )  # fmt: skip
     if assembly.on_rollers:  # what seems to be their inertia is what rollers carry
-        borne = np.where(assembly.held, loads.mass * outcome.acceleration, 0.0)
+        borne = np.where(assembly.restrained, loads.mass * outcome.acceleration, 0.0)
         carried += float((borne[:, : len(loads.along)] @ loads.along).sum())
     counts = np.zeros(3, np.int64)
     penetration = kernels.count_contacts(slots, outcome.status, counts)
@@ -131,7 +133,7 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     applied = max(abs(multiplier), LEAST_LOAD) if settlement is None else 1.0  # of the weight
     reached = problem.control_point.displacement(assembly, outcome.pose)
     if settlement is not None:
-        reached = outcome.settled
+        reached = outcome.support_motion
         reaction = settlement.reaction(assembly, outcome.pose, outcome.contact_force)
     return StepReport(
         converged=True,

@@ -92,13 +92,13 @@ def pairs_in_cells(lower, upper, cells, counts, start, entries, out, most):
                     a = entries[p]
                     for q in range(p + 1, last):
                         b = entries[q]
-                        meet = max(cells[a, 0], cells[b, 0]) == i
-                        meet = meet and max(cells[a, 2], cells[b, 2]) == j
-                        meet = meet and max(cells[a, 4], cells[b, 4]) == k
+                        overlap = max(cells[a, 0], cells[b, 0]) == i
+                        overlap = overlap and max(cells[a, 2], cells[b, 2]) == j
+                        overlap = overlap and max(cells[a, 4], cells[b, 4]) == k
                         for axis in range(dim):
-                            meet = meet and lower[a, axis] <= upper[b, axis]
-                            meet = meet and lower[b, axis] <= upper[a, axis]
-                        if not meet:
+                            overlap = overlap and lower[a, axis] <= upper[b, axis]
+                            overlap = overlap and lower[b, axis] <= upper[a, axis]
+                        if not overlap:
                             continue
                         if found < out.shape[0]:
                             out[found, 0] = min(a, b)

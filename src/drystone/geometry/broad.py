@@ -40,8 +40,8 @@ def candidate_pairs(lower: Array, upper: Array) -> tuple[IntArray, IntArray]:
     if len(lower) < 2:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
     if len(lower) <= FEW:
-        meet = np.all(lower[:, None] <= upper[None], axis=2)
-        a, b = np.nonzero(np.triu(meet & meet.T, k=1))
+        overlap = np.all(lower[:, None] <= upper[None], axis=2)
+        a, b = np.nonzero(np.triu(overlap & overlap.T, k=1))
         return a, b
     origin, size, counts = kernels.grid_of(lower, upper)
     cells = np.zeros((len(lower), 6), np.int64)

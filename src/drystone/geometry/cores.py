@@ -142,10 +142,10 @@ def _cut(
 
 def _check_faces(cell: Cell | None, faces: Faces, what: str, mend: str) -> None:
     left = set() if cell is None else set(cell.tags)
-    gone = [i for i in range(len(faces)) if i not in left]
-    if gone:
-        names = ", ".join(map(str, faces[gone[0]]))
-        raise GeometryError(f"{what} leaves nothing of face {gone[0] + 1} [{names}]: {mend}")
+    removed = [i for i in range(len(faces)) if i not in left]
+    if removed:
+        names = ", ".join(map(str, faces[removed[0]]))
+        raise GeometryError(f"{what} leaves nothing of face {removed[0] + 1} [{names}]: {mend}")
 
 
 def _taken(points: list[Point], cell: Cell | None) -> tuple[Array, Faces, IntArray]:

@@ -85,12 +85,12 @@ class Figure:
         found = []
         for part in self.parts:
             normal, offset = _planes(part)
-            across, room = normal @ direction, offset - normal @ point
+            across, distance = normal @ direction, offset - normal @ point
             with np.errstate(divide="ignore", invalid="ignore"):
-                way = room / across
+                way = distance / across
             first = way[across < 0.0].max(initial=-np.inf)
             last = way[across > 0.0].min(initial=np.inf)
-            if first <= last and np.all(room[across == 0.0] >= 0.0):
+            if first <= last and np.all(distance[across == 0.0] >= 0.0):
                 found.append(float(first))
         return min(found, default=0.0)
 

@@ -137,18 +137,18 @@ def _of_polyhedra(solids: Polyhedra, distance: float | Array | None) -> Interfac
         tolerance = _least(distance, solids.body[p], solids.body[q])
     arrays = (solids.vertices, solids.rows, solids.face_offset)
     more = (solids.part_faces, solids.normals, solids.inwards, solids.discs)
-    room = (
+    capacity = (
         4 * len(solids.body) + 16,
         16 * len(solids.body) + 64,
     )  # a wall has three joints a block
     while True:
-        found, corners = np.zeros((room[0], 5), np.int64), np.zeros((room[1], 3))
+        found, corners = np.zeros((capacity[0], 5), np.int64), np.zeros((capacity[1], 3))
         needed = kernels.find_joints(
             np.column_stack((p, q)), tolerance, *arrays, *more, found, corners
         )
-        if needed[0] <= room[0] and needed[1] <= room[1]:
+        if needed[0] <= capacity[0] and needed[1] <= capacity[1]:
             break
-        room = needed
+        capacity = needed
     found = found[: needed[0]]
     a, b = solids.body[p[found[:, 0]]], solids.body[q[found[:, 0]]]
     order = np.lexsort((found[:, 2], found[:, 1], b, a))

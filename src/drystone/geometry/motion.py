@@ -28,7 +28,7 @@ def n_dof(dimension: int) -> int:
     return 3 if dimension == 2 else 6
 
 
-def rest(n: int, dimension: int) -> Array:
+def design_pose(n: int, dimension: int) -> Array:
     """Poses of bodies as designed, (n, n_pose), with 3 numbers in the plane and 7 in space."""
     pose = np.zeros((n, 3 if dimension == 2 else 7))
     if dimension == 3:
@@ -46,7 +46,7 @@ def rotations(field: Array) -> Array:
     return field[..., 2 if field.shape[-1] == 3 else 3 :]
 
 
-def turns(pose: Array) -> Array:
+def rotation_vectors(pose: Array) -> Array:
     """By how much bodies have turned: angles (n,) [rad] in the plane, rotation vectors (n, 3) [rad]
     about axes of the world in space, the shorter way round."""
     return pose[:, 2] if pose.shape[1] == 3 else _vector(pose[:, 3:])
@@ -102,10 +102,10 @@ def places(centroid: Array, pose: Array) -> Array:
     return centroid + translations(pose)
 
 
-def turned(vectors: Array, pose: Array) -> Array:
+def rotated(vectors: Array, pose: Array) -> Array:
     """Vectors (n, dim) of bodies after the rotations of their poses (n, n_pose)."""
     if pose.shape[1] == 7:
-        return vectors + _turn(pose[:, 3:], vectors)
+        return vectors + _rotate(pose[:, 3:], vectors)
     c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
     x, y = vectors[:, 0], vectors[:, 1]
     after = np.empty_like(vectors)
@@ -126,7 +126,7 @@ def moved_points(
     arm = points - centroid[owner]
     # Rotation less identity, so that a block at rest stays to the last bit where it is.
     if points.shape[1] == 3:
-        turn = np.cross(pose[owner, 3:], arm) if linear else _turn(pose[owner, 3:], arm)
+        turn = np.cross(pose[owner, 3:], arm) if linear else _rotate(pose[owner, 3:], arm)
         return np.asarray(points + (pose[owner, :3] + turn), np.float64)
     theta = pose[owner, 2]
     cosine, sine = (0.0 * theta, theta) if linear else (np.cos(theta) - 1.0, np.sin(theta))
@@ -139,7 +139,7 @@ def displacement(arm: Array, pose: Array) -> Array:
     """Displacement (dim,) [m] of a point at ``arm`` (dim,) from its body's centroid, in a pose of
     the body (n_pose,)."""
     if len(pose) == 7:
-        return np.asarray(pose[:3] + _turn(pose[None, 3:], arm[None])[0])
+        return np.asarray(pose[:3] + _rotate(pose[None, 3:], arm[None])[0])
     ux, uy, theta = pose.tolist()  # Python's numbers: this is asked for at every step
     x, y = arm.tolist()
     c, s = math.cos(theta), math.sin(theta)
@@ -152,8 +152,8 @@ def advance(arm: Array, motion: Array, axis: Array, axes: Array) -> float:
     if len(motion) == 6:
         return float(rotation.advance(arm, motion, axis, axes))
     (ux, uy), (x, y), (dx, dy) = motion[:2].tolist(), arm.tolist(), axis.tolist()
-    turned_x, turned_y = _turned_arm(arm, motion)
-    return float(dx * (ux + turned_x - x) + dy * (uy + turned_y - y))
+    rotated_x, rotated_y = _rotated_arm(arm, motion)
+    return float(dx * (ux + rotated_x - x) + dy * (uy + rotated_y - y))
 
 
 def gradient_of_advance(arm: Array, motion: Array, axis: Array, axes: Array) -> Array:
@@ -162,11 +162,11 @@ def gradient_of_advance(arm: Array, motion: Array, axis: Array, axes: Array) -> 
         gradient = np.empty(6)
         rotation.gradient_of_advance(arm, motion, axis, axes, gradient)
         return gradient
-    (dx, dy), (turned_x, turned_y) = axis.tolist(), _turned_arm(arm, motion)
-    return np.array([dx, dy, dy * turned_x - dx * turned_y])
+    (dx, dy), (rotated_x, rotated_y) = axis.tolist(), _rotated_arm(arm, motion)
+    return np.array([dx, dy, dy * rotated_x - dx * rotated_y])
 
 
-def _turned_arm(arm: Array, motion: Array) -> tuple[float, float]:
+def _rotated_arm(arm: Array, motion: Array) -> tuple[float, float]:
     (x, y), theta = arm.tolist(), float(motion[2])
     s, versine = math.sin(theta), 2.0 * math.sin(0.5 * theta) ** 2
     return x * (1.0 - versine) - s * y, y * (1.0 - versine) + s * x
@@ -273,7 +273,7 @@ def rotated_by(pose: Array, angle: float, axis: Array | None) -> None:
     pose[:, 4:] = math.sin(0.5 * angle) * axis
 
 
-def turned_back(pose: Array) -> Array:
+def rotated_back(pose: Array) -> Array:
     """Poses (n, n_pose) without translation, turned by as much the other way round."""
     back = np.zeros_like(pose)
     if pose.shape[1] == 3:
@@ -341,9 +341,9 @@ def across_both(first: Array, second: Array) -> list[Array]:
     return [] if len(first) == 2 else [np.cross(first, second)]
 
 
-def angles_of(turned_by: Array) -> Array:
-    """Sizes of rotations as `turns` tells them, (n,) [rad]."""
-    return np.abs(turned_by) if turned_by.ndim == 1 else np.linalg.norm(turned_by, axis=1)
+def angles_of(rotated_by: Array) -> Array:
+    """Sizes of rotations as `rotation_vectors` tells them, (n,) [rad]."""
+    return np.abs(rotated_by) if rotated_by.ndim == 1 else np.linalg.norm(rotated_by, axis=1)
 
 
 def _product(p: Array, q: Array) -> Array:
@@ -353,7 +353,7 @@ def _product(p: Array, q: Array) -> Array:
     return np.concatenate((w, v), axis=1)
 
 
-def _turn(quaternion: Array, vectors: Array) -> Array:
+def _rotate(quaternion: Array, vectors: Array) -> Array:
     """What rotations (n, 4) add to vectors (n, 3): as precise as the rotations are small."""
     w, v = quaternion[:, :1], quaternion[:, 1:]
     across = np.cross(v, vectors)

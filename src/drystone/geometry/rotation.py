@@ -12,31 +12,32 @@ QUATERNION = 3
 
 
 @njit(cache=True, inline="always")
-def fill_turn(pose, i, turn):
-    """Fill row i of ``turn`` (n, 3, 3), the rotation of its pose (n, 7) less identity, 2 w [v] +
-    2 [v]^2."""
+def fill_rotation(pose, i, rotation):
+    """Fill row i of ``rotation`` (n, 3, 3), the rotation of its pose (n, 7) less identity, 2 w [v]
+    + 2 [v]^2."""
     w, x = pose[i, QUATERNION], pose[i, QUATERNION + 1]
     y, z = pose[i, QUATERNION + 2], pose[i, QUATERNION + 3]
-    turn[i, 0, 0] = -2.0 * (y * y + z * z)
-    turn[i, 1, 1] = -2.0 * (x * x + z * z)
-    turn[i, 2, 2] = -2.0 * (x * x + y * y)
-    turn[i, 0, 1] = 2.0 * (x * y - w * z)
-    turn[i, 1, 0] = 2.0 * (x * y + w * z)
-    turn[i, 0, 2] = 2.0 * (x * z + w * y)
-    turn[i, 2, 0] = 2.0 * (x * z - w * y)
-    turn[i, 1, 2] = 2.0 * (y * z - w * x)
-    turn[i, 2, 1] = 2.0 * (y * z + w * x)
+    rotation[i, 0, 0] = -2.0 * (y * y + z * z)
+    rotation[i, 1, 1] = -2.0 * (x * x + z * z)
+    rotation[i, 2, 2] = -2.0 * (x * x + y * y)
+    rotation[i, 0, 1] = 2.0 * (x * y - w * z)
+    rotation[i, 1, 0] = 2.0 * (x * y + w * z)
+    rotation[i, 0, 2] = 2.0 * (x * z + w * y)
+    rotation[i, 2, 0] = 2.0 * (x * z - w * y)
+    rotation[i, 1, 2] = 2.0 * (y * z - w * x)
+    rotation[i, 2, 1] = 2.0 * (y * z + w * x)
 
 
 @njit(cache=True)
-def place_axes(pose, i, designed, turn, axes):
-    """`fill_turn`, and row i of ``axes``: where it takes the columns of ``designed``, (n, 3, 3)."""
-    fill_turn(pose, i, turn)
+def place_axes(pose, i, designed, rotation, axes):
+    """`fill_rotation`, and row i of ``axes``: where it takes the columns of ``designed``, (n, 3,
+    3)."""
+    fill_rotation(pose, i, rotation)
     for j in range(3):
         for k in range(3):
             total = designed[i, j, k]
             for m in range(3):
-                total += turn[i, j, m] * designed[i, m, k]
+                total += rotation[i, j, m] * designed[i, m, k]
             axes[i, j, k] = total
 
 
@@ -47,7 +48,7 @@ def translation(pose, i):
 
 
 @njit(cache=True)
-def turn_adds(pose, i, x, y, z):
+def rotation_adds(pose, i, x, y, z):
     """What the rotation of body i in the poses (n, n_pose) adds to an arm."""
     if pose.shape[1] == 3:
         s, half = np.sin(pose[i, 2]), np.sin(0.5 * pose[i, 2])
@@ -74,8 +75,8 @@ def add_force_at(rx, ry, rz, fx, fy, fz, i, axes, force):
     force[i, 2] += fz
     mx, my, mz = ry * fz - rz * fy, rz * fx - rx * fz, rx * fy - ry * fx
     for d in range(3):
-        turned = axes[i, 0, d] * mx + axes[i, 1, d] * my + axes[i, 2, d] * mz
-        force[i, 3 + d] += turned
+        rotated = axes[i, 0, d] * mx + axes[i, 1, d] * my + axes[i, 2, d] * mz
+        force[i, 3 + d] += rotated
 
 
 @njit(cache=True, error_model="numpy")
@@ -83,12 +84,12 @@ def farthest(increment, extent):
     """Largest bound on the displacement of any point of a block [m] for increments (n, n_dof)."""
     most = 0.0
     for i in range(increment.shape[0]):
-        x, y, turn = increment[i, 0], increment[i, 1], abs(increment[i, 2])
+        x, y, rotation = increment[i, 0], increment[i, 1], abs(increment[i, 2])
         straight = x * x + y * y
         if increment.shape[1] == 6:
             straight += increment[i, 2] ** 2
-            turn = np.sqrt(increment[i, 3] ** 2 + increment[i, 4] ** 2 + increment[i, 5] ** 2)
-        moved = np.sqrt(straight) + extent[i] * turn
+            rotation = np.sqrt(increment[i, 3] ** 2 + increment[i, 4] ** 2 + increment[i, 5] ** 2)
+        moved = np.sqrt(straight) + extent[i] * rotation
         if not moved <= most:  # also where it is not a number
             most = moved
             if np.isnan(moved):
@@ -97,7 +98,7 @@ def farthest(increment, extent):
 
 
 @njit(cache=True)
-def turn_by(w, x, y, z, vx, vy, vz):
+def rotate_by(w, x, y, z, vx, vy, vz):
     """What a rotation adds to a vector, as precise as the rotation is small."""
     cx, cy, cz = y * vz - z * vy, z * vx - x * vz, x * vy - y * vx
     ax = 2.0 * (w * cx + y * cz - z * cy)
@@ -131,12 +132,12 @@ def spin(pose, i, vx, vy, vz):
 
 
 @njit(cache=True)
-def turned(vx, vy, vz, ax, ay, az):
+def rotated(vx, vy, vz, ax, ay, az):
     """A vector (ax, ay, az) turned by a rotation vector (vx, vy, vz) [rad]."""
     angle = np.sqrt(vx * vx + vy * vy + vz * vz)
     share = np.sin(0.5 * angle) / angle if angle > SMALL_ANGLE else 0.5 - angle * angle / 48.0
     w, x, y, z = np.cos(0.5 * angle), share * vx, share * vy, share * vz
-    mx, my, mz = turn_by(w, x, y, z, ax, ay, az)
+    mx, my, mz = rotate_by(w, x, y, z, ax, ay, az)
     return ax + mx, ay + my, az + mz
 
 
@@ -169,14 +170,14 @@ def spin_on(increment, mass, time_step, velocity):
         if wx == 0.0 and wy == 0.0 and wz == 0.0:
             continue
         ix, iy, iz = mass[i, 3], mass[i, 4], mass[i, 5]
-        lx, ly, lz = turned(
+        lx, ly, lz = rotated(
             -0.5 * increment[i, 3], -0.5 * increment[i, 4], -0.5 * increment[i, 5],
             ix * wx, iy * wy, iz * wz,
         )  # fmt: skip
         size = np.sqrt(wx * wx + wy * wy + wz * wz)
         for _ in range(50):
             # (I - [h l / 2]) dw = l - I w, with l the moment of momentum amid the step.
-            px, py, pz = turned(-half * wx, -half * wy, -half * wz, lx, ly, lz)
+            px, py, pz = rotated(-half * wx, -half * wy, -half * wz, lx, ly, lz)
             rx, ry, rz = px - ix * wx, py - iy * wy, pz - iz * wz
             ax, ay, az = half * px, half * py, half * pz
             # Cramer's rule for [[ix, az, -ay], [-az, iy, ax], [ay, -ax, iz]].
@@ -212,17 +213,17 @@ def spin_by_impulses(carried, mass, time_step, velocity):
         ix, iy, iz = mass[i, 3], mass[i, 4], mass[i, 5]
         if ix == 0.0 or (wx == 0.0 and wy == 0.0 and wz == 0.0):
             continue
-        lx, ly, lz = turned(half * cx, half * cy, half * cz, ix * cx, iy * cy, iz * cz)
+        lx, ly, lz = rotated(half * cx, half * cy, half * cz, ix * cx, iy * cy, iz * cz)
         lx, ly, lz = lx + ix * (wx - cx), ly + iy * (wy - cy), lz + iz * (wz - cz)
-        lx, ly, lz = turned(-half * wx, -half * wy, -half * wz, lx, ly, lz)
+        lx, ly, lz = rotated(-half * wx, -half * wy, -half * wz, lx, ly, lz)
         velocity[i, 3], velocity[i, 4], velocity[i, 5] = lx / ix, ly / iy, lz / iz
 
 
 @njit(cache=True)
-def all_axes(pose, designed, turn, axes):
+def all_axes(pose, designed, rotation, axes):
     """`place_axes` of all bodies."""
     for i in range(pose.shape[0]):
-        place_axes(pose, i, designed, turn, axes)
+        place_axes(pose, i, designed, rotation, axes)
 
 
 @njit(cache=True)
@@ -235,7 +236,7 @@ def _of_vector(vx, vy, vz):
 
 
 @njit(cache=True)
-def _turn_of_increment(motion, axes):
+def _rotation_of_increment(motion, axes):
     """Quaternion of the rotation of an increment (6,), about axes of the world; ``axes`` (3, 3) are
     the principal axes before it."""
     r0, r1, r2 = motion[3], motion[4], motion[5]
@@ -253,7 +254,7 @@ def moved(pose, increment, axes, after):
     for i in range(pose.shape[0]):
         for d in range(3):
             after[i, d] = pose[i, d] + increment[i, d]
-        w0, x0, y0, z0 = _turn_of_increment(increment[i], axes[i])
+        w0, x0, y0, z0 = _rotation_of_increment(increment[i], axes[i])
         w1, x1 = pose[i, QUATERNION], pose[i, QUATERNION + 1]
         y1, z1 = pose[i, QUATERNION + 2], pose[i, QUATERNION + 3]
         # First the increment, about axes of the body, then what the body has turned before.
@@ -295,8 +296,8 @@ def difference(pose, before, axes, increment):
 def advance(arm, motion, axis, axes):
     """Displacement along ``axis`` (3,) [m] of a point at ``arm`` (3,) from its body's centroid, by
     an increment (6,); ``axes`` (3, 3) are the principal axes before it."""
-    w, x, y, z = _turn_of_increment(motion, axes)
-    tx, ty, tz = turn_by(w, x, y, z, arm[0], arm[1], arm[2])
+    w, x, y, z = _rotation_of_increment(motion, axes)
+    tx, ty, tz = rotate_by(w, x, y, z, arm[0], arm[1], arm[2])
     along = axis[0] * (motion[0] + tx) + axis[1] * (motion[1] + ty)
     return along + axis[2] * (motion[2] + tz)
 
@@ -304,8 +305,8 @@ def advance(arm, motion, axis, axes):
 @njit(cache=True)
 def gradient_of_advance(arm, motion, axis, axes, gradient):
     """Fill ``gradient`` (6,): how `advance` goes with a further increment."""
-    w, x, y, z = _turn_of_increment(motion, axes)
-    tx, ty, tz = turn_by(w, x, y, z, arm[0], arm[1], arm[2])
+    w, x, y, z = _rotation_of_increment(motion, axes)
+    tx, ty, tz = rotate_by(w, x, y, z, arm[0], arm[1], arm[2])
     ax, ay, az = arm[0] + tx, arm[1] + ty, arm[2] + tz
     mx, my, mz = (
         ay * axis[2] - az * axis[1],
@@ -314,6 +315,6 @@ def gradient_of_advance(arm, motion, axis, axes, gradient):
     )
     for d in range(3):
         ux, uy, uz = axes[0, d], axes[1, d], axes[2, d]
-        tx, ty, tz = turn_by(w, x, y, z, ux, uy, uz)
+        tx, ty, tz = rotate_by(w, x, y, z, ux, uy, uz)
         gradient[d] = axis[d]
         gradient[3 + d] = (ux + tx) * mx + (uy + ty) * my + (uz + tz) * mz

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from drystone.contact.contacts import BOND, TENSILE, Contacts
 from drystone.contact.rows import contact_velocities, dof_of
 from drystone.law.columns import BROKEN, DILATION
-from drystone.law.residual import mark_held, unbalanced_force
+from drystone.law.residual import mark_touched, unbalanced_force
 from drystone.law.violation import joint_law_violation
 
 Array = NDArray[np.float64]
@@ -92,7 +92,7 @@ class Certificate(NamedTuple):
     normal: float  # largest distance of a normal reaction from the law's
     tangential: float  # and of a tangential one
     cone: float  # largest excess over what friction and cohesion hold
-    held: BoolArray  # (n,)
+    touched: BoolArray  # (n,)
 
     @property
     def residual(self) -> float:
@@ -119,8 +119,8 @@ def certify(
     normal, tangential, cone = joint_law_violation(
         c.contacts.table, c.gap, c.slip, c.reaction, c.shear_before, c.whole
     )
-    held = np.zeros(len(fixed), np.bool_)
-    mark_held(c.contacts, c.reaction, held)
+    touched = np.zeros(len(fixed), np.bool_)
+    mark_touched(c.contacts, c.reaction, touched)
     return Certificate(
         balance=float(
             unbalanced_force(forces.contact + forces.load, forces.inertia, extent, fixed)
@@ -128,5 +128,5 @@ def certify(
         normal=float(normal),
         tangential=float(tangential),
         cone=float(cone),
-        held=held,
+        touched=touched,
     )

@@ -33,7 +33,7 @@ from drystone.common.tolerances import (
     CENTRAL_NORMAL,
     KEPT,
     LAST_DIGITS,
-    LEAST_ROOM,
+    LEAST_DISTANCE,
     OPENING,
     STICKS_AGAIN,
     TURNING_FRICTION,
@@ -43,11 +43,11 @@ from drystone.contact.contacts import (
     BODY_B,
     CRUSH,
     FRICTION,
-    HELD,
+    INTACT,
+    INTERCEPT,
     LIFT,
     PAIR,
     PULL,
-    ROOM,
     STIFF_N,
     STIFF_T,
 )
@@ -64,7 +64,7 @@ ETA, V0, V1, V2, NN, N1, N2, T1, T2, S11, S12, S22, B0, B1, B2, R0, R1, R2 = ran
 N_SCALING = 18
 
 #: Cosine of the angle by which what slides may turn in an iteration.
-TURN = 0.5
+SLIP_COSINE = 0.5
 
 
 @njit(cache=True, error_model="numpy")
@@ -112,9 +112,12 @@ def trial_impulses(problem, h, penalty, centre, relative, trial):
 
 @njit(cache=True, error_model="numpy")
 def _floor(table, inner, c):
-    """Product that a contact's pair keeps where there is no barrier; see `LEAST_ROOM`."""
+    """Product that a contact's pair keeps where there is no barrier; see `LEAST_DISTANCE`."""
     square = inner[c, Z1] * inner[c, Z1] + inner[c, Z2] * inner[c, Z2]
-    most = 2.0 * LEAST_ROOM * table[c, FRICTION] * inner[c, PN] + 2.0 * LEAST_ROOM * table[c, ROOM]
+    most = (
+        2.0 * LEAST_DISTANCE * table[c, FRICTION] * inner[c, PN]
+        + 2.0 * LEAST_DISTANCE * table[c, INTERCEPT]
+    )
     return most * np.sqrt(square)
 
 
@@ -140,25 +143,25 @@ def _is_central_normal(table, inner, c, product):
 
 
 @njit(cache=True, error_model="numpy")
-def _room_of_friction(most, size, beta):
+def _distance_of_friction(most, size, beta):
     """The room s in (0, m] that friction leaves: (T - m + s) s (2 m - s) = beta (m - s)."""
-    low, high, room = 0.0, most, min(most, max(most - size, beta / (size + most + beta / most)))
+    low, high, distance = 0.0, most, min(most, max(most - size, beta / (size + most + beta / most)))
     for _ in range(80):
-        rest = size - most + room
-        value = rest * room * (2.0 * most - room) - beta * (most - room)
+        excess = size - most + distance
+        value = excess * distance * (2.0 * most - distance) - beta * (most - distance)
         if value > 0.0:
-            high = room
+            high = distance
         else:
-            low = room
-        slope = room * (2.0 * most - room) + 2.0 * rest * (most - room) + beta
-        nearer = room - value / slope
+            low = distance
+        slope = distance * (2.0 * most - distance) + 2.0 * excess * (most - distance) + beta
+        nearer = distance - value / slope
         if not low < nearer < high:
             nearer = 0.5 * (low + high)
-        done = abs(nearer - room) <= LAST_DIGITS * room
-        room = nearer
+        done = abs(nearer - distance) <= LAST_DIGITS * distance
+        distance = nearer
         if done:
             break
-    return room
+    return distance
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -167,7 +170,7 @@ def centre_contacts(table, energy, everything, trial, inner):
     lie too near to the ends of their cones or outside, or of all."""
     for c in range(table.shape[0]):
         tn, t1, t2 = trial[c, 0], trial[c, 1], trial[c, 2]
-        if table[c, HELD] != 0.0:
+        if table[c, INTACT] != 0.0:
             if everything:
                 inner[c, PN], inner[c, P1], inner[c, P2], inner[c, W] = tn, t1, t2, 0.0
                 inner[c, ZETA], inner[c, Z1], inner[c, Z2] = 0.0, 0.0, 0.0
@@ -184,17 +187,20 @@ def centre_contacts(table, energy, everything, trial, inner):
                 inner[c, PN], inner[c, W], inner[c, V], inner[c, CAP] = central_crushing(
                     tn, table[c, CRUSH], product
                 )
-        most, size = table[c, FRICTION] * inner[c, PN] + table[c, ROOM], np.sqrt(t1 * t1 + t2 * t2)
+        most, size = (
+            table[c, FRICTION] * inner[c, PN] + table[c, INTERCEPT],
+            np.sqrt(t1 * t1 + t2 * t2),
+        )
         if not everything and _is_central(inner, c, most, beta + _floor(table, inner, c)):
             continue
         if most == 0.0:
             inner[c, P1], inner[c, P2], inner[c, ZETA] = 0.0, 0.0, 0.0
             inner[c, Z1], inner[c, Z2] = 0.0, 0.0
             continue
-        beta += 2.0 * LEAST_ROOM * most * size
-        room = _room_of_friction(most, size, beta)
-        share = (most - room) / size if size > 0.0 else 0.0
-        zeta, p1, p2 = beta * most / (room * (2.0 * most - room)), share * t1, share * t2
+        beta += 2.0 * LEAST_DISTANCE * most * size
+        distance = _distance_of_friction(most, size, beta)
+        share = (most - distance) / size if size > 0.0 else 0.0
+        zeta, p1, p2 = beta * most / (distance * (2.0 * most - distance)), share * t1, share * t2
         inner[c, P1], inner[c, P2], inner[c, ZETA] = p1, p2, zeta
         inner[c, Z1], inner[c, Z2] = zeta * p1 / most, zeta * p2 / most
 
@@ -206,7 +212,7 @@ def scale(table, inner, scaling):
     for c in range(table.shape[0]):
         mu, ks = table[c, FRICTION], table[c, STIFF_T]
         n1, n2, t1, t2, s11, s12, s22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        if table[c, HELD] != 0.0:
+        if table[c, INTACT] != 0.0:
             nn, s11, s22 = 1.0, 1.0, 1.0
         else:
             pn, p1, p2, w = inner[c, PN], inner[c, P1], inner[c, P2], inner[c, W]
@@ -217,9 +223,9 @@ def scale(table, inner, scaling):
                 energy += inner[c, V] * inner[c, CAP] / table[c, STIFF_N]
                 n += 1
                 nn = 1.0 / (1.0 + w / pn + inner[c, V] / inner[c, CAP])
-        if table[c, HELD] == 0.0 and mu + table[c, ROOM] != 0.0:
+        if table[c, INTACT] == 0.0 and mu + table[c, INTERCEPT] != 0.0:
             zeta, z1, z2 = inner[c, ZETA], inner[c, Z1], inner[c, Z2]
-            most = mu * pn + table[c, ROOM]
+            most = mu * pn + table[c, INTERCEPT]
             dot = most * zeta - p1 * z1 - p2 * z2
             energy += max(dot - _floor(table, inner, c), 0.0) / (2.0 * ks)
             n += 1
@@ -273,7 +279,7 @@ def aim(table, energy, second, trial, inner, change, scaling, reaction):
     for c in range(table.shape[0]):
         mu = table[c, FRICTION]
         pn, p1, p2, w = inner[c, PN], inner[c, P1], inner[c, P2], inner[c, W]
-        if table[c, HELD] != 0.0:
+        if table[c, INTACT] != 0.0:
             b0, b1, b2 = trial[c, 0] - pn, trial[c, 1] - p1, trial[c, 2] - p2
         else:
             lack = table[c, STIFF_N] * energy - pn * w
@@ -285,7 +291,7 @@ def aim(table, energy, second, trial, inner, change, scaling, reaction):
                 if second:
                     lack -= change[c, V] * change[c, CAP]
                 b0 -= inner[c, V] + lack / inner[c, CAP]
-        if table[c, HELD] == 0.0 and mu + table[c, ROOM] != 0.0:
+        if table[c, INTACT] == 0.0 and mu + table[c, INTERCEPT] != 0.0:
             zeta, z1, z2 = inner[c, ZETA], inner[c, Z1], inner[c, Z2]
             eta, v0, v1, v2 = scaling[c, ETA], scaling[c, V0], scaling[c, V1], scaling[c, V2]
             back = 1.0 / eta
@@ -366,7 +372,7 @@ def changes(table, energy, second, relative, inner, scaling, change):
         d1 = scaling[c, T1] * x0 + scaling[c, S11] * x1 + s12 * x2
         d2 = scaling[c, T2] * x0 + s12 * x1 + scaling[c, S22] * x2
         dw, d_zeta, dz1, dz2, dv = 0.0, 0.0, 0.0, 0.0, 0.0
-        if table[c, HELD] == 0.0:
+        if table[c, INTACT] == 0.0:
             pn, w = inner[c, PN], inner[c, W]
             lack = kn * energy - pn * w
             if second:
@@ -377,7 +383,7 @@ def changes(table, energy, second, relative, inner, scaling, change):
                 if second:
                     lack -= change[c, V] * change[c, CAP]
                 dv = (lack + inner[c, V] * dn) / inner[c, CAP]
-            if mu + table[c, ROOM] == 0.0:
+            if mu + table[c, INTERCEPT] == 0.0:
                 d1, d2 = 0.0, 0.0
             else:
                 # W^-2 = (2 v v^T - diag(1, -1, -1)) / eta^2, with the direction reversed.
@@ -394,7 +400,7 @@ def changes(table, energy, second, relative, inner, scaling, change):
 
 
 @njit(cache=True, error_model="numpy")
-def _room(p0, p1, p2, d0, d1, d2):
+def _distance_to_cone(p0, p1, p2, d0, d1, d2):
     """How far a pair may go before it leaves the cone."""
     a = d0 * d0 - d1 * d1 - d2 * d2
     b = p0 * d0 - p1 * d1 - p2 * d2
@@ -421,16 +427,16 @@ def _within(p0, p1, p2, d0, d1, d2, far):
 
 
 @njit(cache=True, error_model="numpy")
-def length(table, inner, change, leeway):
+def length(table, inner, change, radius):
     """How far all contacts may go along their changes, at most 1, by their normal reactions; and by
     their pairs as well.
 
-    Normal reactions and slacks may leave their cones by what a barrier ``leeway`` [J] makes of them
+    Normal reactions and slacks may leave their cones by what a barrier ``radius`` [J] makes of them
     in the middle, sqrt(k_n e): `centre_contacts` then puts them back.
     """
     far, pairs = 1.0, 1.0
     for c in range(inner.shape[0]):
-        if table[c, HELD] != 0.0:
+        if table[c, INTACT] != 0.0:
             continue
         mu, pn, dn = table[c, FRICTION], inner[c, PN], change[c, PN]
         w, dw = inner[c, W], change[c, W]
@@ -439,18 +445,18 @@ def length(table, inner, change, leeway):
             far = _up_to(inner[c, CAP], change[c, CAP], 0.0, far)
             beyond = 0.0
         else:
-            beyond = np.sqrt(table[c, STIFF_N] * leeway)
+            beyond = np.sqrt(table[c, STIFF_N] * radius)
         far = _up_to(pn, dn, beyond, far)
         far = _up_to(w, dw, beyond, far)
-        if mu + table[c, ROOM] > 0.0 and pn + far * dn > 0.0:
+        if mu + table[c, INTERCEPT] > 0.0 and pn + far * dn > 0.0:
             p1, p2, d1, d2 = inner[c, P1], inner[c, P2], change[c, P1], change[c, P2]
-            most = mu * pn + table[c, ROOM]
+            most = mu * pn + table[c, INTERCEPT]
             if not _within(most, p1, p2, mu * dn, d1, d2, pairs):
-                pairs = min(pairs, _room(most, p1, p2, mu * dn, d1, d2))
+                pairs = min(pairs, _distance_to_cone(most, p1, p2, mu * dn, d1, d2))
             p0, d0 = inner[c, ZETA], change[c, ZETA]
             p1, p2, d1, d2 = inner[c, Z1], inner[c, Z2], change[c, Z1], change[c, Z2]
             if not _within(p0, p1, p2, d0, d1, d2, pairs):
-                pairs = min(pairs, _room(p0, p1, p2, d0, d1, d2))
+                pairs = min(pairs, _distance_to_cone(p0, p1, p2, d0, d1, d2))
     return far, min(far, pairs)
 
 
@@ -462,17 +468,17 @@ def _up_to(value, change, beyond, far):
 
 
 @njit(cache=True, error_model="numpy")
-def turns_too_far(table, far, inner, change, leeway):
+def slip_rotates_too_far(table, far, inner, change, radius):
     """Whether a contact leaves its cone by so much, ``far`` along its changes, that it cannot be
-    put back by turning: see `TURN`.
+    put back by turning: see `SLIP_COSINE`.
 
-    Forces that a barrier ``leeway`` [J] makes fuzzy, up to sqrt(k_s e), may turn any way.
+    Forces that a barrier ``radius`` [J] makes fuzzy, up to sqrt(k_s e), may turn any way.
     """
     for c in range(inner.shape[0]):
-        if table[c, HELD] != 0.0:
+        if table[c, INTACT] != 0.0:
             continue
         w1, w2, u1, u2 = inner[c, P1], inner[c, P2], inner[c, Z1], inner[c, Z2]
-        most = table[c, FRICTION] * (inner[c, PN] + far * change[c, PN]) + table[c, ROOM]
+        most = table[c, FRICTION] * (inner[c, PN] + far * change[c, PN]) + table[c, INTERCEPT]
         p1, p2 = w1 + far * change[c, P1], w2 + far * change[c, P2]
         z1, z2 = u1 + far * change[c, Z1], u2 + far * change[c, Z2]
         zeta = inner[c, ZETA] + far * change[c, ZETA]
@@ -483,16 +489,19 @@ def turns_too_far(table, far, inner, change, leeway):
             continue
         size, slid = np.sqrt(size), np.sqrt(slid)
         was, slid_was = np.sqrt(w1 * w1 + w2 * w2), np.sqrt(u1 * u1 + u2 * u2)
-        fuzzy = np.sqrt(table[c, STIFF_T] * leeway)
+        fuzzy = np.sqrt(table[c, STIFF_T] * radius)
         if max(most, size, slid, abs(zeta)) < fuzzy:
             continue
         # What has slid by little may stick again at once.
         little = max(most, fuzzy)
         if size > 2.0 * most + fuzzy or (slid_was > little and slid < STICKS_AGAIN * slid_was):
             return True
-        if size > max(TURNING_FRICTION * most, fuzzy) and p1 * w1 + p2 * w2 < TURN * size * was:
+        if (
+            size > max(TURNING_FRICTION * most, fuzzy)
+            and p1 * w1 + p2 * w2 < SLIP_COSINE * size * was
+        ):
             return True
-        if slid > little and z1 * u1 + z2 * u2 < TURN * slid * slid_was:
+        if slid > little and z1 * u1 + z2 * u2 < SLIP_COSINE * slid * slid_was:
             return True
     return False
 
@@ -502,7 +511,7 @@ def energy_at(table, far, inner, change):
     """Mean energy [J] where all contacts have gone ``far`` along their changes."""
     energy, n = 0.0, 0
     for c in range(inner.shape[0]):
-        if table[c, HELD] != 0.0:
+        if table[c, INTACT] != 0.0:
             continue
         mu, pn = table[c, FRICTION], inner[c, PN] + far * change[c, PN]
         energy += pn * (inner[c, W] + far * change[c, W]) / table[c, STIFF_N]
@@ -511,8 +520,8 @@ def energy_at(table, far, inner, change):
             v, cap = inner[c, V] + far * change[c, V], inner[c, CAP] + far * change[c, CAP]
             energy += v * cap / table[c, STIFF_N]
             n += 1
-        if mu + table[c, ROOM] > 0.0:
-            most = mu * pn + table[c, ROOM]
+        if mu + table[c, INTERCEPT] > 0.0:
+            most = mu * pn + table[c, INTERCEPT]
             dot = most * (inner[c, ZETA] + far * change[c, ZETA])
             dot -= (inner[c, P1] + far * change[c, P1]) * (inner[c, Z1] + far * change[c, Z1])
             dot -= (inner[c, P2] + far * change[c, P2]) * (inner[c, Z2] + far * change[c, Z2])

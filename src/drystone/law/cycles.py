@@ -69,13 +69,13 @@ def _drag(rn, rt, bond, kn, ks, mu, tan_psi):
 
 
 @njit(cache=True)
-def opens_in_cycle(law, history, c, rn, gap, held):
+def opens_in_cycle(law, history, c, rn, gap, kept):
     """Whether a contact carries nothing in this cycle, for its trial reaction ``rn`` [N].
 
-    A brittle bond that the gap has torn is marked as broken.  Bonds that are ``held`` hold whatever
+    A brittle bond that the gap has torn is marked as broken.  Bonds that are ``kept`` hold whatever
     they carry, and what yields is for `react_in_cycle`.
     """
-    if held or law[c, YIELDS] != 0.0:
+    if kept or law[c, YIELDS] != 0.0:
         return False
     bonded = history[c, BROKEN] == 0.0
     is_open, whole = _opens(rn, gap, law[c, TENSION], bonded)
@@ -85,7 +85,7 @@ def opens_in_cycle(law, history, c, rn, gap, held):
 
 
 @njit(cache=True)
-def let_go_in_cycle(law, history, reaction, status, c):
+def open_in_cycle(law, history, reaction, status, c):
     """A contact is open from this cycle on; the work [J] of the shear that it loses."""
     square = 0.0
     for d in range(SHEAR, history.shape[1]):
@@ -98,14 +98,14 @@ def let_go_in_cycle(law, history, reaction, status, c):
 
 
 @njit(cache=True)
-def holds_in_cycle(law, history, c, bonds_hold):
+def keeps_bond_in_cycle(law, history, c, keep_bonds):
     """Whether a contact has a brittle bond that holds whatever it carries."""
     whole = history[c, BROKEN] == 0.0
-    return whole and bonds_hold and law[c, COHESION] + law[c, TENSION] > 0.0
+    return whole and keep_bonds and law[c, COHESION] + law[c, TENSION] > 0.0
 
 
 @njit(cache=True)
-def react_in_cycle(law, history, c, rn, gap, size, held):
+def react_in_cycle(law, history, c, rn, gap, size, kept):
     """What a contact that is not open carries in a cycle; its joint's history goes on with it.
 
     Parameters
@@ -116,8 +116,8 @@ def react_in_cycle(law, history, c, rn, gap, size, held):
         Trial reaction and size of the trial shear [N].
     gap
         In the present poses [m].
-    held
-        See `holds_in_cycle`.
+    kept
+        See `keeps_bond_in_cycle`.
 
     Returns
     -------
@@ -132,7 +132,7 @@ def react_in_cycle(law, history, c, rn, gap, size, held):
         rn, taken = normal_in_cycle(law, history, c, gap)
         rt, now, work = shear_in_cycle(law, history, c, rn, size)
         return rn, rt, now, taken + work
-    if held:
+    if kept:
         return rn, size, STICKING, 0.0
     tan_psi = law[c, TAN_PSI] if history[c, SLID] < law[c, DILATANCY_END] else 0.0
     bond = law[c, COHESION] if history[c, BROKEN] == 0.0 else 0.0

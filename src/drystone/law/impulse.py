@@ -124,12 +124,12 @@ def local_impulse_in_space(bn, b1, b2, w, cnn, mu, p):
 
 
 @njit(cache=True, error_model="numpy")
-def held_impulse(pn, pt, mu, held):
-    """Impulses of trial ones [N s], and their branch; one that is ``held`` sticks anyway."""
+def projected_impulse(pn, pt, mu, sticks):
+    """Impulses of trial ones [N s], and their branch; one that is ``sticks`` sticks anyway."""
     if pn <= 0.0:
         return 0.0, 0.0, OPEN
     limit = mu * pn
-    if abs(pt) > limit * (1.0 - AT_CONE) and pt != 0.0 and not held:
+    if abs(pt) > limit * (1.0 - AT_CONE) and pt != 0.0 and not sticks:
         return pn, limit if pt > 0.0 else -limit, FORWARD if pt > 0.0 else BACKWARD
     return pn, pt, STICKING
 
@@ -156,12 +156,12 @@ def branch_of_impulse(pn, pt, mu):
 
 
 @njit(cache=True, error_model="numpy")
-def held_impulse_in_space(pn, p1, p2, mu, held):
-    """`held_impulse` with two tangential ones; what slides does so FORWARD."""
+def projected_impulse_in_space(pn, p1, p2, mu, sticks):
+    """`projected_impulse` with two tangential ones; what slides does so FORWARD."""
     if pn <= 0.0:
         return 0.0, 0.0, 0.0, OPEN
     limit, size = mu * pn, np.sqrt(p1 * p1 + p2 * p2)
-    if size > limit * (1.0 - AT_CONE) and size > 0.0 and not held:
+    if size > limit * (1.0 - AT_CONE) and size > 0.0 and not sticks:
         share = limit / size
         return pn, share * p1, share * p2, FORWARD
     return pn, p1, p2, STICKING

@@ -20,7 +20,7 @@ import numpy as np
 
 from drystone.common.compiled import njit
 from drystone.common.tolerances import BRANCH_TIE
-from drystone.contact.contacts import CRUSH, FRICTION, ROOM, TRIAL_N
+from drystone.contact.contacts import CRUSH, FRICTION, INTERCEPT, TRIAL_N
 from drystone.law.branches import CRUSHED, TORN, WITHIN, across_joint
 
 
@@ -31,7 +31,7 @@ def crushing(table, c):
 
 
 @njit(cache=True, error_model="numpy")
-def held_normal(table, c, branch):
+def limited_normal(table, c, branch):
     """The normal reaction, from the tension on, in a branch without dilatancy."""
     across = across_joint(branch)
     if across == CRUSHED:
@@ -48,4 +48,4 @@ def friction_in(table, c, branch):
 @njit(cache=True, error_model="numpy")
 def yields(table, c):
     """Whether a contact pulls, or its trial reaction is for crushing it."""
-    return table[c, ROOM] > 0.0 or table[c, TRIAL_N] > crushing(table, c) * (1.0 - BRANCH_TIE)
+    return table[c, INTERCEPT] > 0.0 or table[c, TRIAL_N] > crushing(table, c) * (1.0 - BRANCH_TIE)

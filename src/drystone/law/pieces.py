@@ -12,8 +12,8 @@ from drystone.common.compiled import njit
 from drystone.contact.contacts import (
     CRUSH,
     FRICTION,
+    INTERCEPT,
     LIFT,
-    ROOM,
     STIFF_N,
     STIFF_T,
     TRIAL_N,
@@ -34,13 +34,13 @@ from drystone.law.branches import (
     both,
     sense,
 )
-from drystone.law.limits import crushing, friction_in, held_normal
+from drystone.law.limits import crushing, friction_in, limited_normal
 
 
 @njit(cache=True, error_model="numpy")
 def distance(table, c, now, rate_n, rate_t, whole):
     """How far along the direction a contact leaves its branch, and for which one."""
-    if across_joint(now) != WITHIN or (table[c, ROOM] > 0.0 and now != BONDED):
+    if across_joint(now) != WITHIN or (table[c, INTERCEPT] > 0.0 and now != BONDED):
         return distance_beyond(table, c, now, rate_n, rate_t, whole)
     nearest, following = distance_of_dry(table, c, now, rate_n, rate_t, whole)
     crush = crushing(table, c)
@@ -56,7 +56,7 @@ def all_dry(table, count):
     """Whether no contact softens or may be crushed."""
     beyond = 0
     for c in range(count):
-        beyond += table[c, ROOM] > 0.0 or table[c, CRUSH] > 0.0
+        beyond += table[c, INTERCEPT] > 0.0 or table[c, CRUSH] > 0.0
     return beyond == 0
 
 
@@ -139,14 +139,14 @@ def distance_beyond(table, c, now, rate_n, rate_t, whole):
         if rate_n < 0.0:
             nearest, following = max(rn - crush, 0.0) / -rate_n, along
     elif rate_n < 0.0:
-        torn = both(TORN, along) if table[c, ROOM] > 0.0 else OPEN
+        torn = both(TORN, along) if table[c, INTERCEPT] > 0.0 else OPEN
         nearest, following = max(rn, 0.0) / -rate_n, torn
     elif rate_n > 0.0 and crush < np.inf:
         nearest, following = max(crush - rn, 0.0) / rate_n, both(CRUSHED, along)
     if now == OPEN:
         return nearest, following
     slope, sign = friction_in(table, c, now), sense(now)
-    most = table[c, FRICTION] * held_normal(table, c, now) + table[c, ROOM]
+    most = table[c, FRICTION] * limited_normal(table, c, now) + table[c, INTERCEPT]
     if sign != 0.0:
         speed = slope * rate_n - sign * rate_t
         if whole and speed > 0.0:

@@ -23,11 +23,11 @@ from drystone.contact.contacts import (
     ADD_N,
     ADD_T,
     FRICTION,
-    HELD,
+    INTACT,
+    INTERCEPT,
     LIFT,
     PLASTIC,
     PULL,
-    ROOM,
     SLOT,
     STIFF_N,
     STIFF_T,
@@ -45,7 +45,7 @@ from drystone.law.branches import (
     sense,
 )
 from drystone.law.columns import DILATION, SHEAR, SLID
-from drystone.law.limits import crushing, held_normal
+from drystone.law.limits import crushing, limited_normal
 from drystone.law.return_map import branch_for, derivatives_in, reactions_in
 
 
@@ -63,7 +63,7 @@ def branch_of(table, c, hint):
     rt = table[c, TRIAL_T]
     return branch_for(
         table[c, TRIAL_N], abs(rt), table[c, STIFF_T], table[c, FRICTION], table[c, LIFT],
-        table[c, ROOM], crushing(table, c), hint, FORWARD if rt > 0.0 else BACKWARD,
+        table[c, INTERCEPT], crushing(table, c), hint, FORWARD if rt > 0.0 else BACKWARD,
     )  # fmt: skip
 
 
@@ -73,7 +73,7 @@ def reactions(table, c, branch):
     sign = -1.0 if along_joint(branch) == BACKWARD else 1.0
     rn, rt, gamma = reactions_in(
         branch, table[c, TRIAL_N], sign * table[c, TRIAL_T], table[c, STIFF_T], table[c, FRICTION],
-        table[c, LIFT], table[c, ROOM], crushing(table, c),
+        table[c, LIFT], table[c, INTERCEPT], crushing(table, c),
     )  # fmt: skip
     return rn - table[c, PULL], sign * rt, gamma
 
@@ -82,7 +82,7 @@ def reactions(table, c, branch):
 def choose(table, low, high, branch):
     """Branches (n_contacts,) for the trial reactions of contacts from ``low`` to ``high``."""
     for c in range(low, high):
-        branch[c] = branch_of(table, c, BONDED if table[c, HELD] != 0.0 else branch[c])
+        branch[c] = branch_of(table, c, BONDED if table[c, INTACT] != 0.0 else branch[c])
 
 
 @njit(cache=True, error_model="numpy")
@@ -126,7 +126,7 @@ def commit(table, c, before):
         table[c, ADD_N] -= beyond
     sign = sense(before)
     if sign != 0.0:
-        rn, rt = held_normal(table, c, before), sign * table[c, TRIAL_T] - table[c, ROOM]
+        rn, rt = limited_normal(table, c, before), sign * table[c, TRIAL_T] - table[c, INTERCEPT]
         gamma = slide(rn, rt, table[c, STIFF_T], table[c, FRICTION], table[c, LIFT])
         table[c, TRIAL_N] += table[c, LIFT] * gamma
         table[c, ADD_N] += table[c, LIFT] * gamma

@@ -47,13 +47,13 @@ def add_contact_forces(contacts, reaction, force):
 
 
 @njit(cache=True, error_model="numpy")
-def mark_held(contacts, reaction, held):
-    """Set ``held`` (n,) for bodies on which a contact acts."""
+def mark_touched(contacts, reaction, touched):
+    """Set ``touched`` (n,) for bodies on which a contact acts."""
     which = contacts.which
     for c in range(reaction.shape[0]):
         acts = False
         for i in range(reaction.shape[1]):
             acts |= reaction[c, i] != 0.0
         if acts:
-            held[which[c, BODY_A]] = True
-            held[which[c, BODY_B]] = True
+            touched[which[c, BODY_A]] = True
+            touched[which[c, BODY_B]] = True

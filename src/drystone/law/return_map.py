@@ -34,14 +34,14 @@ from drystone.law.branches import (
 
 
 @njit(cache=True, error_model="numpy")
-def branch_for(rn, shear, ks, mu, lift, room, crush, hint, sliding):
+def branch_for(rn, shear, ks, mu, lift, intercept, crush, hint, sliding):
     """Branch for trial reactions.
 
     Parameters
     ----------
     rn, shear
         Normal trial reaction from the tension on, and size of the trial shear [N].
-    ks, mu, lift, room, crush
+    ks, mu, lift, intercept, crush
         Shear stiffness [N/m], friction, lift [N/m], room and crushing reaction [N]; infinite where
         joints are not crushed.
     hint
@@ -51,7 +51,7 @@ def branch_for(rn, shear, ks, mu, lift, room, crush, hint, sliding):
         FORWARD or BACKWARD, as it would slide.
     """
     was = along_joint(hint)
-    if not (room > 0.0 or rn > crush * (1.0 - BRANCH_TIE)):
+    if not (intercept > 0.0 or rn > crush * (1.0 - BRANCH_TIE)):
         # A joint that dilates is held closed by what it slides.
         closed = ks * rn + lift * shear
         if closed < 0.0 or (closed == 0.0 and hint != STICKING):
@@ -61,15 +61,15 @@ def branch_for(rn, shear, ks, mu, lift, room, crush, hint, sliding):
             return hint
         return STICKING if over <= 0.0 else sliding
     across, normal = WITHIN, rn
-    if rn <= 0.0 or (rn <= BRANCH_TIE * room and across_joint(hint) == TORN):
-        if room == 0.0:
+    if rn <= 0.0 or (rn <= BRANCH_TIE * intercept and across_joint(hint) == TORN):
+        if intercept == 0.0:
             return OPEN
         across, normal = TORN, 0.0
     elif rn > crush * (1.0 + BRANCH_TIE) or (
         rn >= crush * (1.0 - BRANCH_TIE) and across_joint(hint) == CRUSHED
     ):
         across, normal = CRUSHED, crush
-    most = mu * normal + room
+    most = mu * normal + intercept
     over, near = shear - most, BRANCH_TIE * (shear + most)
     if abs(over) <= near and (was == STICKING or was == sliding):
         return both(across, was)
@@ -77,7 +77,7 @@ def branch_for(rn, shear, ks, mu, lift, room, crush, hint, sliding):
 
 
 @njit(cache=True, error_model="numpy")
-def reactions_in(branch, rn, shear, ks, mu, lift, room, crush):
+def reactions_in(branch, rn, shear, ks, mu, lift, intercept, crush):
     """Normal reaction from the tension on, and shear [N], in a branch; with the sliding in it [m].
 
     ``shear`` is counted as positive in the sense in which the branch slides; the trial reactions
@@ -91,11 +91,11 @@ def reactions_in(branch, rn, shear, ks, mu, lift, room, crush):
         normal = crush if across_joint(branch) == CRUSHED else 0.0
         if along_joint(branch) == STICKING:
             return normal, shear, 0.0
-        most = mu * normal + room
+        most = mu * normal + intercept
         return normal, most, (shear - most) / ks
-    gamma = (shear - room - mu * rn) / (ks + mu * lift)
+    gamma = (shear - intercept - mu * rn) / (ks + mu * lift)
     rn += lift * gamma
-    return rn, mu * rn + room, gamma
+    return rn, mu * rn + intercept, gamma
 
 
 @njit(cache=True, error_model="numpy")

@@ -53,15 +53,15 @@ def _pressed(law, crushed, y):
     if not p > strength * np.exp(-min(rate * crushed, LOST)):
         return p, -kn, crushed
     for _ in range(60):  # convex and falling, from below
-        holds = strength * np.exp(-min(rate * at, LOST))
-        slope = rate * holds if rate * at < LOST else 0.0
-        more = (-kn * (y + at - crushed) - holds) / max(kn - slope, LEAST_SLOPE * kn)
+        carried = strength * np.exp(-min(rate * at, LOST))
+        slope = rate * carried if rate * at < LOST else 0.0
+        more = (-kn * (y + at - crushed) - carried) / max(kn - slope, LEAST_SLOPE * kn)
         at += more
         if abs(more) <= LAST_DIGIT * (abs(y) + at):
             break
-    holds = strength * np.exp(-min(rate * at, LOST))
-    slope = rate * holds if rate * at < LOST else 0.0
-    return holds, slope * kn / max(kn - slope, LEAST_SLOPE * kn), at
+    carried = strength * np.exp(-min(rate * at, LOST))
+    slope = rate * carried if rate * at < LOST else 0.0
+    return carried, slope * kn / max(kn - slope, LEAST_SLOPE * kn), at
 
 
 @njit(cache=True, error_model="numpy")

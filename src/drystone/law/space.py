@@ -5,7 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-from drystone.contact.contacts import FRICTION, HELD, LIFT, PULL, ROOM, SLOT, STIFF_N, STIFF_T
+from drystone.contact.contacts import (
+    FRICTION,
+    INTACT,
+    INTERCEPT,
+    LIFT,
+    PULL,
+    SLOT,
+    STIFF_N,
+    STIFF_T,
+)
 from drystone.law.branches import BONDED, CRUSHED, FORWARD, across_joint, along_joint
 from drystone.law.columns import DILATION, SHEAR, SLID
 from drystone.law.limits import crushing
@@ -27,12 +36,12 @@ def respond(table, trial, low, high, branch, reaction, response):
             table[c, STIFF_T],
             table[c, FRICTION],
         )
-        lift, room, crush = table[c, LIFT], table[c, ROOM], crushing(table, c)
+        lift, intercept, crush = table[c, LIFT], table[c, INTERCEPT], crushing(table, c)
         size, now = np.sqrt(t1 * t1 + t2 * t2), BONDED
-        if table[c, HELD] == 0.0:
-            now = branch_for(tn, size, ks, mu, lift, room, crush, branch[c], FORWARD)
+        if table[c, INTACT] == 0.0:
+            now = branch_for(tn, size, ks, mu, lift, intercept, crush, branch[c], FORWARD)
         branch[c] = now
-        rn, rt, _ = reactions_in(now, tn, size, ks, mu, lift, room, crush)
+        rn, rt, _ = reactions_in(now, tn, size, ks, mu, lift, intercept, crush)
         nn, nt, dn, dt = derivatives_in(now, ks, mu, lift)
         response[c, 0, 0] = nn
         reaction[c, 0] = rn - table[c, PULL]
@@ -63,8 +72,8 @@ def age(which, table, trial, reaction, branch, count, history):
         history[k, SHEAR], history[k, SHEAR + 1] = reaction[c, 1], reaction[c, 2]
         kn, lift, size = table[c, STIFF_N], table[c, LIFT], np.hypot(trial[c, 1], trial[c, 2])
         rn, _, slid = reactions_in(
-            now, trial[c, 0], size, table[c, STIFF_T], table[c, FRICTION], lift, table[c, ROOM],
-            crushing(table, c),
+            now, trial[c, 0], size, table[c, STIFF_T], table[c, FRICTION], lift,
+            table[c, INTERCEPT], crushing(table, c),
         )  # fmt: skip
         if across_joint(now) == CRUSHED:
             history[k, DILATION] -= (trial[c, 0] - rn) / kn

@@ -31,9 +31,9 @@ from drystone.common.tolerances import LAST_DIGIT, LOST, NEARLY_SHUT, STRAIGHT_C
 from drystone.contact.contacts import (
     CRUSH,
     FRICTION,
-    N_HELD,
+    INTERCEPT,
+    N_CURRENT,
     PULL,
-    ROOM,
     SHIFT,
     STIFF_N,
 )
@@ -105,14 +105,14 @@ class Strengths:
         #: How far joints of each law close before they are crushed, (n_laws,) [m]; None where no
         #: joint is crushed.
         self.bears = self.crush / self.kn if np.isfinite(self.crush).any() else None
-        #: What contacts of each law hold that are made later, (n_laws, N_HELD): without a bond.
+        #: What contacts of each law hold that are made later, (n_laws, N_CURRENT): without a bond.
         self.fresh = self._fresh()
 
     def _fresh(self) -> Array:
         n = len(self.mu)
         history = np.zeros((n, N_HISTORY))
         history[:, BROKEN] = 1.0
-        return self.held(np.arange(n), history, self.first(history, np.zeros(n)))
+        return self.current(np.arange(n), history, self.first(history, np.zeros(n)))
 
     def first(self, history: Array, slots_gap: Array) -> Reached:
         """Where contacts begin, by their history (n_slots, N_HISTORY + dim - 2)."""
@@ -124,37 +124,37 @@ class Strengths:
             gap=slots_gap - history[:, DILATION],
         )
 
-    def held(self, law: IntArray, history: Array, now: Reached) -> Array:
-        """What contacts hold (n_slots, N_HELD), see `contacts`, once they have come so far."""
+    def current(self, law: IntArray, history: Array, now: Reached) -> Array:
+        """What contacts hold (n_slots, N_CURRENT), see `contacts`, once they have come so far."""
         whole = (history[:, BROKEN] == 0.0) & self.bonded[law]
         left = np.where(whole, np.exp(-now.softened), 0.0)
         friction = np.where(self.softens[law], left, np.exp(-self.per_slip[law] * now.slid))
-        held = np.zeros((len(law), N_HELD))
+        current = np.zeros((len(law), N_CURRENT))
         mu = self.residual[law] + (self.mu - self.residual)[law] * friction
         pulls = (now.opened == 0.0) | (now.gap > now.opened)
         kn = self.kn[law]
         pull = np.where(pulls, self.tension[law] * left, 0.0)
-        held[:, STIFF_N], held[:, FRICTION], held[:, PULL] = kn, mu, pull
-        held[:, SHIFT] = pull + np.where(pulls & whole, kn * now.opened, 0.0)
-        held[:, ROOM] = np.maximum(self.cohesion[law] * left - mu * pull, 0.0)
+        current[:, STIFF_N], current[:, FRICTION], current[:, PULL] = kn, mu, pull
+        current[:, SHIFT] = pull + np.where(pulls & whole, kn * now.opened, 0.0)
+        current[:, INTERCEPT] = np.maximum(self.cohesion[law] * left - mu * pull, 0.0)
         crush = np.exp(-np.minimum(self.by_crushing[law] * now.crushed, LOST))
-        held[:, CRUSH] = self.crush[law] * crush + pull
+        current[:, CRUSH] = self.crush[law] * crush + pull
         for length, carried in ((self.closure, _hyperbolic), (self.log_closure, _logarithmic)):
             curved = np.isfinite(length[law])
             if curved.any():
-                self._tangent(now.gap[curved], length[law][curved], curved, carried, held)
-        return held
+                self._tangent(now.gap[curved], length[law][curved], curved, carried, current)
+        return current
 
     def _tangent(
-        self, gap: Array, length: Array, curved: BoolArray, carried: _Closure, held: Array
+        self, gap: Array, length: Array, curved: BoolArray, carried: _Closure, current: Array
     ) -> None:
         """Of joints that do not close linearly, ``curved`` (n_slots,), the tangent where they have
         come to by their ``gap`` [m], with the ``length`` [m] of their law."""
         closed = np.maximum(np.nan_to_num(-gap, posinf=0.0, neginf=0.0), 0.0)
-        kn = held[curved, STIFF_N]
+        kn = current[curved, STIFF_N]
         at, pressure, slope = carried(closed / length)
-        held[curved, STIFF_N] = kn * slope
-        held[curved, SHIFT] += kn * length * (pressure - slope * at)
+        current[curved, STIFF_N] = kn * slope
+        current[curved, SHIFT] += kn * length * (pressure - slope * at)
 
     def points(
         self, law: IntArray, start: Array, committed: Array, gap: Array, shear: Array
@@ -227,10 +227,10 @@ class Strengths:
     def fill(self, law: IntArray, history: Array, gap: Array, size: Array, table: Array) -> None:
         """What contacts (n_contacts,) hold, for their table; times the ``size`` of their joint."""
         now = self.first(history, gap)
-        held = self.held(law, history, now)
-        table[:, FRICTION] = held[:, FRICTION]
+        current = self.current(law, history, now)
+        table[:, FRICTION] = current[:, FRICTION]
         own = slice(SHIFT, CRUSH + 1)
-        table[:, own] = held[:, own] * size[:, None]
+        table[:, own] = current[:, own] * size[:, None]
 
     def write(self, law: IntArray, now: Reached, history: Array) -> None:
         """Make what contacts have come to a part of their history."""
@@ -238,17 +238,17 @@ class Strengths:
         history[self.bonded[law] & (now.softened > LOST), BROKEN] = 1.0
 
 
-def difference(held: Array, other: Array, reaction: Array, area: Array) -> float:
-    """Largest force [N] by which two of what contacts hold (n_slots, N_HELD) differ.
+def difference(current: Array, other: Array, reaction: Array, area: Array) -> float:
+    """Largest force [N] by which two of what contacts hold (n_slots, N_CURRENT) differ.
 
     ``reaction`` (n_slots,) is normal [N], which friction and stiffness count with.
     """
     pressed = np.maximum(reaction, 0.0)
-    force = np.abs(held[:, PULL] - other[:, PULL]) * area
-    force = np.maximum(force, np.abs(held[:, ROOM] - other[:, ROOM]) * area)
-    force = np.maximum(force, np.abs(held[:, FRICTION] - other[:, FRICTION]) * pressed)
-    capped = np.isfinite(held[:, CRUSH])
-    crush = np.abs(held[capped, CRUSH] - other[capped, CRUSH]) * area[capped]
+    force = np.abs(current[:, PULL] - other[:, PULL]) * area
+    force = np.maximum(force, np.abs(current[:, INTERCEPT] - other[:, INTERCEPT]) * area)
+    force = np.maximum(force, np.abs(current[:, FRICTION] - other[:, FRICTION]) * pressed)
+    capped = np.isfinite(current[:, CRUSH])
+    crush = np.abs(current[capped, CRUSH] - other[capped, CRUSH]) * area[capped]
     # Of a tangent that has moved on, to second order.
-    curved = np.abs(held[:, STIFF_N] / other[:, STIFF_N] - 1.0) * pressed
+    curved = np.abs(current[:, STIFF_N] / other[:, STIFF_N] - 1.0) * pressed
     return float(max(force.max(initial=0.0), crush.max(initial=0.0), curved.max(initial=0.0)))

@@ -6,7 +6,16 @@ import numpy as np
 
 from drystone.common.compiled import njit
 from drystone.common.tolerances import BOND_TIE
-from drystone.contact.contacts import BOND, FRICTION, PULL, ROOM, SHIFT, STIFF_N, STIFF_T, TENSILE
+from drystone.contact.contacts import (
+    BOND,
+    FRICTION,
+    INTERCEPT,
+    PULL,
+    SHIFT,
+    STIFF_N,
+    STIFF_T,
+    TENSILE,
+)
 from drystone.law.limits import crushing
 
 
@@ -51,8 +60,8 @@ def joint_law_violation(table, gap, slip, reaction, shear_before, whole):
         if law_n < -tension - BOND_TIE * strength or (law_n < 0.0 and strength == 0.0):
             law_n = 0.0
         law_n -= table[c, PULL]
-        room = table[c, ROOM] + bond
-        limit = max(table[c, FRICTION] * (reaction[c, 0] + table[c, PULL]) + room, 0.0)
+        intercept = table[c, INTERCEPT] + bond
+        limit = max(table[c, FRICTION] * (reaction[c, 0] + table[c, PULL]) + intercept, 0.0)
         if slip.shape[1] == 1:
             law_t = shear_before[c, 0] - table[c, STIFF_T] * slip[c, 0]
             law_t = min(max(law_t, -limit), limit)

@@ -105,7 +105,7 @@ class ConeProgram:
         self._intercept = self._intercept.copy()
         self._intercept[contact] = intercept
 
-    def hold_normal(self, contact: IntArray, normal: Array) -> None:
+    def fix_normal(self, contact: IntArray, normal: Array) -> None:
         """Set the normal forces of contacts."""
         self._normal[contact] = normal
 
@@ -155,9 +155,9 @@ class ConeProgram:
             row = row + self._columns(slides, 1 + k, self._way[slides, k])
         rows.append(csc_array(row))
         right.append(self._intercept[slides] / self._force)
-        held = np.flatnonzero(~np.isnan(self._normal))
-        rows.append(self._columns(held, 0, np.ones(len(held))))
-        right.append(self._normal[held] / self._force)
+        fixed = np.flatnonzero(~np.isnan(self._normal))
+        rows.append(self._columns(fixed, 0, np.ones(len(fixed))))
+        right.append(self._normal[fixed] / self._force)
         return csc_array(vstack(rows)), np.concatenate(right)
 
     def _inequalities(self) -> tuple[csc_array, Array]:

@@ -65,11 +65,11 @@ STEP, LEAST_STEP = 0.3, 1e-7
 #: Largest change of log e in a step.
 MOST_CHANGE = 3.0
 #: Steps longer than this are not believed where the curve seems to turn back.
-TURN = 1e-3
+LONGEST_AT_FOLD = 1e-3
 #: Added to each diagonal entry, as a share of it; pivots off the diagonal are larger by this.
 REGULARISATION, PIVOT = 1e-14, 1e-3
 #: Refinements of a solution, and what is unbalanced, over numbers of order one, that needs none.
-MOST_REFINEMENTS, SMALL_REST = 1, 1e-12
+MOST_REFINEMENTS, SMALL_RESIDUAL = 1, 1e-12
 #: Multipliers beyond this are those of a load that locks.
 GIVE_UP = 1e7
 
@@ -108,7 +108,7 @@ class Point(NamedTuple):
         )
 
 
-class _Rest(NamedTuple):
+class _Residual(NamedTuple):
     """What is missing at a point: right sides of a correction."""
 
     opening: Array  # (n_contacts,)
@@ -154,17 +154,17 @@ def _first(system: _System, most: int) -> tuple[Point, bool]:
     """The point of the curve at the largest smoothing, and whether it was found."""
     point = system.begin()
     for _ in range(MOST_FIRST):
-        rest = system.rest(point, FIRST)
-        if system.is_on(rest, FIRST):
+        residual = system.residual(point, FIRST)
+        if system.is_on(residual, FIRST):
             return point, system.factorise(point)
         if system.n_factorisations >= most or not system.factorise(point):
             break
-        step = system.solve(point, rest)
+        step = system.solve(point, residual)
         share = min(1.0, TOWARDS * system.reach(point, step, 1.0 / TOWARDS))
-        size = system.size(rest)
+        size = system.size(residual)
         while share > 1e-4:
             tried = point.moved(step, share)
-            if system.size(system.rest(tried, FIRST)) < size:
+            if system.size(system.residual(tried, FIRST)) < size:
                 break
             share *= 0.5
         else:
@@ -194,7 +194,7 @@ def _along(system: _System, point: Point, most: int) -> tuple[Point, float, bool
         along, quicker = system.unit(there, tangent)
         same = system.inner(there, along, ahead) + quicker * faster > 0.0
         falls = system.sign() == begun
-        if same == falls and taken > TURN:
+        if same == falls and taken > LONGEST_AT_FOLD:
             step = 0.5 * taken
             continue
         if falls:
@@ -222,8 +222,8 @@ def _corrected(
     change, last = None, np.inf
     for k in range(MOST_CORRECTIONS + 1):
         smoothing = float(np.exp(log_there))
-        rest = system.rest(there, smoothing)
-        on, off = system.is_on(rest, smoothing), system.off(rest, smoothing)
+        residual = system.residual(there, smoothing)
+        on, off = system.is_on(residual, smoothing), system.off(residual, smoothing)
         if on and change is not None:
             return there, log_there, change, k
         if not on and (k == MOST_CORRECTIONS or not off < 1e4 or (k > 1 and off > 0.7 * last)):
@@ -234,7 +234,7 @@ def _corrected(
         change = system.solve(there, system.growth(smoothing))
         if on:
             return there, log_there, change, k
-        straight = system.solve(there, rest)
+        straight = system.solve(there, residual)
         more = -system.inner(point, ahead, straight)
         more /= system.inner(point, ahead, change) + faster
         correction = straight.moved(change, more)
@@ -292,14 +292,14 @@ class _System:
         """c + mu n; one where there is no friction at all."""
         return np.where(self._rough, self._cohesion + self._friction * normal, 1.0)
 
-    def rest(self, point: Point, smoothing: float) -> _Rest:
+    def residual(self, point: Point, smoothing: float) -> _Residual:
         """What is missing at a point."""
         relative = self._relative(point.velocity)
         across, limit = relative[:, 1:], self._limit(point.normal)
         product = limit * point.slip + dot(point.shear, across)
         turned = -(limit[:, None] * across + point.slip[:, None] * point.shear)
         forces = np.column_stack((point.normal, point.shear)).ravel()
-        return _Rest(
+        return _Residual(
             opening=relative[:, 0] - self._dilatancy * point.slip + smoothing - point.opening,
             pressing=smoothing * self._weight[0] - (point.normal - self._least) * point.opening,
             sliding=np.where(self._rough, smoothing * self._weight[1] - product, 0.0),
@@ -308,9 +308,9 @@ class _System:
             work=float(self.scale - self._live @ point.velocity),
         )
 
-    def growth(self, smoothing: float) -> _Rest:
+    def growth(self, smoothing: float) -> _Residual:
         """What a change of log e adds to what is missing."""
-        return _Rest(
+        return _Residual(
             opening=np.full(self._n, smoothing),
             pressing=smoothing * self._weight[0],
             sliding=np.where(self._rough, smoothing * self._weight[1], 0.0),
@@ -319,21 +319,29 @@ class _System:
             work=0.0,
         )
 
-    def off(self, rest: _Rest, smoothing: float) -> float:
+    def off(self, residual: _Residual, smoothing: float) -> float:
         """Largest deviation of a product over e."""
-        parts = rest.pressing, rest.sliding, rest.across
+        parts = residual.pressing, residual.sliding, residual.across
         return max(float(np.abs(part).max(initial=0.0)) for part in parts) / smoothing
 
-    def is_on(self, rest: _Rest, smoothing: float) -> bool:
+    def is_on(self, residual: _Residual, smoothing: float) -> bool:
         """Whether a point with that rest is near the curve."""
-        missing = float(np.abs(rest.rows).max(initial=0.0))
-        apart = max(float(np.abs(rest.opening).max(initial=0.0)), abs(rest.work)) / self.scale
+        missing = float(np.abs(residual.rows).max(initial=0.0))
+        apart = (
+            max(float(np.abs(residual.opening).max(initial=0.0)), abs(residual.work)) / self.scale
+        )
         balanced = max(missing, apart) < max(BALANCED * smoothing, ROUNDING)
-        return balanced and self.off(rest, smoothing) < NEAR
+        return balanced and self.off(residual, smoothing) < NEAR
 
-    def size(self, rest: _Rest) -> float:
+    def size(self, residual: _Residual) -> float:
         """Sum of squares of what is missing."""
-        parts = rest.pressing, rest.sliding, rest.across, rest.rows, rest.opening / self.scale
+        parts = (
+            residual.pressing,
+            residual.sliding,
+            residual.across,
+            residual.rows,
+            residual.opening / self.scale,
+        )
         return float(sum(np.sum(part * part) for part in parts))
 
     def factorise(self, point: Point) -> bool:
@@ -387,28 +395,28 @@ class _System:
         sign = float(np.prod(np.sign(self._lu.U.diagonal()))) * float(np.sign(self._small))
         return sign if np.array_equal(lower, column) else sign * _parity(lower) * _parity(column)
 
-    def solve(self, point: Point, rest: _Rest) -> Point:
+    def solve(self, point: Point, residual: _Residual) -> Point:
         """The change of a point that takes away what is missing."""
         press, slip = point.normal - self._least, point.slip
-        c = (rest.sliding - dot(self._across, rest.across) / slip) / self._pivot
-        q_n = rest.pressing - press * (rest.opening - self._dilatancy * c)
+        c = (residual.sliding - dot(self._across, residual.across) / slip) / self._pivot
+        q_n = residual.pressing - press * (residual.opening - self._dilatancy * c)
         q_n = q_n / self._press
         q_s = c + self._h * q_n
-        q_t = rest.across - (self._friction * q_n)[:, None] * self._across
+        q_t = residual.across - (self._friction * q_n)[:, None] * self._across
         q_t = (q_t - q_s[:, None] * point.shear) / slip[:, None]
         q_t[~self._rough] = 0.0
         q = np.column_stack((q_n, q_t))
         velocity, factor = np.zeros_like(self._dead), 0.0
-        rows, work = rest.rows - self._b @ q.ravel(), rest.work
+        rows, work = residual.rows - self._b @ q.ravel(), residual.work
         for _ in range(1 + MOST_REFINEMENTS):
             down = self._solved(-rows)
             more = (work - float(self._live @ down)) / self._small
             velocity, factor = velocity + down + more * self._column, factor + more
             relative = self._relative(velocity)
             forces = q - np.einsum("kij,kj->ki", self._d, relative)
-            rows = rest.rows - self._b @ forces.ravel() - factor * self._live
-            work = rest.work - float(self._live @ velocity)
-            if max(float(np.abs(rows).max(initial=0.0)), abs(work)) < SMALL_REST:
+            rows = residual.rows - self._b @ forces.ravel() - factor * self._live
+            work = residual.work - float(self._live @ velocity)
+            if max(float(np.abs(rows).max(initial=0.0)), abs(work)) < SMALL_RESIDUAL:
                 break
         more_slip = c + dot(self._g, relative[:, 1:]) + self._h * forces[:, 0]
         return Point(
@@ -416,7 +424,7 @@ class _System:
             factor=factor,
             normal=forces[:, 0],
             shear=forces[:, 1:],
-            opening=rest.opening + relative[:, 0] - self._dilatancy * more_slip,
+            opening=residual.opening + relative[:, 0] - self._dilatancy * more_slip,
             slip=more_slip,
         )
 

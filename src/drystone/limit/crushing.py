@@ -56,7 +56,7 @@ def spread(points: ContactPoints) -> ContactPoints:
     )
 
 
-def with_rests(points: ContactPoints, still: int) -> tuple[ContactPoints, IntArray]:
+def with_crushing_points(points: ContactPoints, still: int) -> tuple[ContactPoints, IntArray]:
     """The points, then one on the body ``still`` for each of those that may be crushed, whose rows
     come too."""
     crushed = np.flatnonzero(np.isfinite(points.crushing))

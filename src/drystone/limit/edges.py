@@ -95,7 +95,7 @@ class Edges:
 
 def _touching(assembly: Assembly) -> tuple[ContactForces, IntArray, IntArray]:
     """Contacts of parts that touch and share no face, and their parts."""
-    detector, pose, packed = Detector(assembly), assembly.rest_pose(), assembly.packed
+    detector, pose, packed = Detector(assembly), assembly.design_pose(), assembly.packed
     pairs = detector.pairs(pose)
     slots = detector.find(pairs, pose)
     which = pairs.which[pairs.of_slot]

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, hstack, vstack
 
 from drystone.geometry.motion import moments
-from drystone.limit.crushing import rows_of, spread, with_rests
+from drystone.limit.crushing import rows_of, spread, with_crushing_points
 from drystone.limit.joints import ContactPoints, contact_points
 from drystone.limit.tied import rollers, with_ties
 from drystone.limit.tied import rows_of as tied_rows
@@ -77,7 +77,7 @@ class Equilibrium:
         points = with_ties(points, assembly, ties, np.append(np.ones(n_drawn), lever))
         tied = points
         still = int(np.flatnonzero(assembly.fixed)[0])
-        points, crushed = with_rests(points, still)
+        points, crushed = with_crushing_points(points, still)
         force = assembly.heaviest_weight
         movable = np.flatnonzero(~assembly.fixed)
         size = assembly.volume[movable] / assembly.thickness  # area in the plane, else volume
@@ -146,8 +146,8 @@ class Equilibrium:
 
     def residual(self, forces: Array, multiplier: float) -> float:
         """Largest unbalanced force or moment, in scaled units, of ``forces`` (n_contacts, dim)."""
-        rest = self.matrix @ forces.ravel() + self.dead + multiplier * self.live
-        return float(np.abs(rest).max(initial=0.0))
+        unbalanced = self.matrix @ forces.ravel() + self.dead + multiplier * self.live
+        return float(np.abs(unbalanced).max(initial=0.0))
 
     def relative(self, velocity: Array) -> Array:
         """Velocities of b seen from a at the contacts, (n_contacts, dim), from scaled ones."""

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.contact.forces import ContactForces
-from drystone.geometry.motion import angles_of, translations, turns
+from drystone.geometry.motion import angles_of, rotation_vectors, translations
 from drystone.limit.against import carried_against
 from drystone.limit.collapse import ASSOCIATIVE, NO_FORCE, bound_with, collapse_load
 from drystone.limit.edges import Edges
@@ -176,7 +176,7 @@ def _motion(curve: CapacityCurve, model: Model, point: CurvePoint, bound: float)
         return f"blocks have moved until then, the control point by {far:.3g} m"
     pose = curve.poses[point.step]
     far = float(np.linalg.norm(translations(pose), axis=1).max())
-    turn = float(angles_of(turns(pose)).max())
+    turn = float(angles_of(rotation_vectors(pose)).max())
     text = (
         f"blocks have moved by up to {far:.3g} m and turned by up to {turn:.2g} until then "
         f"(joints are pressed by up to {point.penetration:.2g} m)"

@@ -37,7 +37,7 @@ MOST_CORRECTORS = 4
 #: Added to each diagonal entry, as a share of it.
 REGULARISATION = 1e-14
 #: Refinements of a step, and what is unbalanced, over numbers of order one, that needs none.
-MOST_REFINEMENTS, SMALL_REST = 6, 1e-15
+MOST_REFINEMENTS, SMALL_RESIDUAL = 6, 1e-15
 #: Without progress in this many iterations the best point so far is given back.
 PATIENCE = 12
 
@@ -211,18 +211,18 @@ class _Newton:
 
     def refined(self, step: _Step, rp: Array, rf: Array) -> _Step:
         """The step with what it leaves of the rows solved for, as long as that grows less."""
-        rest, free = self._rest(step, rp, rf)
-        size = float(np.abs(rest).max(initial=0.0))
+        residual, free = self._residual(step, rp, rf)
+        size = float(np.abs(residual).max(initial=0.0))
         for _ in range(MOST_REFINEMENTS):
-            if size <= SMALL_REST:
+            if size <= SMALL_RESIDUAL:
                 break
-            dy, dx_free = self.solve(rest, free)
+            dy, dx_free = self.solve(residual, free)
             back = self.a_t @ dy
             finer = _Step(
                 step.x + self.cones.squared(back), step.free + dx_free, step.y + dy, step.z - back
             )
-            rest, free = self._rest(finer, rp, rf)
-            before, size = size, float(np.abs(rest).max(initial=0.0))
+            residual, free = self._residual(finer, rp, rf)
+            before, size = size, float(np.abs(residual).max(initial=0.0))
             if not size < before:
                 break
             step = finer
@@ -230,7 +230,7 @@ class _Newton:
                 break
         return step
 
-    def _rest(self, step: _Step, rp: Array, rf: Array) -> tuple[Array, Array]:
+    def _residual(self, step: _Step, rp: Array, rf: Array) -> tuple[Array, Array]:
         rows = rp - self.a @ step.x - self.a_free @ step.free
         return rows, rf - self.a_free.T @ step.y
 

@@ -309,7 +309,7 @@ def compatible_forces(
     way = -relative[contact, 1:] / slip[contact, None]
     program.slide(contact, way, equilibrium.cohesion[contact])
     contact = np.flatnonzero(opens)
-    program.hold_normal(contact, low[contact])
+    program.fix_normal(contact, low[contact])
     return program
 
 

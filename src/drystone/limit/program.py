@@ -123,7 +123,7 @@ class ForceProgram:
         rows = (self._n_rows + 2 * contact + (way[:, 0] < 0.0)).astype(np.int32)
         self._solver.changeRowsBounds(len(rows), rows, intercept, intercept)
 
-    def hold_normal(self, contact: NDArray[np.int64], normal: Array) -> None:
+    def fix_normal(self, contact: NDArray[np.int64], normal: Array) -> None:
         """Set the normal forces of contacts."""
         self._solver.changeColsBounds(len(contact), (2 * contact).astype(np.int32), normal, normal)
 

@@ -71,7 +71,7 @@ def rollers(assembly: Assembly) -> tuple[tuple[Tie, ...], Array]:
     """
     dim = assembly.dimension
     found, levers = [], []
-    for i, k in np.argwhere(assembly.held).tolist():
+    for i, k in np.argwhere(assembly.restrained).tolist():
         axis, arm = np.eye(dim)[k % dim], np.zeros(dim)
         if k >= dim:
             axis, arm = couple_about(k - dim, dim)

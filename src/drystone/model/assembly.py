@@ -59,17 +59,17 @@ class Corner:
 
 #: Mass of what is held over the block's own: a step of 30 s moves it by 1e-10 m under a hundred
 #: weights.
-HELD = 1e14
+RESTRAINED_MASS = 1e14
 
 
-def _held(blocks: Sequence[Block], dimension: Dimension) -> NDArray[np.bool_]:
+def _restrained(blocks: Sequence[Block], dimension: Dimension) -> NDArray[np.bool_]:
     """What rollers hold, (n, n_dof)."""
-    held = np.zeros((len(blocks), motion.n_dof(dimension.number)), np.bool_)
-    for row, block in zip(held, blocks, strict=True):
+    restrained = np.zeros((len(blocks), motion.n_dof(dimension.number)), np.bool_)
+    for row, block in zip(restrained, blocks, strict=True):
         for name in () if block.support else block.held:
             at = dimension.motions.index(name)
             row[at : None if name == "turn" else at + 1] = True
-    return held
+    return restrained
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -192,7 +192,9 @@ class Assembly:
     mass: Array = field(init=False)  # (n, n_dof) kg and kg m2, per degree of freedom
     axes: Array = field(init=False)  # (n, dim, dim) columns: what rotations are about in space
     fixed: NDArray[np.bool_] = field(init=False)  # (n,)
-    held: NDArray[np.bool_] = field(init=False)  # (n, n_dof) what rollers hold of movable blocks
+    restrained: NDArray[np.bool_] = field(
+        init=False
+    )  # (n, n_dof) what rollers hold of movable blocks
     laws: tuple[JointLaw, ...] = field(init=False)  # laws[0] is `joint`
 
     @classmethod
@@ -258,7 +260,7 @@ class Assembly:
             mass=np.column_stack((*along, unit_weight[:, None] * moments)) / GRAVITY,
             axes=np.array([figure.axes for figure in figures]),
             fixed=np.array([block.support for block in self.blocks], dtype=bool),
-            held=_held(self.blocks, self.kind),
+            restrained=_restrained(self.blocks, self.kind),
             laws=(self.joint, *dict.fromkeys(self.joint_between.values())),
         )
 
@@ -266,7 +268,7 @@ class Assembly:
     def inertia(self) -> Array:
         """Masses (n, n_dof) with which blocks resist motion: so much of what rollers hold that no
         force moves it by more than rounding."""
-        return np.where(self.held, HELD * self.mass, self.mass)
+        return np.where(self.restrained, RESTRAINED_MASS * self.mass, self.mass)
 
     def _derive(self, **values: Any) -> None:
         """Set derived fields, which are frozen for everyone else."""
@@ -301,7 +303,7 @@ class Assembly:
     @cached_property
     def on_rollers(self) -> bool:
         """Whether rollers hold anything."""
-        return bool(self.held.any())
+        return bool(self.restrained.any())
 
     @property
     def kind(self) -> Dimension:
@@ -357,9 +359,9 @@ class Assembly:
         """Row of the block with that name; raises `UnknownNameError`, a `KeyError`."""
         return self._row[block_id]
 
-    def rest_pose(self) -> Array:
+    def design_pose(self) -> Array:
         """Poses of the blocks as designed, (n, n_pose); see `geometry.motion`."""
-        return motion.rest(self.n_bodies, self.dimension)
+        return motion.design_pose(self.n_bodies, self.dimension)
 
     def no_motion(self) -> Array:
         """Increments, velocities or forces that are none: zeros, (n, n_dof)."""

@@ -113,14 +113,14 @@ class Settlement:
     def target(self, assembly: Assembly, amount: float) -> Array:
         """Poses (k, n_pose) of its blocks once they have gone by an amount [m, rad]."""
         rows = self.rows(assembly)
-        pose = assembly.rest_pose()[rows]
+        pose = assembly.design_pose()[rows]
         if self.direction is not None:
             motion.translations(pose)[:] = amount * self.direction
             return pose
         angle = -amount if self.clockwise else amount
         motion.rotated_by(pose, angle, None if self.axis is None else np.asarray(self.axis))
         arm = assembly.centroid[rows] - np.asarray(self.centre)
-        motion.translations(pose)[:] = motion.turned(arm, pose) - arm
+        motion.translations(pose)[:] = motion.rotated(arm, pose) - arm
         return pose
 
     def increment(self, assembly: Assembly, pose: Array, amount: float) -> Array:
@@ -140,7 +140,8 @@ class Settlement:
         about = motion.moments(arm, pushed)
         n_axes = assembly.axes.shape[2]
         axes = np.stack(
-            [motion.turned(assembly.axes[rows][:, :, k], pose[rows]) for k in range(n_axes)], axis=2
+            [motion.rotated(assembly.axes[rows][:, :, k], pose[rows]) for k in range(n_axes)],
+            axis=2,
         )
         about = about + motion.about_the_world(motion.rotations(force[rows]), axes)
         if self.axis is not None:

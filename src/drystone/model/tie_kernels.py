@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.compiled import njit
-from drystone.geometry.rotation import add_force_at, translation, turn_adds
+from drystone.geometry.rotation import add_force_at, rotation_adds, translation
 
 Array = NDArray[np.float64]
 
@@ -55,8 +55,12 @@ def locate(body, value, pose, now):
     """Fill ``now`` in the poses (n, n_pose)."""
     for k in range(body.shape[0]):
         a, b = body[k, 0], body[k, 1]
-        ax, ay, az = turn_adds(pose, a, value[k, ARM_A], value[k, ARM_A + 1], value[k, ARM_A + 2])
-        bx, by, bz = turn_adds(pose, b, value[k, ARM_B], value[k, ARM_B + 1], value[k, ARM_B + 2])
+        ax, ay, az = rotation_adds(
+            pose, a, value[k, ARM_A], value[k, ARM_A + 1], value[k, ARM_A + 2]
+        )
+        bx, by, bz = rotation_adds(
+            pose, b, value[k, ARM_B], value[k, ARM_B + 1], value[k, ARM_B + 2]
+        )
         (fx, fy, fz), (tx, ty, tz) = translation(pose, a), translation(pose, b)
         dx, dy, dz = tx - fx + (bx - ax), ty - fy + (by - ay), tz - fz + (bz - az)
         sx, sy, sz = value[k, SPAN], value[k, SPAN + 1], value[k, SPAN + 2]

@@ -322,7 +322,7 @@ class Bars:
         """For kernels, as designed."""
         now = np.zeros((self.n_ties, kernel.N_NOW))
         value = self.value.copy()
-        kernel.locate(self.body, value, assembly.rest_pose(), now)
+        kernel.locate(self.body, value, assembly.design_pose(), now)
         return kernel.Ties(self.body, value, now)
 
     def ended(
@@ -350,8 +350,8 @@ class Bars:
         margin = np.full(len(force), np.inf)
         if yields:
             first = (active > 0.0) & np.isfinite(most) & (before.branch != YIELDING)
-            room = most - np.where(least < 0.0, np.abs(trial), trial)
-            margin[first] = room[first] / most[first]
+            reserve = most - np.where(least < 0.0, np.abs(trial), trial)
+            margin[first] = reserve[first] / most[first]
         breaking = value[:, kernel.BREAKING]
         breaks = (active > 0.0) & np.isfinite(breaking)
         left = (breaking[breaks] - now[breaks, kernel.ELONGATION]) / breaking[breaks]

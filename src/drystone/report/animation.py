@@ -110,16 +110,16 @@ def _frames(curve: CapacityCurve, model: Model, n_frames: int, title: str) -> It
 def _plot_state(axes: Axes, curve: CapacityCurve, model: Model, row: int) -> None:
     assert curve.poses is not None
     axes.clear()
-    point, settled = curve.points[row], curve.poses[0]
-    gone = curve.gone(model.assembly.ids, point.step)
-    pose = np.where(gone[:, None], settled, curve.poses[row])
+    point, initial = curve.points[row], curve.poses[0]
+    departed = curve.departed(model.assembly.ids, point.step)
+    pose = np.where(departed[:, None], initial, curve.poses[row])
     plot_mechanism(
         axes,
         Mechanism(
             assembly=model.assembly,
             pose=pose,
-            settled=settled,
-            gone=gone,
+            initial=initial,
+            departed=departed,
             load_direction=model.load_shown,
             control_point=model.control_point,
             ties=model.ties,

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from drystone.report import canvas
 from drystone.report.quantities import MILLIMETRES_BELOW, length_text
-from drystone.report.settling_figure import COLLAPSE, plot_settling
+from drystone.report.reaction_figure import COLLAPSE, plot_reaction
 from drystone.results.curve import DYNAMIC, CapacityCurve
 
 if TYPE_CHECKING:
@@ -72,8 +72,8 @@ def draw_curve(
     """
     labelled = [("", curves)] if isinstance(curves, CapacityCurve) else list(curves)
     labelled = [(label, curve) for label, curve in labelled if curve.points]
-    if any(curve.settles for _, curve in labelled):
-        _draw_settling(labelled, path, title, format)
+    if any(curve.moves_supports for _, curve in labelled):
+        _draw_reaction(labelled, path, title, format)
         return
     unit = _unit(labelled, reference)
     furthest = max((_furthest(curve) for _, curve in labelled), default=0.0)
@@ -110,12 +110,12 @@ def draw_curve(
     canvas.save(figure, path, format)
 
 
-def _draw_settling(labelled: Labelled, path: Path | str, title: str, format: str) -> None:
+def _draw_reaction(labelled: Labelled, path: Path | str, title: str, format: str) -> None:
     figure = canvas.new_figure(7.5, 5.4)
     if title:
         figure.suptitle(canvas.literal(title), fontsize=12)
     axes = figure.subplots()
-    plot_settling(axes, labelled)
+    plot_reaction(axes, labelled)
     figure.legend(loc="outside lower center", ncols=2, fontsize=9, frameon=False)
     canvas.save(figure, path, format)
 

@@ -52,12 +52,13 @@ class Mechanism:
 
     assembly: Assembly
     pose: Array  # (n, n_pose), where the blocks are
-    settled: Array | None = None  # (n, n_pose), where the load began; None: as designed
-    gone: NDArray[np.bool_] | None = None  # (n,) blocks that have left: designed outlines, dashed
+    initial: Array | None = None  # (n, n_pose), where the load began; None: as designed
+    # (n,) blocks that have left: designed outlines, dashed
+    departed: NDArray[np.bool_] | None = None
     contacts: ContactForces | None = None  # of that state: those under load are drawn
     load_direction: Array | None = None  # (dim,) unit vector, of the load's arrow
     control_point: ControlPoint | None = None  # marked where it is now
-    magnification: float = 1.0  # of the displacements since settled; without contacts if not 1
+    magnification: float = 1.0  # of the motion since ``initial``; without contacts if not 1
     ties: tuple[Tie, ...] = ()
     tie_branch: NDArray[np.int64] | None = None  # (n_ties,) what they do, see `ties.STATES`
     dead_loads: tuple[DeadLoad, ...] = ()  # drawn as arrows
@@ -82,9 +83,9 @@ class Drawn:
 
     shapes: MovingShapes
     pose: Array  # (n, n_pose), or (n, n_dof) of a velocity field
-    settled: Array  # likewise
+    initial: Array  # likewise
     moving: NDArray[np.bool_]  # (n,)
-    gone: NDArray[np.bool_]  # (n,)
+    departed: NDArray[np.bool_]  # (n,)
     visible: float  # m, from which on a joint counts as open or slid
     ties: Array  # (n_ties, 2, dim) m, both ends of each
     loads: Array  # (m, 2, dim) m, tails and tips of the arrows of dead loads
@@ -93,20 +94,20 @@ class Drawn:
     @classmethod
     def of(cls, mechanism: Mechanism) -> Drawn:
         """What there is to draw of it."""
-        assembly, settled, gone = mechanism.assembly, mechanism.settled, mechanism.gone
+        assembly, initial, departed = mechanism.assembly, mechanism.initial, mechanism.departed
         shapes = MovingShapes.of(assembly, linear=mechanism.linear)
-        if settled is None:
-            settled = assembly.no_motion() if mechanism.linear else assembly.rest_pose()
-        if gone is None:
-            gone = np.zeros(assembly.n_bodies, np.bool_)
-        present = np.where(gone[:, None], settled, mechanism.pose)
+        if initial is None:
+            initial = assembly.no_motion() if mechanism.linear else assembly.design_pose()
+        if departed is None:
+            departed = np.zeros(assembly.n_bodies, np.bool_)
+        present = np.where(departed[:, None], initial, mechanism.pose)
         if mechanism.linear:
-            pose = settled + (present - settled) * mechanism.magnification
+            pose = initial + (present - initial) * mechanism.magnification
         else:
-            increment = assembly.difference(present, settled) * mechanism.magnification
-            pose = assembly.moved(settled, increment)
-        displacement = shapes.displacement(pose, settled)
-        compliant = compliance(shapes, mechanism.settled, assembly.fixed)
+            increment = assembly.difference(present, initial) * mechanism.magnification
+            pose = assembly.moved(initial, increment)
+        displacement = shapes.displacement(pose, initial)
+        compliant = compliance(shapes, mechanism.initial, assembly.fixed)
         compliant *= mechanism.magnification
         ties, linear = mechanism.ties, shapes.linear
         ends = np.array([[end.point for end in (t.start, t.end)] for t in ties], float)
@@ -114,13 +115,13 @@ class Drawn:
         owner = [end.row(assembly) for t in ties for end in (t.start, t.end)]
         moved = moved_points(ends, np.array(owner, np.int64), shapes.centroid, pose, linear=linear)
         loads = mechanism.dead_loads
-        _, arrows = dead_arrows(assembly, loads, pose, present=~gone, linear=linear)
+        _, arrows = dead_arrows(assembly, loads, pose, present=~departed, linear=linear)
         return cls(
             shapes=shapes,
             pose=pose,
-            settled=settled,
+            initial=initial,
             moving=moving_blocks(displacement, assembly.fixed, compliant),
-            gone=gone,
+            departed=departed,
             visible=min(VISIBLE * float(displacement.max(initial=0.0)), compliant),
             ties=moved.reshape(len(ties), 2, assembly.dimension),
             loads=arrows,
@@ -130,8 +131,8 @@ class Drawn:
     def changed(self, joints: Followed) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """Which joints have opened, and which of the others have slid, (k,) each; none of blocks
         that have left."""
-        opening, slip = joints.opening_and_slip(self.pose, self.settled)
-        there = ~(self.gone[joints.designed.block_a] | self.gone[joints.designed.block_b])
+        opening, slip = joints.opening_and_slip(self.pose, self.initial)
+        there = ~(self.departed[joints.designed.block_a] | self.departed[joints.designed.block_b])
         opened = there & (opening > self.visible)
         return opened, there & (slip > self.visible) & ~opened
 
@@ -162,10 +163,10 @@ class Drawn:
         return low - RIM * size, high + RIM * size
 
 
-def readable_magnification(assembly: Assembly, pose: Array, settled: Array | None = None) -> float:
+def readable_magnification(assembly: Assembly, pose: Array, initial: Array | None = None) -> float:
     """1, or a round factor where the displacements are too small to be seen in a picture."""
     shapes = MovingShapes.of(assembly)
-    displacement = shapes.displacement(pose, settled)
+    displacement = shapes.displacement(pose, initial)
     share = float(displacement.max()) / shapes.size()
     if share < LEAST or share >= 0.02:
         return 1.0

@@ -136,7 +136,7 @@ def _plot_blocks(
 ) -> None:
     from matplotlib.collections import PolyCollection
 
-    shapes, moving, gone = drawn.shapes, drawn.moving, drawn.gone
+    shapes, moving, departed = drawn.shapes, drawn.moving, drawn.departed
     designed = shapes.split(shapes.vertices)
     moved = shapes.split(shapes.moved(drawn.pose))
     width = float(np.clip(12.0 / np.sqrt(len(moved)), 0.15, 0.9))
@@ -149,7 +149,7 @@ def _plot_blocks(
             axes.add_collection(PolyCollection([outlines[i] for i in rows], **style), autolim=False)
 
     add(
-        moving | gone,
+        moving | departed,
         designed,
         facecolors="none",
         edgecolors="#a8a8a8",
@@ -159,7 +159,7 @@ def _plot_blocks(
         zorder=1,
     )
     add(
-        ~moving & ~fixed & ~gone,
+        ~moving & ~fixed & ~departed,
         moved,
         edgecolors="#555555",
         linewidths=width,
@@ -192,7 +192,7 @@ def _plot_joints(axes: Axes, joints: Joints, drawn: Drawn, width: float) -> None
     opened, slid = drawn.changed(joints)
     face_a, face_b = joints.faces(drawn.pose)
     if opened.any():
-        opening, _ = joints.opening_and_slip(drawn.pose, drawn.settled)
+        opening, _ = joints.opening_and_slip(drawn.pose, drawn.initial)
         gaping = opened & (opening < GAPING * float(np.ptp(face_a, axis=(0, 1)).max()))
         gap = np.concatenate((face_a, face_b[:, ::-1]), axis=1)[gaping]
         axes.add_collection(
@@ -259,9 +259,9 @@ def _plot_load(axes: Axes, shapes: MovingShapes, direction: Array) -> None:
     tail = tip - direction * length
     marks.plot_load(axes, tail, tip)
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    room = 0.3 * length
-    axes.set_xlim(min(left, tail[0] - room), max(right, tail[0] + room))
-    axes.set_ylim(min(bottom, tail[1] - room), max(top, tail[1] + room))
+    margin = 0.3 * length
+    axes.set_xlim(min(left, tail[0] - margin), max(right, tail[0] + margin))
+    axes.set_ylim(min(bottom, tail[1] - margin), max(top, tail[1] + margin))
 
 
 def _frame(axes: Axes, low: Array, high: Array) -> None:

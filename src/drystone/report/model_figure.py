@@ -49,7 +49,7 @@ def draw_model(model: Model, path: Path | str, *, title: str = "", names: bool =
         left,
         Mechanism(
             assembly=assembly,
-            pose=assembly.rest_pose(),
+            pose=assembly.design_pose(),
             load_direction=model.load_shown,
             control_point=model.control_point,
             ties=model.ties,

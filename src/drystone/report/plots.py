@@ -12,7 +12,7 @@ from drystone.contact.forces import ContactForces
 from drystone.model.model import Model
 from drystone.report import curve_figure, mechanism_figure
 from drystone.report.mechanism import Mechanism, readable_magnification
-from drystone.report.settling_figure import plot_settling
+from drystone.report.reaction_figure import plot_reaction
 from drystone.results.curve import CapacityCurve
 
 if TYPE_CHECKING:
@@ -45,8 +45,8 @@ def plot_curve(
         Multipliers of limit analysis by label, drawn as horizontal lines.
     """
     ax = _axes(ax, (7.0, 4.5))
-    if curve.settles:
-        plot_settling(ax, [(label, curve)])
+    if curve.moves_supports:
+        plot_reaction(ax, [(label, curve)])
         ax.legend(fontsize=9, edgecolor="none", facecolor="white", framealpha=0.85)
         return ax
     ax.autoscale(True)  # an earlier curve has set the limits
@@ -67,7 +67,7 @@ def plot_mechanism(
     pose: Array,
     ax: Axes | None = None,
     *,
-    settled: Array | None = None,
+    initial: Array | None = None,
     contacts: ContactForces | None = None,
     magnification: float | None = None,
 ) -> Axes:
@@ -81,7 +81,7 @@ def plot_mechanism(
         Of one point, (n, n_pose), as in ``curve.poses[k]``.
     ax
         Axes to draw on; those of a new figure by default.
-    settled
+    initial
         Where the load began, as in ``curve.poses[0]``: what moves has moved since.
     contacts
         Of the same point, as in ``curve.contacts[k]``: those under load are drawn, in the plane.
@@ -89,21 +89,21 @@ def plot_mechanism(
         Of the displacements; by default 1, or what makes small ones visible.
     """
     pose = np.asarray(pose, dtype=np.float64)
-    wanted = model.assembly.rest_pose().shape
+    wanted = model.assembly.design_pose().shape
     if pose.shape != wanted:
         raise ValueError(
             f"the pose of one point has the shape {wanted}, this one has {pose.shape}: "
             "take one of the curve's, as in curve.poses[-1]"
         )
     if magnification is None:
-        magnification = readable_magnification(model.assembly, pose, settled)
+        magnification = readable_magnification(model.assembly, pose, initial)
     ax = _axes(ax, (7.0, 6.0))
     mechanism_figure.plot_mechanism(
         ax,
         Mechanism(
             assembly=model.assembly,
             pose=pose,
-            settled=settled,
+            initial=initial,
             contacts=contacts,
             load_direction=model.load_shown,
             control_point=model.control_point,
@@ -119,7 +119,7 @@ def plot_mechanism(
 
 def plot_model(model: Model, ax: Axes | None = None) -> Axes:
     """Draw a model as designed: blocks, supports, the load's direction, the control point."""
-    return plot_mechanism(model, model.assembly.rest_pose(), ax)
+    return plot_mechanism(model, model.assembly.design_pose(), ax)
 
 
 def _is_curve(line: Line2D) -> bool:

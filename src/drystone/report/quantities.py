@@ -30,12 +30,12 @@ class Quantities:
     @classmethod
     def of(cls, curve: CapacityCurve) -> Quantities:
         """Those of a curve."""
-        if not curve.settles:
+        if not curve.moves_supports:
             return LOAD
         return ROTATION if curve.motion_unit == "rad" else SETTLEMENT
 
     @property
-    def settles(self) -> bool:
+    def moves_supports(self) -> bool:
         """Whether supports that move pace the curve."""
         return bool(self.force_unit)
 
@@ -56,7 +56,7 @@ class Quantities:
     def force_text(self, point: CurvePoint) -> str:
         """The ordinate of a point with its unit."""
         value = float(getattr(point, self.column))
-        if not self.settles:
+        if not self.moves_supports:
             return number(value, ".3f")
         four = number(float(f"{value:.4g}"), ".10g")  # digits, without an exponent
         return f"{four} {self.force_unit}"
@@ -73,7 +73,7 @@ def length_text(metres: float) -> str:
 
 def state_text(curve: CapacityCurve, point: CurvePoint) -> str:
     """Where a point is on its curve, as a title of pictures."""
-    if not curve.settles:
+    if not curve.moves_supports:
         displacement = f"{point.control_displacement:.4g} m"
         return f"$δ_c$ = {displacement}, $λ$ = {point.load_multiplier:.3f}"
     shown = Quantities.of(curve)

@@ -43,12 +43,12 @@ def draw_sketch(sketch: Sketch, path: Path | str, *, names: bool = False) -> Non
     vertices = np.vstack([block.vertices for block in assembly.blocks])
     seen = vertices if camera is None else camera.seen(vertices)[:, :2]
     low, high = seen.min(axis=0), seen.max(axis=0)
-    room = 0.04 * float((high - low).max())
-    axes.set_xlim(low[0] - room, high[0] + room)
-    axes.set_ylim(low[1] - room, high[1] + room)
+    margin = 0.04 * float((high - low).max())
+    axes.set_xlim(low[0] - margin, high[0] + margin)
+    axes.set_ylim(low[1] - margin, high[1] + margin)
     if assembly.n_blocks:
         plot_joints(axes, assembly, along)
-    ratio = float((high[1] - low[1] + 2.0 * room) / (high[0] - low[0] + 2.0 * room))
+    ratio = float((high[1] - low[1] + 2.0 * margin) / (high[0] - low[0] + 2.0 * margin))
     figure.set_size_inches(WIDTH, float(np.clip(WIDTH * ratio + 1.2, 3.5, HIGHEST)))
     if names:
         plot_names(axes, assembly, camera)

@@ -88,10 +88,10 @@ def plot_solids(axes: Axes, mechanism: Mechanism, drawn: Drawn) -> None:
     frame = Frame(low=low, pixel=pixel, shape=(rows, columns))
     view = _View(camera=camera, frame=frame, polyhedra=assembly.polyhedra)
 
-    seen = view.look(vertices, ~drawn.gone)
+    seen = view.look(vertices, ~drawn.departed)
     of_block = np.array([to_rgb(name) for name in mechanism.colours(drawn)], np.float32)
     colours = _coloured(view, seen, vertices, of_block, assembly.fixed)
-    _add_ghost(view, seen, colours, shapes.vertices, drawn.moving | drawn.gone)
+    _add_ghost(view, seen, colours, shapes.vertices, drawn.moving | drawn.departed)
     extent = (low[0], low[0] + columns * pixel, low[1], low[1] + rows * pixel)
     picture = raster.reduced(colours, FINER).clip(0.0, 1.0)
     axes.imshow(picture, extent=extent, origin="lower", interpolation="antialiased", zorder=1)
@@ -212,9 +212,9 @@ def _label_blocks(axes: Axes, drawn: Drawn, assembly: Assembly) -> None:
     """Entries of the legend, as in the plane."""
     from matplotlib.collections import PolyCollection
 
-    resting = ~drawn.moving & ~assembly.fixed & ~drawn.gone
+    resting = ~drawn.moving & ~assembly.fixed & ~drawn.departed
     for shown, label, face, edge, more in (
-        (drawn.moving | drawn.gone, "as designed", "none", GHOST, {"linestyles": "--"}),
+        (drawn.moving | drawn.departed, "as designed", "none", GHOST, {"linestyles": "--"}),
         (resting, "at rest", RESTING, "#555555", {}),
         (drawn.moving, "moving", MOVING, canvas.INK, {}),
         (assembly.fixed, "support", SUPPORT, "#555555", {"hatch": "////"}),
@@ -234,7 +234,7 @@ def _plot_joints(axes: Axes, view: _View, seen: Seen, joints: SolidJoints, drawn
     from matplotlib.collections import LineCollection
 
     opened, slid = drawn.changed(joints)
-    width = float(np.clip(2.2 * np.sqrt(60.0 / len(drawn.gone)), 0.7, 2.2))
+    width = float(np.clip(2.2 * np.sqrt(60.0 / len(drawn.departed)), 0.7, 2.2))
     for which, colour, label, style in (
         (opened, OPEN_JOINT, "open joint", "solid"),
         (slid, SLID_JOINT, "slid joint", (0, (1.6, 1.0))),
@@ -292,9 +292,11 @@ def _plot_load(axes: Axes, camera: Camera, free: Array, mechanism: Mechanism) ->
     tail, tip = camera.seen(ends)[:, :2]
     marks.plot_load(axes, tail, tip)
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    room = 0.4 * length
-    axes.set_xlim(min(left, tail[0] - room, tip[0] - room), max(right, tail[0] + room, tip[0]))
-    axes.set_ylim(bottom, max(top, tail[1] + room, tip[1] + room))
+    margin = 0.4 * length
+    axes.set_xlim(
+        min(left, tail[0] - margin, tip[0] - margin), max(right, tail[0] + margin, tip[0])
+    )
+    axes.set_ylim(bottom, max(top, tail[1] + margin, tip[1] + margin))
 
 
 def _plot_scale(axes: Axes, camera: Camera, size: float, seen: Seen) -> None:
@@ -303,13 +305,13 @@ def _plot_scale(axes: Axes, camera: Camera, size: float, seen: Seen) -> None:
     length = _round_length(0.16 * size)
     arms: Any = camera.seen(length * np.eye(3))[:, :2]
     left, (bottom, top) = axes.get_xlim()[0], axes.get_ylim()
-    room = 0.25 * length
+    margin = 0.25 * length
     low, high = np.minimum(arms.min(axis=0), 0.0), np.maximum(arms.max(axis=0), 0.0)
-    wide, tall = high - low + (3.0 * room, 2.0 * room + 0.06 * (top - bottom))
+    wide, tall = high - low + (3.0 * margin, 2.0 * margin + 0.06 * (top - bottom))
     if _is_taken(seen, np.array([left, bottom]), np.array([left + wide, bottom + tall])):
         bottom -= tall
         axes.set_ylim(bottom, top)
-    origin: Any = np.array([left + 1.5 * room, bottom]) - low
+    origin: Any = np.array([left + 1.5 * margin, bottom]) - low
     origin[1] += 0.06 * (top - bottom)
     for name, arm in zip("xyz", arms, strict=True):
         arrow = {"arrowstyle": "-|>", "linewidth": 1.2, "color": canvas.INK, "shrinkA": 0}

@@ -77,9 +77,8 @@ class CurvePoint:
     jumped: bool = False  # reached in a jump: none at rest lies between it and the point before
     lost_shear: float = 0.0  # -, of contacts that were taken away in the step, over heaviest weight
     unstable: bool = False  # an equilibrium that the structure would not keep, no other beside it
-    reaction: float = (
-        0.0  # N or N m, of supports that move, whose motion is then what paces the curve
-    )
+    # N or N m, of supports that move, whose motion is then what paces the curve
+    reaction: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -298,7 +297,7 @@ class CapacityCurve:
         return self.column("residual")
 
     @property
-    def settles(self) -> bool:
+    def moves_supports(self) -> bool:
         """Whether supports that move pace it: control displacements are then their motion [m, rad],
         multipliers their reaction over the blocks' weight (times an arm, where they turn)."""
         return self.strategy == SETTLEMENT
@@ -372,7 +371,7 @@ class CapacityCurve:
         begins where the curve ends, too, and so does one in which as much is carried to its last
         point.
         """
-        if self.settles:
+        if self.moves_supports:
             return None
         if self.is_cyclic:
             return self._ultimate_of_cycles
@@ -454,7 +453,7 @@ class CapacityCurve:
             events=tuple(e for e in self.events if e.step < n),
         )
 
-    def gone(self, ids: Sequence[str], step: int) -> NDArray[np.bool_]:
+    def departed(self, ids: Sequence[str], step: int) -> NDArray[np.bool_]:
         """Which of the blocks named have left after a step, (n,)."""
         left = {block.block for block in self.blocks_left if block.step <= step}
         return np.array([name in left for name in ids], dtype=np.bool_)
@@ -467,7 +466,7 @@ class CapacityCurve:
     def _facts(self) -> dict[str, str]:
         """What a person wants to know first, in words."""
         facts = {"engine": self.engine, "points": str(len(self.points))}
-        if self.points and self.settles:
+        if self.points and self.moves_supports:
             start, end, unit = self.points[0], self.points[-1], self.motion_unit
             force = "N m" if unit == "rad" else "N"
             facts["reaction"] = f"{start.reaction:.4g} to {end.reaction:.4g} {force}"

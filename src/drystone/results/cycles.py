@@ -82,16 +82,19 @@ def cycles_of(displacement: Array, force: Array, *, noise: float = 0.0) -> tuple
         Motion [m] up to which a reversal is none.
     """
     noise = max(noise, ENDS_AT_ZERO * float(np.abs(displacement).max(initial=0.0)))
-    turns = reversals(displacement, noise=noise)
-    if len(turns) < 2:
+    reversed_at = reversals(displacement, noise=noise)
+    if len(reversed_at) < 2:
         return ()
-    sense = 1.0 if displacement[turns[1]] > displacement[turns[0]] else -1.0
+    sense = 1.0 if displacement[reversed_at[1]] > displacement[reversed_at[0]] else -1.0
     out = sense * displacement
-    begins = [float(turns[0])]
-    for k in range(2, len(turns)):
-        if out[turns[k]] <= out[turns[k - 1]]:
+    begins = [float(reversed_at[0])]
+    for k in range(2, len(reversed_at)):
+        if out[reversed_at[k]] <= out[reversed_at[k - 1]]:
             continue
-        begin, end = turns[k - 1], turns[k]  # a leg in the first sense, after one in the other
+        begin, end = (
+            reversed_at[k - 1],
+            reversed_at[k],
+        )  # a leg in the first sense, after one in the other
         if out[begin] < 0.0 and out[end] <= noise:  # back to zero at most
             begins += [float(end)] if abs(out[end]) <= noise else [float(begin)]
             continue
@@ -107,7 +110,7 @@ def cycles_of(displacement: Array, force: Array, *, noise: float = 0.0) -> tuple
 
 def reversals(displacement: Array, *, noise: float = 0.0) -> list[int]:
     """Points where the sense of motion changes, with the first and the last."""
-    turns, extreme, sense = [0], 0, 0.0
+    reversed_at, extreme, sense = [0], 0, 0.0
     for k in range(1, len(displacement)):
         moved = displacement[k] - displacement[extreme]
         if sense == 0.0:
@@ -116,10 +119,10 @@ def reversals(displacement: Array, *, noise: float = 0.0) -> list[int]:
         elif moved * sense >= 0.0:
             extreme = k
         elif abs(moved) > noise:
-            turns.append(extreme)
+            reversed_at.append(extreme)
             sense, extreme = -sense, k
     last = len(displacement) - 1
-    return turns if last <= turns[-1] else [*turns, last]
+    return reversed_at if last <= reversed_at[-1] else [*reversed_at, last]
 
 
 def _passage(out: Array, begin: int, end: int) -> float:

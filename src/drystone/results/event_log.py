@@ -42,7 +42,7 @@ class EventLog:
     def __init__(self, model: Model) -> None:
         self._assembly = assembly = model.assembly
         self._ties = model.ties
-        self._settling = model.settlement.unit if model.settlement else ""
+        self._support_unit = model.settlement.unit if model.settlement else ""
         self._limit = model.analysis.event_share * assembly.extents  # m
         self._snap = np.minimum(SNAP * assembly.extents, self._limit)  # m
         self._up = assembly.up
@@ -52,7 +52,7 @@ class EventLog:
         self._moving = False  # whether the structure has moved by itself since
         self._through_motion = False  # whether a point in motion lies on that way
         self._far = np.zeros(assembly.n_bodies)  # m, by which it did, at most
-        self._gone = np.zeros(assembly.n_bodies, np.bool_)  # left since
+        self._departed = np.zeros(assembly.n_bodies, np.bool_)  # left since
         self._collapsed = np.zeros(assembly.n_bodies, np.bool_)  # in the jump that is under way
         self._lost_equilibrium = False
         self._branch: NDArray[np.int64] | None = None
@@ -95,7 +95,7 @@ class EventLog:
             self._see_ties(point, ties)
         at_rest = point.status == STATIC
         collapsed: list[int] = []
-        self._gone[list(left)] = True
+        self._departed[list(left)] = True
         if self._last is not None:
             self._moving |= not at_rest or point.jumped or len(left) > 0
             if not self._moving:
@@ -126,7 +126,7 @@ class EventLog:
     def _move(self, pose: Array) -> list[int]:
         assert self._last is not None
         self._far = np.maximum(self._far, self._way(pose))
-        new = ((self._far > self._limit) | self._gone) & ~self._collapsed
+        new = ((self._far > self._limit) | self._departed) & ~self._collapsed
         self._collapsed |= new
         return [int(i) for i in np.flatnonzero(new)]
 
@@ -147,19 +147,19 @@ class EventLog:
         if self._collapsed.any():
             hanging = self._hanging(contacts)
             drop = (translations(start) - translations(self._pose)) @ self._up
-            fallen = self._collapsed & ((drop > self._limit) | self._gone | hanging)
+            fallen = self._collapsed & ((drop > self._limit) | self._departed | hanging)
             displaced = self._collapsed & ~fallen
             rest = Outcome.IN_MOTION if contacts is None else Outcome.AT_REST
             for kind, rows, outcome in (
-                (EventKind.BLOCK_FALLEN, fallen & self._gone, Outcome.LEFT),
-                (EventKind.BLOCK_FALLEN, fallen & ~self._gone & hanging, Outcome.HANGING),
-                (EventKind.BLOCK_FALLEN, fallen & ~self._gone & ~hanging, rest),
+                (EventKind.BLOCK_FALLEN, fallen & self._departed, Outcome.LEFT),
+                (EventKind.BLOCK_FALLEN, fallen & ~self._departed & hanging, Outcome.HANGING),
+                (EventKind.BLOCK_FALLEN, fallen & ~self._departed & ~hanging, rest),
                 (EventKind.BLOCK_DISPLACED, displaced, rest),
             ):
                 if rows.any():
                     self._log(kind, rows, outcome, **place)
         self._moving = self._through_motion = False
-        for array in (self._far, self._gone, self._collapsed):
+        for array in (self._far, self._departed, self._collapsed):
             array[:] = 0
 
     def _log(
@@ -174,7 +174,7 @@ class EventLog:
                 blocks=self._ids(np.flatnonzero(rows)),
                 motion=float(self._far[rows].max(initial=0.0)),
                 outcome=outcome,
-                settling=self._settling,
+                support_unit=self._support_unit,
             )
         )
 
@@ -218,7 +218,7 @@ class EventLog:
                         load_multiplier=point.load_multiplier,
                         blocks=self._ids(sorted(joined)),
                         ties=tuple(np.array(names_of(self._ties))[rows].tolist()),
-                        settling=self._settling,
+                        support_unit=self._support_unit,
                     )
                 )
 
@@ -239,7 +239,7 @@ class EventLog:
                     control_displacement=point.control_displacement,
                     load_multiplier=point.load_multiplier,
                     blocks=self._ids(lost),
-                    settling=self._settling,
+                    support_unit=self._support_unit,
                 )
             )
 

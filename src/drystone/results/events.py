@@ -57,7 +57,8 @@ class Event:
     motion: float = 0.0  # m, farthest motion of a centroid among them; 0 of ties and supports
     ties: tuple[str, ...] = ()  # names
     outcome: Outcome | None = None  # of blocks that moved
-    settling: str = ""  # "m" or "rad" where supports that move pace the curve: unit of their motion
+    # "m" or "rad" where supports that move pace the curve: unit of their motion
+    support_unit: str = ""
 
     @property
     def is_collapse(self) -> bool:
@@ -71,9 +72,9 @@ class Event:
     @property
     def place(self) -> str:
         """Multiplier and control displacement for people, or by how far supports have moved."""
-        if self.settling == "rad":
+        if self.support_unit == "rad":
             return f"at {math.degrees(self.control_displacement):.4g}° of the supports"
-        if self.settling:
+        if self.support_unit:
             return f"at {self.control_displacement:.4g} m of the supports"
         displacement = round(self.control_displacement, PRINTED) + 0.0
         return f"at {displacement:.4g} m, multiplier {self.load_multiplier:.4f}"
@@ -116,10 +117,10 @@ class Event:
     def said(self) -> Saying:
         """Where it happened, and what."""
         place = round(self.control_displacement, PRINTED) + 0.0
-        if self.settling == "rad":
+        if self.support_unit == "rad":
             return say("event.at_turned", place=math.degrees(place), what=self.what)
-        if self.settling:
-            return say("event.at_settled", place=place, what=self.what)
+        if self.support_unit:
+            return say("event.at_supports", place=place, what=self.what)
         return say("event.at", place=place, multiplier=self.load_multiplier, what=self.what)
 
     def __str__(self) -> str:
@@ -128,7 +129,7 @@ class Event:
     def as_dict(self) -> dict[str, Any]:
         """For files: plain values, kinds by their names."""
         found = asdict(self)
-        del found["settling"]
+        del found["support_unit"]
         return {**found, "kind": str(self.kind), "outcome": self.outcome and str(self.outcome)}
 
 

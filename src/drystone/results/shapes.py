@@ -70,16 +70,16 @@ class MovingShapes:
         return float(np.ptp(self.vertices, axis=0).max())
 
 
-def compliance(shapes: MovingShapes, settled: Array | None, fixed: NDArray[np.bool_]) -> float:
+def compliance(shapes: MovingShapes, initial: Array | None, fixed: NDArray[np.bool_]) -> float:
     """By how far a block goes that only follows the compliance of the joints [m].
 
     The measure is how far blocks have gone under the dead load, as all joints closed: the largest
-    displacement of the poses ``settled`` (n, n_pose) among blocks that are not ``fixed`` (n,).
+    displacement of the poses ``initial`` (n, n_pose) among blocks that are not ``fixed`` (n,).
     Without these, and for rates, there is no such measure: infinite.
     """
-    if shapes.linear or settled is None:
+    if shapes.linear or initial is None:
         return np.inf
-    sunk = float(shapes.displacement(settled)[~fixed].max(initial=0.0))
+    sunk = float(shapes.displacement(initial)[~fixed].max(initial=0.0))
     return max(sunk, LEAST * shapes.size())
 
 

@@ -67,16 +67,24 @@ def _dot(first, second):
 
 
 @njit(cache=True, error_model="numpy")
-def border(frame, x, lag):
+def solve_bordered(bordered, x, lag):
     """From K'^-1 rhs to the solution of K dx - F dl = rhs, g . dx = lag, in place; returns dl.
 
     With K' = K + k e e^T and s = e . dx:  dx = K'^-1 rhs + dl K'^-1 F + s k K'^-1 e.
     """
-    by_load, by_spring = frame.columns[1], frame.columns[2]
-    g1, g2, g3 = _dot(frame.pace, x), _dot(frame.pace, by_load), _dot(frame.pace, by_spring)
-    e1, e2, e3 = _dot(frame.axis, x), _dot(frame.axis, by_load), _dot(frame.axis, by_spring)
+    by_load, by_spring = bordered.columns[1], bordered.columns[2]
+    g1, g2, g3 = (
+        _dot(bordered.gradient, x),
+        _dot(bordered.gradient, by_load),
+        _dot(bordered.gradient, by_spring),
+    )
+    e1, e2, e3 = (
+        _dot(bordered.axis, x),
+        _dot(bordered.axis, by_load),
+        _dot(bordered.axis, by_spring),
+    )
     determinant = g2 * (e3 - 1.0) - g3 * e2
-    frame.border[0] = determinant
+    bordered.determinant_ratio[0] = determinant
     if determinant == 0.0:
         return np.nan
     missing = lag - g1

@@ -25,7 +25,7 @@ TOO_STIFF = (
 )
 
 
-class Pace(Protocol):
+class PrescribedDisplacement(Protocol):
     """The displacement c(x) that paces a step."""
 
     @property
@@ -43,7 +43,7 @@ class Pace(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PointPace:
+class PointDisplacement:
     """The displacement of a point of one body."""
 
     body: int
@@ -53,11 +53,11 @@ class PointPace:
     increment: float  # m
 
     def missing(self, x: Array) -> float:
-        """See `Pace.missing`."""
+        """See `PrescribedDisplacement.missing`."""
         return self.increment - motion.advance(self.arm, x[self.body], self.axis, self.axes)
 
     def gradient(self, x: Array) -> Array:
-        """See `Pace.gradient`."""
+        """See `PrescribedDisplacement.gradient`."""
         gradient = np.zeros(x.shape)
         at = self.arm, x[self.body], self.axis, self.axes
         gradient[self.body] = motion.gradient_of_advance(*at)

@@ -36,17 +36,17 @@ class Loaded:
 
     prepared: Prepared
     stage: int
-    gone: BoolArray  # (n,)
+    departed: BoolArray  # (n,)
     loads: LoadArrays
     ties: TieForces | None
     constants: Constants
 
     @classmethod
-    def of(cls, prepared: Prepared, stage: int, gone: BoolArray) -> Loaded:
-        """Those of a stage, without the blocks that are ``gone`` (n,)."""
+    def of(cls, prepared: Prepared, stage: int, departed: BoolArray) -> Loaded:
+        """Those of a stage, without the blocks that are ``departed`` (n,)."""
         assembly, bars = prepared.assembly, prepared.bars
-        loads = LoadArrays.of(prepared.problem, gone, stage)
-        ties = TieForces(bars, assembly, gone) if bars.n_ties else None
+        loads = LoadArrays.of(prepared.problem, departed, stage)
+        ties = TieForces(bars, assembly, departed) if bars.n_ties else None
         constants = Constants(
             detector=prepared.detector,
             laws=prepared.laws,
@@ -62,7 +62,12 @@ class Loaded:
             ),
         )
         return cls(
-            prepared=prepared, stage=stage, gone=gone, loads=loads, ties=ties, constants=constants
+            prepared=prepared,
+            stage=stage,
+            departed=departed,
+            loads=loads,
+            ties=ties,
+            constants=constants,
         )
 
 
@@ -140,8 +145,8 @@ def first_branches(prepared: Prepared, pairs: Pairs, slots: Slots) -> IntArray:
     touching = np.where(bonded, BONDED, STICKING)
     bonded = bonded | prepared.strengths.bonded[pairs.law_of_slot]
     # Weight presses on joints that lie; those that stand are shut, but hold by a bond only.
-    held = (np.abs(slots.normal @ prepared.assembly.up) > LIES) | bonded
-    return np.where(held & ~_apart(prepared, slots), touching, OPEN)
+    touches = (np.abs(slots.normal @ prepared.assembly.up) > LIES) | bonded
+    return np.where(touches & ~_apart(prepared, slots), touching, OPEN)
 
 
 def first_history(prepared: Prepared, slots: Slots) -> Array:

@@ -22,17 +22,17 @@ from drystone.common.records import changed
 from drystone.common.tolerances import (
     BALANCE,
     COARSEST,
+    DEAD_LOAD_STEP,
     ENDS_FOR_BOND,
-    LEAST_SETTLING_STEP,
+    LEAST_DEAD_LOAD_STEP,
     LEAST_STEP,
-    LONGER_SETTLING,
+    LONGER_DEAD_LOAD_STEP,
     MOST_MOTION,
     MOST_STEP,
-    SETTLED,
-    SETTLING_STEP,
     STATIC_INERTIA,
     STATIC_TIME_STEP,
     STEP_OF_HEIGHT,
+    STRENGTHS_FIXED,
 )
 from drystone.contact.contacts import Pairs, Slots
 from drystone.contact.forces import ActedContacts, ContactForces
@@ -42,7 +42,7 @@ from drystone.engines.base import (
     Demand,
     Engine,
     EngineError,
-    Pacing,
+    PreferredSteps,
     Problem,
     StepPath,
     StepReport,
@@ -66,7 +66,7 @@ from drystone.model.assembly import Assembly
 from drystone.model.joint_law import Yielding
 from drystone.model.ties import TieState
 from drystone.statics import solution, yielding
-from drystone.statics.constants import TOO_STIFF, Accuracy, PointPace
+from drystone.statics.constants import TOO_STIFF, Accuracy, PointDisplacement
 from drystone.statics.equations import (
     Equations,
     Loaded,
@@ -76,8 +76,8 @@ from drystone.statics.equations import (
     sinking,
 )
 from drystone.statics.plane.plane_step import PlaneStep
+from drystone.statics.softening_newton import SofteningNewton
 from drystone.statics.solution import Before, SolutionSettings, StepSolution
-from drystone.statics.ways import NewtonWay
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -89,7 +89,7 @@ class EquilibriumSettings:
     """Numerical settings; none changes what the solution is, but to within its tolerance.
 
     Times and lengths in them are those of the structure's own frame, where the smallest block
-    measures 0.175 m, so that they mean the same for every structure; see `frame`.
+    measures 0.175 m, so that they mean the same for every structure; see `bordered`.
     """
 
     #: Largest unbalanced force over the heaviest weight, -: what is promised, and a thousand times
@@ -122,17 +122,17 @@ class EquilibriumState:
     last_increment: Array  # (n, n_dof) m, rad; zeros where there is nothing to predict from
     margin: Array  # (n_slots + n_ties,) of bonds, see `law.bonds`, and ties
     due: IntArray  # rows of those that break next
-    gone: BoolArray  # (n,) blocks that have left
+    departed: BoolArray  # (n,) blocks that have left
     ties: TieState
-    settled: float = 0.0  # m or rad, by which supports have moved
-    last_settled: float = 0.0  # in the last step
+    support_motion: float = 0.0  # m or rad, by which supports have moved
+    last_support_motion: float = 0.0  # in the last step
     kept: IntArray | None = None  # (n_pairs,) steps for which features stay; of the plane
     slope: float = np.nan  # 1/m, of the curve, where it is known
     softened: bool = False  # whether joints soften, and the slope is with that
     # Of space:
     tangent: Array | None = None  # (n, n_dof) per m of the control displacement
     unstable: bool = False  # whether the structure would not keep it
-    calm: bool = False  # whether no contact has changed its state in the last step
+    unchanged: bool = False  # whether no contact has changed its state in the last step
     acted: ActedContacts | None = None
 
 
@@ -143,7 +143,7 @@ class _Step:
     state: EquilibriumState
     equations: Equations
     demand: Demand
-    pace: PointPace | None
+    prescribed: PointDisplacement | None
     guess: Array  # (n, n_dof) m, rad
     multiplier: float
     h: float  # s
@@ -172,14 +172,14 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         #: Equations of the last step, which the next one is written in where they fit its state.
         self.last: Equations | None = None
 
-    def pacing(self, assembly: Assembly) -> Pacing:
+    def preferred_steps(self, assembly: Assembly) -> PreferredSteps:
         """A step is to turn a mechanism by about 1 in 500, whatever its height."""
         size = assembly.smallest_extent
         height = float(np.ptp(assembly.centroid[~assembly.fixed] @ assembly.up)) + size
         step = min(max(height * STEP_OF_HEIGHT, LEAST_STEP * size), MOST_STEP * size)
         smooth = assembly.dimension == 3 or self.settings.solution.path is None
-        return Pacing(
-            displacement_step=step, easy_iterations=60, hard_iterations=400, smooth=smooth
+        return PreferredSteps(
+            displacement_step=step, grow_iterations=60, shrink_iterations=400, smooth=smooth
         )
 
     def derived(self, problem: Problem) -> tuple[Prepared]:
@@ -190,7 +190,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         """Settle under the dead load, stage by stage; raises `UnstableError`."""
         (prepared,) = self.derived(problem)
         assembly, detector, bars = prepared.assembly, prepared.detector, prepared.bars
-        pose = assembly.rest_pose()
+        pose = assembly.design_pose()
         pairs = detector.pairs(pose)
         slots = detector.find(pairs, pose)
         state = EquilibriumState(
@@ -206,17 +206,17 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             last_increment=assembly.no_motion(),
             margin=np.full(len(slots.kind) + bars.n_ties, np.inf),
             due=np.zeros(0, np.int64),
-            gone=np.zeros(assembly.n_bodies, np.bool_),
+            departed=np.zeros(assembly.n_bodies, np.bool_),
             ties=bars.first(),
         )
-        state, outcome = self._settle(state)
+        state, outcome = self._apply_dead_load(state)
         for stage in problem.stages[1:]:
-            state, outcome = self._settle(replace(state, stage=stage))
+            state, outcome = self._apply_dead_load(replace(state, stage=stage))
         return state, outcome
 
-    def _settle(self, state: EquilibriumState) -> tuple[EquilibriumState, StepReport]:
+    def _apply_dead_load(self, state: EquilibriumState) -> tuple[EquilibriumState, StepReport]:
         """A short step under the dead load and long ones, or shorter where they fail, to rest."""
-        h, limit = SETTLING_STEP, self.settings.static_time_step
+        h, limit = DEAD_LOAD_STEP, self.settings.static_time_step
         farthest = state.prepared.assembly.smallest_extent + 4.0 * sinking(
             state.prepared, self.equations_of(state).loads
         )
@@ -224,10 +224,10 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         travelled = 0.0
         for _ in range(100):
             demand = Demand(multiplier=0.0, time_step=h)
-            new, outcome = self._bond_steps(state.prepared, demand, farthest).rest(state, 1.0)
+            new, outcome = self._bond_steps(state.prepared, demand, farthest).remainder(state, 1.0)
             if not outcome.converged:
                 h *= 0.25
-                if h < LEAST_SETTLING_STEP:
+                if h < LEAST_DEAD_LOAD_STEP:
                     break
                 continue
             state = new
@@ -236,9 +236,9 @@ class EquilibriumEngine(Engine[EquilibriumState]):
                 return replace(new, last_increment=state.prepared.assembly.no_motion()), outcome
             if travelled > farthest:
                 break
-            h = min(LONGER_SETTLING * h, limit)
-        gone = state.prepared.problem.length * state.prepared.detector.travelled(state.pose)
-        raise UnstableError(unstable_sentence(state.prepared.problem, gone))
+            h = min(LONGER_DEAD_LOAD_STEP * h, limit)
+        moved_by = state.prepared.problem.length * state.prepared.detector.travelled(state.pose)
+        raise UnstableError(unstable_sentence(state.prepared.problem, moved_by))
 
     def _at_rest(self, outcome: StepReport) -> bool:
         """Whether a step ended at rest: the structure, and each block, which may be a small part of
@@ -249,7 +249,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         """Whether blocks overlap that were no pair."""
         if not state.prepared.detector.outdated(state.pairs, state.pose):
             return False
-        pairs = state.prepared.detector.pairs(state.pose, state.gone)
+        pairs = state.prepared.detector.pairs(state.pose, state.departed)
         new = predecessor_pairs(state.pairs, pairs) < 0
         slots = state.prepared.detector.find(pairs, state.pose)
         return bool((slots.gap[new[pairs.of_slot]] < 0.0).any())
@@ -261,9 +261,9 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             these.pairs, state.pose, these.slots, these.reaction, these.status
         )
 
-    def gone_of(self, state: EquilibriumState) -> BoolArray:
+    def departed(self, state: EquilibriumState) -> BoolArray:
         """Blocks (n,) that have left."""
-        return state.gone
+        return state.departed
 
     def ties_of(self, state: EquilibriumState) -> TieState:
         """What the ties of a state carry."""
@@ -287,13 +287,13 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         farthest = self.settings.max_motion * state.prepared.assembly.smallest_extent
         if state.prepared.gives_way:
             steps, state = self._bond_steps(state.prepared, demand, farthest), self._refresh(state)
-            paced = demand.increment is not None or demand.settlement is not None
-            free = not paced or demand.time_step > 0.0
+            prescribes = demand.increment is not None or demand.settlement is not None
+            free = not prescribes or demand.time_step > 0.0
             new, outcome = steps.again(state) if free else steps.advance(state)
         else:
             new, outcome = self._step(state, demand, farthest)
         if outcome.converged and outcome.dynamic:
-            new = self._let_go(new)
+            new = self._drop_departed(new)
         return new, outcome
 
     def _bond_steps(
@@ -335,14 +335,14 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         nothing = np.zeros(0, np.int64)
         return replace(state, history=history, branch=branch, margin=margin, due=nothing)
 
-    def _let_go(self, state: EquilibriumState) -> EquilibriumState:
+    def _drop_departed(self, state: EquilibriumState) -> EquilibriumState:
         """Take out blocks that have left; the rest does not feel it."""
         prepared, loads = state.prepared, self.equations_of(state).loads
         left = departing(
             prepared.problem, prepared.detector, loads, state.pose, state.multiplier,
             state.pairs, state.slots, state.reaction, prepared.bars.whole(state.ties),
         )  # fmt: skip
-        return self._paired(state, state.gone | left) if left.any() else state
+        return self._paired(state, state.departed | left) if left.any() else state
 
     def _step(
         self, state: EquilibriumState, demand: Demand, farthest: float
@@ -350,13 +350,13 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         """A step that fails where a block moves by more than ``farthest`` [m]."""
         state = self._refresh(state)
         own = self.equations_of(state)
-        pace = self._pace(state, demand)
+        prescribed = self._prescribed(state, demand)
         h = demand.time_step or self.settings.static_time_step
-        guess, multiplier = self._predict(state, demand, pace)
+        guess, multiplier = self._predict(state, demand, prescribed)
         step = _Step(
             state=state,
             demand=demand,
-            pace=pace,
+            prescribed=prescribed,
             equations=own,
             guess=self._move_supports(own, state, demand, guess),
             multiplier=multiplier,
@@ -371,7 +371,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
                 converged=False,
                 reason=solved.reason,
                 n_iterations=solved.n_iterations,
-                path=StepPath(turn=solved.turn),
+                path=StepPath(fold=solved.fold),
             )
         new, outcome = self._accept(own, state, solved, h, demand)
         if self._missed(new):
@@ -379,7 +379,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
                 converged=False,
                 reason="blocks meet that were far apart",
                 n_iterations=solved.n_iterations,
-                path=StepPath(turn=solved.turn),
+                path=StepPath(fold=solved.fold),
             )
         return new, outcome
 
@@ -388,12 +388,12 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         last: StepSolution | None = None
 
         def once(
-            held: Array | None, fresh: Array | None, branch: IntArray, near: Array | None
+            current: Array | None, fresh: Array | None, branch: IntArray, near: Array | None
         ) -> StepSolution:
             nonlocal last
             if step.equations.ties:
                 step.equations.ties.begin(state.ties)
-            last = self._once(step, held, fresh, branch, near, last)
+            last = self._once(step, current, fresh, branch, near, last)
             return last
 
         if not step.state.prepared.strengths.any:
@@ -413,15 +413,15 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             step.state.prepared.strengths,
             start,
             once,
-            partial(self._way, step),
-            SETTLED * heaviest,
+            partial(self._newton, step),
+            STRENGTHS_FIXED * heaviest,
             increment,
-            lets_go=increment is None or demand.over_fold or demand.time_step > 0.0,
+            may_snap=increment is None or demand.over_fold or demand.time_step > 0.0,
         )
 
-    def _way(
-        self, step: _Step, solved: StepSolution | None, held: Array, fresh: Array
-    ) -> NewtonWay | None:
+    def _newton(
+        self, step: _Step, solved: StepSolution | None, current: Array, fresh: Array
+    ) -> SofteningNewton | None:
         """Newton's method from a solution, or from where the step is expected to end; see
         `yielding.solve`."""
         equations, state, accuracy = step.equations.step, step.state, step.accuracy
@@ -434,40 +434,48 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             x, demand = step.guess, step.demand
             if state.tangent is not None and demand.increment is not None:
                 x = demand.increment * state.tangent
-            self._begin(step, state.branch, x, held, fresh)
-            equations.set_out(x, step.multiplier)
-        return NewtonWay(equations, strengths, accuracy, self.settings.solution)
+            self._begin(step, state.branch, x, current, fresh)
+            equations.restart(x, step.multiplier)
+        return SofteningNewton(equations, strengths, accuracy, self.settings.solution)
 
     @staticmethod
     def _begin(
-        step: _Step, branch: IntArray, guess: Array, held: Array | None, fresh: Array | None
+        step: _Step, branch: IntArray, guess: Array, current: Array | None, fresh: Array | None
     ) -> None:
         """Begin a step from the branches of its contacts (n_slots,)."""
         equations, state = step.equations.step, step.state
         if isinstance(equations, PlaneStep):
             equations.kept[:] = 0 if state.kept is None else state.kept
         equations.begin(
-            state.pose, state.slots, state.history, branch, step.h, step.pace, guess, held, fresh
+            state.pose,
+            state.slots,
+            state.history,
+            branch,
+            step.h,
+            step.prescribed,
+            guess,
+            current,
+            fresh,
         )
 
     def _once(
         self,
         step: _Step,
-        held: Array | None,
+        current: Array | None,
         fresh: Array | None,
         branch: IntArray,
         near: Array | None,
         last: StepSolution | None,
     ) -> StepSolution:
         """Solve a step with what joints hold, from the ``last`` solution of it, if any."""
-        state, demand, paced = step.state, step.demand, step.pace is not None
-        self._begin(step, branch, step.guess, held, fresh)
+        state, demand, prescribes = step.state, step.demand, step.prescribed is not None
+        self._begin(step, branch, step.guess, current, fresh)
         guesses, multiplier = [step.guess], step.multiplier
         if state.tangent is not None and demand.increment is not None:
             guesses.append(demand.increment * state.tangent)
         if last is not None:
             guesses = [last.increment if near is None else near]
-            multiplier = multiplier if not paced else last.multiplier
+            multiplier = multiplier if not prescribes else last.multiplier
         return solution.solve(
             step.equations.step,
             guesses,
@@ -476,19 +484,19 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             step.accuracy,
             self.settings.solution,
             Before(
-                calm=state.calm or last is not None,
+                unchanged=state.unchanged or last is not None,
                 slope=np.nan if state.softened else state.slope,
                 unstable=state.unstable,
             ),
             dynamic=demand.time_step > 0.0,
-            thorough=demand.thorough,
+            full_search=demand.full_search,
             beyond=demand.over_fold,
         )
 
     def _refresh(self, state: EquilibriumState) -> EquilibriumState:
         """New pairs where the blocks have moved far."""
         if state.prepared.detector.outdated(state.pairs, state.pose):
-            state = self._paired(state, state.gone)
+            state = self._paired(state, state.departed)
         return state
 
     def equations_of(self, state: EquilibriumState) -> Equations:
@@ -498,16 +506,16 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         same = old is not None and old.stage == state.stage
         if last is not None and same and last.pairs is state.pairs:
             return last
-        if old is None or not same or old.gone is not state.gone:
-            old = Loaded.of(prepared, state.stage, state.gone)
+        if old is None or not same or old.departed is not state.departed:
+            old = Loaded.of(prepared, state.stage, state.departed)
         accuracy = accuracy_of(prepared, self.settings.tolerance, COARSEST)
         self.last = Equations.of(old, state.pairs, accuracy)
         return self.last
 
-    def _paired(self, state: EquilibriumState, gone: BoolArray) -> EquilibriumState:
-        """The state with new pairs, without the blocks that are ``gone``."""
+    def _paired(self, state: EquilibriumState, departed: BoolArray) -> EquilibriumState:
+        """The state with new pairs, without the blocks that are ``departed``."""
         detector = state.prepared.detector
-        pairs = detector.pairs(state.pose, gone)
+        pairs = detector.pairs(state.pose, departed)
         heirs = handed_on(detector.narrow, self._past(state), pairs, former=state.pairs)
         in_space = state.slots.dim == 3  # in the plane the same contacts are found in this place
         slots = detector.find(pairs, state.pose, heirs.slots if in_space else None)
@@ -525,19 +533,19 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             branch=heirs.branch,
             margin=margin,
             due=np.concatenate((np.flatnonzero(np.isin(heirs.source, state.due)), of_ties)),
-            last_increment=np.where(gone[:, None], 0.0, state.last_increment),
-            tangent=None if gone.any() else state.tangent,
-            gone=gone,
+            last_increment=np.where(departed[:, None], 0.0, state.last_increment),
+            tangent=None if departed.any() else state.tangent,
+            departed=departed,
             kept=None,
         )
 
-    def _pace(self, state: EquilibriumState, demand: Demand) -> PointPace | None:
+    def _prescribed(self, state: EquilibriumState, demand: Demand) -> PointDisplacement | None:
         if demand.increment is None:
             return None
         control = state.prepared.problem.control_point
         designed = control.point - state.prepared.assembly.centroid[control.block]
-        (arm,) = motion.turned(designed[None], state.pose[control.block, None])
-        return PointPace(
+        (arm,) = motion.rotated(designed[None], state.pose[control.block, None])
+        return PointDisplacement(
             body=control.block,
             arm=arm,
             axis=control.direction,
@@ -551,13 +559,13 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         designed: Array = state.prepared.assembly.axes[block]
         if len(designed) == 2:
             return designed
-        turned = motion.turned(
+        turned = motion.rotated(
             designed.T, np.repeat(state.pose[block, None], len(designed), axis=0)
         )
         return np.ascontiguousarray(turned.T)
 
     def _predict(
-        self, state: EquilibriumState, demand: Demand, pace: PointPace | None
+        self, state: EquilibriumState, demand: Demand, prescribed: PointDisplacement | None
     ) -> tuple[Array, float]:
         """Where the step will end, and the multiplier it starts from.
 
@@ -565,18 +573,18 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         """
         if demand.settlement is not None:
             return self._follow_supports(state, demand.settlement), 0.0
-        if pace is None:
+        if prescribed is None:
             assert demand.multiplier is not None
             return state.prepared.assembly.no_motion(), demand.multiplier
-        moved = pace.increment - pace.missing(state.last_increment)
-        if moved * pace.increment <= 0.0:
+        moved = prescribed.increment - prescribed.missing(state.last_increment)
+        if moved * prescribed.increment <= 0.0:
             return state.prepared.assembly.no_motion(), state.multiplier
-        share = pace.increment / moved
+        share = prescribed.increment / moved
         guess = share * state.last_increment
         if guess.shape[1] == 6:
             return guess, state.multiplier
         way = motion.translations(guess)
-        way[:] = motion.turned(way, 0.5 * (1.0 + share) * state.last_increment)
+        way[:] = motion.rotated(way, 0.5 * (1.0 + share) * state.last_increment)
         return guess, state.multiplier
 
     def _move_supports(
@@ -590,15 +598,15 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         given[:] = 0.0
         if not demand.settlement:
             return guess
-        amount = state.settled + demand.settlement
+        amount = state.support_motion + demand.settlement
         given[:] = problem.settlement.increment(problem.assembly, state.pose, amount)
         return np.where(np.any(given, axis=1, keepdims=True), given, guess)
 
     def _follow_supports(self, state: EquilibriumState, amount: float) -> Array:
         """The last increments go on as the supports do."""
-        if not state.last_settled:
+        if not state.last_support_motion:
             return state.prepared.assembly.no_motion()
-        return amount / state.last_settled * state.last_increment
+        return amount / state.last_support_motion * state.last_increment
 
     def _accept(
         self,
@@ -638,16 +646,16 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             last_increment=solved.increment,
             margin=margin,
             due=np.zeros(0, np.int64),
-            gone=state.gone,
+            departed=state.departed,
             ties=ties,
-            settled=state.settled + (demand.settlement or 0.0),
-            last_settled=demand.settlement or 0.0,
+            support_motion=state.support_motion + (demand.settlement or 0.0),
+            last_support_motion=demand.settlement or 0.0,
             slope=solved.slope,
             softened=solved.softened,
             tangent=solved.tangent,
             kept=flat.kept.copy() if flat else None,
             unstable=solved.unstable,
-            calm=bool(np.array_equal(then.branch, state.branch)),
+            unchanged=bool(np.array_equal(then.branch, state.branch)),
             acted=then.acted,
         )
         outcome = self._report(own, new, judged, solved.n_iterations, h)
@@ -665,7 +673,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             outcome,
             static_multiplier=outcome.static_multiplier if given else solved.multiplier,
             path=StepPath(
-                turn=solved.turn, excess=solved.excess, bend=solved.bend, swerve=solved.swerve
+                fold=solved.fold, excess=solved.excess, bend=solved.bend, deviation=solved.deviation
             ),
             dynamic=not self._at_rest(outcome),
             unstable=solved.unstable,
@@ -716,7 +724,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             slots=not_crushed(new.slots, new.history) if new.prepared.strengths.any else new.slots,
             status=STATUS_OF[new.branch],
             certificate=own.ties.marked(certificate) if own.ties else certificate,
-            settled=new.settled,
+            support_motion=new.support_motion,
             motion=new.prepared.detector.farthest(x),
             n_iterations=n_iterations,
         )

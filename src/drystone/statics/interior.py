@@ -21,26 +21,26 @@ from numpy.typing import NDArray
 from drystone.common.tolerances import (
     BY_REACH,
     BY_UNBALANCED,
-    CALM,
     DAMPING,
-    FARTHEST_TURN,
+    FARTHEST_ROTATION,
     FIRST_BARRIER,
     GOOD_LENGTH,
-    LEAST_FALL,
+    LEAST_REDUCTION,
     LENGTH_SHORTER,
-    LOST_HOLD,
+    LOST_SUPPORT,
     MOST_DAMPING,
-    MOST_FALL,
-    NO_WAY_ON,
+    MOST_REDUCTION,
+    NEWTON_GAIN,
+    NEWTON_RESIDUAL,
+    NO_PROGRESS,
     NOTHING_MORE,
-    PREDICTOR_LEEWAY,
-    PROBE_GAIN,
+    PREDICTOR_RADIUS,
     RECENTRED_BARRIER,
+    SLIP_RADIUS,
     TELLING_RESIDUAL,
     TELLS,
-    TURNING_LEEWAY,
 )
-from drystone.contact.contacts import HELD, STIFF_N
+from drystone.contact.contacts import INTACT, STIFF_N
 from drystone.geometry.motion import rotations, translations
 from drystone.law import cones
 from drystone.statics.constants import Accuracy
@@ -70,13 +70,13 @@ class InteriorSettings:
     enough: float = TELLS
     #: Iterations after which Newton's method is tried, and how many of its own it has there and
     #: from the last step.
-    probe: int = 16
-    probe_iterations: int = 6
+    newton_every: int = 16
+    newton_iterations: int = 6
     warm_iterations: int = 12
     #: Damping [1/s2], times the mass, where there are unstable directions.
     damping: float = DAMPING
     #: Damping that says that something has lost its hold: where a shorter step may be tried, it is.
-    lost: float = LOST_HOLD
+    lost: float = LOST_SUPPORT
 
 
 #: Barrier of the last attempt, and most of it, for contacts that start as if each carried a block.
@@ -90,7 +90,7 @@ STALLED, RECENTRED = 4, 4
 
 #: Iterations of Newton's method after which it must have gained, on the way and from the start; and
 #: those after which it is tried again where the branches may be told.
-PROBE_PATIENCE, WARM_PATIENCE, AGAIN = 2, 4, 4
+NEWTON_PATIENCE, WARM_PATIENCE, AGAIN = 2, 4, 4
 
 #: Factors of more and less damping, and that below which there is none [1/s2].
 MORE, LESS, LEAST_DAMPING = 4.0, 0.25, 3.0
@@ -148,22 +148,22 @@ class InteriorPoint:
         self.iterations += 1
         if not step.factorise(step.reaction, 0.0):
             return False
-        columns = step.frame.columns
+        columns = step.bordered.columns
         columns[0] = step.force
         by_multiplier = step.solve(missing)
-        length = self._turning(1.0)
+        length = self._limit_rotation(1.0)
         if not math.isfinite(by_multiplier) or not length > 0.0:
             return False
         step.multiplier += length * by_multiplier
         step.move(columns[0], length)
         return True
 
-    def _turning(self, length: float) -> float:
+    def _limit_rotation(self, length: float) -> float:
         """That much of the direction, or as much as no body turns too far in."""
-        most = float(np.abs(rotations(self.step.frame.columns[0])).max())
+        most = float(np.abs(rotations(self.step.bordered.columns[0])).max())
         if not most < math.inf:
             return 0.0
-        return min(length, FARTHEST_TURN / most) if most > 0.0 else length
+        return min(length, FARTHEST_ROTATION / most) if most > 0.0 else length
 
     # The interior.
 
@@ -172,7 +172,7 @@ class InteriorPoint:
         step, settings = self.step, self.settings
         n = step.n
         joint, inner = step.table[:n], step.inner[:n]
-        free = joint[:, HELD] == 0.0
+        free = joint[:, INTACT] == 0.0
         if not free.any():
             return self.newton(settings.warm_iterations)
         unit = self.block_weight**2 / float(joint[free, STIFF_N].mean())  # J
@@ -192,12 +192,12 @@ class InteriorPoint:
             told = energy <= settings.enough * unit
             if told and near and self._solved():
                 return True
-            due = k % settings.probe == 0 or (told and k >= again)
-            if due and residual <= CALM * self.block_weight and self._probe():
+            due = k % settings.newton_every == 0 or (told and k >= again)
+            if due and residual <= NEWTON_RESIDUAL * self.block_weight and self._try_newton():
                 return True
             again = k + AGAIN if due and told else again
-            held = float(step.damping.max())
-            if attempt.soon and (held >= settings.lost or (told and held > 0.0)):
+            damped = float(step.damping.max())
+            if attempt.soon and (damped >= settings.lost or (told and damped > 0.0)):
                 return False
             if near and energy <= NOTHING_MORE * unit:
                 return False
@@ -212,7 +212,7 @@ class InteriorPoint:
             length = self._descend(attempt, energy)
             if not length >= 0.0:
                 return False
-            stalled = stalled + 1 if length < NO_WAY_ON else 0
+            stalled = stalled + 1 if length < NO_PROGRESS else 0
         return False
 
     def _centre(self, attempt: Attempt, barrier: float, unit: float) -> None:
@@ -235,14 +235,14 @@ class InteriorPoint:
         self.step.balance(self.step.inside)
         return False
 
-    def _probe(self) -> bool:
+    def _try_newton(self) -> bool:
         """Whether Newton's method finds the solution from here; else all is as before."""
         step = self.step
         place, damping = step.place, step.damping.copy()
         s = self.settings
-        if self.newton(s.probe_iterations, patience=PROBE_PATIENCE, gain=PROBE_GAIN):
+        if self.newton(s.newton_iterations, patience=NEWTON_PATIENCE, gain=NEWTON_GAIN):
             return True
-        step.come_back(place)
+        step.restore(place)
         step.damping[:] = damping
         step.balance(step.inside)
         return False
@@ -258,18 +258,22 @@ class InteriorPoint:
             return math.nan
         missing = step.missing
         by_multiplier = self._direction(0.0, missing, second=False)
-        if step.pace is not None and not step.stable:
+        if step.prescribed is not None and not step.stable:
             step.damping[:] = np.maximum(MORE * step.damping, settings.damping)
             return 1.0 if step.damping[0] < MOST_DAMPING else math.nan
-        ahead = PREDICTOR_LEEWAY * energy
+        ahead = PREDICTOR_RADIUS * energy
         far = self._length(ahead, ahead)
         reachable = cones.energy_at(joint, far, inner, change)
-        share = min(max((reachable / energy) ** 3, LEAST_FALL), MOST_FALL) if energy > 0.0 else 0.0
+        share = (
+            min(max((reachable / energy) ** 3, LEAST_REDUCTION), MOST_REDUCTION)
+            if energy > 0.0
+            else 0.0
+        )
         second = attempt.second and far >= 0.5
         by_multiplier = self._direction(share * energy, missing, second=second)
         ahead = share * energy
-        far = self._length(ahead, TURNING_LEEWAY * ahead)
-        far = self._turning(far)
+        far = self._length(ahead, SLIP_RADIUS * ahead)
+        far = self._limit_rotation(far)
         if not math.isfinite(by_multiplier) or not far > 0.0:
             return math.nan
         if far > GOOD_LENGTH:
@@ -277,7 +281,7 @@ class InteriorPoint:
             step.damping[step.damping < LEAST_DAMPING] = 0.0
         inner += far * change
         step.multiplier += far * by_multiplier
-        step.move(step.frame.columns[0], far)
+        step.move(step.bordered.columns[0], far)
         left = (1.0 - far) * energy + far * share * energy
         cones.centre_contacts(joint, left, False, step.trial[:n], inner)
         return far
@@ -298,17 +302,17 @@ class InteriorPoint:
 
         step.by_contacts(aim)
         step.balance(step.reaction)
-        step.frame.columns[0] = step.force
+        step.bordered.columns[0] = step.force
         by_multiplier = step.solve(missing)
         rates = step.contact_rates()[:n]
         step.by_contacts(go)
         return by_multiplier
 
-    def _length(self, leeway: float, turning: float) -> float:
+    def _length(self, radius: float, slip_radius: float) -> float:
         """How far all may go: contacts may leave their cones where they can be put back."""
         step, n = self.step, self.step.n
         joint, inner, change = step.table[:n], step.inner[:n], step.change[:n]
-        far, least = cones.length(joint, inner, change, leeway)
-        while far > least and cones.turns_too_far(joint, far, inner, change, turning):
+        far, least = cones.length(joint, inner, change, radius)
+        while far > least and cones.slip_rotates_too_far(joint, far, inner, change, slip_radius):
             far *= LENGTH_SHORTER
         return float(max(far, least))

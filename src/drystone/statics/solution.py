@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.tolerances import FIRST_SHARE_SEEN, LAST_SHARE_SEEN, WARM_GAIN
-from drystone.statics.balance import border
+from drystone.statics.balance import solve_bordered
 from drystone.statics.constants import TOO_STIFF, Accuracy
 from drystone.statics.interior import (
     HIGH,
@@ -48,14 +48,14 @@ class StepSolution:
     multiplier: float
     n_iterations: int
     #: Share of the step, and multiplier there, where the path of equilibria first turned back.
-    turn: tuple[float, float] | None = None
+    fold: tuple[float, float] | None = None
     #: By how much the multiplier exceeds both its ends within the step, and how far it bends from
     #: its chord, each with the share of the step where it does so most.
     excess: tuple[float, float] | None = None
     bend: tuple[float, float] | None = None
     #: How far from the tangent at its start a step has taken the block that it took farthest, over
     #: the farthest motion of all; in space.
-    swerve: float | None = None
+    deviation: float | None = None
     slope: float = np.nan  # 1/m, of the curve at the end; in space
     tangent: Array | None = None  # (n, n_dof) per m of the pacing displacement, in space
     unstable: bool = False  # whether the structure would not keep it, and none was found beside it
@@ -94,7 +94,7 @@ class SolutionSettings:
     """How steps are solved."""
 
     #: Times that a step is solved again as blocks meet in it, or with other features.
-    meetings: int = 3
+    contact_updates: int = 3
     #: Whether linear pieces are followed where there are any, and how long.
     path: PathSettings | None = field(default_factory=PathSettings)
     interior: InteriorSettings = field(default_factory=InteriorSettings)
@@ -105,7 +105,8 @@ class SolutionSettings:
 class Before:
     """What the last step tells the next."""
 
-    calm: bool = False  # no contact changed its state, so that Newton's method is tried at once
+    # no contact changed its state, so that Newton's method is tried at once
+    unchanged: bool = False
     slope: float = math.nan  # 1/m, of the curve where it ended, if known
     unstable: bool = False  # whether the structure would not keep where it ended
 
@@ -122,7 +123,7 @@ class _Solver:
             return guesses[0]
         left = []
         for guess in guesses:
-            step.set_out(guess, multiplier)
+            step.restart(guess, multiplier)
             step.respond()
             left.append(step.balance(step.reaction))
         return guesses[int(np.argmin(left))]
@@ -133,47 +134,47 @@ class _Solver:
         multiplier: float,
         *,
         warm: bool = False,
-        thorough: bool = True,
+        full_search: bool = True,
         follows: bool = False,
     ) -> bool:
         """An equilibrium from a guess, or be it from far; whether there is one.
 
-        There is one attempt where a step is paced, a short one where it is not ``thorough``.
+        There is one attempt where a step is paced, a short one where it is not ``full_search``.
         """
         step, s = self.step, self.settings.interior
         if warm:
-            step.set_out(guess, multiplier)
+            step.restart(guess, multiplier)
             if self.search.newton(s.warm_iterations, patience=WARM_PATIENCE, gain=WARM_GAIN):
                 return True
-        most = s.max_iterations if thorough else s.few_iterations
+        most = s.max_iterations if full_search else s.few_iterations
         first = Attempt(
             barrier=s.barrier,
             by_residual=True,
             iterations=most,
-            soon=not thorough,
+            soon=not full_search,
         )
-        step.set_out(guess, multiplier)
+        step.restart(guess, multiplier)
         if self.search.interior(first):
             return True
-        if follows or not thorough or step.pace is not None:
+        if follows or not full_search or step.prescribed is not None:
             return False  # what is not found so is tried in motion, or shorter
-        step.set_out(guess, multiplier)
+        step.restart(guess, multiplier)
         if self.search.interior(replace(first, least_damping=LEAST_DAMPING)):
             return True
-        step.set_out(step.given.copy(), multiplier)
+        step.restart(step.given.copy(), multiplier)
         return self.search.interior(
             Attempt(barrier=HIGH, by_increment=True, second=False, iterations=SLOW_ITERATIONS)
         )
 
-    def meet(self) -> bool:
+    def update_contacts(self) -> bool:
         """Solve again where blocks have come to press each other elsewhere than followed; whether
         an equilibrium is found."""
         step, settings = self.step, self.settings
-        for _ in range(settings.meetings):
+        for _ in range(settings.contact_updates):
             x, multiplier = step.x.copy(), step.multiplier
-            if not step.meet(self.search.accuracy):
+            if not step.update_contacts(self.search.accuracy):
                 return True
-            step.set_out(x, multiplier)
+            step.restart(x, multiplier)
             if not (self.search.newton(8) or self.find(x, multiplier)):
                 return False
         return True
@@ -186,11 +187,11 @@ class _Solver:
         are not of the stiffness that was linearised.
         """
         step, s = self.step, self.settings.stability
-        frame, mass = step.frame, step.loads.mass
+        bordered, mass = step.bordered, step.loads.mass
         rng = np.random.default_rng(1)
         free = ~step.loads.fixed[:, None]
         # No more vectors than there are motions: what is left of others is rounding.
-        motions = int(np.count_nonzero(free)) * mass.shape[1] - (step.pace is not None)
+        motions = int(np.count_nonzero(free)) * mass.shape[1] - (step.prescribed is not None)
         n = min(s.modes, motions)
         x = np.where(free, rng.normal(size=(n, *mass.shape)), 0.0)
         y = x
@@ -198,9 +199,9 @@ class _Solver:
             x = _orthonormal(y, mass)
             y = mass * x
             lu_numeric.solve(step.structure, step.factors, y)
-            if step.pace is not None:
+            if step.prescribed is not None:
                 for column in y:
-                    border(frame, column, 0.0)
+                    solve_bordered(bordered, column, 0.0)
             if not np.isfinite(y).all():
                 return None
         ritz = np.linalg.eigvals((x * mass).reshape(n, -1) @ y.reshape(n, -1).T)
@@ -219,10 +220,10 @@ class _Solver:
     def slope_at_start(self) -> float:
         """Of the curve [1/m], where the step starts."""
         step = self.step
-        step.set_out(np.zeros_like(step.x), step.multiplier)
+        step.restart(np.zeros_like(step.x), step.multiplier)
         if not self.linearise():
             return math.nan
-        step.frame.columns[0] = 0.0
+        step.bordered.columns[0] = 0.0
         return step.solve(1.0)
 
     def judge(self) -> Judgement:
@@ -231,10 +232,10 @@ class _Solver:
         if not self.linearise():
             return Judgement(unstable=1)
         slope, tangent = math.nan, None
-        if step.pace is not None:
-            step.frame.columns[0] = 0.0
+        if step.prescribed is not None:
+            step.bordered.columns[0] = 0.0
             slope = step.solve(1.0)
-            tangent = step.frame.columns[0].copy()
+            tangent = step.bordered.columns[0].copy()
         quotients = self.quotients()
         if quotients is None:
             quotients = np.zeros(0)
@@ -244,7 +245,7 @@ class _Solver:
         n = int(np.count_nonzero(grow)) + (1 if step.stable == odd else 0)
         return Judgement(unstable=n, slope=slope, tangent=tangent)
 
-    def swerve(self, guesses: Sequence[Array]) -> float | None:
+    def deviation(self, guesses: Sequence[Array]) -> float | None:
         """See `StepSolution`; the second guess is along the tangent."""
         step, farthest = self.step, self.step.constants.detector.farthest
         moved = farthest(step.x)
@@ -270,7 +271,7 @@ def solve(
     before: Before,
     *,
     dynamic: bool = False,
-    thorough: bool = True,
+    full_search: bool = True,
     beyond: bool = False,
 ) -> StepSolution:
     """Solve a step that has begun; its equations are left evaluated at the solution.
@@ -289,38 +290,38 @@ def solve(
         See there.
     dynamic
         Whether the step is one in time, in which inertia holds what is not stable.
-    thorough
+    full_search
         Whether more than the first way is tried.
     beyond
         Whether an equilibrium is looked for beyond where the path of equilibria turns back, on that
         of the implicit law.
     """
-    if step.pace is None and _stands(step, guesses[0], multiplier, accuracy):
+    if step.prescribed is None and _stands(step, guesses[0], multiplier, accuracy):
         return StepSolution(increment=step.x.copy(), multiplier=multiplier, n_iterations=0)
     followed: Followed | None = None
     if settings.path is not None and isinstance(step, PlaneStep):
         followed = piecewise.follow(
             step, guesses[0], multiplier, reaction, accuracy, settings.path,
-            whole=step.pace is None or dynamic or beyond,
+            whole=step.prescribed is None or dynamic or beyond,
         )  # fmt: skip
         # A path that turns back says that there is none ahead: what follows is motion.
-        turned = followed.turned and step.pace is not None
-        if not followed.reason or turned or followed.reason == TOO_STIFF:
+        folded = followed.folded and step.prescribed is not None
+        if not followed.reason or folded or followed.reason == TOO_STIFF:
             return _as_followed(step, followed)
         step.again()
         # A shorter step is followed for less than a long search costs.
-        thorough = thorough and step.pace is None
+        full_search = full_search and step.prescribed is None
     return _from_inside(
         step, guesses, multiplier, accuracy, settings, before, followed,
-        dynamic=dynamic, thorough=thorough,
+        dynamic=dynamic, full_search=full_search,
     )  # fmt: skip
 
 
 def _stands(step: StaticStep, guess: Array, multiplier: float, accuracy: Accuracy) -> bool:
     """Whether a step with a given multiplier ends where it is expected, with nothing to be done."""
-    step.set_out(guess if step.given.any() else np.zeros_like(guess), multiplier)
+    step.restart(guess if step.given.any() else np.zeros_like(guess), multiplier)
     step.respond()
-    return step.balance(step.reaction) <= accuracy.tolerance and not step.meet(accuracy)
+    return step.balance(step.reaction) <= accuracy.tolerance and not step.update_contacts(accuracy)
 
 
 def _as_followed(step: PlaneStep, followed: Followed) -> StepSolution:
@@ -328,7 +329,7 @@ def _as_followed(step: PlaneStep, followed: Followed) -> StepSolution:
         increment=step.x.copy(),
         multiplier=step.multiplier,
         n_iterations=followed.count,
-        turn=followed.turn,
+        fold=followed.fold,
         excess=followed.excess,
         bend=followed.bend,
         reason=followed.reason,
@@ -345,26 +346,28 @@ def _from_inside(
     followed: Followed | None,
     *,
     dynamic: bool,
-    thorough: bool,
+    full_search: bool,
 ) -> StepSolution:
     """Solve a step from the interior of the law, or by Newton's method where it is calm."""
     solver = _Solver(step, accuracy, settings)
     driven = step.constants.detector.farthest(step.given)
-    increment = step.pace.missing(np.zeros_like(guesses[0])) if step.pace else driven
-    follows = (step.pace is not None or driven > 0.0) and not dynamic  # a curve of equilibria
+    increment = step.prescribed.missing(np.zeros_like(guesses[0])) if step.prescribed else driven
+    follows = (step.prescribed is not None or driven > 0.0) and not dynamic  # a curve of equilibria
     slope = before.slope
-    if follows and step.pace is not None and not math.isfinite(slope):
+    if follows and step.prescribed is not None and not math.isfinite(slope):
         step.multiplier = multiplier
         slope = solver.slope_at_start()
     guess = solver.nearest(guesses, multiplier)
-    found = solver.find(guess, multiplier, warm=before.calm, thorough=thorough, follows=follows)
-    found = found and solver.meet()
+    found = solver.find(
+        guess, multiplier, warm=before.unchanged, full_search=full_search, follows=follows
+    )
+    found = found and solver.update_contacts()
     n_iterations = solver.search.iterations
-    turn, judged = followed.turn if followed else None, None
+    fold, judged = followed.fold if followed else None, None
     if found and follows:
         judged = solver.judge()
         if not judged.stable:
-            turn = turn or (1.0, step.multiplier)
+            fold = fold or (1.0, step.multiplier)
     end = judged.slope if judged else math.nan
     reason = _reason(found, n_iterations, step, accuracy)
     sense = -1.0 if increment < 0.0 else 1.0  # multipliers are looked at in that of the motion
@@ -375,10 +378,10 @@ def _from_inside(
         increment=step.x.copy(),
         multiplier=step.multiplier,
         n_iterations=n_iterations,
-        turn=turn,
+        fold=fold,
         excess=shape[0] if not reason else None,
         bend=shape[1] if not reason else None,
-        swerve=solver.swerve(guesses) if follows else None,
+        deviation=solver.deviation(guesses) if follows else None,
         slope=end,
         tangent=judged.tangent if judged else None,
         unstable=judged is not None and not judged.stable,

@@ -22,9 +22,9 @@ from drystone.common.threads import team
 from drystone.contact.contacts import (
     CRUSH,
     FRICTION,
-    HELD,
+    INTACT,
     LIFT,
-    N_HELD,
+    N_CURRENT,
     PAIR,
     PULL,
     SHIFT,
@@ -53,7 +53,7 @@ from drystone.law.cones import N_INNER, N_SCALING
 from drystone.law.packing import pack_laws
 from drystone.law.strengths import Strengths
 from drystone.statics import balance
-from drystone.statics.constants import Accuracy, Constants, Pace
+from drystone.statics.constants import Accuracy, Constants, PrescribedDisplacement
 from drystone.statics.linear import numeric as lu_numeric
 from drystone.statics.linear import symbolic as lu_symbolic
 from drystone.statics.linear.shared_lu import SharedLU
@@ -70,14 +70,16 @@ Number = TypeVar("Number", np.float64, np.int64)
 MANY, MANY_OF_LITTLE = 4000, 20000
 
 
-class Border(NamedTuple):
-    """What borders the matrix, (n, n_dof) each; see `statics.balance.border`."""
+class Bordered(NamedTuple):
+    """What borders the matrix, (n, n_dof) each; see `statics.balance.solve_bordered`."""
 
     load: Array  # F
-    pace: Array  # g, gradient of the pacing displacement
+    gradient: Array  # g, gradient of the pacing displacement
     axis: Array  # direction of the spring e over all bodies
     columns: Array  # (3, n, n_dof) direction, K'^-1 F, k K'^-1 e
-    border: Array  # (1,) by which the determinant of the bordered matrix exceeds that of K'
+    determinant_ratio: (
+        Array  # (1,) by which the determinant of the bordered matrix exceeds that of K'
+    )
     sign: Array  # (1,) of the latter; where the product is positive, a motion is unstable
 
 
@@ -95,7 +97,7 @@ class Ended(NamedTuple):
     before: Array  # (n_slots, N_HISTORY + dim - 2), of slots without one
     after: Array  # likewise, at the end
     gap: Array  # (n_slots,) m
-    held: Array  # (n_slots, N_HELD) what they were solved with
+    current: Array  # (n_slots, N_CURRENT) what they were solved with
     normal: Array  # (n_slots,) N
     area: Array  # (n_slots,) m2
 
@@ -144,28 +146,28 @@ class StaticStep(ABC):
         structure = lu_symbolic.analyse(joined.a, joined.b, loads.fixed, place, n_dof)
         self.lu = SharedLU(structure, self.team)
         self.structure, self.factors = self.lu.structure, self.lu.factors
-        self.frame = self._frame(
-            Border(
+        self.bordered = self._bordered(
+            Bordered(
                 load=loads.pattern.copy() if loads.acting else loads.pattern,
-                pace=np.zeros((n, n_dof)),
+                gradient=np.zeros((n, n_dof)),
                 axis=np.zeros((n, n_dof)),
                 columns=np.zeros((3, n, n_dof)),
-                border=np.ones(1),
+                determinant_ratio=np.ones(1),
                 sign=np.ones(1),
             )
         )
         self.spring = self.pivot = 0.0
         self.n_due = 1  # columns of the frame that the next solution is to fill
-        self.pace: Pace | None = None
+        self.prescribed: PrescribedDisplacement | None = None
         self.all_slots = np.arange(n_slots)
-        self.holding, self.origin = np.zeros((0, N_HELD)), self.all_slots.copy()
-        self.fresh = self.holding
+        self.current, self.origin = np.zeros((0, N_CURRENT)), self.all_slots.copy()
+        self.fresh = self.current
         self.history: Array | None = None
         self.multiplier, self.residual, self.inertia_factor = 0.0, np.inf, 0.0
 
-    def _frame(self, border: Border) -> Any:
+    def _bordered(self, bordered: Bordered) -> Any:
         """The border, with what else directions are found with."""
-        return border
+        return bordered
 
     # The step.
 
@@ -176,24 +178,24 @@ class StaticStep(ABC):
         history: Array,
         branch: IntArray,
         h: float,
-        pace: Pace | None,
+        prescribed: PrescribedDisplacement | None,
         guess: Array,
-        held: Array | None = None,
+        current: Array | None = None,
         fresh: Array | None = None,
     ) -> None:
         """Start a step of size ``h`` [s] from rest in ``pose``, with contacts and their past.
 
-        ``guess`` (n, n_dof) is about where it will end; ``held`` (n_slots, N_HELD) what joints hold
-        in it that are not dry, see `contacts`; ``fresh`` (n_slots, N_HELD) what contacts do that
-        are made in it.
+        ``guess`` (n, n_dof) is about where it will end; ``current`` (n_slots, N_CURRENT) what
+        joints hold in it that are not dry, see `contacts`; ``fresh`` (n_slots, N_CURRENT) what
+        contacts do that are made in it.
         """
-        self.begun = pose, slots, history, branch, h, pace, guess, held, fresh
-        self.pose, self.inertia_factor, self.pace = pose, 1.0 / h**2, pace
+        self.begun = pose, slots, history, branch, h, prescribed, guess, current, fresh
+        self.pose, self.inertia_factor, self.prescribed = pose, 1.0 / h**2, prescribed
         self.found_at: Array | None = None  # poses that `found` is of, for the known contacts
-        self.frame.axis[:] = 0.0
+        self.bordered.axis[:] = 0.0
         self.origin[:], self.history = self.all_slots, None
-        self.holding = self.holding[:0] if held is None else held.copy()
-        self.fresh = self.holding if fresh is None else fresh
+        self.current = self.current[:0] if current is None else current.copy()
+        self.fresh = self.current if fresh is None else fresh
         self.history_before[:] = history
         self._take_up(slots, branch, guess)
 
@@ -214,28 +216,28 @@ class StaticStep(ABC):
             dilates = closed & (self.history_before[:, SLID] < self.until)
             table[:n, LIFT] = table[:n, STIFF_N] * np.where(dilates, self.dilate, 0.0)[used]
         if self.any_bonded:
-            table[:n, HELD] = (self.bonded & (self.history_before[:, BROKEN] == 0.0))[used]
+            table[:n, INTACT] = (self.bonded & (self.history_before[:, BROKEN] == 0.0))[used]
         self.first[:] = np.searchsorted(pair, np.arange(len(self.first)))
         self.cuts, self.little_cuts = self._cut(MANY), self._cut(MANY_OF_LITTLE)
         self.branch[:n] = branch[used]
         self.area = self.known.size[used] * self.constants.thickness
-        if len(self.holding):
-            self._hold()
+        if len(self.current):
+            self._use_current()
 
-    def _hold(self) -> None:
+    def _use_current(self) -> None:
         """Take on what joints hold that are not dry."""
         used = self.which[: self.n, SLOT]
         rows = np.flatnonzero(self.yields[used])
-        now, area, table = self.holding[used[rows]], self.area[rows], self.table
+        now, area, table = self.current[used[rows]], self.area[rows], self.table
         crush = now[:, CRUSH] * area
         table[rows, STIFF_N], table[rows, FRICTION] = now[:, STIFF_N] * area, now[:, FRICTION]
         table[rows, SHIFT:CRUSH] = now[:, SHIFT:CRUSH] * area[:, None]
         table[rows, CRUSH] = np.where(np.isfinite(crush), crush, 0.0)
 
-    def set_out(self, x: Array, multiplier: float) -> None:
+    def restart(self, x: Array, multiplier: float) -> None:
         """Go to increments (n, n_dof) from where the step starts."""
         self.multiplier = multiplier
-        self._restart()
+        self._reset()
         self.move(x, 1.0)
 
     @property
@@ -243,9 +245,9 @@ class StaticStep(ABC):
         """Where the step is, to come back to."""
         return Place(self.x.copy(), self.multiplier)
 
-    def come_back(self, place: Place) -> None:
+    def restore(self, place: Place) -> None:
         """Go to a place where the step has been."""
-        self.set_out(*place)
+        self.restart(*place)
 
     def move(self, step: Array, length: float) -> None:
         """Move on by ``length`` times increments (n, n_dof); contacts are located anew."""
@@ -255,14 +257,14 @@ class StaticStep(ABC):
     @property
     def missing(self) -> float:
         """What is missing of the pacing displacement [m]."""
-        return self.pace.missing(self.x) if self.pace else 0.0
+        return self.prescribed.missing(self.x) if self.prescribed else 0.0
 
     # Equations.
 
     @property
     def inside(self) -> Array:
         """Reactions (n_slots, 3 or more) of the variables of the interior [N]."""
-        if not len(self.holding):
+        if not len(self.current):
             return self.inner
         n = self.n
         self.drawn[:n] = self.inner[:n, :3]
@@ -285,7 +287,7 @@ class StaticStep(ABC):
             c.ties.act(self._pose_now())
             c.ties.add_to(self.contact_force)
         if c.acting:
-            near, self.frame.load[:] = c.acting.near(self._pose_now(), self.multiplier)
+            near, self.bordered.load[:] = c.acting.near(self._pose_now(), self.multiplier)
             self.dead = near
         self.residual = self._unbalance(self.dead)
         return self.residual
@@ -314,7 +316,7 @@ class StaticStep(ABC):
     def _unbalance(self, dead: Array) -> float:
         c = self.loads
         largest: float = balance.unbalance(
-            self.contact_force, dead, self.frame.load, self.multiplier, c.mass, self.x,
+            self.contact_force, dead, self.bordered.load, self.multiplier, c.mass, self.x,
             self.inertia_factor, c.extent, c.fixed, self.force,
         )  # fmt: skip
         return largest
@@ -337,46 +339,50 @@ class StaticStep(ABC):
         if c.acting:
             turning = c.acting.stiffness(self._pose_now(), self.multiplier)
             self.tangent.diagonal[:, self.dim :, self.dim :] += turning
-        gradient = self.pace.gradient(self.x) if self.pace else None
+        gradient = self.prescribed.gradient(self.x) if self.prescribed else None
         return self._factorise(gradient, least_damping)
 
     def _factorise(self, gradient: Array | None, least_damping: float) -> bool:
         """Factorise the tangent with inertia and what paces the step, its gradient (n, n_dof)."""
-        frame, mass, body = self.frame, self.loads.mass, -1
-        frame.border[0] = -1.0
-        if self.pace is not None and gradient is not None:
-            body = self.pace.body
-            frame.pace[:] = gradient
-            frame.axis[:] = 0.0
-            frame.axis[body] = gradient[body]
+        bordered, mass, body = self.bordered, self.loads.mass, -1
+        bordered.determinant_ratio[0] = -1.0
+        if self.prescribed is not None and gradient is not None:
+            body = self.prescribed.body
+            bordered.gradient[:] = gradient
+            bordered.axis[:] = 0.0
+            bordered.axis[body] = gradient[body]
         self.spring = balance.stiffen(
-            self.tangent.diagonal, mass, self.inertia_factor, self.damping, body, frame.axis
+            self.tangent.diagonal, mass, self.inertia_factor, self.damping, body, bordered.axis
         )
         self.pivot = self.lu.factorise(self.tangent, mass, self.damping, least_damping)
-        self.n_due, frame.sign[0] = 1, np.sign(self.pivot)
-        if self.pivot == 0.0 or self.pace is None:
+        self.n_due, bordered.sign[0] = 1, np.sign(self.pivot)
+        if self.pivot == 0.0 or self.prescribed is None:
             return self.pivot != 0.0
-        frame.columns[1] = frame.load
-        np.multiply(self.spring, frame.axis, out=frame.columns[2])
+        bordered.columns[1] = bordered.load
+        np.multiply(self.spring, bordered.axis, out=bordered.columns[2])
         self.n_due = 3
         return True
 
     def solve(self, missing: float) -> float:
         """Direction in the first column, from the forces there, and of the multiplier."""
-        columns = self.frame.columns
+        columns = self.bordered.columns
         # What borders the matrix is solved for beside the first direction: factors are read once.
         lu_numeric.solve(self.structure, self.factors, columns[: self.n_due])
         self.n_due = 1
-        return float(balance.border(self.frame, columns[0], missing)) if self.pace else 0.0
+        return (
+            float(balance.solve_bordered(self.bordered, columns[0], missing))
+            if self.prescribed
+            else 0.0
+        )
 
     @property
     def stable(self) -> bool:
         """Whether the number of unstable modes is even, once a direction has been solved for."""
-        return bool(self.frame.sign[0] * self.frame.border[0] < 0.0)
+        return bool(self.bordered.sign[0] * self.bordered.determinant_ratio[0] < 0.0)
 
     def contact_rates(self) -> Array:
         """How gaps and slips go along the direction, (n_slots, 3)."""
-        self._rates(self.frame.columns[0])
+        self._rates(self.bordered.columns[0])
         return self.by_motion
 
     # What knows the dimension.
@@ -390,7 +396,7 @@ class StaticStep(ABC):
         return 0.0
 
     @abstractmethod
-    def _restart(self) -> None:
+    def _reset(self) -> None:
         """Bodies back to where the step starts."""
 
     @abstractmethod
@@ -426,7 +432,7 @@ class StaticStep(ABC):
         """Gaps of the contacts in use where the step is, (n,) [m]."""
 
     @abstractmethod
-    def meet(self, accuracy: Accuracy) -> bool:
+    def update_contacts(self, accuracy: Accuracy) -> bool:
         """Take on the contacts that there are where the step is; whether they are others."""
 
     # What is done with each contact: of pairs from ``low`` to ``high``.
@@ -479,7 +485,7 @@ class StaticStep(ABC):
             before=self.history_before,
             after=self.history,
             gap=gap,
-            held=self.holding,
+            current=self.current,
             normal=self.by_slot(self.reaction)[:, 0],
             area=area,
         )
@@ -515,10 +521,11 @@ class StaticStep(ABC):
         self.balance(self.reaction)
         return slot, point
 
-    def take(self, held: Array) -> None:
-        """Take on what joints hold, (n_slots, N_HELD), from here on; unbalanced forces with it."""
-        self.holding[:] = held
-        self._hold()
+    def take(self, current: Array) -> None:
+        """Take on what joints hold, (n_slots, N_CURRENT), from here on; unbalanced forces with
+        it."""
+        self.current[:] = current
+        self._use_current()
         self.move(np.zeros_like(self.x), 0.0)
         self.respond()
         self.balance(self.reaction)

@@ -38,13 +38,13 @@ class TieForces:
         All of them.
     assembly
         Whose bodies they join.
-    gone
+    departed
         (n,) bodies that have left, with their ties.
     """
 
-    def __init__(self, bars: Bars, assembly: Assembly, gone: BoolArray) -> None:
+    def __init__(self, bars: Bars, assembly: Assembly, departed: BoolArray) -> None:
         self.bars, self.assembly = bars, assembly
-        self.there = ~gone[bars.body].any(axis=1)
+        self.there = ~departed[bars.body].any(axis=1)
         #: As kernels take them, and change them.
         self.arrays = bars.at_rest(assembly)
         self.body, self.value, self.now = self.arrays
@@ -56,17 +56,17 @@ class TieForces:
         self.value[:, kernel.PLASTIC] = state.plastic
         self.value[:, kernel.ACTIVE] = self.there & (state.branch != BROKEN)
 
-    def lose(self, gone: BoolArray) -> None:
+    def lose(self, departed: BoolArray) -> None:
         """Take out the ties of bodies (n,) that have left."""
-        self.there = ~gone[self.body].any(axis=1)
+        self.there = ~departed[self.body].any(axis=1)
         self.value[~self.there, kernel.ACTIVE] = 0.0
 
     def act(self, pose: Array) -> None:
         """Go to poses (n, n_pose)."""
         kernel.locate(self.body, self.value, pose, self.now)
-        self.turn(pose)
+        self.rotate(pose)
 
-    def turn(self, pose: Array) -> None:
+    def rotate(self, pose: Array) -> None:
         """Count moments about the principal axes in poses (n, n_pose)."""
         if len(self.body) and self.assembly.dimension == 3:
             self.axes = np.ascontiguousarray(principal_axes(self.assembly, pose))
@@ -83,11 +83,11 @@ class TieForces:
             arm = self.now[:, first : first + 3]
             straight = np.broadcast_to(np.eye(dim), (m, dim, dim))
             if dim == 2:
-                turn = np.stack((-arm[:, 1], arm[:, 0]), axis=1)[:, :, None]
+                rotation = np.stack((-arm[:, 1], arm[:, 0]), axis=1)[:, :, None]
             else:
                 axes = self.axes[self.body[:, side]]
-                turn = np.cross(axes, arm[:, :, None], axis=1)
-            sides.append(np.concatenate((straight, turn), axis=2))
+                rotation = np.cross(axes, arm[:, :, None], axis=1)
+            sides.append(np.concatenate((straight, rotation), axis=2))
         return np.concatenate((-sides[0], sides[1]), axis=2)
 
     def gradient(self) -> Array:
@@ -122,9 +122,9 @@ class TieForces:
 
     def marked(self, certificate: Certificate) -> Certificate:
         """A certificate in which bodies that ties hold are held."""
-        held = certificate.held.copy()
-        held[self.body[self.now[:, kernel.FORCE] != 0.0]] = True
-        return certificate._replace(held=held)
+        touched = certificate.touched.copy()
+        touched[self.body[self.now[:, kernel.FORCE] != 0.0]] = True
+        return certificate._replace(touched=touched)
 
     def joined(self, a: IntArray, b: IntArray) -> JoinedTies:
         """With the pairs (n_pairs,) of bodies that contacts join; see `JoinedTies`."""

@@ -23,21 +23,21 @@ from numpy.typing import NDArray
 
 from drystone.common.tolerances import (
     FARTHEST_AGAIN,
-    LEAST_SHARE_GONE,
+    LEAST_RELAXATION,
     LEFT,
     MISSING,
-    MOST_SHARE_GONE,
+    MOST_RELAXATION,
     STRAIGHT,
 )
 from drystone.contact.contacts import (
-    ROOM,
+    INTERCEPT,
 )
 from drystone.law import softening
 from drystone.law.branches import ACROSS, OPEN, TORN, TORN_STICKING
 from drystone.law.strengths import Reached, Strengths, difference
+from drystone.statics.softening_newton import SofteningNewton
 from drystone.statics.solution import StepSolution, bend_of_cubic
 from drystone.statics.static_step import StaticStep
-from drystone.statics.ways import NewtonWay
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -75,11 +75,11 @@ def solve(
     strengths: Strengths,
     start: Beginning,
     once: Once,
-    way: Callable[[StepSolution | None, Array, Array], NewtonWay | None],
+    newton: Callable[[StepSolution | None, Array, Array], SofteningNewton | None],
     tolerance: float,
     increment: float | None,
     *,
-    lets_go: bool,
+    may_snap: bool,
 ) -> StepSolution:
     """Solve a step; its equations are left evaluated at the solution, with its history.
 
@@ -92,33 +92,33 @@ def solve(
     start
         Where the step starts.
     once
-        Begins the step with what contacts hold (n_slots, N_HELD), and what those hold that are made
-        in it (n_slots, N_HELD), and solves it from the branches (n_slots,), with gradients of the
-        increments (n, n_dof) near which it will end, if these are known.
-    way
+        Begins the step with what contacts hold (n_slots, N_CURRENT), and what those hold that are
+        made in it (n_slots, N_CURRENT), and solves it from the branches (n_slots,), with gradients
+        of the increments (n, n_dof) near which it will end, if these are known.
+    newton
         The way from a solution, or from the guess where there is none, with what contacts hold
         and those that are made, as for ``once``; if there is a way.
     tolerance, increment
         Force [N] by which what contacts hold may still change; pacing displacement [m], if any.
-    lets_go
+    may_snap
         Whether joints may let go in it, to equilibria that are far.
     """
     law, history = step.pairs.law_of_slot, start.history
     now = strengths.first(history, start.gap)
-    held, iterations = strengths.held(law, history, now), 0
+    current, iterations = strengths.current(law, history, now), 0
     fresh = strengths.fresh[law]
     first: StepSolution | None = None
-    relaxation = _Relaxation(strengths, law, leaves=lets_go)
+    relaxation = _Relaxation(strengths, law, leaves=may_snap)
     near: Array | None = None
     slope: float | None = None
-    fallen, most = 0, MOST_SOLUTIONS if lets_go or not strengths.smooth else FEW_SOLUTIONS
+    fallen, most = 0, MOST_SOLUTIONS if may_snap or not strengths.smooth else FEW_SOLUTIONS
     begun = _Come(np.arange(len(law)), history, history, now, np.inf)
     solved = _UNSOLVED  # a curve that has a tangent is gone on along it
     for k in range(most + 1):
         going: StepSolution | None = None
         come = begun
         if k or not np.isfinite(start.rise):
-            solved = once(held, fresh, _fitting(start.branch, held), near)
+            solved = once(current, fresh, _fitting(start.branch, current), near)
             iterations = max(iterations, solved.n_iterations)
             solved = replace(solved, n_iterations=iterations)
             if not solved.reason:
@@ -128,25 +128,25 @@ def solve(
                     strengths.write(law, come.reached, come.after)
                     if first is solved:  # nothing has yielded
                         return solved
-                    return _shaped(solved, first, start, increment, slope, fallen > 0, lets_go)
+                    return _shaped(solved, first, start, increment, slope, fallen > 0, may_snap)
                 near = solved.increment
             elif k > 1 or np.isfinite(start.rise):
                 return solved
-        on = way(going, held, fresh)
-        found = _settled(on, come, LEFT * tolerance)
+        on = newton(going, current, fresh)
+        found = _converge(on, come, LEFT * tolerance)
         if on and found:
             slope, near = found.slope, on.increment
-            held = strengths.held(law, come.before, found.reached)
-            stood = _stood(step, strengths, history, on, held, solved, tolerance)
+            current = strengths.current(law, come.before, found.reached)
+            stood = _stood(step, strengths, history, on, current, solved, tolerance)
             if stood:
-                return _shaped(stood, first, start, increment, slope, fallen > 0, lets_go)
+                return _shaped(stood, first, start, increment, slope, fallen > 0, may_snap)
             now = _at(found.reached, now, come.origin)
         elif going:
             now, fallen = relaxation.next(now, come.reached, come.origin), fallen + 1
         elif solved.reason:
             return solved
-        after = strengths.held(law, come.before, found.reached if found else come.reached)
-        held = strengths.held(law, history, now)
+        after = strengths.current(law, come.before, found.reached if found else come.reached)
+        current = strengths.current(law, history, now)
         fresh = np.where((come.origin < 0)[:, None], after, fresh)
     return replace(solved, reason="joints do not come to rest as they soften")
 
@@ -166,8 +166,8 @@ class _Come(NamedTuple):
         law, end = step.pairs.law_of_slot, step.ended()
         before = np.where((end.origin < 0)[:, None], end.before, history[end.origin])
         reached = strengths.reached(law, before, end.after, end.gap)
-        held = strengths.held(law, before, reached)
-        change = difference(held, end.held, end.normal, end.area)
+        current = strengths.current(law, before, reached)
+        change = difference(current, end.current, end.normal, end.area)
         return cls(end.origin, before, end.after, reached, change)
 
 
@@ -175,14 +175,14 @@ def _stood(
     step: StaticStep,
     strengths: Strengths,
     history: Array,
-    way: NewtonWay,
-    held: Array,
+    newton: SofteningNewton,
+    current: Array,
     solved: StepSolution,
     tolerance: float,
 ) -> StepSolution | None:
     """Where a way has come to, if that is an equilibrium with what contacts hold there; the history
     is then that of the step."""
-    stood = way.stand(held, solved)
+    stood = newton.stand(current, solved)
     if not stood:
         return None
     there, law = _Come.to(step, strengths, history), step.pairs.law_of_slot
@@ -192,39 +192,39 @@ def _stood(
     return stood
 
 
-class _Settled(NamedTuple):
+class _Converged(NamedTuple):
     reached: Reached
     slope: float  # 1/m
 
 
-def _settled(way: NewtonWay | None, come: _Come, enough: float) -> _Settled | None:
+def _converge(newton: SofteningNewton | None, come: _Come, enough: float) -> _Converged | None:
     """Newton's method on a way, as contacts have come to it; None where that leads to no
     equilibrium that the structure would keep.  ``enough`` is the force that may be left [N]."""
-    if way is None:
+    if newton is None:
         return None
     start = come.before
-    slot, point = way.soften(start)
+    slot, point = newton.soften(start)
     for _ in range(MOST_ITERATIONS):
-        residual = way.residual
-        if residual <= enough and abs(way.missing) <= MISSING:
+        residual = newton.residual
+        if residual <= enough and abs(newton.missing) <= MISSING:
             break
-        if not (np.isfinite(residual) and way.aim()):
+        if not (np.isfinite(residual) and newton.aim()):
             return None
         length = 1.0
-        way.move(length)
-        slot, point = way.soften(start)
+        newton.move(length)
+        slot, point = newton.soften(start)
         for _ in range(MOST_HALVINGS):
-            if way.residual < max(residual, enough):
+            if newton.residual < max(residual, enough):
                 break
             length *= 0.5
-            way.move(-length)
-            slot, point = way.soften(start)
+            newton.move(-length)
+            slot, point = newton.soften(start)
         else:
-            if not way.residual < max(residual, enough):
+            if not newton.residual < max(residual, enough):
                 return None
     else:
         return None
-    slope = way.slope()
+    slope = newton.slope()
     if slope is None:
         return None
     reached = Reached(*(a.copy() for a in come.reached))
@@ -235,8 +235,8 @@ def _settled(way: NewtonWay | None, come: _Come, enough: float) -> _Settled | No
         (reached.crushed, softening.P_CRUSHED),
     ):
         own[slot] = point[:, column]
-    reached.gap[slot] = way.gap(slot) + reached.crushed[slot]
-    return _Settled(reached, slope)
+    reached.gap[slot] = newton.gap(slot) + reached.crushed[slot]
+    return _Converged(reached, slope)
 
 
 def _at(then: Reached, now: Reached, origin: IntArray) -> Reached:
@@ -282,7 +282,7 @@ class _Relaxation:
             share = -self.share * along / size if size > 0.0 else 1.0
             if self.leaves and along > 0.0:
                 share = 2.0 * self.share
-            self.share = min(max(share, LEAST_SHARE_GONE), MOST_SHARE_GONE)
+            self.share = min(max(share, LEAST_RELAXATION), MOST_RELAXATION)
         self.last = missing
         more = self.share
         return there._replace(
@@ -299,7 +299,7 @@ def _shaped(
     increment: float | None,
     slope: float | None,
     fallen: bool,
-    lets_go: bool,
+    may_snap: bool,
 ) -> StepSolution:
     """The solution of a step, with what it may hide of the curve; see `StepSolution`.
 
@@ -313,7 +313,7 @@ def _shaped(
     known = sense * first.multiplier if first else after
     rise = sense * start.rise if np.isfinite(start.rise) else known - before
     change, top = after - before, max(before, after)
-    if fallen and lets_go:
+    if fallen and may_snap:
         return replace(solved, excess=None, bend=None)
     if fallen:
         off = abs(rise - change)
@@ -357,8 +357,8 @@ def _hidden(
     return highest - max(with_end, multiplier), share
 
 
-def _fitting(branch: IntArray, held: Array) -> IntArray:
+def _fitting(branch: IntArray, current: Array) -> IntArray:
     """Branches (n_slots,) that there are with what contacts hold: without room none is torn."""
-    room, torn = held[:, ROOM] > 0.0, ACROSS[branch] == TORN
-    fitting = np.where((branch == OPEN) & room, TORN_STICKING, branch)
-    return np.where(torn & ~room, OPEN, fitting)
+    intercept, torn = current[:, INTERCEPT] > 0.0, ACROSS[branch] == TORN
+    fitting = np.where((branch == OPEN) & intercept, TORN_STICKING, branch)
+    return np.where(torn & ~intercept, OPEN, fitting)

@@ -39,11 +39,11 @@ def imperfect(blocks: Sequence[Block], what: Imperfection, seed: int) -> list[Bl
     if what.unit_sizes is not None:
         blocks = _uneven(blocks, what.unit_sizes, sizes)
     meant = [not block.support and _is_meant(block, what.blocks) for block in blocks]
-    gone = missing.random(len(blocks)) < (what.missing or 0.0)
+    removed = missing.random(len(blocks)) < (what.missing or 0.0)
     free = loose.random(len(blocks)) < (what.loose or 0.0)
     found: list[Block] = []
-    for block, changes, is_gone, is_loose in zip(blocks, meant, gone, free, strict=True):
-        if changes and is_gone:
+    for block, changes, is_removed, is_loose in zip(blocks, meant, removed, free, strict=True):
+        if changes and is_removed:
             continue
         if changes and is_loose and what.loose_gap is not None:
             block = _smaller(block, what.loose_gap)

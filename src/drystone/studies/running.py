@@ -101,17 +101,17 @@ def run(
     written = begun
     given = _Given()
     missing = iter(np.flatnonzero(~done).tolist())
-    pace = _Pace()
+    rate = _Rate()
     try:
         while True:
-            _give_out(study, workers, given, missing, pace, progress)
+            _give_out(study, workers, given, missing, rate, progress)
             if not given.out:
                 break
             came = workers.next(0.5)
             now = time.perf_counter()
             progress.seconds = now - begun
             if came is not None:
-                outcomes = _taken(study, given, came, pace)
+                outcomes = _taken(study, given, came, rate)
                 waiting += outcomes
                 progress.done += len(outcomes)
                 progress.failed += sum(o.row["status"] == FAILED for o in outcomes)
@@ -126,7 +126,7 @@ def run(
     return progress
 
 
-class _Pace:
+class _Rate:
     """How many samples make a chunk, by how long they have taken."""
 
     def __init__(self) -> None:
@@ -155,12 +155,12 @@ def _give_out(
     workers: Workers,
     given: _Given,
     missing: Iterator[int],
-    pace: _Pace,
+    rate: _Rate,
     progress: Progress,
 ) -> None:
     """Give chunks to all who wait; only one before its time is known, which compiles for all."""
     free = workers.wanted()
-    if not pace.known:
+    if not rate.known:
         free = min(free, 1 - len(given.out))
     for _ in range(free):
         out = sum(map(len, given.out.values()))
@@ -168,7 +168,7 @@ def _give_out(
         if given.again:
             chunk = given.again.popleft()
         else:
-            size = pace.size(left, workers.count())
+            size = rate.size(left, workers.count())
             chunk = [sample for _, sample in zip(range(size), missing, strict=False)]
         if not chunk:
             return
@@ -181,14 +181,14 @@ def _give_out(
 
 
 def _taken(
-    study: Study, given: _Given, came: tuple[int, str, Any], pace: _Pace
+    study: Study, given: _Given, came: tuple[int, str, Any], rate: _Rate
 ) -> tuple[Outcome, ...]:
     """What came of a chunk; one that was lost with its process is given out again, one by one."""
     number, how, value = came
     chunk = given.out.pop(number)
     if how == "done":
         assert isinstance(value, Chunk)
-        pace.learn(len(chunk), value.seconds)
+        rate.learn(len(chunk), value.seconds)
         return value.outcomes
     if how == "raised":
         return tuple(_without_result(study, sample, str(value)) for sample in chunk)

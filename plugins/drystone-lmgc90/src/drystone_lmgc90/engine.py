@@ -32,7 +32,7 @@ from drystone.engines.base import (
     Demand,
     Engine,
     EngineError,
-    Pacing,
+    PreferredSteps,
     Problem,
     StepReport,
     UnstableError,
@@ -76,7 +76,7 @@ class Lmgc90Settings:
     #: that.  Gauss-Seidel ends by impulses, and gaps are as much less well known.
     stiffest: float = 1e3
     theta: float = 1.0  # of the theta method; 1 is the step of `dynamics.nscd`
-    settling_time_step: float = 0.05  # s
+    dead_load_time_step: float = 0.05  # s
     longest_time_step: float = 0.05  # s; a longer one that is asked for is cut to it
     max_motion: float = 0.5  # share of the detection reach a block may move in one step
     max_penetration: float = 0.05  # share of the smallest block's extent
@@ -164,9 +164,9 @@ class Lmgc90Engine(Engine[Lmgc90State]):
         self._latest = self._accepted = 0
         self._pairs: Pairs | None = None  # of the last detection
 
-    def pacing(self, assembly: Assembly) -> Pacing:
-        """See `Engine.pacing`."""
-        return Pacing(time_step=self._longest(assembly))
+    def preferred_steps(self, assembly: Assembly) -> PreferredSteps:
+        """See `Engine.preferred_steps`."""
+        return PreferredSteps(time_step=self._longest(assembly))
 
     def _longest(self, assembly: Assembly) -> float:
         """Longest time step [s]."""
@@ -193,7 +193,7 @@ class Lmgc90Engine(Engine[Lmgc90State]):
         refuse(problem, self)
         self.notes = check(assembly)
         prepared = Lmgc90Prepared.of(problem, self._longest(assembly))
-        rest = assembly.rest_pose()
+        rest = assembly.design_pose()
         self._numbers = itertools.count(1)
         self._latest = self._accepted = 0
         self._pairs = prepared.detector.pairs(rest)
@@ -211,9 +211,9 @@ class Lmgc90Engine(Engine[Lmgc90State]):
             outcome=None,
         )
         try:
-            state, report = self._settle(state)
+            state, report = self._apply_dead_load(state)
             for stage in range(1, len(prepared.loads)):
-                state, report = self._settle(replace(state, stage=stage))
+                state, report = self._apply_dead_load(replace(state, stage=stage))
             return state, report
         except BaseException:
             self.close()
@@ -222,7 +222,7 @@ class Lmgc90Engine(Engine[Lmgc90State]):
     def _setup(self, prepared: Lmgc90Prepared) -> Setup:
         assembly, theirs, s = prepared.problem.assembly, prepared.theirs, self.settings
         assert self._pairs is not None
-        slots = prepared.detector.find(self._pairs, assembly.rest_pose())
+        slots = prepared.detector.find(self._pairs, assembly.design_pose())
         stiffness = np.array([law.normal_stiffness for law in assembly.laws], dtype=float)
         joints: dict[tuple[int, int], float] = {}
         for k in np.flatnonzero(slots.kind).tolist():
@@ -245,13 +245,13 @@ class Lmgc90Engine(Engine[Lmgc90State]):
             sweeps_per_check=s.sweeps_per_check,
             max_sweeps=s.max_sweeps,
             scramble=s.scramble if assembly.dimension == 3 else 0,
-            time_step=s.settling_time_step,
+            time_step=s.dead_load_time_step,
         )
 
-    def _settle(self, state: Lmgc90State) -> tuple[Lmgc90State, StepReport]:
+    def _apply_dead_load(self, state: Lmgc90State) -> tuple[Lmgc90State, StepReport]:
         """Steps from rest until nothing moves and the supports carry the weight."""
         assembly = state.prepared.problem.assembly
-        longest = h = min(self.settings.settling_time_step, state.prepared.longest_time_step)
+        longest = h = min(self.settings.dead_load_time_step, state.prepared.longest_time_step)
         limit = assembly.smallest_extent
         weight = -float(
             (motion.translations(state.prepared.loads[state.stage].dead) @ assembly.up).sum()
@@ -428,7 +428,7 @@ class Lmgc90Engine(Engine[Lmgc90State]):
         """Moments (k, 1 or 3) in the world about the axes of bodies (k,) in the poses."""
         if moment.shape[1] == 1:
             return moment
-        axes = [motion.turned(prepared.theirs.axes[body, :, i], pose[body]) for i in range(3)]
+        axes = [motion.rotated(prepared.theirs.axes[body, :, i], pose[body]) for i in range(3)]
         return np.stack([np.sum(axis * moment, axis=1) for axis in axes], axis=1)
 
     def _status(self, prepared: Lmgc90Prepared, outcome: Outcome) -> NDArray[np.int64]:
@@ -474,12 +474,12 @@ class Lmgc90Engine(Engine[Lmgc90State]):
 
     def _their_pose(self, state: Lmgc90State) -> Array:
         """Poses of the blocks as LMGC90 has them."""
-        return state.prepared.theirs.rest_pose() if state.outcome is None else state.outcome.pose
+        return state.prepared.theirs.design_pose() if state.outcome is None else state.outcome.pose
 
     def _our_pose(self, prepared: Lmgc90Prepared, theirs: Array) -> Array:
         """Poses of our centroids, which the corners may have moved, from those of LMGC90's."""
         pose = theirs.copy()
-        motion.translations(pose)[:] -= motion.turned(prepared.offset, theirs) - prepared.offset
+        motion.translations(pose)[:] -= motion.rotated(prepared.offset, theirs) - prepared.offset
         return pose
 
     def _loads(self, state: Lmgc90State, multiplier: float) -> LoadArrays:
@@ -495,7 +495,7 @@ class Lmgc90Engine(Engine[Lmgc90State]):
 
     def _about_theirs(self, prepared: Lmgc90Prepared, force: Array, pose: Array) -> Array:
         shifted = force.copy()
-        arm, every = motion.turned(prepared.offset, pose), np.arange(len(force))
+        arm, every = motion.rotated(prepared.offset, pose), np.arange(len(force))
         moment = motion.moments(arm, motion.translations(force))
         own = motion.rotations(force)
         if force.shape[1] == 6:

@@ -36,7 +36,7 @@ def find_macro_blocks(
     field: VelocityField,
     direction: Array,
     *,
-    gone: NDArray[np.bool_] | None = None,
+    departed: NDArray[np.bool_] | None = None,
     tolerance: float = SAME,
 ) -> IntArray:
     """Which body each block belongs to, (n,): 0, 1, ... in the order of their first blocks.
@@ -50,12 +50,12 @@ def find_macro_blocks(
         Over the velocity of the control point.
     direction
         Of the load, (dim,): blocks are at rest that hardly move along it.
-    gone
+    departed
         Blocks that have left the structure, (n,).
     tolerance
         Over the velocity of the control point.
     """
-    out = assembly.fixed if gone is None else assembly.fixed | gone
+    out = assembly.fixed if departed is None else assembly.fixed | departed
     bodies = _Bodies.of(assembly, field)
     moving = (bodies.fastest > tolerance) & ~out
     labels = np.full(assembly.n_bodies, AT_REST, dtype=np.int64)

@@ -49,10 +49,12 @@ class VelocityField:
         """The field over the velocity of the control point, which is at ``point`` (dim,) [m]; None
         where that stands still in it."""
         (velocity,) = self.at(point[None], np.array([control.block]))
-        pace = float(velocity @ control.direction)
-        if not abs(pace) > STILL * float(np.abs(self.velocity).max(initial=0.0)):
+        speed = float(velocity @ control.direction)
+        if not abs(speed) > STILL * float(np.abs(self.velocity).max(initial=0.0)):
             return None
-        return VelocityField(place=self.place, velocity=self.velocity / pace, spin=self.spin / pace)
+        return VelocityField(
+            place=self.place, velocity=self.velocity / speed, spin=self.spin / speed
+        )
 
 
 def chord(assembly: Assembly, before: Array, after: Array) -> VelocityField:

@@ -200,7 +200,7 @@ def _shape(
     """What there is to know of a field; ``turned`` are poses that the blocks' axes have, if any."""
     assembly, direction = model.assembly, model.load_along
     present = _present(curve, model, row)
-    labels = find_macro_blocks(assembly, field, direction, gone=~present)
+    labels = find_macro_blocks(assembly, field, direction, departed=~present)
     if not (labels >= 0).any():
         raise AssessmentError(say("refused.none_moves"))
     mass, delta = _masses(model), field.along(direction)
@@ -244,7 +244,7 @@ def _kinetic_mass(
     axes = assembly.axes
     if pose is not None:
         n_axes = axes.shape[2]
-        axes = np.stack([motion.turned(axes[:, :, k], pose) for k in range(n_axes)], axis=2)
+        axes = np.stack([motion.rotated(axes[:, :, k], pose) for k in range(n_axes)], axis=2)
     spin = motion.about_own_axes(spin, axes)
     straight = _masses(model)[:, None] * field.velocity**2
     turning = motion.rotations(assembly.mass) * spin**2
@@ -269,8 +269,8 @@ def _torsion(
 
 def _present(curve: CapacityCurve, model: Model, row: int) -> NDArray[np.bool_]:
     """Blocks that may move and are still part of the structure, (n,)."""
-    gone = curve.gone(model.assembly.ids, curve.points[row].step)
-    return ~(model.assembly.fixed | gone)
+    departed = curve.departed(model.assembly.ids, curve.points[row].step)
+    return ~(model.assembly.fixed | departed)
 
 
 def _past_the_peak(curve: CapacityCurve) -> tuple[int, int, str]:

@@ -177,14 +177,14 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
     owed = settings.limit_states or ((REFERENCE,) if REFERENCE in given else verified)
     found, left_out = [], []
     for name, spectrum in given.items():
-        held = name in verified
+        is_verified = name in verified
         if name == "DL":
             if settings.elastic_period is None and name not in owed:
                 left_out.append(say("en1998_3_2025.no_period"))
                 continue
-            found.append(_activation(c, spectrum, settings, factors, held))
+            found.append(_activation(c, spectrum, settings, factors, is_verified))
         elif name in (settings.get("damping") or {}):
-            found.append(_ultimate(name, c, spectrum, settings, factors, held))
+            found.append(_ultimate(name, c, spectrum, settings, factors, is_verified))
         elif name in owed:
             raise AssessmentError(
                 f'method "{NAME}" needs "damping" of {name}: the standard\'s value is not known '

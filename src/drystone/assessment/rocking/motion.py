@@ -51,7 +51,7 @@ class Rocker(Protocol):
         ...
 
     @property
-    def pace(self) -> float:
+    def speed(self) -> float:
         """A velocity of its size, for tolerances."""
         ...
 
@@ -88,7 +88,7 @@ class MechanismRocker:
         self._x, self._y = x.tolist(), y.tolist()
         self.limit = float(end)
         self.uplift = float(y[0])
-        self.pace = math.sqrt(float(y.max()) * self.limit)
+        self.speed = math.sqrt(float(y.max()) * self.limit)
 
     def restoring(self, x: float) -> float:
         """lambda(d*) g [m/s2], straight on below zero and beyond the collapse."""
@@ -206,7 +206,7 @@ def respond(
                 raise AssessmentError("rocking does not come to rest: too many impacts")
             x, v = 0.0, v * restitution * (1.0 if sides == "two" else -1.0)
             push = -ground(t) * math.copysign(1.0, v)
-            if abs(v) < AT_REST * rocker.pace and push <= rocker.uplift:
+            if abs(v) < AT_REST * rocker.speed and push <= rocker.uplift:
                 v = 0.0
             history.add(np.array(t), np.array(x), np.array(v))
     history.add(np.array(end), np.array(x), np.array(v))
@@ -261,7 +261,7 @@ def _flight(
         [x, v],
         method="RK45",
         rtol=RELATIVE,
-        atol=[ABSOLUTE * rocker.limit, ABSOLUTE * rocker.pace],
+        atol=[ABSOLUTE * rocker.limit, ABSOLUTE * rocker.speed],
         max_step=longest,
         first_step=min(1e-3 * min(longest, end - t), 0.5 * (end - t)),
         events=(hits, falls, turns),

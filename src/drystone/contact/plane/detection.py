@@ -41,7 +41,7 @@ class PlaneNarrowPhase:
             vertex=np.zeros_like(shapes.vertices),
             tangent=np.zeros_like(shapes.vertices),
             arm=np.zeros_like(shapes.vertices),
-            turn=np.zeros((assembly.n_bodies, 2)),
+            rotation=np.zeros((assembly.n_bodies, 2)),
         )
 
     def place(self, pose: Array) -> Array:
@@ -67,7 +67,9 @@ class PlaneNarrowPhase:
         narrow.find_predecessors(pairs, before, now, source)
         return source
 
-    def turn(self, before: Slots, now: Slots, source: IntArray, had: Array, shear: Array) -> None:
+    def rotate_shear(
+        self, before: Slots, now: Slots, source: IntArray, had: Array, shear: Array
+    ) -> None:
         """Nothing: tangents of the plane turn with the contacts, and reactions with them."""
 
     def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array, to: Contacts) -> int:

@@ -91,7 +91,7 @@ class World(NamedTuple):
     vertex: Array  # (n_vertices, 2) m
     tangent: Array  # (n_vertices, 2)
     arm: Array  # (n_vertices, 2) m, from the centroid
-    turn: Array  # (n, 2) sine and 1 - cosine of each body's rotation
+    rotation: Array  # (n, 2) sine and 1 - cosine of each body's rotation
 
 
 @njit(cache=True, error_model="numpy")
@@ -101,8 +101,8 @@ def place(bodies, pose, world):
         body = bodies.of_part[part]
         c = np.cos(pose[body, 2])
         s = np.sin(pose[body, 2])
-        world.turn[body, 0] = s
-        world.turn[body, 1] = 2.0 * np.sin(0.5 * pose[body, 2]) ** 2
+        world.rotation[body, 0] = s
+        world.rotation[body, 1] = 2.0 * np.sin(0.5 * pose[body, 2]) ** 2
         x = bodies.centroid[body, 0] + pose[body, 0]
         y = bodies.centroid[body, 1] + pose[body, 1]
         for v in range(bodies.offset[part], bodies.offset[part + 1]):
@@ -288,9 +288,9 @@ def _interface(
 
 
 @njit(cache=True, error_model="numpy")
-def _turned(turn, body, x, y):
+def _rotated(rotation, body, x, y):
     """What the rotation of a body adds to a vector of it."""
-    sine, versine = turn[body, 0], turn[body, 1]
+    sine, versine = rotation[body, 0], rotation[body, 1]
     return -versine * x - sine * y, sine * x - versine * y
 
 
@@ -299,7 +299,12 @@ def _measure(bodies, pose, world, pairs, slots):
     """Everything else about the contacts of all slots, whose features are given."""
     # Fields read once: in the loop each reading would count references.
     centroid, local, radius = bodies.centroid, bodies.local, bodies.radius
-    local_tangent, tangent, arm, turn = bodies.local_tangent, world.tangent, world.arm, world.turn
+    local_tangent, tangent, arm, rotation = (
+        bodies.local_tangent,
+        world.tangent,
+        world.arm,
+        world.rotation,
+    )
     length = bodies.length
     pair, of_pair, (which, value) = pairs.of_slot, pairs.which, slots
     for k in range(which.shape[0]):
@@ -319,11 +324,11 @@ def _measure(bodies, pose, world, pairs, slots):
         if inside != 0.0:
             bx += inside * local_tangent[vb, 0]
             by += inside * local_tangent[vb, 1]
-        turned_ax, turned_ay = _turned(turn, a, ax, ay)
-        turned_bx, turned_by = _turned(turn, b, bx, by)
+        rotated_ax, rotated_ay = _rotated(rotation, a, ax, ay)
+        rotated_bx, rotated_by = _rotated(rotation, b, bx, by)
         x, y = sign * (between_x + (bx - ax)), sign * (between_y + (by - ay))  # as designed
-        moved_x = sign * (shift_x + (turned_bx - turned_ax))
-        moved_y = sign * (shift_y + (turned_by - turned_ay))
+        moved_x = sign * (shift_x + (rotated_bx - rotated_ax))
+        moved_y = sign * (shift_y + (rotated_by - rotated_ay))
         ra, rb = radius[of_pair[p, PART_A]], radius[of_pair[p, PART_B]]
         if kind == VERTICES:
             dx, dy = x + moved_x, y + moved_y
@@ -337,9 +342,9 @@ def _measure(bodies, pose, world, pairs, slots):
             owner, edge, rolling = (a, va, rb) if kind == VERTEX_B else (b, vb, ra)
             nx, ny = tangent[edge, 1], -tangent[edge, 0]
             before_x, before_y = local_tangent[edge, 1], -local_tangent[edge, 0]
-            turned_x, turned_y = _turned(turn, owner, before_x, before_y)
+            rotated_x, rotated_y = _rotated(rotation, owner, before_x, before_y)
             designed = before_x * x + before_y * y - ra - rb
-            moved = (turned_x * x + turned_y * y) + (nx * moved_x + ny * moved_y)
+            moved = (rotated_x * x + rotated_y * y) + (nx * moved_x + ny * moved_y)
             value[k, GAP] = designed + moved
             value[k, NORMAL], value[k, NORMAL + 1] = sign * nx, sign * ny
             value[k, ROLL_A], value[k, ROLL_B] = -sign * rolling, sign * rolling

@@ -85,19 +85,19 @@ def slip(kind, value, k, a, b, increment):
     if kind == VERTEX_B:
         ux += bx
         uy += by
-        turned_x = ca * tx - sa * ty
-        turned_y = sa * tx + ca * ty
+        rotated_x = ca * tx - sa * ty
+        rotated_y = sa * tx + ca * ty
         before_x = value[k, ARM_A] - ux
         before_y = value[k, ARM_A + 1] - uy
-        return tx * ux + ty * uy + turned_x * before_x + turned_y * before_y + rolled
+        return tx * ux + ty * uy + rotated_x * before_x + rotated_y * before_y + rolled
     if kind == VERTEX_A:
         ux -= ax
         uy -= ay
-        turned_x = cb * tx - sb * ty
-        turned_y = sb * tx + cb * ty
+        rotated_x = cb * tx - sb * ty
+        rotated_y = sb * tx + cb * ty
         before_x = value[k, ARM_B] + ux
         before_y = value[k, ARM_B + 1] + uy
-        return tx * ux + ty * uy - turned_x * before_x - turned_y * before_y + rolled
+        return tx * ux + ty * uy - rotated_x * before_x - rotated_y * before_y + rolled
     ux += bx - ax
     uy += by - ay
     radii = value[k, ROLL_A] + value[k, ROLL_B]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from drystone.contact.contacts import ARM_A_3, A, Contacts, Pairs, Slots
 from drystone.contact.space import manifold, points, solids, succession
 from drystone.contact.space.rows import packed_rows_in_space
-from drystone.contact.space.shapes import World, place, turn_bodies
+from drystone.contact.space.shapes import World, place, rotate_bodies
 from drystone.law import packing
 from drystone.model.assembly import Assembly
 
@@ -60,7 +60,9 @@ class SpaceNarrowPhase:
         succession.find_predecessors(pairs, before, now, source)
         return source
 
-    def turn(self, before: Slots, now: Slots, source: IntArray, had: Array, shear: Array) -> None:
+    def rotate_shear(
+        self, before: Slots, now: Slots, source: IntArray, had: Array, shear: Array
+    ) -> None:
         """Tangential reactions (n_slots, 2) [N] of those, into ``shear``, along the tangents of
         ``now``."""
         succession.carried(before, now, source, had, shear)
@@ -68,7 +70,7 @@ class SpaceNarrowPhase:
     def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array, to: Contacts) -> int:
         """Fill contacts from the slots in use, with their gradients; returns how many."""
         count = int(packing.pack_laws(slots, pairs, laws, 1.0, to))
-        turn_bodies(self.bodies, pose, self.world)
+        rotate_bodies(self.bodies, pose, self.world)
         packed_rows_in_space(slots.value, to.which, count, self.world.axes, to.rows)
         return count
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-from drystone.common.tolerances import EDGE_FLAT, EDGES_MARGIN, HELD_FACE, LEAST_FACE
+from drystone.common.tolerances import EDGE_FLAT, EDGES_MARGIN, KEPT_FACE, LEAST_FACE
 from drystone.contact.contacts import (
     BALL_3,
     EDGE_A,
@@ -71,7 +71,7 @@ def edge_on_edge(scene, work, pair, edges, faces, which, value):
     """
     local, edge, plane, extent = scene.local, scene.edge, scene.plane, scene.extent
     (edge_a, edge_b), (face_a, face_b), (p, q, k, _) = edges, faces, pair
-    turn, a, b, n_vertices = scene.turn, scene.of_part[p], scene.of_part[q], local.shape[0]
+    rotation, a, b, n_vertices = scene.rotation, scene.of_part[p], scene.of_part[q], local.shape[0]
     which[k, KIND] = VERTEX_B
     which[k, FEATURE_A], which[k, FEATURE_B] = n_vertices + edge_a, n_vertices + edge_b
     which[k, EDGE_A], which[k, EDGE_B] = face_a, face_b
@@ -82,7 +82,7 @@ def edge_on_edge(scene, work, pair, edges, faces, which, value):
         value[k, POINT_3 + c] = local[b0, c] + work[1, 1] * (local[b1, c] - local[b0, c])
         back = work[0, c]
         for i in range(3):
-            back += turn[a, i, c] * work[0, i]
+            back += rotation[a, i, c] * work[0, i]
         value[k, PLANE_NORMAL_3 + c] = back
     # A tangent: of the edge of a and the first tangent of its face, what is farther off the normal.
     # Where corners meet, both may lie along it: then the face's normal does not.
@@ -101,7 +101,7 @@ def edge_on_edge(scene, work, pair, edges, faces, which, value):
         t -= aside * value[k, PLANE_NORMAL_3 + c]
         value[k, PLANE_TANGENT_3 + c] = t / np.sqrt(square)
     value[k, BALL_3], radii = scene.radius[q], scene.radius[p] + scene.radius[q]
-    evaluate(scene.centroid, radii, turn, scene.pose, which, value, k, a, b)
+    evaluate(scene.centroid, radii, rotation, scene.pose, which, value, k, a, b)
     return k + 1
 
 
@@ -116,7 +116,7 @@ def edges_that_meet(scene, work, p, q, best, least, near, limit):
     """
     first, edge, vertex, normal = scene.first, scene.edge, scene.vertex, scene.normal
     radii, smaller = scene.radius[p] + scene.radius[q], min(scene.size[p], scene.size[q])
-    margin, slack = EDGES_MARGIN * smaller, HELD_FACE * smaller
+    margin, slack = EDGES_MARGIN * smaller, KEPT_FACE * smaller
     edge_a, edge_b, across = best_edges(first, edge, vertex, normal, p, q, work)
     found = across > best + margin or (not near and least + radii > across + margin)
     found = found and edge_a >= 0 and -np.inf < across <= limit

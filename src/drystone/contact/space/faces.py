@@ -187,7 +187,7 @@ def face_points(scene, scratch, face_p, face_q, p_is_a, pair, n_most, which, val
     name, point, weight = scratch.name, scratch.point, scratch.weight
     part_a, part_b, begin, end = pair
     n, m = project_both(
-        ring, scene.corner, scene.vertex, normal, scene.plane, scene.turn,
+        ring, scene.corner, scene.vertex, normal, scene.plane, scene.rotation,
         of_part[part_a if p_is_a else part_b], face_p, face_q, scratch.work, reference, incident,
     )  # fmt: skip
     near = CLIP * min(extent[face_p, 1], extent[face_q, 1])
@@ -212,6 +212,6 @@ def face_points(scene, scratch, face_p, face_q, p_is_a, pair, n_most, which, val
     )
     meet_rims(scene, scratch.work, part_a, part_b, begin, stop, which, value)
     return stop, evaluate_all(
-        scene.centroid, scene.radius[part_a] + scene.radius[part_b], scene.turn, scene.pose, which,
-        value, begin, stop, of_part[part_a], of_part[part_b],
+        scene.centroid, scene.radius[part_a] + scene.radius[part_b], scene.rotation, scene.pose,
+        which, value, begin, stop, of_part[part_a], of_part[part_b],
     )  # fmt: skip

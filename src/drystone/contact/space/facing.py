@@ -21,7 +21,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-from drystone.common.tolerances import CLIP, EDGED, HELD_FACE, LEAST_FACE, SUMS, TIED
+from drystone.common.tolerances import CLIP, EDGED, KEPT_FACE, LEAST_FACE, SUMS, TIED
 from drystone.contact.space.overlap import clip, measure
 from drystone.contact.space.separation import most_opposed, most_opposed_near, separation
 
@@ -32,10 +32,10 @@ def _incident_face(first, ring, corner, vertex, normal, face, q, kept, deepest):
 
     ``deepest`` [m] is how far above the reference face the part may be and touch.
     """
-    found, cosine = most_opposed(first, normal, face, q, kept, HELD_FACE)
-    if cosine > -1.0 + HELD_FACE:  # on a vertex or an edge: of a face that has it
+    found, cosine = most_opposed(first, normal, face, q, kept, KEPT_FACE)
+    if cosine > -1.0 + KEPT_FACE:  # on a vertex or an edge: of a face that has it
         trial, better = most_opposed_near(first, ring, corner, vertex, normal, face, q, deepest)
-        if better > cosine + 2.0 * HELD_FACE:
+        if better > cosine + 2.0 * KEPT_FACE:
             return trial, better
     return found, cosine
 
@@ -57,7 +57,7 @@ def _project(ring, corner, vertex, face, origin, work, backwards, out):
 
 @njit(cache=True)
 def project_both(
-    ring, corner, vertex, normal, plane, turn, body, face_p, face_q, work, reference, incident
+    ring, corner, vertex, normal, plane, rotation, body, face_p, face_q, work, reference, incident
 ):
     """Corners of both faces, seen along the normal of p, which ``body`` carries; their numbers.
 
@@ -66,7 +66,7 @@ def project_both(
     for i in range(3):
         work[0, i] = plane[face_p, 3 + i]
         for k in range(3):
-            work[0, i] += turn[body, i, k] * plane[face_p, 3 + k]
+            work[0, i] += rotation[body, i, k] * plane[face_p, 3 + k]
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         work[1, i] = normal[face_p, j] * work[0, k] - normal[face_p, k] * work[0, j]
@@ -82,7 +82,7 @@ def _worth(scene, scratch, body, face_p, face_q, cosine):
     reference, incident = scratch.reference, scratch.incident
     polygon, name, extent = scratch.polygon, scratch.name, scene.extent
     n, m = project_both(
-        scene.ring, scene.corner, scene.vertex, scene.normal, scene.plane, scene.turn, body,
+        scene.ring, scene.corner, scene.vertex, scene.normal, scene.plane, scene.rotation, body,
         face_p, face_q, scratch.work, reference, incident,
     )  # fmt: skip
     near = CLIP * min(extent[face_p, 1], extent[face_q, 1])
@@ -107,7 +107,7 @@ def _untied(scene, scratch, p, q, face, apart, kept):
     first, ring, corner = scene.first, scene.ring, scene.corner
     vertex, normal, body = scene.vertex, scene.normal, scene.of_part[p]
     smaller = min(scene.size[p], scene.size[q])
-    slack, tie = HELD_FACE * smaller, TIED * smaller
+    slack, tie = KEPT_FACE * smaller, TIED * smaller
     alone = True
     for f in range(first[p, 1], first[p + 1, 1]):
         by = separation(first, ring, corner, vertex, normal, f, q)
@@ -121,7 +121,7 @@ def _untied(scene, scratch, p, q, face, apart, kept):
             continue
         face_q, cosine = _incident_face(first, ring, corner, vertex, normal, f, q, kept, by + slack)
         worth = _worth(scene, scratch, body, f, face_q, cosine)
-        if found < 0 or worth - best > HELD_FACE * abs(worth):
+        if found < 0 or worth - best > KEPT_FACE * abs(worth):
             found, best, apart_found = f, worth, by
     return found, apart_found
 
@@ -142,16 +142,16 @@ def faces_that_meet(scene, scratch, p, q, on_a, on_b, anew):
     ``on_a`` and ``on_b`` are what p and q have: the face that separates most, by how much [m], by
     how much the face does that is kept, and this one.  Faces are not kept where ``anew``.
     """
-    face_a, apart_a, held_a, kept_a = on_a
-    face_b, apart_b, held_b, kept_b = on_b
+    face_a, apart_a, former_a, kept_a = on_a
+    face_b, apart_b, former_b, kept_b = on_b
     smaller, best = min(scene.size[p], scene.size[q]), max(apart_a, apart_b)
-    slack, good = HELD_FACE * smaller, False
+    slack, good = KEPT_FACE * smaller, False
     p_is_a, face, apart, to = True, face_a, apart_a, apart_b
     for trial in range(2 if anew else 0, 3):  # what is kept of a, of b; else a's before b's
         if trial == 0:
-            p_is_a, face, apart, to = True, kept_a, held_a, best
+            p_is_a, face, apart, to = True, kept_a, former_a, best
         elif trial == 1:
-            p_is_a, face, apart, to = False, kept_b, held_b, best
+            p_is_a, face, apart, to = False, kept_b, former_b, best
         else:
             p_is_a, face, apart, to = True, face_a, apart_a, apart_b
         good = apart >= to - EDGED * smaller

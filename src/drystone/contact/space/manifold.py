@@ -6,7 +6,7 @@ Which points there are
 ----------------------
 The *reference* face is the one, of both parts, that
 separates them most; the face of the other part that is most opposed to it is the *incident* one.
-Both are kept as long as they are nearly as good (HELD_FACE), so that a block that rests does not
+Both are kept as long as they are nearly as good (KEPT_FACE), so that a block that rests does not
 change them with every rounding error; of faces that are as good at first, `facing` says which it
 is.  Their overlap, seen along the reference normal (see `overlap`), gives the points, and its area,
 to which what treated edges take off the faces is added again:
@@ -42,7 +42,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.compiled import njit
-from drystone.common.tolerances import EDGES_MARGIN, HELD_FACE
+from drystone.common.tolerances import EDGES_MARGIN, KEPT_FACE
 from drystone.contact.contacts import EDGE_A, EDGE_B, FIRST, GAP, KIND, NONE, PART_A, PART_B
 from drystone.contact.space.edges import edge_on_edge, edges_that_meet
 from drystone.contact.space.faces import face_points
@@ -90,18 +90,18 @@ def find(shapes, pose, world, pairs, reach, n_most, slots):
         kept_a, kept_b = which[begin, EDGE_A], which[begin, EDGE_B]
         empty(which, value, begin, end)  # unused ones as well: their values may be of other poses
         limit = reach + (radius[p] + radius[q])
-        face_a, apart_a, held_a = best_face(
+        face_a, apart_a, former_a = best_face(
             first, ring, corner, vertex, normal, middle, p, q, kept_a, limit
         )
         if apart_a > limit:
             continue
-        face_b, apart_b, held_b = best_face(
+        face_b, apart_b, former_b = best_face(
             first, ring, corner, vertex, normal, middle, q, p, kept_b, limit
         )
         if apart_b > limit:
             continue
         pair, best = (p, q, begin, end), max(apart_a, apart_b)
-        on_a, on_b = (face_a, apart_a, held_a, kept_a), (face_b, apart_b, held_b, kept_b)
+        on_a, on_b = (face_a, apart_a, former_a, kept_a), (face_b, apart_b, former_b, kept_b)
         stop, least, tried = begin, np.inf, -1
         p_is_a, face_p, face_q, cosine = True, face_a, face_b, 0.0
         for attempt in range(2):
@@ -117,8 +117,8 @@ def find(shapes, pose, world, pairs, reach, n_most, slots):
             if stop > begin:
                 break
         smaller, radii = min(size[p], size[q]), radius[p] + radius[q]
-        margin, near = EDGES_MARGIN * smaller, least <= best - radii + HELD_FACE * smaller
-        flush = radii == 0.0 and cosine <= -1.0 + HELD_FACE * HELD_FACE
+        margin, near = EDGES_MARGIN * smaller, least <= best - radii + KEPT_FACE * smaller
+        flush = radii == 0.0 and cosine <= -1.0 + KEPT_FACE * KEPT_FACE
         if not (flush or (near and best >= -margin)):
             faces = (face_p, face_q) if p_is_a else (face_q, face_p)
             found, across, edges, p_is_a, face_p, face_q = edges_that_meet(

@@ -102,7 +102,7 @@ def clip(incident, m, reference, n, slack, corner, name):
     Points up to ``slack`` [m] outside count as inside.  ``corner`` (2, k, 2) and ``name``
     (2, k, 4) are filled; returned is which of the two halves holds the result, and its length.
     """
-    side, count, room = 0, m, corner.shape[1]
+    side, count, capacity = 0, m, corner.shape[1]
     for j in range(m):
         corner[0, j, 0], corner[0, j, 1] = incident[j, 0], incident[j, 1]
         name[0, j, TYPE], name[0, j, OF_P] = VERTEX_Q, -1
@@ -129,7 +129,7 @@ def clip(incident, m, reference, n, slack, corner, name):
             x, y = corner[side, i, 0], corner[side, i, 1]
             d = nx * (x - x0) + ny * (y - y0)
             inside = d >= -slack
-            if inside != (d_before >= -slack) and made < room:
+            if inside != (d_before >= -slack) and made < capacity:
                 share = min(max(d_before / (d_before - d), 0.0), 1.0)
                 bx, by = corner[side, before, 0], corner[side, before, 1]
                 corner[other, made, 0] = bx + share * (x - bx)
@@ -144,7 +144,7 @@ def clip(incident, m, reference, n, slack, corner, name):
                     name[other, made, TYPE] = VERTEX_P
                     name[other, made, OF_P], name[other, made, OF_Q] = vertex, -1
                 made += 1
-            if inside and made < room:
+            if inside and made < capacity:
                 corner[other, made, 0], corner[other, made, 1] = x, y
                 for c in range(4):
                     name[other, made, c] = name[side, i, c]
@@ -196,9 +196,9 @@ def _worse(name, half, i, j):
 
 
 @njit(cache=True)
-def _drop(corner, name, half, count, gone):
+def _drop(corner, name, half, count, removed):
     """Take one corner out of a list."""
-    for i in range(gone, count - 1):
+    for i in range(removed, count - 1):
         corner[half, i, 0], corner[half, i, 1] = corner[half, i + 1, 0], corner[half, i + 1, 1]
         for c in range(4):
             name[half, i, c] = name[half, i + 1, c]
@@ -219,11 +219,11 @@ def merge_corners(corner, name, half, count, short, near):
         if at < 0:
             break
         after = at + 1 if at + 1 < count else 0
-        gone = at
+        removed = at
         if not _worse(name, half, at, after):
-            gone = after
+            removed = after
             name[half, at, LEAVES] = name[half, after, LEAVES]
-        _drop(corner, name, half, count, gone)
+        _drop(corner, name, half, count, removed)
         count -= 1
     i = 0
     while i < count and count > 3:
@@ -295,16 +295,16 @@ def _named(name, k, type_, of_p, of_q, number):
 
 
 @njit(cache=True)
-def n_spread(count, points, room):
-    """How many points `spread` makes of a polygon; never more than ``room``."""
-    if count >= 3 and points == 16 and 4 * count <= room:
+def n_spread(count, points, capacity):
+    """How many points `spread` makes of a polygon; never more than ``capacity``."""
+    if count >= 3 and points == 16 and 4 * count <= capacity:
         return 4 * count
     if count < 3 or points < 9:
-        return min(count, room)
+        return min(count, capacity)
     for k in range((int(np.sqrt(points) + 0.5) - 1) // 2, 0, -1):
-        if count * k * (k + 1) + 1 <= room:
+        if count * k * (k + 1) + 1 <= capacity:
             return count * k * (k + 1) + 1
-    return min(count, room)
+    return min(count, capacity)
 
 
 @njit(cache=True)

@@ -51,31 +51,31 @@ from drystone.contact.contacts import (
     A,
     B,
 )
-from drystone.contact.space.shapes import turn_bodies
+from drystone.contact.space.shapes import rotate_bodies
 
 
 @njit(cache=True)
-def _turned(turn, body, table, row, column):
+def _rotated(rotation, body, table, row, column):
     """What the rotation of a body adds to the vector in three columns of a table."""
     x, y, z = table[row, column], table[row, column + 1], table[row, column + 2]
     return (
-        turn[body, 0, 0] * x + turn[body, 0, 1] * y + turn[body, 0, 2] * z,
-        turn[body, 1, 0] * x + turn[body, 1, 1] * y + turn[body, 1, 2] * z,
-        turn[body, 2, 0] * x + turn[body, 2, 1] * y + turn[body, 2, 2] * z,
+        rotation[body, 0, 0] * x + rotation[body, 0, 1] * y + rotation[body, 0, 2] * z,
+        rotation[body, 1, 0] * x + rotation[body, 1, 1] * y + rotation[body, 1, 2] * z,
+        rotation[body, 2, 0] * x + rotation[body, 2, 1] * y + rotation[body, 2, 2] * z,
     )
 
 
 @njit(cache=True)
-def evaluate(centroid, radii, turn, pose, which, value, k, a, b):
+def evaluate(centroid, radii, rotation, pose, which, value, k, a, b):
     """Gap, normal, tangent and arms of slot k, whose local data is given; see the module."""
     if which[k, KIND] == VERTEX_B:
         v, f, sign, of_v, of_f = b, a, 1.0, ARM_B_3, ARM_A_3
     else:
         v, f, sign, of_v, of_f = a, b, -1.0, ARM_A_3, ARM_B_3
-    at_point = _turned(turn, v, value, k, POINT_3)
-    at_place = _turned(turn, f, value, k, PLACE_3)
-    at_normal = _turned(turn, f, value, k, PLANE_NORMAL_3)
-    at_tangent = _turned(turn, f, value, k, PLANE_TANGENT_3)
+    at_point = _rotated(rotation, v, value, k, POINT_3)
+    at_place = _rotated(rotation, f, value, k, PLACE_3)
+    at_normal = _rotated(rotation, f, value, k, PLANE_NORMAL_3)
+    at_tangent = _rotated(rotation, f, value, k, PLANE_TANGENT_3)
     designed, moved, ball = 0.0, 0.0, value[k, BALL_3]
     for i in range(3):
         before, point = value[k, PLANE_NORMAL_3 + i], value[k, POINT_3 + i]
@@ -93,11 +93,11 @@ def evaluate(centroid, radii, turn, pose, which, value, k, a, b):
 
 
 @njit(cache=True)
-def evaluate_all(centroid, radii, turn, pose, which, value, begin, stop, a, b):
+def evaluate_all(centroid, radii, rotation, pose, which, value, begin, stop, a, b):
     """Evaluate the slots from ``begin`` to ``stop``, of bodies a and b; the least gap."""
     least = np.inf
     for k in range(begin, stop):
-        evaluate(centroid, radii, turn, pose, which, value, k, a, b)
+        evaluate(centroid, radii, rotation, pose, which, value, k, a, b)
         least = min(least, value[k, GAP])
     return least
 
@@ -116,8 +116,8 @@ def follow(shapes, pose, world, pairs, known, slots):
 
     Within a step this is cheaper than finding contacts anew, and smooth.
     """
-    turn_bodies(shapes, pose, world)
-    centroid, radius, turn = shapes.centroid, shapes.radius, world.turn
+    rotate_bodies(shapes, pose, world)
+    centroid, radius, rotation = shapes.centroid, shapes.radius, world.rotation
     (which, value), of_pair, pair = slots, pairs.which, pairs.of_slot
     first, known_value = known
     for k in range(which.shape[0]):
@@ -132,4 +132,4 @@ def follow(shapes, pose, world, pairs, known, slots):
         i = pair[k]
         a, b = of_pair[i, A], of_pair[i, B]
         radii = radius[of_pair[i, PART_A]] + radius[of_pair[i, PART_B]]
-        evaluate(centroid, radii, turn, pose, which, value, k, a, b)
+        evaluate(centroid, radii, rotation, pose, which, value, k, a, b)

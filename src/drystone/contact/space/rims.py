@@ -80,7 +80,7 @@ def meet_rims(scene, work, p, q, begin, stop, which, value):
     if radius_a + radius_b == 0.0:
         return
     ring, corner, local, plane = scene.ring, scene.corner, scene.local, scene.plane
-    turn, vertex, normal = scene.turn, scene.vertex, scene.normal
+    rotation, vertex, normal = scene.rotation, scene.vertex, scene.normal
     n_vertices, n_faces = local.shape[0], local.shape[0] + scene.edge.shape[0]
     past, rim, apart = ROUNDING * (radius_a + radius_b), work[0], work[1]
     for k in range(begin, stop):
@@ -116,7 +116,7 @@ def meet_rims(scene, work, p, q, begin, stop, which, value):
                 value[k, PLACE_3 + c] = local[i, c] + share * (local[j, c] - local[i, c])
                 back = apart[c]
                 for m in range(3):
-                    back += turn[carrier, m, c] * apart[m]
+                    back += rotation[carrier, m, c] * apart[m]
                 value[k, PLANE_NORMAL_3 + c] = back / size
                 along += back / size * plane[face, 3 + c]
             for c in range(3):

@@ -39,7 +39,7 @@ class Shapes(NamedTuple):
 class World(NamedTuple):
     """Bodies in their present places; scratch, refilled for every pose."""
 
-    turn: Array  # (n, 3, 3) rotation less identity
+    rotation: Array  # (n, 3, 3) rotation less identity
     axes: Array  # (n, 3, 3) columns are the principal axes
     vertex: Array  # (n_vertices, 3) m
     normal: Array  # (n_faces, 3)
@@ -50,7 +50,7 @@ class World(NamedTuple):
         """Memory for these shapes."""
         n = len(shapes.centroid)
         return cls(
-            turn=np.zeros((n, 3, 3)),
+            rotation=np.zeros((n, 3, 3)),
             axes=np.zeros((n, 3, 3)),
             vertex=np.zeros_like(shapes.local),
             normal=np.zeros((len(shapes.plane), 3)),
@@ -78,7 +78,7 @@ class Scene(NamedTuple):
     size: Array
     centroid: Array
     pose: Array  # (n, 7)
-    turn: Array
+    rotation: Array
     vertex: Array
     normal: Array
 
@@ -88,8 +88,8 @@ class Scratch(NamedTuple):
 
     reference: Array  # (most, 2) m, corners of the reference face, seen along its normal
     incident: Array  # (most, 2) m, corners of the incident face
-    polygon: Array  # (2, room, 2) m, corners of their overlap; see `overlap.clip`
-    name: IntArray  # (2, room, 4) what these are
+    polygon: Array  # (2, capacity, 2) m, corners of their overlap; see `overlap.clip`
+    name: IntArray  # (2, capacity, 4) what these are
     point: Array  # (largest, 2) m, contact points; see `overlap.spread`
     mark: IntArray  # (largest, 4) what these are
     weight: Array  # (largest,) m2
@@ -114,7 +114,7 @@ def scene_of(shapes, pose, world):
         shapes.size,
         shapes.centroid,
         pose,
-        world.turn,
+        world.rotation,
         world.vertex,
         world.normal,
     )
@@ -126,13 +126,13 @@ def scratch_for(ring, points):
     most = 0
     for f in range(ring.shape[0] - 1):
         most = max(most, ring[f + 1] - ring[f])
-    room = 2 * most + 8
-    largest = max(4 * room, points)
+    capacity = 2 * most + 8
+    largest = max(4 * capacity, points)
     return Scratch(
         np.empty((most, 2)),
         np.empty((most, 2)),
-        np.empty((2, room, 2)),
-        np.empty((2, room, 4), np.int64),
+        np.empty((2, capacity, 2)),
+        np.empty((2, capacity, 4), np.int64),
         np.empty((largest, 2)),
         np.empty((largest, 4), np.int64),
         np.empty(largest),
@@ -142,18 +142,18 @@ def scratch_for(ring, points):
 
 
 @njit(cache=True)
-def turn_bodies(shapes, pose, world):
+def rotate_bodies(shapes, pose, world):
     """Rotations and principal axes of all bodies in poses (n, 7)."""
-    designed, turn, axes = shapes.axes, world.turn, world.axes
+    designed, rotation, axes = shapes.axes, world.rotation, world.axes
     for body in range(pose.shape[0]):
-        place_axes(pose, body, designed, turn, axes)
+        place_axes(pose, body, designed, rotation, axes)
 
 
 @njit(cache=True)
 def place(shapes, pose, world):
-    """Vertices and face normals of all parts in poses (n, 7), and what `turn_bodies` does."""
-    turn_bodies(shapes, pose, world)
-    turn, vertex, normal, middle = world.turn, world.vertex, world.normal, world.middle
+    """Vertices and face normals of all parts in poses (n, 7), and what `rotate_bodies` does."""
+    rotate_bodies(shapes, pose, world)
+    rotation, vertex, normal, middle = world.rotation, world.vertex, world.normal, world.middle
     first, of_part, centroid = shapes.first, shapes.of_part, shapes.centroid
     local, plane = shapes.local, shapes.plane
     for part in range(of_part.shape[0]):
@@ -164,12 +164,12 @@ def place(shapes, pose, world):
             for i in range(3):
                 arm = local[v, i]
                 for k in range(3):
-                    arm += turn[body, i, k] * local[v, k]
+                    arm += rotation[body, i, k] * local[v, k]
                 vertex[v, i] = centroid[body, i] + pose[body, i] + arm
                 middle[part, i] += share * vertex[v, i]
         for f in range(first[part, 1], first[part + 1, 1]):
             for i in range(3):
                 along = plane[f, i]
                 for k in range(3):
-                    along += turn[body, i, k] * plane[f, k]
+                    along += rotation[body, i, k] * plane[f, k]
                 normal[f, i] = along

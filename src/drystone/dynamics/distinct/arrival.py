@@ -36,7 +36,7 @@ def at_rest(state: DistinctState, work: Workspace) -> tuple[DistinctState, StepR
         figures,
         static_multiplier=work.multiplier,
         inertia_ratio=0.0,
-        path=StepPath(way=tuple(work.way)),
+        path=StepPath(dynamic_states=tuple(work.dynamic_states)),
         dynamic=False,
     )
 
@@ -83,7 +83,7 @@ def failed(reason: str, work: Workspace, *, runs_away: bool = False) -> StepRepo
         converged=False,
         reason=reason,
         n_iterations=work.n_cycles,
-        path=StepPath(way=tuple(work.way)),
+        path=StepPath(dynamic_states=tuple(work.dynamic_states)),
         dynamic=runs_away,
     )
 
@@ -101,7 +101,7 @@ def _judged(work: Workspace, gaps: Array | None = None) -> tuple[JudgedContacts,
     force = np.zeros_like(velocity)
     history, reaction = work.history[k], work.reaction[k]
     add_contact_forces(contacts, reaction, force)
-    work.ties.turn(work.motion.pose)
+    work.ties.rotate(work.motion.pose)
     work.ties.add_to(force)
     moved = work.dt * np.column_stack((velocity[a], velocity[b]))
     gap = slots.gap[k] - np.sum(contacts.rows[:, OF_GAP] * moved, axis=1)
@@ -153,9 +153,9 @@ def _arrive(
         increment=np.where(work.lost[:, None], 0.0, increment),
         margin=margin,
         due=np.zeros(0, np.int64),
-        gone=work.lost,
+        departed=work.lost,
         ties=ties,
-        settled=state.settled,
+        support_motion=state.support_motion,
         friction_work=state.friction_work + float(meter[explicit.FRICTION_WORK]),
         damping_work=state.damping_work + float(meter[explicit.DAMPING_WORK]),
         load_work=state.load_work + float(meter[explicit.LOAD_WORK]),
@@ -174,7 +174,7 @@ def _arrive(
         certificate=work.ties.marked(certificate),
         motion=prepared.detector.farthest(increment),
         n_iterations=work.n_cycles,
-        settled=state.settled,
+        support_motion=state.support_motion,
     )
     figures = report(prepared.problem, acting, outcome)
     return new, replace(figures, lost_shear=work.lost_shear / assembly.heaviest_weight)

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from drystone.common.tolerances import BETWEEN_POINTS, BY_ITSELF, MAY_HAVE_LEFT
 from drystone.dynamics import explicit
 from drystone.dynamics.distinct.arrival import on_the_way
-from drystone.dynamics.distinct.search import let_go, others_separate, search
+from drystone.dynamics.distinct.search import drop_departed, others_separate, search
 from drystone.dynamics.distinct.state import RunAwayError
 from drystone.dynamics.distinct.workspace import Workspace
-from drystone.engines.base import CREST_PARTS
+from drystone.engines.base import OVERSHOOT_PARTS
 from drystone.engines.measures import LoadArrays
 from drystone.model.tie_kernels import PRETENSION
 
@@ -39,7 +39,7 @@ def run(
     """
     last, steady = work.n_cycles + n_cycles, work.acting.acting.steady
     drive = work.drive(
-        bonds_hold=not work.real_masses,
+        keep_bonds=not work.real_masses,
         guided=guided,
         rate=rate,
         combined=combined,
@@ -66,21 +66,23 @@ def _note(work: Workspace) -> None:
     if asked is None:
         return
     work.on_the_way.append(work.multiplier)
-    far = np.maximum(BETWEEN_POINTS * assembly.extents, 0.0 if work.way else BY_ITSELF * asked)
-    gone = np.where(assembly.fixed, 0.0, work.gone(work.noted))
-    if (gone > far).any() and not np.isinf(gone).any():
-        work.way.append(on_the_way(work))
+    far = np.maximum(
+        BETWEEN_POINTS * assembly.extents, 0.0 if work.dynamic_states else BY_ITSELF * asked
+    )
+    travel = np.where(assembly.fixed, 0.0, work.travel(work.noted))
+    if (travel > far).any() and not np.isinf(travel).any():
+        work.dynamic_states.append(on_the_way(work))
         work.noted = work.motion.pose.copy()
         work.on_the_way.clear()
 
 
 def _stop_runaways(work: Workspace) -> None:
-    gone, assembly, bounds = work.gone(), work.prepared.assembly, work.bounds
-    if bounds.may_lose and MAY_HAVE_LEFT * assembly.smallest_extent < gone.max() < np.inf:
-        let_go(work)
-        gone = work.gone()
-    if not gone.max() <= bounds.farthest or np.isinf(gone).any():
-        raise RunAwayError(assembly.ids[int(gone.argmax())], gone)
+    travel, assembly, bounds = work.travel(), work.prepared.assembly, work.bounds
+    if bounds.may_lose and MAY_HAVE_LEFT * assembly.smallest_extent < travel.max() < np.inf:
+        drop_departed(work)
+        travel = work.travel()
+    if not travel.max() <= bounds.farthest or np.isinf(travel).any():
+        raise RunAwayError(assembly.ids[int(travel.argmax())], travel)
 
 
 def load_gradually(work: Workspace, before: LoadArrays | None) -> None:
@@ -95,7 +97,7 @@ def load_gradually(work: Workspace, before: LoadArrays | None) -> None:
             work.ties.value[:, PRETENSION] = part / RAMP * drawn
         work.acting = whole.scaled(part / RAMP, before)
         work.loads = work.loads._replace(dead=work.acting.dead)
-        run(work, max(work.settings.drive_cycles // CREST_PARTS, 1))
+        run(work, max(work.settings.drive_cycles // OVERSHOOT_PARTS, 1))
     work.acting, work.ties.value[:, PRETENSION] = whole, drawn
     work.loads = work.loads._replace(dead=whole.dead)
 
@@ -118,6 +120,6 @@ def relax(work: Workspace, *, guided: bool) -> bool:
 def _relaxed(work: Workspace, *, guided: bool) -> bool:
     s = work.settings
     tolerance = s.tolerance * work.prepared.assembly.heaviest_weight
-    if run(work, s.hold_cycles, guided=guided, tolerance=tolerance):
+    if run(work, s.rest_cycles, guided=guided, tolerance=tolerance):
         return True
     return run(work, s.jump_cycles, guided=guided, combined=True, tolerance=tolerance)

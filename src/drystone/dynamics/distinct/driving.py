@@ -9,7 +9,7 @@ from drystone.dynamics import explicit
 from drystone.dynamics.distinct.cycles import run
 from drystone.dynamics.distinct.state import DistinctState
 from drystone.dynamics.distinct.workspace import Workspace
-from drystone.engines.base import CREST_PARTS
+from drystone.engines.base import OVERSHOOT_PARTS
 
 #: Stages in which a driven increment ends, each slower than the one before.
 STAGES = 4
@@ -28,14 +28,14 @@ def drive_on(state: DistinctState, work: Workspace, increment: float) -> float:
     prepared, s, pose = state.prepared, work.settings, work.motion.pose
     control, assembly = prepared.problem.control_point, prepared.assembly
     begin = control.displacement(assembly, state.pose)
-    rate = _set_out(state, work, increment, begin)
+    rate = _start_drive(state, work, increment, begin)
     # For the first stage, of the increment.
     left = 1.0 - SLOWER / (1.0 - SLOWER) * s.stage_cycles / s.drive_cycles
-    crest, way = -np.inf, 1.0 if increment > 0.0 else -1.0
-    for _ in range(10 * CREST_PARTS):
-        crest = max(crest, way * _part(work, max(s.drive_cycles // CREST_PARTS, 1), rate))
-        gone = control.displacement(assembly, pose) - begin
-        if gone / increment > left - 0.5 / CREST_PARTS:
+    highest, way = -np.inf, 1.0 if increment > 0.0 else -1.0
+    for _ in range(10 * OVERSHOOT_PARTS):
+        highest = max(highest, way * _part(work, max(s.drive_cycles // OVERSHOOT_PARTS, 1), rate))
+        advanced = control.displacement(assembly, pose) - begin
+        if advanced / increment > left - 0.5 / OVERSHOOT_PARTS:
             break
         moved = prepared.detector.farthest(assembly.difference(pose, state.pose))
         if moved > BY_ITSELF * abs(increment):
@@ -45,10 +45,10 @@ def drive_on(state: DistinctState, work: Workspace, increment: float) -> float:
         rate *= SLOWER
         run(work, s.stage_cycles, guided=True, rate=rate, combined=True)
     work.motion.velocity[:] = 0.0
-    return crest
+    return highest
 
 
-def _set_out(state: DistinctState, work: Workspace, increment: float, begin: float) -> float:
+def _start_drive(state: DistinctState, work: Workspace, increment: float, begin: float) -> float:
     """Velocities to begin with, and the rate of F.x that goes with them [N m/s].
 
     ``begin`` is the control displacement of the state [m].

@@ -44,7 +44,7 @@ from drystone.engines.base import (
     Capabilities,
     Demand,
     Engine,
-    Pacing,
+    PreferredSteps,
     Problem,
     StepReport,
     UnstableError,
@@ -83,12 +83,12 @@ class DistinctEngine(Engine[DistinctState]):
     def __init__(self, settings: DistinctSettings | None = None) -> None:
         self.settings = settings or DistinctSettings()
 
-    def pacing(self, assembly: Assembly) -> Pacing:
+    def preferred_steps(self, assembly: Assembly) -> PreferredSteps:
         """A step is easy or hard by its cycles."""
-        return Pacing(
+        return PreferredSteps(
             displacement_step=DISTINCT_STEP * assembly.smallest_extent,
-            easy_iterations=20_000,
-            hard_iterations=100_000,
+            grow_iterations=20_000,
+            shrink_iterations=100_000,
         )
 
     def derived(self, problem: Problem) -> tuple[DistinctPrepared]:
@@ -100,10 +100,10 @@ class DistinctEngine(Engine[DistinctState]):
         state, before = self.release(problem), None
         for stage in problem.stages:
             state = replace(state, stage=stage)
-            state, report = self._settle(state, gradually=True, before=before)
-            before = LoadArrays.of(problem, state.gone, stage)
+            state, report = self._apply_dead_load(state, gradually=True, before=before)
+            before = LoadArrays.of(problem, state.departed, stage)
             while len(due := weakest(state.margin)):
-                state, report = self._settle(broken(state, due))
+                state, report = self._apply_dead_load(broken(state, due))
         return state, report
 
     def release(
@@ -114,11 +114,11 @@ class DistinctEngine(Engine[DistinctState]):
         (prepared,) = self.derived(problem)
         return released(
             prepared,
-            assembly.rest_pose() if pose is None else np.array(pose, float),
+            assembly.design_pose() if pose is None else np.array(pose, float),
             assembly.no_motion() if velocity is None else np.array(velocity, float),
         )
 
-    def _settle(
+    def _apply_dead_load(
         self, state: DistinctState, *, gradually: bool = False, before: LoadArrays | None = None
     ) -> Step:
         """Cycles under the dead load from rest to rest, all bonds holding.
@@ -134,7 +134,7 @@ class DistinctEngine(Engine[DistinctState]):
                 load_gradually(work, before)
             if relax(work, guided=False):
                 return at_rest(state, work)
-            motion = work.gone()
+            motion = work.travel()
         except RunAwayError as error:
             motion = error.motion
         raise UnstableError(unstable_sentence(problem, problem.length * motion))
@@ -188,7 +188,7 @@ class DistinctEngine(Engine[DistinctState]):
         settlement = state.prepared.problem.settlement
         assert settlement is not None
         assembly, n = state.prepared.assembly, self.settings.drive_cycles
-        given = settlement.increment(assembly, state.pose, state.settled + amount)
+        given = settlement.increment(assembly, state.pose, state.support_motion + amount)
         work = self._quasi_static(state, state.prepared.detector.farthest(given))
         if amount:
             rows = settlement.rows(assembly)
@@ -198,22 +198,24 @@ class DistinctEngine(Engine[DistinctState]):
             except RunAwayError as error:
                 return state, failed(str(error), work)
             work.motion.velocity[rows] = 0.0
-        return self._balance(replace(state, settled=state.settled + amount), work, guided=False)
+        return self._balance(
+            replace(state, support_motion=state.support_motion + amount), work, guided=False
+        )
 
     def _advance(self, state: DistinctState, increment: float) -> Step:
         """Drive the control displacement on by an increment, then hold and balance."""
         work = self._quasi_static(state, abs(increment))
-        crest = -np.inf
+        highest = -np.inf
         try:
             if increment:
-                crest = drive_on(state, work, increment)
+                highest = drive_on(state, work, increment)
         except RunAwayError as error:
             return state, failed(str(error), work, runs_away=True)
         new, figures = self._balance(state, work, guided=True)
         sense = 1.0 if increment >= 0.0 else -1.0
-        excess = crest - max(sense * state.multiplier, sense * new.multiplier)
-        crest_of_step = max(excess, 0.0) if increment else None
-        return new, replace(figures, path=replace(figures.path, crest=crest_of_step))
+        excess = highest - max(sense * state.multiplier, sense * new.multiplier)
+        overshoot = max(excess, 0.0) if increment else None
+        return new, replace(figures, path=replace(figures.path, overshoot=overshoot))
 
     def _balance(self, state: DistinctState, work: Workspace, *, guided: bool) -> Step:
         """Cycles until all blocks rest, with F.x held where they are guided, else with the load."""
@@ -259,9 +261,9 @@ class DistinctEngine(Engine[DistinctState]):
             n += 1
         return in_real_motion(state, work, n)
 
-    def gone_of(self, state: DistinctState) -> BoolArray:
+    def departed(self, state: DistinctState) -> BoolArray:
         """Blocks (n,) that have left."""
-        return state.gone
+        return state.departed
 
     def ties_of(self, state: DistinctState) -> TieState:
         """What the ties of a state carry."""

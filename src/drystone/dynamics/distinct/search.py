@@ -40,7 +40,7 @@ def search(work: Workspace) -> None:
     work.pack(weigh=moved or not same)
 
 
-def let_go(work: Workspace) -> None:
+def drop_departed(work: Workspace) -> None:
     """Take out blocks that have left; the rest does not feel it."""
     prepared, pose = work.prepared, work.motion.pose
     work.unpack()

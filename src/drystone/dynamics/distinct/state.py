@@ -47,7 +47,7 @@ class DistinctSettings:
     drive_cycles: int = 2400
     """In which an increment is driven; in fewer, joints come to stick that would slide."""
     stage_cycles: int = 600  # of each stage in which the driving ends
-    hold_cycles: int = 100_000  # in which steps come to rest; what does not is a jump
+    rest_cycles: int = 100_000  # in which steps come to rest; what does not is a jump
     jump_cycles: int = 1_000_000  # most cycles from there on
     max_cycles: int = 200_000  # of a step under a given multiplier, for a given time
     max_motion: float = 2.0  # motion in a step over the size of the whole structure, -
@@ -94,9 +94,9 @@ class DistinctState:
     increment: Array  # (n, n_dof) of the last step
     margin: Array  # (n_slots + n_ties,) of bonds at rest, see `law.bonds`, and ties
     due: IntArray  # rows of those that break next
-    gone: BoolArray  # (n,) blocks that have left
+    departed: BoolArray  # (n,) blocks that have left
     ties: TieState
-    settled: float = 0.0  # m or rad, by which supports have moved
+    support_motion: float = 0.0  # m or rad, by which supports have moved
     friction_work: float = 0.0  # J, turned to heat since the start
     damping_work: float = 0.0  # J, likewise
     load_work: float = 0.0  # J, done by dead load and pattern
@@ -135,7 +135,7 @@ def released(prepared: DistinctPrepared, pose: Array, velocity: Array) -> Distin
         increment=assembly.no_motion(),
         margin=np.full(n_slots + prepared.bars.n_ties, np.inf),
         due=np.zeros(0, np.int64),
-        gone=np.zeros(assembly.n_bodies, np.bool_),
+        departed=np.zeros(assembly.n_bodies, np.bool_),
         ties=prepared.bars.first(),
     )
 

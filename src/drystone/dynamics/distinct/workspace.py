@@ -48,7 +48,7 @@ class Workspace:
         self.prepared, self.state = state.prepared, state
         self.search_reach = search_reach(settings, state.prepared)
         #: States in motion where blocks have gone far by themselves, and their reports.
-        self.way: list[tuple[DistinctState, StepReport]] = []
+        self.dynamic_states: list[tuple[DistinctState, StepReport]] = []
         self.noted = state.pose  # of the last of them
         self.on_the_way: list[float] = []  # multipliers at the searches since
         self.pairs = state.pairs
@@ -61,9 +61,9 @@ class Workspace:
         self.motion = self._motion(state.pose, state.velocity)
         self.meter = np.zeros(explicit.N_METER)
         self.meter[explicit.MULTIPLIER] = state.multiplier
-        self.acting = LoadArrays.of(self.prepared.problem, state.gone, state.stage)
-        self.lost = state.gone
-        self.ties = TieForces(self.prepared.bars, self.prepared.assembly, state.gone)
+        self.acting = LoadArrays.of(self.prepared.problem, state.departed, state.stage)
+        self.lost = state.departed
+        self.ties = TieForces(self.prepared.bars, self.prepared.assembly, state.departed)
         self.ties.begin(state.ties)
         self.search_work = 0.0
         self.lost_shear = 0.0
@@ -82,7 +82,7 @@ class Workspace:
         """The loads near the present poses and multiplier."""
         return self.acting.near(self.motion.pose, self.multiplier)
 
-    def gone(self, since: Array | None = None) -> Array:
+    def travel(self, since: Array | None = None) -> Array:
         """How far each block has moved since the step began, or since a pose [m], (n,)."""
         pose, begin = self.motion.pose, self.state.pose if since is None else since
         finite = np.asarray(np.isfinite(pose).all(axis=1))
@@ -93,7 +93,7 @@ class Workspace:
     def drive(
         self,
         *,
-        bonds_hold: bool = False,
+        keep_bonds: bool = False,
         guided: bool = False,
         rate: float = 0.0,
         combined: bool = False,
@@ -105,7 +105,7 @@ class Workspace:
         return Drive(
             dt=self.dt,
             multiplier=self.multiplier,
-            bonds_hold=bonds_hold,
+            keep_bonds=keep_bonds,
             guided=guided,
             rate=float(rate),
             combined=combined,
@@ -146,7 +146,7 @@ class Workspace:
         return np.asarray(slots.gap)
 
     def _motion(self, pose: Array, velocity: Array) -> Motion:
-        return Motion.of(pose, velocity, self.form.Turns.of(self.prepared.assembly.axes))
+        return Motion.of(pose, velocity, self.form.Rotations.of(self.prepared.assembly.axes))
 
     def pack(self, *, weigh: bool) -> None:
         """Contacts of the slots as the cycles take them, and masses where they may have changed."""

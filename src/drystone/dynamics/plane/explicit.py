@@ -35,7 +35,7 @@ from drystone.contact.contacts import (
 )
 from drystone.law.branches import OPEN
 from drystone.law.columns import DILATION, KN, KS, SHEAR
-from drystone.law.cycles import holds_in_cycle, let_go_in_cycle, opens_in_cycle, react_in_cycle
+from drystone.law.cycles import keeps_bond_in_cycle, open_in_cycle, opens_in_cycle, react_in_cycle
 
 Array = NDArray[np.float64]
 
@@ -46,14 +46,14 @@ OX, OY, EX, EY, TX, TY, R_O, R_SUM, ROUND = 0, 1, 2, 3, 4, 5, 6, 7, 8
 N_SHAPE = 9
 
 
-class Turns(NamedTuple):
+class Rotations(NamedTuple):
     """Rotations of all bodies in their present poses."""
 
     direction: Array  # (n, 2) cosine and sine
     axes: Array  # (n, 2, 2) principal axes as designed, which nothing asks for
 
     @classmethod
-    def of(cls, axes: Array) -> Turns:
+    def of(cls, axes: Array) -> Rotations:
         """Memory for bodies with these principal axes."""
         return cls(direction=np.zeros((len(axes), 2)), axes=np.ascontiguousarray(axes))
 
@@ -90,11 +90,11 @@ def freeze(slots, bodies, pairs, contacts, n_contacts):
 @njit(cache=True)
 def locate(contacts, n_contacts, loads, motion, slots, pairs):
     """Geometry of the contacts in the present poses, to their slots."""
-    turn, pose, centroid = motion.turn.direction, motion.pose, loads.centroid
+    cosines, pose, centroid = motion.rotation.direction, motion.pose, loads.centroid
     shape, pair, of_pair, value = contacts.shape, pairs.of_slot, pairs.which, slots.value
     for c in range(n_contacts):
         k, e, o = contacts.slot[c], contacts.edge[c], contacts.other[c]
-        ce, se, co, so = turn[e, 0], turn[e, 1], turn[o, 0], turn[o, 1]
+        ce, se, co, so = cosines[e, 0], cosines[e, 1], cosines[o, 0], cosines[o, 1]
         ox = co * shape[c, OX] - so * shape[c, OY]
         oy = so * shape[c, OX] + co * shape[c, OY]
         ex = ce * shape[c, EX] - se * shape[c, EY]
@@ -126,20 +126,25 @@ def locate(contacts, n_contacts, loads, motion, slots, pairs):
 
 
 @njit(cache=True, inline="always")
-def act(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
+def act(contacts, n_contacts, motion, loads, dt, keep_bonds, friction_work):
     """Add the contacts' forces on the bodies, with their law; returns the friction's work [J],
     which is added to what it was."""
     edge, other, shape, law = contacts.edge, contacts.other, contacts.shape, contacts.law
     history, reaction, status = contacts.history, contacts.reaction, contacts.status
-    pose, velocity, force, turn = motion.pose, motion.velocity, motion.force, motion.turn.direction
+    pose, velocity, force, cosines = (
+        motion.pose,
+        motion.velocity,
+        motion.force,
+        motion.rotation.direction,
+    )
     centroid = loads.centroid
     for c in range(n_contacts):
         e = edge[c]
         o = other[c]
-        ce = turn[e, 0]
-        se = turn[e, 1]
-        co = turn[o, 0]
-        so = turn[o, 1]
+        ce = cosines[e, 0]
+        se = cosines[e, 1]
+        co = cosines[o, 0]
+        so = cosines[o, 1]
         ox = co * shape[c, OX] - so * shape[c, OY]
         oy = so * shape[c, OX] + co * shape[c, OY]
         ex = ce * shape[c, EX] - se * shape[c, EY]
@@ -164,10 +169,10 @@ def act(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
             roll_o = shape[c, R_O]
             roll_e = shape[c, R_SUM] - roll_o
         rn = law[c, KN] * (history[c, DILATION] - gap)
-        held = holds_in_cycle(law, history, c, bonds_hold)
-        if opens_in_cycle(law, history, c, rn, gap, held):
+        kept = keeps_bond_in_cycle(law, history, c, keep_bonds)
+        if opens_in_cycle(law, history, c, rn, gap, kept):
             if history[c, SHEAR] != 0.0 or status[c] != OPEN:
-                friction_work += let_go_in_cycle(law, history, reaction, status, c)
+                friction_work += open_in_cycle(law, history, reaction, status, c)
             continue
         # Moments per unit of normal and of tangential reaction.
         me_n = nx * ey - ny * ex
@@ -177,7 +182,7 @@ def act(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
         slip = q * (ny * (velocity[o, 0] - velocity[e, 0]) - nx * (velocity[o, 1] - velocity[e, 1]))
         slip += me_t * velocity[e, 2] + mo_t * velocity[o, 2]
         trial = history[c, SHEAR] - law[c, KS] * dt * slip
-        rn, rt, now, work = react_in_cycle(law, history, c, rn, gap, abs(trial), held)
+        rn, rt, now, work = react_in_cycle(law, history, c, rn, gap, abs(trial), kept)
         friction_work += work
         rt = rt if trial >= 0.0 else -rt
         history[c, SHEAR] = rt
@@ -200,8 +205,8 @@ def act(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
 def place(motion):
     """Bring cosines and sines of all bodies' rotations up to date."""
     rotation = motion.pose[:, 2]
-    motion.turn.direction[:, 0] = np.cos(rotation)
-    motion.turn.direction[:, 1] = np.sin(rotation)
+    motion.rotation.direction[:, 0] = np.cos(rotation)
+    motion.rotation.direction[:, 1] = np.sin(rotation)
 
 
 @njit(cache=True, inline="always")
@@ -210,7 +215,7 @@ def move(motion, loads, origin, dt, reach, gyroscopic):
 
     ``gyroscopic`` is for space.
     """
-    pose, velocity, turn = motion.pose, motion.velocity, motion.turn.direction
+    pose, velocity, cosines = motion.pose, motion.velocity, motion.rotation.direction
     inverse_mass, extent = loads.inverse_mass, loads.extent
     moved = False
     for i in range(pose.shape[0]):
@@ -224,9 +229,9 @@ def move(motion, loads, origin, dt, reach, gyroscopic):
         scale = 1.0 / (1.0 + half * half)
         cosine = (1.0 - half * half) * scale
         sine = 2.0 * half * scale
-        c_old = turn[i, 0]
-        turn[i, 0] = cosine * c_old - sine * turn[i, 1]
-        turn[i, 1] = sine * c_old + cosine * turn[i, 1]
+        c_old = cosines[i, 0]
+        cosines[i, 0] = cosine * c_old - sine * cosines[i, 1]
+        cosines[i, 1] = sine * c_old + cosine * cosines[i, 1]
         far = abs(pose[i, 0] - origin[i, 0]) + abs(pose[i, 1] - origin[i, 1])
         far += extent[i] * abs(pose[i, 2] - origin[i, 2])
         moved = moved or not far <= reach  # nor where it is not a number

@@ -10,19 +10,19 @@ from drystone.contact.contacts import BODY_A, BODY_B, FRICTION, STIFF_N
 from drystone.contact.rows import OF_GAP, OF_SLIP, contact_velocities
 from drystone.dynamics.sweeps import add_block, push, relative
 from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING
-from drystone.law.impulse import branch_of_impulse, held_impulse, impulse_in, local_impulse
+from drystone.law.impulse import branch_of_impulse, impulse_in, local_impulse, projected_impulse
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 #: How many numbers say how a contact slides: its branch does.
-N_TURN = 0
+N_SLIP = 0
 
 #: What finds velocities through the interior of the law: nothing, Newton's method does by itself.
 WITHIN = None
 
 
-def sense(piece: IntArray, turn: Array) -> Array:
+def sense(piece: IntArray, slip: Array) -> Array:
     """Directions in which contacts slide, +1 and -1, else 0, (n_contacts, 1)."""
     found = np.where(piece == FORWARD, 1.0, 0.0) - np.where(piece == BACKWARD, 1.0, 0.0)
     return np.asarray(found[:, None])
@@ -70,30 +70,31 @@ def sweep(dof, problem, blocks, h, order, n_sweeps, impulse, velocity):
 
 
 @njit(cache=True)
-def held_law(dof, problem, h, penalty, centre, held, velocity, impulse, piece, turn):
+def penalty_law(dof, problem, h, penalty, centre, stuck, velocity, impulse, piece, slip):
     """Impulses of the joint law at given velocities, with sticking as a stiff hold.
 
         p_n = <-h k_n (g + h u_n)>,    p_t = centre - P u_t, drawn back to mu p_n
 
     where P is ``penalty`` [kg] and ``centre`` (n_contacts, dim - 1) [N s] the tangential impulse
-    that is reached without slip.  Contacts that are ``held`` stick whatever the cone says.
-    ``piece`` (n_contacts,) tells the branch, see `law.branches`; ``turn`` is of space.
+    that is reached without slip.  Contacts that are ``stuck`` stick whatever the cone says.
+    ``piece`` (n_contacts,) tells the branch, see `law.branches`; ``slip`` is of space.
     """
     table, gap = problem.contacts.table, problem.gap
     contact_velocities(dof, problem.contacts, velocity, impulse)
     for c in range(gap.shape[0]):
         pn = -h * table[c, STIFF_N] * (gap[c] + h * impulse[c, 0])
         pt = centre[c, 0] - penalty * impulse[c, 1]
-        found = held_impulse(pn, pt, table[c, FRICTION], held[c])
+        found = projected_impulse(pn, pt, table[c, FRICTION], stuck[c])
         impulse[c, 0], impulse[c, 1], piece[c] = found
 
 
 @njit(cache=True)
-def branch_law(dof, problem, h, penalty, centre, piece, velocity, impulse, turn):
-    """Impulses of the branches in ``piece``, whether or not velocities lie on them: see `held_law`.
+def branch_law(dof, problem, h, penalty, centre, piece, velocity, impulse, slip):
+    """Impulses of the branches in ``piece``, whether or not velocities lie on them: see
+    `penalty_law`.
 
     On known branches the law is linear, and one linear solution finds the velocities; in space this
-    slides along ``centre``, and ``turn`` is filled.
+    slides along ``centre``, and ``slip`` is filled.
     """
     table, gap = problem.contacts.table, problem.gap
     contact_velocities(dof, problem.contacts, velocity, impulse)
@@ -105,15 +106,15 @@ def branch_law(dof, problem, h, penalty, centre, piece, velocity, impulse, turn)
 
 @njit(cache=True)
 def branches(problem, impulse, piece):
-    """The branches that impulses lie on, in place: see `held_law`."""
+    """The branches that impulses lie on, in place: see `penalty_law`."""
     table = problem.contacts.table
     for c in range(impulse.shape[0]):
         piece[c] = branch_of_impulse(impulse[c, 0], impulse[c, 1], table[c, FRICTION])
 
 
 @njit(cache=True)
-def held_law_tangent(dof, problem, h, penalty, piece, turn, diagonal, upper, lower):
-    """Add -d(H^T p)/dv of the branches in ``piece`` to the block matrix [kg]; see `held_law`."""
+def penalty_law_tangent(dof, problem, h, penalty, piece, slip, diagonal, upper, lower):
+    """Add -d(H^T p)/dv of the branches in ``piece`` to the block matrix [kg]; see `penalty_law`."""
     nd = len(dof)
     which, rows, table = problem.contacts
     block = np.zeros((2 * nd, 2 * nd))
@@ -121,13 +122,13 @@ def held_law_tangent(dof, problem, h, penalty, piece, turn, diagonal, upper, low
         if piece[c] == OPEN:
             continue
         stiffness = h * h * table[c, STIFF_N]
-        slope, hold = 0.0, penalty
+        slope, spring = 0.0, penalty
         if piece[c] != STICKING:
             slope = table[c, FRICTION] if piece[c] == FORWARD else -table[c, FRICTION]
-            hold = 0.0
+            spring = 0.0
         for i in range(2 * nd):
             gn = (rows[c, OF_GAP, i] + slope * rows[c, OF_SLIP, i]) * stiffness
-            gt = rows[c, OF_SLIP, i] * hold
+            gt = rows[c, OF_SLIP, i] * spring
             for j in range(2 * nd):
                 block[i, j] = gn * rows[c, OF_GAP, j] + gt * rows[c, OF_SLIP, j]
         add_block(nd, block, which, c, diagonal, upper, lower)

@@ -50,10 +50,10 @@ from drystone.contact.contacts import (
     A,
     B,
 )
-from drystone.geometry.rotation import fill_turn, spin, turned
+from drystone.geometry.rotation import fill_rotation, rotated, spin
 from drystone.law.branches import OPEN, STICKING
 from drystone.law.columns import DILATION, KN, KS, SHEAR
-from drystone.law.cycles import holds_in_cycle, let_go_in_cycle, opens_in_cycle, react_in_cycle
+from drystone.law.cycles import keeps_bond_in_cycle, open_in_cycle, opens_in_cycle, react_in_cycle
 
 Array = NDArray[np.float64]
 
@@ -61,14 +61,14 @@ Array = NDArray[np.float64]
 #: normal and first tangent of the plane, design's vector from the place to the point [m]; gap as
 #: designed [m], and how far the surface of the other body lies beyond the point [m]; 1 where that
 #: body is b, else -1.  The tangent is reversed where it is a: then, too, the shear moves it.
-POINT, PLACE, NORMAL, TANGENT, DESIGNED, REST, BALL, SENSE = 0, 3, 6, 9, 12, 15, 16, 17
+POINT, PLACE, NORMAL, TANGENT, DESIGNED, DESIGN_GAP, BALL, SENSE = 0, 3, 6, 9, 12, 15, 16, 17
 N_SHAPE = 18
 
 #: Steps in which the rotational velocity is found at most; each gains some digits.
 TURNING = 30
 
 
-class Turns(NamedTuple):
+class Rotations(NamedTuple):
     """Rotations of all bodies in their present poses, and scratch."""
 
     added: Array  # (n, 3, 3) rotation less identity
@@ -78,7 +78,7 @@ class Turns(NamedTuple):
     moment: Array  # (n, 3) N m, of the contacts, along the axes of the world
 
     @classmethod
-    def of(cls, axes: Array) -> Turns:
+    def of(cls, axes: Array) -> Rotations:
         """Memory for bodies with these principal axes (n, 3, 3), as designed in columns."""
         n = len(axes)
         return cls(
@@ -109,23 +109,23 @@ def _freeze(slots, centroid, radius, pairs, contacts, n_contacts):
             e, o, sense = o, e, -1.0
         edge[c] = e
         other[c] = o
-        rest = 0.0
+        design_gap = 0.0
         for d in range(3):
             point, place = value[k, POINT_3 + d], value[k, PLACE_3 + d]
             designed = centroid[o, d] - centroid[e, d] + (point - place)
-            rest += value[k, PLANE_NORMAL_3 + d] * designed
+            design_gap += value[k, PLANE_NORMAL_3 + d] * designed
             shape[c, POINT + d] = point
             shape[c, PLACE + d] = place
             shape[c, NORMAL + d] = value[k, PLANE_NORMAL_3 + d]
             shape[c, TANGENT + d] = sense * value[k, PLANE_TANGENT_3 + d]
             shape[c, DESIGNED + d] = designed
-        shape[c, REST] = rest - radius[of_pair[p, PART_A]] - radius[of_pair[p, PART_B]]
+        shape[c, DESIGN_GAP] = design_gap - radius[of_pair[p, PART_A]] - radius[of_pair[p, PART_B]]
         shape[c, BALL] = value[k, BALL_3]
         shape[c, SENSE] = sense
 
 
 @njit(cache=True, inline="always")
-def _turned(added, body, x, y, z):
+def _rotated(added, body, x, y, z):
     """What the rotation of a body adds to a vector."""
     return (
         added[body, 0, 0] * x + added[body, 0, 1] * y + added[body, 0, 2] * z,
@@ -137,25 +137,25 @@ def _turned(added, body, x, y, z):
 @njit(cache=True)
 def locate(contacts, n_contacts, loads, motion, slots, pairs):
     """Geometry of the contacts in the present poses, to their slots."""
-    pose, centroid, added = motion.pose, loads.centroid, motion.turn.added
+    pose, centroid, added = motion.pose, loads.centroid, motion.rotation.added
     slot, edge, other, shape = contacts.slot, contacts.edge, contacts.other, contacts.shape
     value = slots.value
-    turned = np.empty((4, 3))
+    rotated = np.empty((4, 3))
     for c in range(n_contacts):
         k, e, o, sense, ball = slot[c], edge[c], other[c], shape[c, SENSE], shape[c, BALL]
         for i in range(4):  # POINT, PLACE, NORMAL, TANGENT
             body, at = o if i == 0 else e, 3 * i
-            turned[i] = _turned(added, body, shape[c, at], shape[c, at + 1], shape[c, at + 2])
-        gap = shape[c, REST]
+            rotated[i] = _rotated(added, body, shape[c, at], shape[c, at + 1], shape[c, at + 2])
+        gap = shape[c, DESIGN_GAP]
         arm_o, arm_e = (ARM_B_3, ARM_A_3) if sense > 0.0 else (ARM_A_3, ARM_B_3)
         for d in range(3):
-            moved = pose[o, d] - pose[e, d] + (turned[0, d] - turned[1, d])
-            gap += turned[2, d] * (shape[c, DESIGNED + d] + moved) + shape[c, NORMAL + d] * moved
-            normal = shape[c, NORMAL + d] + turned[2, d]
-            arm = shape[c, POINT + d] + turned[0, d] - ball * normal
+            moved = pose[o, d] - pose[e, d] + (rotated[0, d] - rotated[1, d])
+            gap += rotated[2, d] * (shape[c, DESIGNED + d] + moved) + shape[c, NORMAL + d] * moved
+            normal = shape[c, NORMAL + d] + rotated[2, d]
+            arm = shape[c, POINT + d] + rotated[0, d] - ball * normal
             apart = (centroid[o, d] - centroid[e, d]) + (pose[o, d] - pose[e, d])
             value[k, NORMAL_3 + d] = sense * normal
-            value[k, TANGENT_3 + d] = sense * (shape[c, TANGENT + d] + turned[3, d])
+            value[k, TANGENT_3 + d] = sense * (shape[c, TANGENT + d] + rotated[3, d])
             value[k, arm_o + d] = arm
             value[k, arm_e + d] = apart + arm
         value[k, GAP] = gap
@@ -165,29 +165,31 @@ def locate(contacts, n_contacts, loads, motion, slots, pairs):
 def place(motion):
     """Bring what is known of the bodies' rotations up to date with the poses."""
     for i in range(motion.pose.shape[0]):
-        _place(motion.pose, i, motion.turn.added, motion.turn.axes, motion.turn.designed)
+        _place(
+            motion.pose, i, motion.rotation.added, motion.rotation.axes, motion.rotation.designed
+        )
 
 
 @njit(cache=True, inline="always")
 def _place(pose, i, added, axes, designed):
     """Rotation less identity, and axes of body i."""
-    fill_turn(pose, i, added)
+    fill_rotation(pose, i, added)
     for d in range(3):
         for j in range(3):
-            turned = added[i, d, 0] * designed[i, 0, j] + added[i, d, 1] * designed[i, 1, j]
-            axes[i, d, j] = designed[i, d, j] + (turned + added[i, d, 2] * designed[i, 2, j])
+            rotated = added[i, d, 0] * designed[i, 0, j] + added[i, d, 1] * designed[i, 1, j]
+            axes[i, d, j] = designed[i, d, j] + (rotated + added[i, d, 2] * designed[i, 2, j])
 
 
 # Long: one pass over a contact's geometry, law and forces, without what calls would cost.
 @njit(cache=True)
-def act(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
+def act(contacts, n_contacts, motion, loads, dt, keep_bonds, friction_work):
     """Add the contacts' forces on the bodies, with their law; returns the friction's work [J],
     which is added to what it was."""
     edge, other, shape, law = contacts.edge, contacts.other, contacts.shape, contacts.law
     history, reaction, status = contacts.history, contacts.reaction, contacts.status
     pose, velocity, force, centroid = motion.pose, motion.velocity, motion.force, loads.centroid
-    added, axes = motion.turn.added, motion.turn.axes
-    spins, moment = motion.turn.spin, motion.turn.moment
+    added, axes = motion.rotation.added, motion.rotation.axes
+    spins, moment = motion.rotation.spin, motion.rotation.moment
     _spins(velocity, axes, spins, moment)
     for c in range(n_contacts):
         e = edge[c]
@@ -195,20 +197,20 @@ def act(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
         ball = shape[c, BALL]
         px, py, pz = shape[c, POINT], shape[c, POINT + 1], shape[c, POINT + 2]
         hx, hy, hz = shape[c, NORMAL], shape[c, NORMAL + 1], shape[c, NORMAL + 2]
-        ox, oy, oz = _turned(added, o, px, py, pz)
-        ex, ey, ez = _turned(added, e, shape[c, PLACE], shape[c, PLACE + 1], shape[c, PLACE + 2])
-        nx, ny, nz = _turned(added, e, hx, hy, hz)
+        ox, oy, oz = _rotated(added, o, px, py, pz)
+        ex, ey, ez = _rotated(added, e, shape[c, PLACE], shape[c, PLACE + 1], shape[c, PLACE + 2])
+        nx, ny, nz = _rotated(added, e, hx, hy, hz)
         ux, uy, uz = pose[o, 0] - pose[e, 0], pose[o, 1] - pose[e, 1], pose[o, 2] - pose[e, 2]
         dx, dy, dz = ux + (ox - ex), uy + (oy - ey), uz + (oz - ez)
         gap = nx * (shape[c, DESIGNED] + dx) + ny * (shape[c, DESIGNED + 1] + dy)
         gap += nz * (shape[c, DESIGNED + 2] + dz)
-        gap = shape[c, REST] + (gap + (hx * dx + hy * dy + hz * dz))
+        gap = shape[c, DESIGN_GAP] + (gap + (hx * dx + hy * dy + hz * dz))
         rn = law[c, KN] * (history[c, DILATION] - gap)
-        held = holds_in_cycle(law, history, c, bonds_hold)
+        kept = keeps_bond_in_cycle(law, history, c, keep_bonds)
         r1, r2 = history[c, SHEAR], history[c, SHEAR + 1]
-        if opens_in_cycle(law, history, c, rn, gap, held):
+        if opens_in_cycle(law, history, c, rn, gap, kept):
             if r1 != 0.0 or r2 != 0.0 or status[c] != OPEN:
-                friction_work += let_go_in_cycle(law, history, reaction, status, c)
+                friction_work += open_in_cycle(law, history, reaction, status, c)
             continue
         nx, ny, nz = hx + nx, hy + ny, hz + nz
         ox, oy, oz = ox + px - ball * nx, oy + py - ball * ny, oz + pz - ball * nz
@@ -216,7 +218,7 @@ def act(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
         ey = (centroid[o, 1] - centroid[e, 1]) + uy + oy
         ez = (centroid[o, 2] - centroid[e, 2]) + uz + oz
         tx, ty, tz = shape[c, TANGENT], shape[c, TANGENT + 1], shape[c, TANGENT + 2]
-        hx, hy, hz = _turned(added, e, tx, ty, tz)
+        hx, hy, hz = _rotated(added, e, tx, ty, tz)
         tx, ty, tz = tx + hx, ty + hy, tz + hz
         sense = shape[c, SENSE]
         sx, sy, sz = ny * tz - nz * ty, nz * tx - nx * tz, nx * ty - ny * tx
@@ -233,7 +235,7 @@ def act(contacts, n_contacts, motion, loads, dt, bonds_hold, friction_work):
         trial_1 = r1 - ks * dt * (vx * tx + vy * ty + vz * tz)
         trial_2 = r2 - ks * dt * (vx * sx + vy * sy + vz * sz)
         size = np.sqrt(trial_1 * trial_1 + trial_2 * trial_2)
-        rn, rt, now, work = react_in_cycle(law, history, c, rn, gap, size, held)
+        rn, rt, now, work = react_in_cycle(law, history, c, rn, gap, size, kept)
         friction_work += work
         share = rt / size if now != STICKING and size > 0.0 else 1.0
         r1, r2 = share * trial_1, share * trial_2
@@ -288,7 +290,7 @@ def _take_on(velocity, inverse_mass, i, dt):
     lx, ly, lz = wx / jx, wy / jy, wz / jz
     half, before = 0.5 * dt, np.inf
     for _ in range(TURNING):
-        x, y, z = turned(-half * wx, -half * wy, -half * wz, lx, ly, lz)
+        x, y, z = rotated(-half * wx, -half * wy, -half * wz, lx, ly, lz)
         x, y, z = jx * x, jy * y, jz * z
         change = abs(x - wx) + abs(y - wy) + abs(z - wz)
         wx, wy, wz = x, y, z
@@ -303,7 +305,7 @@ def _bring(velocity, inverse_mass, i, wx, wy, wz, dt):
     """Rotational velocity of body i where its axes are now, from that which took it there."""
     jx, jy, jz = inverse_mass[i, 3], inverse_mass[i, 4], inverse_mass[i, 5]
     half = 0.5 * dt
-    lx, ly, lz = turned(-half * wx, -half * wy, -half * wz, wx / jx, wy / jy, wz / jz)
+    lx, ly, lz = rotated(-half * wx, -half * wy, -half * wz, wx / jx, wy / jy, wz / jz)
     velocity[i, 3], velocity[i, 4], velocity[i, 5] = jx * lx, jy * ly, jz * lz
 
 
@@ -311,7 +313,7 @@ def _bring(velocity, inverse_mass, i, wx, wy, wz, dt):
 def move(motion, loads, origin, dt, reach, gyroscopic):
     """Bring poses on by the velocities; whether a body is too far from its ``origin``, or lost."""
     pose, velocity = motion.pose, motion.velocity
-    added, axes, designed = motion.turn.added, motion.turn.axes, motion.turn.designed
+    added, axes, designed = motion.rotation.added, motion.rotation.axes, motion.rotation.designed
     inverse_mass, extent = loads.inverse_mass, loads.extent
     moved = False
     for i in range(pose.shape[0]):

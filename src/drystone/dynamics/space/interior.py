@@ -116,7 +116,7 @@ class Interior:
         """How far all may go: pairs may leave their cones where they can be put back."""
         joint, inner, change = self.joint, self.inner, self.change
         far, least = kernels.length(joint, inner, change, 0.0)
-        while far > least and kernels.turns_too_far(joint, far, inner, change, 0.0):
+        while far > least and kernels.slip_rotates_too_far(joint, far, inner, change, 0.0):
             far *= SHORTENED
         return float(max(far, least))
 

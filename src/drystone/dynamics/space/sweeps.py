@@ -11,7 +11,11 @@ from drystone.contact.rows import OF_GAP, OF_SLIP, contact_velocities
 from drystone.dynamics.space.interior import Interior
 from drystone.dynamics.sweeps import add_block, push, relative
 from drystone.law.branches import FORWARD, OPEN, STICKING
-from drystone.law.impulse import branch_of_impulse, held_impulse_in_space, local_impulse_in_space
+from drystone.law.impulse import (
+    branch_of_impulse,
+    local_impulse_in_space,
+    projected_impulse_in_space,
+)
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -19,15 +23,15 @@ IntArray = NDArray[np.int64]
 #: Columns of how a contact slides: direction of its friction, and what of a change of the trial
 #: impulse across it is one of the impulse.
 ALONG_1, ALONG_2, ACROSS = 0, 1, 2
-N_TURN = 3
+N_SLIP = 3
 
 #: What finds velocities through the interior of the law.
 WITHIN = Interior
 
 
-def sense(piece: IntArray, turn: Array) -> Array:
+def sense(piece: IntArray, slip: Array) -> Array:
     """Directions in which contacts slide, else 0, (n_contacts, 2)."""
-    return np.where(piece[:, None] == FORWARD, turn[:, :ACROSS], 0.0)
+    return np.where(piece[:, None] == FORWARD, slip[:, :ACROSS], 0.0)
 
 
 @njit(cache=True)
@@ -63,8 +67,8 @@ def sweep(dof, problem, blocks, h, order, n_sweeps, impulse, velocity):
 
 
 @njit(cache=True)
-def held_law(dof, problem, h, penalty, centre, held, velocity, impulse, piece, turn):
-    """As `plane.sweeps.held_law`; ``turn`` (n_contacts, 3) tells how contacts slide, see
+def penalty_law(dof, problem, h, penalty, centre, stuck, velocity, impulse, piece, slip):
+    """As `plane.sweeps.penalty_law`; ``slip`` (n_contacts, 3) tells how contacts slide, see
     `ALONG_1`."""
     table, gap = problem.contacts.table, problem.gap
     contact_velocities(dof, problem.contacts, velocity, impulse)
@@ -73,17 +77,17 @@ def held_law(dof, problem, h, penalty, centre, held, velocity, impulse, piece, t
         pn = -h * table[c, STIFF_N] * (gap[c] + h * impulse[c, 0])
         pt = centre[c, 0] - penalty * impulse[c, 1]
         p2 = centre[c, 1] - penalty * impulse[c, 2]
-        now = held_impulse_in_space(pn, pt, p2, mu, held[c])
+        now = projected_impulse_in_space(pn, pt, p2, mu, stuck[c])
         impulse[c, 0], impulse[c, 1], impulse[c, 2], piece[c] = now
         size = np.sqrt(pt * pt + p2 * p2)
         if piece[c] > STICKING:
-            turn[c, ALONG_1], turn[c, ALONG_2] = pt / size, p2 / size
-            turn[c, ACROSS] = mu * pn / size
+            slip[c, ALONG_1], slip[c, ALONG_2] = pt / size, p2 / size
+            slip[c, ACROSS] = mu * pn / size
 
 
 @njit(cache=True)
-def branch_law(dof, problem, h, penalty, centre, piece, velocity, impulse, turn):
-    """As `plane.sweeps.branch_law`; what slides does so along ``centre``, ``turn`` is filled."""
+def branch_law(dof, problem, h, penalty, centre, piece, velocity, impulse, slip):
+    """As `plane.sweeps.branch_law`; what slides does so along ``centre``, ``slip`` is filled."""
     table, gap = problem.contacts.table, problem.gap
     contact_velocities(dof, problem.contacts, velocity, impulse)
     for c in range(gap.shape[0]):
@@ -96,7 +100,7 @@ def branch_law(dof, problem, h, penalty, centre, piece, velocity, impulse, turn)
             along, across = centre[c, 0] / size, centre[c, 1] / size
             trial = np.sqrt(pt * pt + p2 * p2)
             share = size / trial if trial > size else 1.0
-            turn[c, ALONG_1], turn[c, ALONG_2], turn[c, ACROSS] = along, across, share
+            slip[c, ALONG_1], slip[c, ALONG_2], slip[c, ACROSS] = along, across, share
             aside = share * (along * p2 - across * pt)
             pt, p2 = mu * pn * along - aside * across, mu * pn * across + aside * along
         elif piece[c] == OPEN:
@@ -106,7 +110,7 @@ def branch_law(dof, problem, h, penalty, centre, piece, velocity, impulse, turn)
 
 @njit(cache=True)
 def branches(problem, impulse, piece):
-    """The branches that impulses lie on, in place: see `held_law`."""
+    """The branches that impulses lie on, in place: see `penalty_law`."""
     table = problem.contacts.table
     for c in range(impulse.shape[0]):
         size = np.sqrt(impulse[c, 1] * impulse[c, 1] + impulse[c, 2] ** 2)
@@ -114,8 +118,8 @@ def branches(problem, impulse, piece):
 
 
 @njit(cache=True)
-def held_law_tangent(dof, problem, h, penalty, piece, turn, diagonal, upper, lower):
-    """Add -d(H^T p)/dv of the branches in ``piece`` to the block matrix [kg]; see `held_law`."""
+def penalty_law_tangent(dof, problem, h, penalty, piece, slip, diagonal, upper, lower):
+    """Add -d(H^T p)/dv of the branches in ``piece`` to the block matrix [kg]; see `penalty_law`."""
     nd = len(dof)
     which, rows, table = problem.contacts
     block = np.zeros((2 * nd, 2 * nd))
@@ -124,16 +128,16 @@ def held_law_tangent(dof, problem, h, penalty, piece, turn, diagonal, upper, low
             continue
         stiffness = h * h * table[c, STIFF_N]
         sliding = piece[c] != STICKING
-        along, across = (turn[c, ALONG_1], turn[c, ALONG_2]) if sliding else (1.0, 0.0)
+        along, across = (slip[c, ALONG_1], slip[c, ALONG_2]) if sliding else (1.0, 0.0)
         slope = table[c, FRICTION] if sliding else 0.0
-        hold = 0.0 if sliding else penalty
-        aside = penalty * turn[c, ACROSS] if sliding else penalty
+        spring = 0.0 if sliding else penalty
+        aside = penalty * slip[c, ACROSS] if sliding else penalty
         for i in range(2 * nd):
             with_it = along * rows[c, OF_SLIP, i] + across * rows[c, OF_SLIP + 1, i]
             beside = along * rows[c, OF_SLIP + 1, i] - across * rows[c, OF_SLIP, i]
             gn = (rows[c, OF_GAP, i] + slope * with_it) * stiffness
-            g1 = hold * with_it * along - aside * beside * across
-            g2 = hold * with_it * across + aside * beside * along
+            g1 = spring * with_it * along - aside * beside * across
+            g2 = spring * with_it * across + aside * beside * along
             for j in range(2 * nd):
                 block[i, j] = gn * rows[c, OF_GAP, j] + (
                     g1 * rows[c, OF_SLIP, j] + g2 * rows[c, OF_SLIP + 1, j]

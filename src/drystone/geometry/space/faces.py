@@ -195,7 +195,7 @@ def set_back(corners, offset, faces, vertices, rows, face_offset, inwards, back,
     set back from its edges by ``back`` (n_edges,) [m].
 
     ``size`` (n,) [m] is that of what counts as small.  Writes corners into ``out``, as many rows as
-    ``room_for`` says, and their numbers into ``left`` (n,).
+    ``capacity`` says, and their numbers into ``left`` (n,).
     """
     most = 0
     for j in range(faces.shape[0]):

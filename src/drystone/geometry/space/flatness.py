@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.common.tolerances import SAME_WAY
+from drystone.common.tolerances import SAME_DIRECTION
 from drystone.geometry.space.meshes import Mesh, edges_of, face_normals
 from drystone.geometry.space.solid import plane_axes
 
@@ -116,7 +116,7 @@ def plane_labels(mesh: Mesh, near: float) -> list[int]:
                 k = by_edge.get((b, a), seed)
                 # A sliver's own normal says nothing: it goes where its vertices are.
                 thin = area[k] < near * near
-                if label[k] >= 0 or (normals[k] @ normals[seed] < SAME_WAY and not thin):
+                if label[k] >= 0 or (normals[k] @ normals[seed] < SAME_DIRECTION and not thin):
                     continue
                 off = (mesh.vertices[list(mesh.faces[k])] - middle) @ normals[seed]
                 if float(np.abs(off).max()) <= near:
@@ -144,8 +144,8 @@ def united(mesh: Mesh, label: Sequence[int], near: float) -> tuple[Mesh, list[in
     merged = Mesh(mesh.vertices, tuple(faces))
     plain = _without_straight(merged, near)
     used = Mesh.of_used(plain.vertices, plain.faces)
-    gone = len(mesh.faces) - len(faces), len(mesh.vertices) - len(used.vertices)
-    return used, labels, *gone
+    removed = len(mesh.faces) - len(faces), len(mesh.vertices) - len(used.vertices)
+    return used, labels, *removed
 
 
 def _connected(faces: Sequence[Loop]) -> list[list[Loop]]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.sparse import block_array, csr_array, eye_array
 from scipy.sparse.linalg import splu
 
-from drystone.common.tolerances import BETTER, HELD_VERTEX, SPARE, SUMS
+from drystone.common.tolerances import BETTER, FIXED_VERTEX, SPARE, SUMS
 from drystone.geometry.space.solid import plane_axes
 
 Array = NDArray[np.float64]
@@ -89,7 +89,7 @@ def onto_planes(vertices: Array, incidences: Incidences, fixed: NDArray[np.bool_
         return vertices
     place = vertices.copy()
     size = float(np.ptp(vertices, axis=0).max())
-    ease = np.where(fixed, HELD_VERTEX, 1.0)
+    ease = np.where(fixed, FIXED_VERTEX, 1.0)
     missed = np.inf
     for _ in range(MOST_ITERATIONS):
         fit = fitted_planes(place, incidences)

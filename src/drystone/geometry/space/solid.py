@@ -524,7 +524,7 @@ def principal(inertia: Array) -> tuple[Array, Array]:
     if low and high:
         return np.eye(3), diagonal
     if low or high:
-        axes = _turned_onto(axes[:, 2 if low else 0])
+        axes = _rotated_onto(axes[:, 2 if low else 0])
     else:
         # Of rotations the one with the largest trace turns least.
         every = [_right_handed(axes[:, order]) for order in _ORDERS]
@@ -535,7 +535,7 @@ def principal(inertia: Array) -> tuple[Array, Array]:
 _ORDERS = ([0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2])
 
 
-def _turned_onto(axis: Array) -> Array:
+def _rotated_onto(axis: Array) -> Array:
     """World axes after the smallest rotation that takes one of them, forth or back, to ``axis``."""
     k = int(np.argmax(np.round(np.abs(axis), 9)))
     axis = axis * np.sign(axis[k])

@@ -203,14 +203,14 @@ def _transformed(vertices: np.ndarray, path: Path, place: str) -> np.ndarray:
         if matrix is None:
             continue
         try:
-            turn = np.array(matrix, dtype=np.float64)
+            rotation = np.array(matrix, dtype=np.float64)
         except (TypeError, ValueError):
-            turn = np.zeros(0)
-        if turn.shape != (4, 4) or not np.isfinite(turn).all():
+            rotation = np.zeros(0)
+        if rotation.shape != (4, 4) or not np.isfinite(rotation).all():
             raise ModelError(
                 [f"{place}its transformation is no matrix of 4 by 4: the file is torn"]
             )
-        vertices = vertices @ turn[:3, :3].T + turn[:3, 3]
+        vertices = vertices @ rotation[:3, :3].T + rotation[:3, 3]
     return vertices
 
 

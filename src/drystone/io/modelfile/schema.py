@@ -358,10 +358,10 @@ class AnalysisSection(Extended):
 
 def _load_or_settlement(value: LoadSection | None, info: ValidationInfo) -> LoadSection | None:
     """A file has the one or the other."""
-    settles = info.data.get("settlement") is not None
-    if value is None and not settles:
+    moves_supports = info.data.get("settlement") is not None
+    if value is None and not moves_supports:
         raise PydanticCustomError("missing", "missing")
-    if value is not None and settles:
+    if value is not None and moves_supports:
         raise sentence("stands beside [settlement]: take one of the two out")
     return value
 

@@ -33,13 +33,13 @@ class FolderLock:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._held = _lock(folder)
+        self._lock_file = _lock(folder)
 
     def release(self) -> None:
         """Let others write.  May be called twice."""
-        if self._held is not None:
-            os.close(self._held)
-            self._held = None
+        if self._lock_file is not None:
+            os.close(self._lock_file)
+            self._lock_file = None
 
 
 @contextmanager

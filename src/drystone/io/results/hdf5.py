@@ -116,7 +116,7 @@ class ResultsWriter:
             self._lay_out(model)
             self.flush()
         except BaseException:
-            self._let_go()
+            self._close_file()
             Path(path).unlink(missing_ok=True)
             raise
 
@@ -215,7 +215,7 @@ class ResultsWriter:
             if self.whole:
                 self.flush()
         finally:
-            self._let_go()
+            self._close_file()
 
     def _put_left(self, left: Sequence[BlockLeft]) -> None:
         group = self._file.create_group("blocks_left")
@@ -224,7 +224,7 @@ class ResultsWriter:
             values = [text_of(v) if isinstance(v, str) else v for v in values]
             group.create_dataset(name, data=np.array(values, dtype=kind))
 
-    def _let_go(self) -> None:
+    def _close_file(self) -> None:
         with uninterrupted():
             self._file.close()
             self._disk.close()
@@ -305,7 +305,7 @@ class ResultsWriter:
         curve = self._file.create_group("curve")
         for name, kind in COLUMN_TYPES.items():
             self._growing(curve, name, (), kind, rows=512)
-        shape = assembly.rest_pose().shape
+        shape = assembly.design_pose().shape
         rows = int(np.clip(1_000_000 // (8 * shape[0] * shape[1]), 1, 64))
         self._growing(self._file, "poses", shape, np.dtype("f8"), rows=rows)
         self._file["poses"].attrs["unit"] = assembly.kind.pose_units

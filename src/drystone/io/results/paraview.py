@@ -103,14 +103,14 @@ class BlockFrames:
 
     A cell is an outline in the plane, a convex part in space; ``block`` says of which block.
     Displacements are from the designed places; blocks that move are those that have moved since
-    the poses ``settled``, (n, n_pose).
+    the poses ``initial``, (n, n_pose).
     """
 
-    def __init__(self, assembly: Assembly, settled: Array | None = None) -> None:
+    def __init__(self, assembly: Assembly, initial: Array | None = None) -> None:
         self._shapes = shapes = MovingShapes.of(assembly)
-        self._settled = settled
+        self._initial = initial
         self._fixed = assembly.fixed
-        self._compliance = compliance(shapes, settled, assembly.fixed)
+        self._compliance = compliance(shapes, initial, assembly.fixed)
         if faces := assembly.packed.face_arrays:
             self._cells = vtu.polyhedra(shapes.offset, *faces.values())
         else:
@@ -127,7 +127,7 @@ class BlockFrames:
         space a vector."""
         shapes = self._shapes
         points = shapes.moved(pose)
-        displacement = shapes.displacement(pose, self._settled)
+        displacement = shapes.displacement(pose, self._initial)
         moving = moving_blocks(displacement, self._fixed, self._compliance)
         away = points - shapes.vertices
         displacement = motion.translations(pose)[shapes.body]
@@ -140,7 +140,7 @@ class BlockFrames:
             cell_data=[
                 *self._constant,
                 vtu.data_array("displacement", in_space(displacement)),
-                vtu.data_array("rotation", motion.turns(pose)[shapes.body]),
+                vtu.data_array("rotation", motion.rotation_vectors(pose)[shapes.body]),
                 vtu.data_array("moving", moving.astype(np.uint8)[shapes.body]),
             ],
             field_data=field_data,

@@ -124,7 +124,7 @@ def measure_problems(
     return found
 
 
-def room_problems(
+def clearance_problems(
     holes: Sequence[Hole], low: float, high: float, taken: Sequence[tuple[float, float]],
     least: float,
 ) -> list[str]:  # fmt: skip

@@ -13,9 +13,9 @@ from drystone.model.builders.openings import (
     OPENING_KEYS,
     Hole,
     Opening,
+    clearance_problems,
     measure_problems,
     openings_of,
-    room_problems,
     voids_in,
 )
 from drystone.model.builders.stones import Mason, not_whole, positive, unit_problems, whole
@@ -98,7 +98,7 @@ def panel(
         thickness=thickness,
         leaves=leaves,
     )
-    if problems := room_problems(holes, 0.0, length, (), strip.bond.least):
+    if problems := clearance_problems(holes, 0.0, length, (), strip.bond.least):
         raise ModelError(problems)
     blocks: list[Block] = []
     for course in range(n_courses):

@@ -27,9 +27,9 @@ from drystone.model.builders.openings import (
     PLAN_OPENING_KEYS,
     Hole,
     Opening,
+    clearance_problems,
     measure_problems,
     openings_of,
-    room_problems,
     voids_in,
 )
 from drystone.model.builders.stones import (
@@ -152,7 +152,7 @@ def plan(
         several=storeys > 1,
     )
     holes = [house.holes(given, storey) for storey in range(storeys)]
-    if problems := [text for own in holes for text in house.room(own)]:
+    if problems := [text for own in holes for text in house.clearance(own)]:
         raise ModelError(list(dict.fromkeys(problems)))
     blocks: list[Block] = []
     for storey in range(storeys):
@@ -194,14 +194,14 @@ class _House:
                 found[opening.wall].append(Hole(opening, self.unit, f"openings[{i}]"))
         return found
 
-    def room(self, holes: Mapping[str, list[Hole]]) -> list[str]:
+    def clearance(self, holes: Mapping[str, list[Hole]]) -> list[str]:
         """Sentences on openings that meet what they must not."""
         found = []
         for wall, own, strip in zip(self.walls, self.bounds, self.strips, strict=True):
             low, high = own.free(strip.breadth)
             least = strip.bond.least
             taken = own.taken(strip.breadth)
-            found += room_problems(holes[wall.name], low, high, taken, least)
+            found += clearance_problems(holes[wall.name], low, high, taken, least)
         return found
 
     def storey(self, storey: int, holes: Mapping[str, list[Hole]]) -> list[Block]:

@@ -47,7 +47,7 @@ def law_problems(law: JointLaw) -> list[str]:
     return problems + yielding_problems(law)
 
 
-def held_problems(blocks: Sequence[Block], place: Place) -> list[str]:
+def roller_problems(blocks: Sequence[Block], place: Place) -> list[str]:
     """Of motions that rollers cannot hold."""
     problems = []
     for i, block in enumerate(blocks):

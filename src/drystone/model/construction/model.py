@@ -19,10 +19,10 @@ from drystone.model.assembly import Assembly, Block, Corner
 from drystone.model.construction.checks import (
     Place,
     block_problems,
-    held_problems,
     law_problems,
     layout_problems,
     pair_problems,
+    roller_problems,
 )
 from drystone.model.construction.control import choose_control_point
 from drystone.model.construction.describe import material_names
@@ -233,7 +233,7 @@ def assembly_of(
         where = " ".join(sorted(names))
         problems += [f'joint.between."{where}".{wrong}' for wrong in law_problems(law)]
     problems += pair_problems(blocks, between)
-    problems += held_problems(blocks, place)
+    problems += roller_problems(blocks, place)
     if wrong := problem("drawing_tolerance", drawing_tolerance):
         problems.append(wrong)
     if not blocks:

@@ -46,13 +46,13 @@ class Acting:
         dead_loads: Sequence[DeadLoad] = (),
         *,
         stage: int | None = None,
-        gone: NDArray[np.bool_] | None = None,
+        departed: NDArray[np.bool_] | None = None,
     ) -> Acting:
-        """Of an assembly without the blocks that are ``gone`` (n,).
+        """Of an assembly without the blocks that are ``departed`` (n,).
 
         Of the dead loads only those up to a ``stage``; masses of all of them count in the pattern.
         """
-        none = assembly.fixed if gone is None else assembly.fixed | gone
+        none = assembly.fixed if departed is None else assembly.fixed | departed
         loads = [load for load in dead_loads if stage is None or load.stage <= stage]
         steady, weights = DeadForces.none(assembly), weight_forces(assembly)
         for load in loads:

@@ -88,7 +88,7 @@ class DeadForces:
         if self.lever is None:
             return found
         if pose is None:
-            pose = assembly.rest_pose()
+            pose = assembly.design_pose()
         about = axial(self.tensor(pose))
         rotations(found)[:] = about_own_axes(about, principal_axes(assembly, pose))
         return found

@@ -185,7 +185,7 @@ def _stiffness_at_rest(assembly: Assembly, masses: Masses) -> tuple[csc_array, I
     from drystone.law.columns import COHESION, TENSION
     from drystone.law.table import law_table
 
-    detector, laws, pose = Detector(assembly), law_table(assembly), assembly.rest_pose()
+    detector, laws, pose = Detector(assembly), law_table(assembly), assembly.design_pose()
     pairs = detector.pairs(pose)
     slots = detector.find(pairs, pose)
     contacts = detector.pack(pairs, pose, slots, laws)

@@ -181,13 +181,13 @@ def validity(
     curve: CapacityCurve, model: Model | None, extrapolated: bool, words: Words
 ) -> list[str]:
     """Sentences on how far the results may be trusted, those that apply."""
-    if curve.settles:
-        found = [words[key] for key in ("rigid", "settling", "joints", "one_motion")]
+    if curve.moves_supports:
+        found = [words[key] for key in ("rigid", "supports", "joints", "one_motion")]
         if model is not None and model.assembly.dimension == 2:
             found.append(words["plane"])
     else:
         found = [words[key] for key in ("rigid", "static", "joints", "pattern")]
-    if model is not None and not curve.settles:
+    if model is not None and not curve.moves_supports:
         found.append(words["plane" if model.assembly.dimension == 2 else "torsion"])
     if curve.points:
         for name, values in (
@@ -196,7 +196,7 @@ def validity(
         ):
             if np.any(values):
                 found.append(words[name].format(count=int(np.sum(values))))
-        if not curve.peak_passed and not curve.settles:
+        if not curve.peak_passed and not curve.moves_supports:
             found.append(words["no_peak"])
         found += _penetrated(curve, model, words)
     if curve.status != "finished":

@@ -66,7 +66,7 @@ def curve_picture(
         far = min(far[0], float(x.min())), max(far[1], float(x.max()))
     axes.set_xlim(far[0], far[1] + 0.03 * (far[1] - far[0]))
     axes.set_ylim(low, high + 0.12 * ((high - low) or 1e-9))  # room for a name above the peak
-    if quantities.settles:
+    if quantities.moves_supports:
         axes.set_xlabel(words["motion"].format(unit=quantities.motion_unit))
         axes.set_ylabel(words["reaction"].format(unit=quantities.force_unit))
     else:
@@ -74,7 +74,7 @@ def curve_picture(
         axes.set_ylabel(words["multiplier"])
     for mark in marks:
         at, high = mark.control_displacement, mark.load_multiplier
-        if quantities.settles:
+        if quantities.moves_supports:
             row = first.nearest(at)
             at, high = float(quantities.x(first)[row]), float(quantities.y(first)[row])
         # What happens is told in sentences: as words in the picture it would leave the axes.
@@ -82,7 +82,9 @@ def curve_picture(
         _mark(axes, at, high, name, limit=mark.kind not in ("peak", "rest"))
     if len(shown) > 1:
         axes.legend(fontsize=9, frameon=False, loc="best")
-    return canvas.element(figure, words["settling" if quantities.settles else "curve"], "svg")
+    return canvas.element(
+        figure, words["supports" if quantities.moves_supports else "curve"], "svg"
+    )
 
 
 def _mark(axes: Axes, x: float, y: float, name: str, *, limit: bool) -> None:
@@ -126,8 +128,8 @@ def legend(mechanisms: Sequence[Mechanism]) -> list[tuple[str, str]]:
     """What the pictures of states show, each a sign as markup and the key of its words."""
     drawn = [Drawn.of(mechanism) for mechanism in mechanisms]
     fixed = mechanisms[0].assembly.fixed
-    moved = any((d.moving | d.gone).any() for d in drawn)
-    rest = any((~d.moving & ~d.gone & ~fixed).any() for d in drawn)
+    moved = any((d.moving | d.departed).any() for d in drawn)
+    rest = any((~d.moving & ~d.departed & ~fixed).any() for d in drawn)
     signs = [("designed", _box("none", "dashed #a8a8a8"))] * moved
     signs += [("rest", _box(RESTING))] * rest
     if mechanisms[0].bodies is None:

@@ -19,7 +19,7 @@ from drystone.io.results.hdf5 import ResultsReader
 from drystone.io.results.names import RESULTS
 from drystone.model.assembly import GRAVITY
 from drystone.report import Mechanism
-from drystone.report.document import carried, facts, figures, settling
+from drystone.report.document import carried, facts, figures, supports
 from drystone.report.document.judged import Judged
 from drystone.report.document.template import template
 from drystone.report.mechanism import readable_magnification
@@ -94,23 +94,23 @@ def context(found: Folder, date: datetime | None) -> dict[str, Any]:
     mechanisms = [_mechanism(mark, folder) for mark, folder in shown]
     coloured = any(mechanism.bodies is not None for mechanism in mechanisms)
     signs = figures.legend(mechanisms) if mechanisms else []
-    settles = curve.settles
+    moves_supports = curve.moves_supports
     return {
         "t": t,
         "style": _own("report.css"),
-        "name": t["name_settling" if settles else "name"],
-        "settles": settles,
-        "title": str(contents.header["title"]) or t["name_settling" if settles else "name"],
+        "name": t["name_supports" if moves_supports else "name"],
+        "moves_supports": moves_supports,
+        "title": str(contents.header["title"]) or t["name_supports" if moves_supports else "name"],
         "problem": _problem(curve, model is None, t["text"]),
         "verdict": tell(judged.verdict),
         "satisfied": judged.data.get("satisfied"),
         "caution": bool(judged.data.get("caution")),
         "no_verdict": tell(judged.reason),
-        "outcome": settling.outcome(curve, model, t["text"]) if settles else "",
+        "outcome": supports.outcome(curve, model, t["text"]) if moves_supports else "",
         "curve": figures.curve_picture(judged.curves, marks, t["plot"]),
-        "sense": "" if settles else judged.sense_sentence(t["text"]),
-        "analysis": settling.of_analysis(curve, model, t["facts"])
-        if settles
+        "sense": "" if moves_supports else judged.sense_sentence(t["text"]),
+        "analysis": supports.of_analysis(curve, model, t["facts"])
+        if moves_supports
         else facts.of_analysis(curve, model, results.summary, t["facts"]),
         "certificate": facts.of_certificate(curve, model, t["facts"]),
         "states": [_shown(s, mechanism, t) for s, mechanism in zip(shown, mechanisms, strict=True)],
@@ -167,7 +167,7 @@ def _states_shown(judged: Judged) -> list[tuple[Mark, Folder]]:
     curve = folder.results.curve
     if not curve.points or folder.results.model is None:
         return []
-    if curve.settles:
+    if curve.moves_supports:
         return [(mark, folder) for mark in marks_of(curve) if mark.kind == "rest"]
     last = [point for point in curve.points if point.status == STATIC][-1]
     end = Mark(
@@ -188,13 +188,13 @@ def _mechanism(mark: Mark, folder: Folder) -> Mechanism:
     model, curve, poses = results.model, results.curve, results.poses
     assert model is not None
     row = nearest(curve, mark)
-    gone = curve.gone(model.assembly.ids, curve.points[row].step)
-    pose = np.where(gone[:, None], poses[0], poses[row])
+    departed = curve.departed(model.assembly.ids, curve.points[row].step)
+    pose = np.where(departed[:, None], poses[0], poses[row])
     return Mechanism(
         assembly=model.assembly,
         pose=pose,
-        settled=poses[0],
-        gone=gone,
+        initial=poses[0],
+        departed=departed,
         load_direction=model.load_shown,
         control_point=None if model.settlement is not None else model.control_point,
         ties=model.ties,
@@ -221,8 +221,8 @@ def _shown(
     curve = folder.results.curve
     point = curve.points[nearest(curve, mark)]
     name, quantities = _named(mark, t["text"]), Quantities.of(curve)
-    if curve.settles:
-        caption = t["plot"]["settling_state"].format(
+    if curve.moves_supports:
+        caption = t["plot"]["supports_state"].format(
             name=name,
             motion=quantities.motion_text(point.control_displacement),
             reaction=quantities.force_text(point),

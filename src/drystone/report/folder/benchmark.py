@@ -101,7 +101,7 @@ def _draw(
             mechanism = Mechanism(
                 assembly=run.model.assembly,
                 pose=curve.poses[row],
-                settled=curve.poses[0],
+                initial=curve.poses[0],
                 load_direction=run.model.load_along,
                 control_point=run.model.control_point,
             )

@@ -102,8 +102,8 @@ def _write(results: Sequence[Collapse], model: Model, folder: Path) -> None:
 
 def _drawn(velocities: Array, size: float) -> Array:
     """Velocities, the fastest of which is one, as far as they are drawn, (n, n_dof) [m, rad]."""
-    fastest_turn = float(np.linalg.norm(rotations(velocities), axis=1).max())
-    return min(DRAWN * size, TURNED / max(fastest_turn, TURNED / size)) * velocities
+    fastest_rotation = float(np.linalg.norm(rotations(velocities), axis=1).max())
+    return min(DRAWN * size, TURNED / max(fastest_rotation, TURNED / size)) * velocities
 
 
 def _title(title: str, result: Collapse) -> str:

@@ -41,21 +41,21 @@ def _draw_mechanism(done: Finished, keys: Mapping[str, Any]) -> None:
         usual = model.settlement.largest if model.settlement else MECHANISM_DISPLACEMENT
         wanted = float(model.analysis.options.get(MECHANISM_OPTION, usual))
     row = mechanism_row(curve, wanted)
-    point, pose, settled = curve.points[row], results.pose(row), results.pose(0)
-    gone = curve.gone(model.assembly.ids, point.step)
-    pose = np.where(gone[:, None], settled, pose)  # they are shown as designed
+    point, pose, initial = curve.points[row], results.pose(row), results.pose(0)
+    departed = curve.departed(model.assembly.ids, point.step)
+    pose = np.where(departed[:, None], initial, pose)  # they are shown as designed
     mechanism = Mechanism(
         assembly=model.assembly,
         pose=pose,
-        settled=settled,
-        gone=gone,
+        initial=initial,
+        departed=departed,
         contacts=results.contacts(row),
         load_direction=model.load_shown,
         control_point=model.control_point,
         ties=model.ties,
         dead_loads=model.dead_loads,
         tie_branch=curve.ties.branch[row] if curve.ties else None,
-        magnification=readable_magnification(model.assembly, pose, settled),
+        magnification=readable_magnification(model.assembly, pose, initial),
     )
     title = mechanism_title(model.title, curve, point)
     for format in done.formats:

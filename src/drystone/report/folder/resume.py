@@ -62,10 +62,10 @@ def resume(
             return load_results(path).curve
         model = extended_to(kept.model, extended)
         results.beside = limits_beside(model)
-        return gone_on(kept, model, results, engine=engine, progress=progress, threads=threads)
+        return go_on(kept, model, results, engine=engine, progress=progress, threads=threads)
 
 
-def gone_on(
+def go_on(
     kept: Kept,
     model: Model,
     results: ResultsDirectory,

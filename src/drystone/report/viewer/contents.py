@@ -3,9 +3,9 @@
 The header is JSON: names, weights, the curve, marks on it.  The streams are arrays, see `codec`:
 
     centroid            (n, dim) m from the header's origin
-    settled             (n, n_pose) where the load begins, see `geometry.motion`
+    initial             (n, n_pose) where the load begins, see `geometry.motion`
     vertices, owner     of all blocks, m from their centroids; triangles, edges: rows of these
-    motion              (p, c, n) since settled: m, and rad of a rotation vector about world axes
+    motion              (p, c, n) since then: m, and rad of a rotation vector about world axes
     joint_a, joint_b, joint_centre, joint_frame, joint_half, joint_friction
     joint_corners, joint_polygon, joint_owner       polygons of joints, m from block a's centroid
     force, arm, state   (p, c, k) of joints, see `joints.Resultants`
@@ -30,7 +30,7 @@ from drystone.common.version import package_version
 from drystone.contact.forces import ContactForces
 from drystone.geometry import motion
 from drystone.geometry.interfaces import Interfaces
-from drystone.geometry.motion import turns
+from drystone.geometry.motion import rotation_vectors
 from drystone.geometry.plane.outlines import Outlines
 from drystone.geometry.space.polyhedra import Polyhedra
 from drystone.io.results.hdf5 import ResultsReader
@@ -39,7 +39,7 @@ from drystone.io.results.summary import plain
 from drystone.model.model import Model
 from drystone.report.folder.results import Results
 from drystone.report.quantities import Quantities
-from drystone.report.settling_figure import marked_points
+from drystone.report.reaction_figure import marked_points
 from drystone.report.viewer import carried
 from drystone.report.viewer.bodies import Bodies
 from drystone.report.viewer.codec import Pack
@@ -123,8 +123,8 @@ def contents_of_folder(
             "macro_blocks": {k: list(map(int, v)) for k, v in (macro_blocks or {}).items()},
         }
         poses = results.poses
-        settled = poses[rows[0]] if len(rows) else blocks.rest()
-        blocks.put(pack, settled)
+        initial = poses[rows[0]] if len(rows) else blocks.design_pose()
+        blocks.put(pack, initial)
         if len(rows):
             counts = reader.n_contacts()
             _put_states(pack, reader, blocks, joints, poses[rows], np.array(rows), counts)
@@ -138,7 +138,7 @@ def contents_of_model(model: Model) -> Contents:
     """A model at rest: blocks and joints as designed."""
     blocks, pack = _Blocks.designed(model), Pack()
     joints = blocks.joints()
-    blocks.put(pack, blocks.rest())
+    blocks.put(pack, blocks.design_pose())
     _put_joints(pack, joints, blocks, model)
     header = {
         "format": FORMAT,
@@ -161,7 +161,7 @@ def marks_of(curve: CapacityCurve) -> list[Mark]:
     """Peak, first collapse of a part and ultimate displacement of a curve, those that it has."""
     if not curve.points:
         return []
-    if curve.settles:
+    if curve.moves_supports:
         return [*_reactions(curve), *_first_collapse(curve)]
     peaks = [(curve.name_of_peak, curve.peak, "peak")]
     if curve.rises_after_collapse:
@@ -295,8 +295,8 @@ class _Blocks:
         """Of the state of the blocks at one point."""
         return len(self.names) * motion.n_dof(self.dimension)
 
-    def rest(self) -> Array:
-        return motion.rest(len(self.names), self.dimension)
+    def design_pose(self) -> Array:
+        return motion.design_pose(len(self.names), self.dimension)
 
     def joints(self) -> Joints:
         return Joints.designed(Interfaces.of(self.packed)) if self.packed is not None else Joints()
@@ -308,10 +308,10 @@ class _Blocks:
             "blocks": {"name": self.names, "weight": _short(self.weight), "support": self.support},
         }
 
-    def put(self, pack: Pack, settled: Array) -> None:
+    def put(self, pack: Pack, initial: Array) -> None:
         bodies = self.bodies
         pack.put("centroid", self.centroid - self.origin, "f4")
-        pack.put("settled", settled, "f4")
+        pack.put("initial", initial, "f4")
         pack.put("vertices", bodies.vertices - self.centroid[bodies.owner], "f4")
         pack.put("owner", bodies.owner, "u4")
         pack.put("triangles", bodies.triangles, "u4")
@@ -409,7 +409,7 @@ def _mark(mark: Mark, curve: CapacityCurve, rows: list[int]) -> dict[str, Any]:
         "name": mark.name,
         "kind": mark.kind,
         "displacement": shown.per_unit * mark.control_displacement,
-        "multiplier": float(shown.y(curve)[row]) if shown.settles else height,
+        "multiplier": float(shown.y(curve)[row]) if shown.moves_supports else height,
         "point": int(np.argmin(np.abs(np.array(rows) - row))),
     }
 
@@ -480,18 +480,18 @@ def _joined(parts: Sequence[ContactForces]) -> ContactForces:
     return ContactForces(**{n: np.concatenate([getattr(p, n) for p in parts]) for n in names})
 
 
-def _since(poses: Array, settled: Array) -> Array:
-    """Motions (p, n, n_dof) since the poses ``settled`` (n, n_pose): translations, rotations."""
+def _since(poses: Array, initial: Array) -> Array:
+    """Motions (p, n, n_dof) since the poses ``initial`` (n, n_pose): translations, rotations."""
     if poses.shape[2] == 3:
-        return poses - settled
+        return poses - initial
     moved = np.zeros((*poses.shape[:2], 6))
-    moved[..., :3] = poses[..., :3] - settled[:, :3]
-    w, v = settled[:, 3], -settled[:, 4:]  # the inverse rotation
+    moved[..., :3] = poses[..., :3] - initial[:, :3]
+    w, v = initial[:, 3], -initial[:, 4:]  # the inverse rotation
     p, q = poses[..., 3], poses[..., 4:]
     relative = np.zeros_like(poses)
     relative[..., 3] = p * w - np.einsum("pni,ni->pn", q, v)
     relative[..., 4:] = p[..., None] * v + w[:, None] * q + np.cross(q, v)
-    moved[..., 3:] = turns(relative.reshape(-1, 7)).reshape(*poses.shape[:2], 3)
+    moved[..., 3:] = rotation_vectors(relative.reshape(-1, 7)).reshape(*poses.shape[:2], 3)
     return moved
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.geometry.interfaces import Interfaces
-from drystone.geometry.motion import moved_points, places, tangents, turned_back
+from drystone.geometry.motion import moved_points, places, rotated_back, tangents
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -143,9 +143,9 @@ class Assigner:
         flat = poses.reshape(-1, poses.shape[2])
         row = point * n + a
         place, normal, force = contacts.position, contacts.normal * sign, contacts.vectors() * sign
-        local = _turned_back(flat[row], place - places(self._centroid[a], flat[row]))
-        normal = _turned_back(flat[row], normal)
-        force = _turned_back(flat[row], force)
+        local = _rotated_back(flat[row], place - places(self._centroid[a], flat[row]))
+        normal = _rotated_back(flat[row], normal)
+        force = _rotated_back(flat[row], force)
         local = self._centroid[a] + local
         joint = self._joint_of(a, b, local, normal)
         frame, centre = np.array(self.joints.frame), np.array(self.joints.centre)
@@ -186,9 +186,9 @@ class Assigner:
         return found
 
 
-def _turned_back(pose: Array, vectors: Array) -> Array:
+def _rotated_back(pose: Array, vectors: Array) -> Array:
     """Vectors (m, dim) of the world in the axes that blocks had as designed."""
-    back = turned_back(pose)
+    back = rotated_back(pose)
     rows = np.arange(len(vectors))
     return moved_points(vectors, rows, np.zeros_like(vectors), back)
 

@@ -25,7 +25,7 @@ from drystone.contact.contacts import (
     BODY_A,
     BODY_B,
     FRICTION,
-    ROOM,
+    INTERCEPT,
     STIFF_N,
     STIFF_T,
     TRIAL_N,
@@ -34,25 +34,25 @@ from drystone.contact.contacts import (
 from drystone.contact.plane.rows import along
 from drystone.contact.rows import MEASURED, OF_GAP
 from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING, across_joint, both, sense
-from drystone.law.limits import held_normal
+from drystone.law.limits import limited_normal
 from drystone.law.pieces import all_dry, change, distance, distance_of_dry
 from drystone.law.plane import commit
-from drystone.statics.balance import border
+from drystone.statics.balance import solve_bordered
 from drystone.statics.linear.numeric import solve
 
 #: How a path ends: where it should; before it, as it turns back; at a change after which the
 #: matrix must be made anew; after too many changes; where there is no direction; with more
 #: changes ahead than are worth following, where it starts.
-DONE, TURNED, RENEW, LOST, SINGULAR, MANY = 0, 1, 2, 3, 4, 5
+DONE, FOLDED, RENEW, LOST, SINGULAR, MANY = 0, 1, 2, 3, 4, 5
 
 Array = NDArray[np.float64]
 
 
-class Frame(NamedTuple):
+class BorderedPath(NamedTuple):
     """What borders the matrix, and memory for a path's directions; arrays are (n, n_dof)."""
 
     load: Array  # F
-    pace: Array  # g, gradient of the pacing displacement
+    gradient: Array  # g, gradient of the pacing displacement
     axis: Array  # direction of the spring e over all bodies
     columns: Array  # (3, n, n_dof) direction, K'^-1 F, k K'^-1 e
     changes: Array  # (n_changes, n, n_dof) K^-1 u of every change
@@ -61,9 +61,11 @@ class Frame(NamedTuple):
     bodies: NDArray[np.int64]  # (n_changes, 2)
     pivot: Array  # (n_changes,) 1 + v . K^-1 u
     rate: Array  # (n_slots, 2) of the trial reactions along the direction
-    turn: Array  # (2,) share of the step and multiplier where the path first turned back; or NaN
+    fold: Array  # (2,) share of the step and multiplier where the path first turned back; or NaN
     sense: Array  # (1,) -1 where the path goes back, else 1
-    border: Array  # (1,) by which the determinant of the bordered matrix exceeds that of K'
+    determinant_ratio: (
+        Array  # (1,) by which the determinant of the bordered matrix exceeds that of K'
+    )
     sign: Array  # (1,) of the latter; where the product is positive, a motion is unstable
     bends: Array  # (n_bends, 2) share of the step and multiplier at every change
 
@@ -72,7 +74,7 @@ class Rules(NamedTuple):
     """How a path is followed."""
 
     #: Whether the multiplier is an unknown and the pacing displacement given.
-    paced: bool
+    prescribes: bool
     #: Whether sliding counts over the whole of the step, as in the implicit law.  Otherwise it
     #: ends, and is kept, as soon as a contact would slide back: the path that a slow loading takes,
     #: which no structure follows beyond where it turns.
@@ -83,7 +85,7 @@ class Rules(NamedTuple):
     worth: int
 
 
-class Way(NamedTuple):
+class PathPoint(NamedTuple):
     """How far a path has come: the multiplier, the share 1 - t of the step that is left, and the
     number of changes so far."""
 
@@ -135,7 +137,7 @@ def _keep_slow(contacts, count, branch):
         now = branch[c]
         sign = sense(now)
         if sign != 0.0:
-            most = table[c, FRICTION] * held_normal(table, c, now) + table[c, ROOM]
+            most = table[c, FRICTION] * limited_normal(table, c, now) + table[c, INTERCEPT]
             if sign * table[c, TRIAL_T] < most:
                 commit(table, c, now)
 
@@ -184,12 +186,12 @@ def _next_change(contacts, count, branch, direction, ahead, whole, dry, last, le
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _add_change(structure, factors, frame, paced, contacts, chosen, before, following, new):
+def _add_change(structure, factors, bordered, prescribes, contacts, chosen, before, following, new):
     """Take the change of a contact's branch into the matrix, as number ``new`` since it was made.
 
     Returns 1 + v . K^-1 u of it, which is zero where there is no direction.
     """
-    past, pivots, past_v, bodies = frame.changes, frame.pivot, frame.row, frame.bodies
+    past, pivots, past_v, bodies = bordered.changes, bordered.pivot, bordered.row, bordered.bodies
     n, n_dof = past.shape[1], past.shape[2]
     a = contacts.which[chosen, BODY_A]
     b = contacts.which[chosen, BODY_B]
@@ -203,30 +205,30 @@ def _add_change(structure, factors, frame, paced, contacts, chosen, before, foll
         w[a, i] += u[i]
         w[b, i] += u[n_dof + i]
     solve(structure, factors, w.reshape((1, n, n_dof)))
-    by_w = border(frame, w, 0.0) if paced else 0.0
+    by_w = solve_bordered(bordered, w, 0.0) if prescribes else 0.0
     for old in range(new):
         share = along(past_v, old, 0, w, bodies[old, 0], bodies[old, 1]) / pivots[old]
         for i in range(n):
             for d in range(n_dof):
                 w[i, d] -= share * past[old, i, d]
-        by_w -= share * frame.change_of_multiplier[old]
-    frame.change_of_multiplier[new] = by_w
+        by_w -= share * bordered.change_of_multiplier[old]
+    bordered.change_of_multiplier[new] = by_w
     pivots[new] = 1.0 + along(past_v, new, 0, w, a, b)
     return pivots[new]
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _first_direction(structure, factors, frame, paced, force, lag, spring):
+def _first_direction(structure, factors, bordered, prescribes, force, lag, spring):
     """Fill the first direction; returns how the multiplier changes along it, NaN for none."""
-    columns = frame.columns[:3] if paced else frame.columns[:1]
+    columns = bordered.columns[:3] if prescribes else bordered.columns[:1]
     for i in range(force.shape[0]):
         for d in range(force.shape[1]):
             columns[0, i, d] = force[i, d]
-            if paced:
-                columns[1, i, d] = frame.load[i, d]
-                columns[2, i, d] = spring * frame.axis[i, d]
+            if prescribes:
+                columns[1, i, d] = bordered.load[i, d]
+                columns[2, i, d] = spring * bordered.axis[i, d]
     solve(structure, factors, columns)
-    return border(frame, columns[0], lag) if paced else 0.0
+    return solve_bordered(bordered, columns[0], lag) if prescribes else 0.0
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -242,7 +244,7 @@ def _go(direction, length, x, rate, share, table, count):
 
 @njit(cache=True, error_model="numpy")
 def follow_path(
-    structure, factors, frame, contacts, count, branch, force, lag, spring, x, way, rules
+    structure, factors, bordered, contacts, count, branch, force, lag, spring, x, begin, rules
 ):
     """Follow the path of a step from where it is.
 
@@ -250,8 +252,8 @@ def follow_path(
     ----------
     structure, factors
         Of the matrix K', see `statics.linear.numeric`.
-    frame
-        See `Frame`.
+    bordered
+        See `BorderedPath`.
     contacts, count
         See `statics.plane.forces.joint_forces`; trial reactions are moved on.
     branch
@@ -261,23 +263,23 @@ def follow_path(
         displacement [m]; k [N/m].
     x
         (n, n_dof) increments, moved on.
-    way, rules
-        See `Way` and `Rules`.
+    begin, rules
+        See `PathPoint` and `Rules`.
 
     Returns
     -------
     How the path ended, the multiplier, the share that is left and the number of changes.
     """
-    paced, whole, patience, worth = rules
-    multiplier, left, changes = way
-    table, rate = contacts.table, frame.rate
-    direction = frame.columns[0]
-    by_direction = _first_direction(structure, factors, frame, paced, force, lag, spring)
+    prescribes, whole, patience, worth = rules
+    multiplier, left, changes = begin
+    table, rate = contacts.table, bordered.rate
+    direction = bordered.columns[0]
+    by_direction = _first_direction(structure, factors, bordered, prescribes, force, lag, spring)
     if not np.isfinite(by_direction):
         return SINGULAR, multiplier, left, changes
     if worth < count and _ahead(contacts, count, direction, branch, whole) > worth:
         return MANY, multiplier, left, changes
-    ahead, dry = frame.sense[0], all_dry(table, count)
+    ahead, dry = bordered.sense[0], all_dry(table, count)
     new, last = -1, -1  # change since the factorisation, and the contact that has changed
     before = OPEN
     while True:
@@ -296,42 +298,42 @@ def follow_path(
             return DONE, multiplier, 0.0, changes
         left *= 1.0 - ahead * length
         if left > 1.0 + BELOW_START:
-            return TURNED, multiplier, left, changes
+            return FOLDED, multiplier, left, changes
         last, before = chosen, branch[chosen]
         branch[chosen] = following
-        if changes < frame.bends.shape[0]:
-            frame.bends[changes, 0], frame.bends[changes, 1] = 1.0 - left, multiplier
+        if changes < bordered.bends.shape[0]:
+            bordered.bends[changes, 0], bordered.bends[changes, 1] = 1.0 - left, multiplier
         changes += 1
         new += 1
         if not whole:
             commit(table, chosen, before)
         if changes > patience:
             return LOST, multiplier, left, changes
-        if new == frame.changes.shape[0]:
+        if new == bordered.changes.shape[0]:
             return RENEW, multiplier, left, changes
         pivot = _add_change(
-            structure, factors, frame, paced, contacts, chosen, before, following, new
+            structure, factors, bordered, prescribes, contacts, chosen, before, following, new
         )
         if pivot == 0.0 or not np.isfinite(pivot):
             return SINGULAR, multiplier, left, changes
         scale = 1.0 - ahead * length
-        by_direction = _bend(frame, contacts, chosen, new, scale, direction, by_direction)
+        by_direction = _bend(bordered, contacts, chosen, new, scale, direction, by_direction)
         if pivot < 0.0:
             if not whole:
                 # What the structure snaps over is looked for on the path of the implicit law.
                 whole = True
-                frame.turn[0], frame.turn[1] = 1.0 - left, multiplier
+                bordered.fold[0], bordered.fold[1] = 1.0 - left, multiplier
             ahead = -ahead
-            frame.sense[0] = ahead
+            bordered.sense[0] = ahead
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _bend(frame, contacts, chosen, new, scale, direction, by_direction):
+def _bend(bordered, contacts, chosen, new, scale, direction, by_direction):
     """Turn the direction by the latest change, over what is left of it; see `_add_change`."""
-    which, w = contacts.which, frame.changes[new]
+    which, w = contacts.which, bordered.changes[new]
     a, b = which[chosen, BODY_A], which[chosen, BODY_B]
-    share = scale * along(frame.row, new, 0, direction, a, b) / frame.pivot[new]
+    share = scale * along(bordered.row, new, 0, direction, a, b) / bordered.pivot[new]
     for i in range(direction.shape[0]):
         for d in range(direction.shape[1]):
             direction[i, d] = scale * direction[i, d] - share * w[i, d]
-    return scale * by_direction - share * frame.change_of_multiplier[new]
+    return scale * by_direction - share * bordered.change_of_multiplier[new]

@@ -26,7 +26,7 @@ from drystone.statics.plane.plane_step import PlaneStep
 Array = NDArray[np.float64]
 
 _ENDS = {
-    path.TURNED: "the path of equilibria turns back",
+    path.FOLDED: "the path of equilibria turns back",
     path.LOST: "too many contacts change",
     path.MANY: "too many contacts change",
     path.SINGULAR: "a part of the structure is free to move",
@@ -51,9 +51,9 @@ class Followed:
 
     reason: str
     count: int  # renewals of the gradients
-    turned: bool  # whether the path turns back, so that none lies ahead
+    folded: bool  # whether the path turns back, so that none lies ahead
     #: Share of the step, and multiplier there, where it first turned back.
-    turn: tuple[float, float] | None
+    fold: tuple[float, float] | None
     excess: tuple[float, float] | None  # see `StepSolution`
     bend: tuple[float, float] | None
 
@@ -75,20 +75,20 @@ def follow(
     starts; ``whole`` is to take the implicit law, whose sliding counts over the whole step, from
     there on.
     """
-    pace, geometry, x = step.pace, guess, step.given.copy()
+    prescribed, geometry, x = step.prescribed, guess, step.given.copy()
     start, reason, count, end = multiplier, "", 0, path.DONE
-    follows = pace is not None or bool(step.given.any())
+    follows = prescribed is not None or bool(step.given.any())
     begun = step.branch[: step.n].copy()
     step.evaluate(guess, multiplier)
     step.branch[: step.n] = begun
     step.reaction[: step.n, :2] = reaction[step.which[: step.n, SLOT]]
-    step.frame.turn[:] = np.nan
+    step.bordered.fold[:] = np.nan
     shape = _Shape()
     for count in range(1, settings.renewals + 1):
         walk = _Walk(step, geometry, accuracy, settings, whole=whole or count > 1)
         end, x, multiplier = walk.go(x, multiplier)
         if end == path.DONE and follows and not step.stable:
-            end = path.TURNED
+            end = path.FOLDED
         if end != path.DONE:
             reason = _ENDS[end]
             break
@@ -99,8 +99,8 @@ def follow(
             reason = "a block moves too far in one step"
             break
         step.evaluate(x, multiplier)
-        if count == 1 and pace:
-            sense = -1.0 if pace.missing(np.zeros_like(x)) < 0.0 else 1.0
+        if count == 1 and prescribed:
+            sense = -1.0 if prescribed.missing(np.zeros_like(x)) < 0.0 else 1.0
             shape = _shape(step.bends(walk.changes), start, multiplier, sense)
         enough = step.enough(accuracy, moved)
         if enough > max(accuracy.coarsest, accuracy.tolerance):
@@ -108,17 +108,17 @@ def follow(
             break
         if step.residual > enough or abs(step.missing) > accuracy.lag:
             continue
-        if not step.meet(accuracy):
+        if not step.update_contacts(accuracy):
             break
         step.evaluate(x, multiplier)
     else:
         reason = f"no equilibrium within {settings.renewals} iterations"
-    share, there = step.frame.turn.tolist()
+    share, there = step.bordered.fold.tolist()
     return Followed(
         reason=reason,
         count=count,
-        turned=end == path.TURNED,
-        turn=(share, there) if np.isfinite(share) else None,
+        folded=end == path.FOLDED,
+        fold=(share, there) if np.isfinite(share) else None,
         excess=shape.excess if not reason else None,
         bend=shape.bend if not reason else None,
     )
@@ -138,12 +138,12 @@ class _Walk:
     ) -> None:
         self.step, self.geometry, self.accuracy = step, geometry, accuracy
         self.settings, self.whole = settings, whole
-        pace = step.pace
-        self.lag = pace.missing(geometry) if pace else 0.0
-        self.gradient = pace.gradient(geometry) if pace else None
+        prescribed = step.prescribed
+        self.lag = prescribed.missing(geometry) if prescribed else 0.0
+        self.gradient = prescribed.gradient(geometry) if prescribed else None
         self.left, self.changes = 1.0, 0
         self.patience = int(settings.changes * step.n)
-        step.frame.sense[0] = 1.0
+        step.bordered.sense[0] = 1.0
         step.linearise_here()
 
     def go(self, x: Array, multiplier: float) -> tuple[int, Array, float]:
@@ -152,7 +152,7 @@ class _Walk:
         step.move_trial(x - self.geometry)
         trial, end = x.copy(), path.RENEW
         while end == path.RENEW:
-            if not self.whole and np.isfinite(step.frame.turn[0]):
+            if not self.whole and np.isfinite(step.bordered.fold[0]):
                 self.whole = True
             end, multiplier = self._advance(trial, multiplier, worth)
             worth = step.n
@@ -164,9 +164,9 @@ class _Walk:
         if not self.step.follow_from(x, multiplier, away, gradient):
             return path.SINGULAR, multiplier
         missing = 0.0 if gradient is None else self.lag - float(np.vdot(gradient, away))
-        way = path.Way(multiplier, self.left, self.changes)
+        begin = path.PathPoint(multiplier, self.left, self.changes)
         rules = path.Rules(gradient is not None, self.whole, self.patience, worth)
-        end, (multiplier, self.left, self.changes) = self.step.advance(x, missing, way, rules)
+        end, (multiplier, self.left, self.changes) = self.step.advance(x, missing, begin, rules)
         return end, multiplier
 
 

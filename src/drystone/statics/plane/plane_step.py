@@ -15,7 +15,7 @@ from drystone.law.branches import OPEN
 from drystone.statics.constants import Accuracy, Constants
 from drystone.statics.linear.tangent import Tangent
 from drystone.statics.plane import contacts, path
-from drystone.statics.static_step import Border, StaticStep
+from drystone.statics.static_step import Bordered, StaticStep
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -51,18 +51,18 @@ class PlaneStep(StaticStep):
         #: Steps in which a pair yet keeps the features that it has, (n_pairs,).
         self.kept = np.zeros(pairs.n_pairs, np.int64)
 
-    def _frame(self, border: Border) -> path.Frame:
+    def _bordered(self, bordered: Bordered) -> path.BorderedPath:
         n_slots = self.pairs.n_slots
-        n, n_dof = border.load.shape
-        return path.Frame(
-            **border._asdict(),
+        n, n_dof = bordered.load.shape
+        return path.BorderedPath(
+            **bordered._asdict(),
             changes=np.zeros((CHANGES_PER_MATRIX, n, n_dof)),
             change_of_multiplier=np.zeros(CHANGES_PER_MATRIX),
             row=np.zeros((CHANGES_PER_MATRIX, 1, 2 * n_dof)),
             bodies=np.zeros((CHANGES_PER_MATRIX, 2), np.int64),
             pivot=np.zeros(CHANGES_PER_MATRIX),
             rate=np.zeros((n_slots, 2)),
-            turn=np.full(2, np.nan),
+            fold=np.full(2, np.nan),
             sense=np.ones(1),
             bends=np.zeros((BENDS, 2)),
         )
@@ -86,7 +86,7 @@ class PlaneStep(StaticStep):
         self.changes = np.where(self.kept > 0, 2, 0)
         self._pack(self.closed, branch)
 
-    def _restart(self) -> None:
+    def _reset(self) -> None:
         self.x[:] = 0.0
 
     def _go(self, step: Array, length: float) -> None:
@@ -140,7 +140,7 @@ class PlaneStep(StaticStep):
 
     def evaluate(self, x: Array, multiplier: float) -> None:
         """Reactions, unbalanced forces and ``residual`` [N] at the increments ``x`` (n, n_dof)."""
-        self.set_out(x, multiplier)
+        self.restart(x, multiplier)
         self.respond()
         self.balance(self.reaction)
 
@@ -184,19 +184,19 @@ class PlaneStep(StaticStep):
         contacts.move_trial(*self.contacts, self.n, motion)
 
     def advance(
-        self, x: Array, lag: float, way: path.Way, rules: path.Rules
-    ) -> tuple[int, path.Way]:
+        self, x: Array, lag: float, begin: path.PathPoint, rules: path.Rules
+    ) -> tuple[int, path.PathPoint]:
         """Follow the path from ``x``, which moves on in place; see
         `statics.plane.path.follow_path`."""
         end, multiplier, left, changes = path.follow_path(
-            self.structure, self.factors, self.frame, self.contacts, self.n, self.branch,
-            self.force, lag, self.spring, x, way, rules,
+            self.structure, self.factors, self.bordered, self.contacts, self.n, self.branch,
+            self.force, lag, self.spring, x, begin, rules,
         )  # fmt: skip
-        return end, path.Way(multiplier, left, changes)
+        return end, path.PathPoint(multiplier, left, changes)
 
     def bends(self, changes: int) -> Array:
         """Share of the step and multiplier at the changes of the path followed last, (n, 2)."""
-        bends: Array = self.frame.bends[: min(changes, BENDS)]
+        bends: Array = self.bordered.bends[: min(changes, BENDS)]
         return bends
 
     def remember(self) -> None:
@@ -205,7 +205,7 @@ class PlaneStep(StaticStep):
 
     # The features of contacts.
 
-    def meet(self, accuracy: Accuracy) -> bool:
+    def update_contacts(self, accuracy: Accuracy) -> bool:
         """Take on the features that contacts press with where the step is; whether they are others.
 
         With either of two sets blocks may end where they have the other: two corners that hardly
@@ -248,8 +248,8 @@ class PlaneStep(StaticStep):
         self.lines[:], self.closed[:] = heirs.of(self.lines), heirs.of(self.closed)
         self.there[:] = heirs.of(self.there)
         self.origin[:] = heirs.of(self.origin, -1)
-        if len(self.holding):
-            self.holding[:] = heirs.of(self.holding, self.fresh)
+        if len(self.current):
+            self.current[:] = heirs.of(self.current, self.fresh)
         for mine, theirs in zip(self.known, slots, strict=True):
             mine[:] = theirs
         self.known.value[:, SIZE] = np.where(self.there, heirs.of(size), slots.size)

@@ -103,7 +103,7 @@ def pack_places(slots, history, count, places):
 
 
 @njit(cache=True)
-def turn_on(step, length, axes_0, motion, turn, axes):
+def rotate_on(step, length, axes_0, motion, rotation, axes):
     """Move bodies on by ``length`` times increments, from where they are in a step.
 
     Parameters
@@ -116,7 +116,7 @@ def turn_on(step, length, axes_0, motion, turn, axes):
         (n, 3, 3) principal axes where the step starts, in columns.
     motion
         Poses (n, 7) as seen from the start of the step, changed in place.
-    turn, axes
+    rotation, axes
         (n, 3, 3) filled with the rotation less identity, and the principal axes.
     """
     for i in range(step.shape[0]):
@@ -128,11 +128,11 @@ def turn_on(step, length, axes_0, motion, turn, axes):
             vy += axes_0[i, 1, k] * w
             vz += axes_0[i, 2, k] * w
         spin(motion, i, vx, vy, vz)
-        place_axes(motion, i, axes_0, turn, axes)
+        place_axes(motion, i, axes_0, rotation, axes)
 
 
 @njit(cache=True, nogil=True)
-def locate(which, start, table, shear, first, low, high, motion, turn, now, trial):
+def locate(which, start, table, shear, first, low, high, motion, rotation, now, trial):
     """Where the contacts of pairs ``low`` to ``high`` are, and their trial reactions (n, 3) [N]."""
     for c in range(first[low], first[high]):
         on_b = start[c, SIDE] > 0.0
@@ -140,23 +140,29 @@ def locate(which, start, table, shear, first, low, high, motion, turn, now, tria
         f = which[c, BODY_A] if on_b else which[c, BODY_B]
         ball = start[c, BALL]
         p0, p1, p2 = start[c, POINT], start[c, POINT + 1], start[c, POINT + 2]
-        m0 = turn[v, 0, 0] * p0 + turn[v, 0, 1] * p1 + turn[v, 0, 2] * p2
-        m1 = turn[v, 1, 0] * p0 + turn[v, 1, 1] * p1 + turn[v, 1, 2] * p2
-        m2 = turn[v, 2, 0] * p0 + turn[v, 2, 1] * p1 + turn[v, 2, 2] * p2
+        m0 = rotation[v, 0, 0] * p0 + rotation[v, 0, 1] * p1 + rotation[v, 0, 2] * p2
+        m1 = rotation[v, 1, 0] * p0 + rotation[v, 1, 1] * p1 + rotation[v, 1, 2] * p2
+        m2 = rotation[v, 2, 0] * p0 + rotation[v, 2, 1] * p1 + rotation[v, 2, 2] * p2
         g0 = motion[v, 0] - motion[f, 0] + m0
         g1 = motion[v, 1] - motion[f, 1] + m1
         g2 = motion[v, 2] - motion[f, 2] + m2
         d0, d1, d2 = start[c, FROM_F] + g0, start[c, FROM_F + 1] + g1, start[c, FROM_F + 2] + g2
         # (R_f^T - I) d is that of the transpose.
-        g0 += turn[f, 0, 0] * d0 + turn[f, 1, 0] * d1 + turn[f, 2, 0] * d2
-        g1 += turn[f, 0, 1] * d0 + turn[f, 1, 1] * d1 + turn[f, 2, 1] * d2
-        g2 += turn[f, 0, 2] * d0 + turn[f, 1, 2] * d1 + turn[f, 2, 2] * d2
+        g0 += rotation[f, 0, 0] * d0 + rotation[f, 1, 0] * d1 + rotation[f, 2, 0] * d2
+        g1 += rotation[f, 0, 1] * d0 + rotation[f, 1, 1] * d1 + rotation[f, 2, 1] * d2
+        g2 += rotation[f, 0, 2] * d0 + rotation[f, 1, 2] * d1 + rotation[f, 2, 2] * d2
         for k in range(3):
             q0, q1, q2 = start[c, AXES + k], start[c, AXES + 3 + k], start[c, AXES + 6 + k]
             now[c, Y + k] = q0 * g0 + q1 * g1 + q2 * g2
-            now[c, NOW + k] = q0 + turn[f, 0, 0] * q0 + turn[f, 0, 1] * q1 + turn[f, 0, 2] * q2
-            now[c, NOW + 3 + k] = q1 + turn[f, 1, 0] * q0 + turn[f, 1, 1] * q1 + turn[f, 1, 2] * q2
-            now[c, NOW + 6 + k] = q2 + turn[f, 2, 0] * q0 + turn[f, 2, 1] * q1 + turn[f, 2, 2] * q2
+            now[c, NOW + k] = (
+                q0 + rotation[f, 0, 0] * q0 + rotation[f, 0, 1] * q1 + rotation[f, 0, 2] * q2
+            )
+            now[c, NOW + 3 + k] = (
+                q1 + rotation[f, 1, 0] * q0 + rotation[f, 1, 1] * q1 + rotation[f, 1, 2] * q2
+            )
+            now[c, NOW + 6 + k] = (
+                q2 + rotation[f, 2, 0] * q0 + rotation[f, 2, 1] * q1 + rotation[f, 2, 2] * q2
+            )
         now[c, ARM_V] = p0 + m0 - ball * now[c, NOW]
         now[c, ARM_V + 1] = p1 + m1 - ball * now[c, NOW + 3]
         now[c, ARM_V + 2] = p2 + m2 - ball * now[c, NOW + 6]
@@ -165,9 +171,15 @@ def locate(which, start, table, shear, first, low, high, motion, turn, now, tria
         now[c, ARM_F + 2] = d2 - ball * now[c, NOW + 6]
         if ball > 0.0:
             # Rolling: the rotation of v against f, to third order, times the radius.
-            w0 = 0.5 * (turn[v, 2, 1] - turn[v, 1, 2] - turn[f, 2, 1] + turn[f, 1, 2])
-            w1 = 0.5 * (turn[v, 0, 2] - turn[v, 2, 0] - turn[f, 0, 2] + turn[f, 2, 0])
-            w2 = 0.5 * (turn[v, 1, 0] - turn[v, 0, 1] - turn[f, 1, 0] + turn[f, 0, 1])
+            w0 = 0.5 * (
+                rotation[v, 2, 1] - rotation[v, 1, 2] - rotation[f, 2, 1] + rotation[f, 1, 2]
+            )
+            w1 = 0.5 * (
+                rotation[v, 0, 2] - rotation[v, 2, 0] - rotation[f, 0, 2] + rotation[f, 2, 0]
+            )
+            w2 = 0.5 * (
+                rotation[v, 1, 0] - rotation[v, 0, 1] - rotation[f, 1, 0] + rotation[f, 0, 1]
+            )
             n0, n1, n2 = now[c, NOW], now[c, NOW + 3], now[c, NOW + 6]
             x0, x1, x2 = w1 * n2 - w2 * n1, w2 * n0 - w0 * n2, w0 * n1 - w1 * n0
             for k in range(1, 3):

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.contact.contacts import HELD, NONE, PAIR, SLOT, Pairs, Slots
+from drystone.contact.contacts import INTACT, NONE, PAIR, SLOT, Pairs, Slots
 from drystone.geometry.rotation import all_axes, difference
 from drystone.law import space as space_law
 from drystone.law.branches import OPEN
@@ -36,15 +36,15 @@ class SpaceStep(StaticStep):
         )
         self.now = np.zeros((n_slots, contacts.N_NOW))
         assembly = constants.detector.assembly
-        self.motion, self.none = assembly.rest_pose(), assembly.rest_pose()
-        self.turn, self.axes_0, self.axes = (np.zeros((n, 3, 3)) for _ in range(3))
+        self.motion, self.none = assembly.design_pose(), assembly.design_pose()
+        self.rotation, self.axes_0, self.axes = (np.zeros((n, 3, 3)) for _ in range(3))
         self.twist = np.zeros((n, 6))
         self.wrench = np.zeros((n_pairs, 2, 6))
         self.of_pairs = np.zeros((n_pairs, 2, 6, 6))
         self.begin_of, self.of_body = _pairs_of_bodies(pairs, n)
 
     def _take_up(self, slots: Slots, branch: IntArray, guess: Array) -> None:
-        all_axes(self.pose, self.constants.detector.assembly.axes, self.turn, self.axes_0)
+        all_axes(self.pose, self.constants.detector.assembly.axes, self.rotation, self.axes_0)
         self._begin_again(slots, branch)
 
     def _begin_again(self, slots: Slots, branch: IntArray) -> None:
@@ -55,7 +55,7 @@ class SpaceStep(StaticStep):
         self._pack(branch != OPEN, branch)
         contacts.pack_places(self.known, self.history_before, self.n, self.places)
 
-    def meet(self, accuracy: Accuracy) -> bool:
+    def update_contacts(self, accuracy: Accuracy) -> bool:
         """Take on the contacts of pairs that have come to press each other elsewhere than followed.
 
         Blocks that meet within a step do so with other features than those watched from afar: what
@@ -67,7 +67,7 @@ class SpaceStep(StaticStep):
         self._find()
         stiffness = self.constants.laws[pairs.law_of_slot, KN] * self.found.size
         closed = -self.found.gap
-        if len(self.holding):
+        if len(self.current):
             closed = closed - self._crushed()[pairs.of_slot]
         overlap = np.where(self.found.kind == NONE, 0.0, np.maximum(closed, 0.0))
         # Faces that lie on each other part and meet by rounding.
@@ -75,8 +75,8 @@ class SpaceStep(StaticStep):
         pushes = np.maximum(self.reaction[:n, 0], 0.0)
         carried = np.bincount(self.which[:n, PAIR], pushes, minlength=pairs.n_pairs)
         # What bonds hold together has not come to meet.
-        held = np.bincount(self.which[:n, PAIR], self.table[:n, HELD], pairs.n_pairs)
-        anew = ((pressed > accuracy.pressed + 2.0 * carried) & (held == 0.0))[pairs.of_slot]
+        intact = np.bincount(self.which[:n, PAIR], self.table[:n, INTACT], pairs.n_pairs)
+        anew = ((pressed > accuracy.pressed + 2.0 * carried) & (intact == 0.0))[pairs.of_slot]
         if not anew.any():
             return False
         history, branch = self.history_before.copy(), self.by_slot(self.branch)
@@ -88,8 +88,8 @@ class SpaceStep(StaticStep):
         history[anew, BROKEN] = 1.0
         detector.follow(pairs, self.pose, self.known, self.slots)
         self.origin[anew] = -1
-        if len(self.holding):
-            self.holding[anew] = self.fresh[anew]
+        if len(self.current):
+            self.current[anew] = self.fresh[anew]
         self.history_before[:] = history
         self._begin_again(self.slots, branch)
         return True
@@ -101,12 +101,12 @@ class SpaceStep(StaticStep):
         np.maximum.at(crushed, self.pairs.of_slot, closure)
         return crushed
 
-    def _restart(self) -> None:
+    def _reset(self) -> None:
         self.motion[:] = self.none
         self.axes[:] = self.axes_0
 
     def _go(self, step: Array, length: float) -> None:
-        contacts.turn_on(step, length, self.axes_0, self.motion, self.turn, self.axes)
+        contacts.rotate_on(step, length, self.axes_0, self.motion, self.rotation, self.axes)
         difference(self.motion, self.none, self.axes_0, self.x)
 
     def _locate_all(self) -> None:
@@ -149,7 +149,7 @@ class SpaceStep(StaticStep):
     def _locate(self, low: int, high: int) -> None:
         which, start, table, shear, first = self.places
         contacts.locate(
-            which, start, table, shear, first, low, high, self.motion, self.turn, self.now,
+            which, start, table, shear, first, low, high, self.motion, self.rotation, self.now,
             self.trial,
         )  # fmt: skip
 

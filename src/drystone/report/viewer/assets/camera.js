@@ -58,8 +58,8 @@ export class Camera {
       wide = Math.max(wide, Math.abs(dot(off, right)));
       high = Math.max(high, Math.abs(dot(off, up)));
     }
-    const room = 1.25; // around the structure, so that it may move
-    return (room * Math.max(high, (wide * this.height) / this.width, 1e-9)) / this.zoom;
+    const margin = 1.25; // around the structure, so that it may move
+    return (margin * Math.max(high, (wide * this.height) / this.width, 1e-9)) / this.zoom;
   }
 
   /** Metres per pixel. */
@@ -127,8 +127,8 @@ export class Camera {
   zoomAt(factor, x = 0.5 * this.width, y = 0.5 * this.height) {
     const before = this.metresPerPixel;
     this.zoom = Math.min(Math.max(this.zoom * factor, 0.05), 500);
-    const gone = before / this.metresPerPixel - 1;
-    return this.pan(-(x - 0.5 * this.width) * gone, -(y - 0.5 * this.height) * gone);
+    const change = before / this.metresPerPixel - 1;
+    return this.pan(-(x - 0.5 * this.width) * change, -(y - 0.5 * this.height) * change);
   }
 }
 

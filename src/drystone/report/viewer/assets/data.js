@@ -25,7 +25,7 @@ export class Record {
     this.owner = streams.owner.values;
     this.triangles = streams.triangles.values;
     this.edges = streams.edges.values;
-    this.settled = this._settled(streams.settled.values);
+    this.initial = this._initial(streams.initial.values);
     this.motion = streams.motion;
     this.motionScale = streams.motion_scale;
     this.joints = new Joints(streams, this);
@@ -39,7 +39,7 @@ export class Record {
     this.size = Math.max(...[0, 1, 2].map((i) => this.box.high[i] - this.box.low[i]));
   }
 
-  _settled(stored) {
+  _initial(stored) {
     const poses = new Float32Array(this.n * POSE);
     const width = this.dimension === 2 ? 3 : 7;
     for (let i = 0; i < this.n; i++) {
@@ -62,7 +62,7 @@ export class Record {
     const p = [0, 0, 0];
     for (let v = 0; v < this.owner.length; v++) {
       if (!counts(this.owner[v])) continue;
-      this.vertexAt(this.settled, v, p);
+      this.vertexAt(this.initial, v, p);
       for (let k = 0; k < 3; k++) {
         low[k] = Math.min(low[k], p[k]);
         high[k] = Math.max(high[k], p[k]);
@@ -80,8 +80,8 @@ export class Record {
         high[k] = Math.max(high[k], p[k]);
       }
     };
-    for (let i = 0; i < this.ties.n; i++) this.ties.endsAt(this.settled, i).forEach(hold);
-    for (const arrow of this.arrows) this.arrowAt(this.settled, arrow).forEach(hold);
+    for (let i = 0; i < this.ties.n; i++) this.ties.endsAt(this.initial, i).forEach(hold);
+    for (const arrow of this.arrows) this.arrowAt(this.initial, arrow).forEach(hold);
     return { low, high };
   }
 
@@ -124,7 +124,7 @@ export class Record {
 
   /** Poses of all blocks at point k, displacements taken `factor` times, into `out`. */
   posesAt(k, factor, out = new Float32Array(this.n * POSE)) {
-    out.set(this.settled);
+    out.set(this.initial);
     const [motion, turned] = [new Float64Array(6), new Float64Array(4)];
     for (let i = 0; i < this.n; i++) {
       const at = i * POSE;
@@ -132,7 +132,7 @@ export class Record {
       this.motionOf(k, i, motion);
       for (let c = 0; c < 3; c++) out[at + c] += factor * motion[c];
       fromVector(factor * motion[3], factor * motion[4], factor * motion[5], turned, 0);
-      multiply(turned, 0, this.settled, at + 4, out, at + 4);
+      multiply(turned, 0, this.initial, at + 4, out, at + 4);
     }
     return out;
   }
@@ -157,7 +157,7 @@ export class Record {
         continue;
       }
       this.vertexAt(poses, v, now);
-      this.vertexAt(this.settled, v, before);
+      this.vertexAt(this.initial, v, before);
       out[v] = Math.hypot(now[0] - before[0], now[1] - before[1], now[2] - before[2]);
       if (out[v] > largest) largest = out[v];
     }
@@ -169,7 +169,7 @@ export class Record {
     const control = this.header.control;
     if (!control) return null;
     const at = (where) => this.carried(where, control.block, control.point);
-    return { start: at(this.settled), now: at(poses) };
+    return { start: at(this.initial), now: at(poses) };
   }
 }
 

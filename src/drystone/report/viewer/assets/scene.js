@@ -11,12 +11,12 @@ uniform highp sampler2D poses;
 uniform mat4 clip;
 in vec3 position;
 in float owner;
-vec3 posed(vec3 arm, out float gone) {
+vec3 posed(vec3 arm, out float hidden) {
   int texel = 2 * int(owner + 0.5);
   vec4 where = texelFetch(poses, ivec2(texel % ${WIDTH}, texel / ${WIDTH}), 0);
   vec4 q = texelFetch(poses, ivec2(texel % ${WIDTH} + 1, texel / ${WIDTH}), 0);
   vec3 t = 2.0 * cross(q.xyz, arm);
-  gone = where.w;
+  hidden = where.w;
   return where.xyz + arm + q.w * t + cross(q.xyz, t);
 }`;
 
@@ -25,10 +25,10 @@ in vec4 colour;
 out vec4 shade;
 out vec3 world;
 void main() {
-  float gone;
-  world = posed(position, gone);
+  float hidden;
+  world = posed(position, hidden);
   shade = colour;
-  gl_Position = gone > 0.5 ? vec4(2.0, 2.0, 2.0, 1.0) : clip * vec4(world, 1.0);
+  gl_Position = hidden > 0.5 ? vec4(2.0, 2.0, 2.0, 1.0) : clip * vec4(world, 1.0);
 }`;
 
 const BODY_FRAGMENT = `

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.common.tolerances import FARTHEST_TURN
+from drystone.common.tolerances import FARTHEST_ROTATION
 from drystone.geometry.motion import rotations
 from drystone.law.strengths import Strengths
 from drystone.statics.constants import Accuracy
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-class NewtonWay:
+class SofteningNewton:
     """A step on its way, from where it is, to an equilibrium with the strengths that joints have
     there."""
 
@@ -70,23 +70,25 @@ class NewtonWay:
         step.damping[:] = 0.0
         if not step.factorise(step.reaction, 0.0):
             return False
-        step.frame.columns[0] = step.force
+        step.bordered.columns[0] = step.force
         self.by_multiplier = step.solve(step.missing)
-        most = float(np.abs(rotations(step.frame.columns[0])).max())
-        return bool(np.isfinite(self.by_multiplier) and most < FARTHEST_TURN)
+        most = float(np.abs(rotations(step.bordered.columns[0])).max())
+        return bool(np.isfinite(self.by_multiplier) and most < FARTHEST_ROTATION)
 
     def move(self, length: float) -> None:
         """Go on by so much of it."""
         self.step.multiplier += length * self.by_multiplier
-        self.step.move(self.step.frame.columns[0], length)
+        self.step.move(self.step.bordered.columns[0], length)
 
-    def stand(self, held: Array, solved: StepSolution) -> StepSolution | None:
-        """The solution where it is, with what joints hold there (n_slots, N_HELD), if nothing is
+    def stand(self, current: Array, solved: StepSolution) -> StepSolution | None:
+        """The solution where it is, with what joints hold there (n_slots, N_CURRENT), if nothing is
         unbalanced with that; but for its place as one ``solved`` before."""
         step, accuracy = self.step, self.accuracy
-        step.take(held)
+        step.take(current)
         moved = step.constants.detector.farthest(step.x)
-        if not (step.balanced(accuracy) and moved <= accuracy.farthest) or step.meet(accuracy):
+        if not (step.balanced(accuracy) and moved <= accuracy.farthest) or step.update_contacts(
+            accuracy
+        ):
             return None
         return replace(
             solved,
@@ -96,7 +98,7 @@ class NewtonWay:
             bend=solved.bend or (0.0, 0.0),
             slope=self.at_end,
             tangent=self.tangent,
-            turn=None,
+            fold=None,
             unstable=False,
             reason="",
         )
@@ -107,9 +109,9 @@ class NewtonWay:
         step.damping[:] = 0.0
         if not step.factorise(step.reaction, 0.0):
             return None
-        step.frame.columns[0] = 0.0
+        step.bordered.columns[0] = 0.0
         self.at_end = step.solve(1.0)
-        self.tangent = step.frame.columns[0].copy()
+        self.tangent = step.bordered.columns[0].copy()
         if not (step.stable and np.isfinite(self.at_end)):
             return None
         return None if grows(step, self.accuracy, self.settings) else self.at_end

@@ -16,7 +16,7 @@ from drystone.engines.base import Demand, StepReport
 
 
 @dataclass(frozen=True, kw_only=True)
-class SettlingSettings:
+class SupportSettings:
     """Settings of the pacing; lengths are angles [rad] where supports turn."""
 
     largest: float  # m, how far supports go
@@ -24,36 +24,37 @@ class SettlingSettings:
     unit: float  # N or N m, that the multiplier counts the reaction in
     scale: float = 1.0  # m, by which an angle is a motion
     first_share: float = tolerances.FIRST_SHARE  # first step over the largest
-    floor_share: float = tolerances.SETTLING_FLOOR  # smallest step over the largest
+    floor_share: float = tolerances.SUPPORT_FLOOR  # smallest step over the largest
     # Motion of a block over that of the supports, or over as much as it was in the last step, above
     # which it jumps.
-    leap: float = tolerances.LEAP
+    jump_ratio: float = tolerances.JUMP_RATIO
     most_jumps: int = 10  # of smallest steps in a row, after which it has fallen
     # Over the weight, above which a point is passed in motion.
     inertia: float = tolerances.STATIC_INERTIA
     # Of the largest reaction, by which it may leave its course in a step.
-    bend_share: float = tolerances.SETTLING_BEND
+    bend_share: float = tolerances.SUPPORT_BEND
     time_step: float = 0.0  # s, of engines of dynamic formulations
-    easy_iterations: int = 12
+    grow_iterations: int = 12
     max_steps: int = 100_000
 
 
 @dataclass(frozen=True, kw_only=True)
 class _State:
     step: float
-    gone: float = 0.0
+    moved: float = 0.0
     n_steps: int = 0
     reaction: float = 0.0
     slope: float | None = None
     greatest: float = 0.0
     jumps: int = 0  # in a row
-    pace: float = 0.0  # m, motion of the fastest block over that of the supports in the last step
+    # m, motion of the fastest block over that of the supports in the last step
+    motion_ratio: float = 0.0
 
 
-class SettlingControl:
+class SupportControl:
     """See the module's text."""
 
-    def __init__(self, settings: SettlingSettings) -> None:
+    def __init__(self, settings: SupportSettings) -> None:
         self.settings = settings
 
     def first(self, report: StepReport) -> Decision[_State]:
@@ -73,38 +74,38 @@ class SettlingControl:
 
     def _demand(self, state: _State) -> Demand:
         s = self.settings
-        left = s.largest - state.gone
+        left = s.largest - state.moved
         return Demand(settlement=min(state.step, left), time_step=s.time_step)
 
     def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision[_State]:
         """Try again with less where a step fails or leaps; else go on."""
         s, step = self.settings, demand.settlement or 0.0
         floor = s.floor_share * s.step
-        usual = max(state.pace, s.scale)
-        leaps = report.converged and report.motion > s.leap * usual * step
-        if not report.converged or (leaps and (step > floor or state.jumps == s.most_jumps)):
+        usual = max(state.motion_ratio, s.scale)
+        jumps = report.converged and report.motion > s.jump_ratio * usual * step
+        if not report.converged or (jumps and (step > floor or state.jumps == s.most_jumps)):
             return self._again(state, report, step)
-        gone = step * report.reached
-        slope = (report.reaction - state.reaction) / gone if gone else state.slope
+        advanced = step * report.reached
+        slope = (report.reaction - state.reaction) / advanced if advanced else state.slope
         greatest = max(state.greatest, abs(report.reaction))
-        worth = step > tolerances.WORTH_BENDING * floor and not leaps
+        worth = step > tolerances.WORTH_BENDING * floor and not jumps
         if state.slope is not None and slope is not None and worth:
-            off = abs(slope - state.slope) * gone
+            off = abs(slope - state.slope) * advanced
             first = tolerances.WORTH_OF_FIRST * s.first_share * s.step
             if off > s.bend_share * greatest and step > first:
                 return self._refined(state, step)
         state = changed(
             state,
-            gone=state.gone + gone,
+            moved=state.moved + advanced,
             n_steps=state.n_steps + 1,
             reaction=report.reaction,
             slope=slope,
             greatest=greatest,
             step=self._next(step, report),
-            jumps=state.jumps + 1 if leaps else 0,
-            pace=state.pace if leaps or not gone else report.motion / gone,
+            jumps=state.jumps + 1 if jumps else 0,
+            motion_ratio=state.motion_ratio if jumps or not advanced else report.motion / advanced,
         )
-        over = state.gone >= s.largest * tolerances.ALL_GONE
+        over = state.moved >= s.largest * tolerances.ALL_MOVED
         many = state.n_steps >= s.max_steps
         reason = say("end.supports_gone") if over else ""
         if many and not over:
@@ -114,24 +115,26 @@ class SettlingControl:
             demand=None if reason else self._demand(state),
             state=state,
             load_multiplier=report.reaction / s.unit,
-            way=self._way(report),
+            dynamic_multipliers=self._dynamic_multipliers(report),
             dynamic=report.dynamic or report.inertia_ratio > s.inertia,
-            jumped=leaps,
+            jumped=jumps,
             reason=reason,
             finished=over,
         )
 
-    def _way(self, report: StepReport) -> tuple[float, ...]:
+    def _dynamic_multipliers(self, report: StepReport) -> tuple[float, ...]:
         """What the curve shows of the points in motion on the way of a step."""
-        return tuple(passed.reaction / self.settings.unit for _, passed in report.path.way)
+        return tuple(
+            passed.reaction / self.settings.unit for _, passed in report.path.dynamic_states
+        )
 
     def _next(self, step: float, report: StepReport) -> float:
         s = self.settings
-        easy = s.time_step > 0.0 or report.n_iterations <= s.easy_iterations
-        return min(2.0 * step if easy else step, s.step)
+        grows = s.time_step > 0.0 or report.n_iterations <= s.grow_iterations
+        return min(2.0 * step if grows else step, s.step)
 
     def _refined(self, state: _State, step: float) -> Decision[_State]:
-        state = changed(state, step=tolerances.SETTLING_SHORTER * step)
+        state = changed(state, step=tolerances.SUPPORT_SHORTER * step)
         return Decision(accept=False, demand=self._demand(state), state=state)
 
     def _again(self, state: _State, report: StepReport, step: float) -> Decision[_State]:
@@ -143,7 +146,7 @@ class SettlingControl:
                 state=state,
                 reason=say("end.supports_fall", why=why),
                 finished=True,
-                way=self._way(report),
+                dynamic_multipliers=self._dynamic_multipliers(report),
             )
-        state = changed(state, step=max(tolerances.SETTLING_SHORTER * step, s.floor_share * s.step))
+        state = changed(state, step=max(tolerances.SUPPORT_SHORTER * step, s.floor_share * s.step))
         return Decision(accept=False, demand=self._demand(state), state=state)

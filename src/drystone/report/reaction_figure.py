@@ -38,7 +38,7 @@ def marked_points(curve: CapacityCurve) -> list[tuple[tuple[str, ...], CurvePoin
     return [(tuple(name), by_step[step]) for step, name in names.items()]
 
 
-def plot_settling(axes: Axes, curves: Sequence[tuple[str, CapacityCurve]]) -> None:
+def plot_reaction(axes: Axes, curves: Sequence[tuple[str, CapacityCurve]]) -> None:
     """Draw labelled curves whose supports all go by lengths, or all by angles."""
     canvas.plain_axes(axes)
     quantities = Quantities.of(curves[0][1])

@@ -48,13 +48,13 @@ def of_analysis(curve: CapacityCurve, model: Model | None, words: Words) -> list
 def outcome(curve: CapacityCurve, model: Model | None, text: Words) -> str:
     """Whether the structure stands on supports that have moved, in a sentence."""
     if not curve.points:
-        return text["settles"]
+        return text["supports_only"]
     shown, last = Quantities.of(curve), curve.points[-1].control_displacement
     motion = shown.motion_text(last)
     settlement = None if model is None else model.settlement
     if settlement is not None and last >= settlement.largest * (1.0 - REACHED):
-        key = "settles_stands_less" if curve.first_collapse is not None else "settles_stands"
+        key = "supports_stands_less" if curve.first_collapse is not None else "supports_stands"
     else:
-        key = "settles_falls" if curve.status == FINISHED else "settles_unfinished"
+        key = "supports_falls" if curve.status == FINISHED else "supports_unfinished"
     event = "" if curve.first_collapse is None else spoken(curve.first_collapse.said)
-    return f"{text[key].format(motion=motion, event=event)} {text['settles']}"
+    return f"{text[key].format(motion=motion, event=event)} {text['supports_only']}"
