@@ -1,4 +1,4 @@
-"""Bias-free pacing of engines that step under a given multiplier.
+"""Load increments without bias, for engines that step under a given multiplier.
 
 Every step starts from rest under the static multiplier of the last point plus a small excess.  The
 excess adapts so that the fastest block moves by a given amount in the step; with a long time step
@@ -19,7 +19,7 @@ from drystone.engines.base import Demand, StepReport
 
 @dataclass(frozen=True, kw_only=True)
 class ExcessSettings(EndSettings):
-    """Settings of the pacing."""
+    """Settings of the steps."""
 
     displacement_step: float  # m, of the fastest block in a step
     time_step: float = tolerances.EXCESS_TIME_STEP  # s
@@ -37,7 +37,7 @@ class ExcessSettings(EndSettings):
 
 @dataclass(frozen=True, kw_only=True)
 class ExcessState:
-    """What the pacing remembers."""
+    """What the control keeps from step to step."""
 
     excess: float
     time_step: float

@@ -51,10 +51,10 @@ class NlgsSettings:
     max_sweeps_in_space: int = 300  # what is not found from within by then asks for a shorter step
     first_sweeps: int = 20  # before the accelerator is first tried
     corrections: int = 15  # of the branches, each with a linear solution
-    # How stiffly sticking contacts are held, move by move, over the stiffest joint or, in short
-    # steps, the largest mass at a contact.  Softer ones, tried where Newton's method does not
-    # converge with the last, forgive wrong branches; stiffer ones settle forces that next to no
-    # slip decides.
+    # Penalty stiffnesses of sticking contacts, used one after another, over the stiffest joint or,
+    # in short steps, the largest mass at a contact.  Soft ones are tried where Newton's method does
+    # not converge: they forgive wrong branches.  Stiff ones fix forces that a very small slip
+    # decides.
     penalties: tuple[tuple[float, ...], ...] = (
         (STIFF_PENALTY,) * 4 + (STIFFER_PENALTY,) * 2 + (STIFFEST_PENALTY,) * 2,
         (SOFT_PENALTY,) * 12,
@@ -229,8 +229,9 @@ class _Step:
 class _Accelerator:
     """Newton's method on the velocities, from where the sweeps have come.
 
-    Sticking is held by a stiff spring about the present tangential impulse; once the branches of
-    the law have settled, the spring is moved to the new impulse until nothing slips that sticks.
+    A stiff spring about the present tangential impulse stands for sticking (a penalty).  Once the
+    branches of the law no longer change, the spring is moved to the new impulse.  That is repeated
+    until no contact slips that sticks.
     """
 
     def __init__(self, problem, system, free_velocity, h, settings, ties) -> None:
@@ -239,11 +240,11 @@ class _Accelerator:
         self.problem, self.system = problem, system
         self.mass, self.free_velocity, self.h = system.mass, free_velocity, h
         self.corrections, self.penalties = settings.corrections, settings.penalties
-        # In short steps inertia is stiffer than joints, and a hold softer than it holds nothing.
+        # In short steps inertia is stiffer than joints: a softer penalty would have no effect.
         stiffness = problem.contacts.table[:, (STIFF_N, STIFF_T)]
         self.stiffest = h * h * stiffness.max(initial=0.0)
         self.penalty = 0.0  # kg
-        # Momentum defect at which the branches count as settled, from the tolerance on forces.
+        # Momentum defect at which the branches count as fixed, from the tolerance on forces.
         lightest = np.sqrt(problem.inverse_mass.max(initial=0.0))
         self.enough = BRANCHES_FIXED * settings.tolerance * h * lightest
         self.defect = np.zeros_like(free_velocity)
@@ -254,7 +255,7 @@ class _Accelerator:
     def tries(
         self, before: Array, guess: Array | None, impulse: Array, velocity: Array
     ) -> Iterator[Attempt]:
-        """What to try, in turn.
+        """What to try, one after another.
 
         Parameters
         ----------

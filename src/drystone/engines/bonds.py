@@ -43,7 +43,7 @@ class BondSteps(Generic[State]):
     solve: Callable[[State, float], tuple[State, StepReport]]  # by a share of the increment
     broken: Callable[[State, IntArray], State]  # the state without the bonds of some slots
     laws: Array  # table of `law.table`
-    slight: float  # N, what a bond may let go without being told from others
+    slight: float  # N, release of a bond that is too small to count
     near: float  # margin, from above, that counts as being at the strength
     bars: Bars | None = None  # ties that may break, as bonds do, or yield
     most_trials: int = 20  # for the share at which a bond is
@@ -51,8 +51,8 @@ class BondSteps(Generic[State]):
     def advance(self, state: State) -> Solved[State]:
         """As much of the increment as the bonds allow, or what a break brings about.
 
-        Bonds that let go next to nothing, such as those of joints that nothing presses together,
-        break on the way.
+        Bonds that release next to nothing, such as those of joints without pressure, break within
+        the step.
         """
         if len(state.due):
             return self._break(state, state.due)
@@ -100,7 +100,7 @@ class BondSteps(Generic[State]):
 
     def _yields(self, state: State) -> bool:
         """Whether the step has ended where ties begin to yield: a corner of the curve, at which
-        nothing lets go."""
+        no force is released."""
         ties = state.due - len(state.reaction)
         return self.bars is not None and not (
             (ties < 0).any() or self.bars.breaking(state.ties, ties).any()

@@ -125,7 +125,8 @@ def local_impulse_in_space(bn, b1, b2, w, cnn, mu, p):
 
 @njit(cache=True, error_model="numpy")
 def projected_impulse(pn, pt, mu, sticks):
-    """Impulses of trial ones [N s], and their branch; one that is ``sticks`` sticks anyway."""
+    """Trial impulses [N s] projected onto the cone, and their branch.  A contact that ``sticks`` is
+    not projected."""
     if pn <= 0.0:
         return 0.0, 0.0, OPEN
     limit = mu * pn

@@ -1,4 +1,4 @@
-"""What joints hold as they soften, are crushed and close: strengths by history.
+"""Stiffness and strengths of joints that soften, are crushed and close, by their history.
 
 With the inelastic opening k_n and slip k_t [m] of a contact, its bond has softened by
 
@@ -70,7 +70,7 @@ def _logarithmic(share: Array) -> tuple[Array, Array, Array]:
 
 
 class Reached(NamedTuple):
-    """What contacts (n_slots,) have come to at the end of a step."""
+    """The state of softening of contacts (n_slots,) at the end of a step."""
 
     softened: Array  # s, -
     opened: Array  # m, inelastic
@@ -102,7 +102,7 @@ class Strengths:
         self.bonded: BoolArray = self.softens & (self.cohesion + self.tension > 0.0)
         #: (n_laws, N_LAW), see `law.return_map`.
         self.table = law_table(assembly)
-        #: What contacts of each law hold that are made later, (n_laws, N_CURRENT): without a bond.
+        #: Parameters of contacts that are made later, by law, (n_laws, N_CURRENT): without a bond.
         self.fresh = self._fresh()
 
     def _fresh(self) -> Array:
@@ -122,7 +122,7 @@ class Strengths:
         )
 
     def current(self, law: IntArray, history: Array, now: Reached) -> Array:
-        """What contacts hold (n_slots, N_CURRENT), see `contacts`, once they have come so far."""
+        """Parameters of contacts (n_slots, N_CURRENT), see `contacts`, in the state ``now``."""
         whole = (history[:, BROKEN] == 0.0) & self.bonded[law]
         left = np.where(whole, np.exp(-now.softened), 0.0)
         friction = np.where(self.softens[law], left, np.exp(-self.per_slip[law] * now.slid))
@@ -222,7 +222,8 @@ class Strengths:
         )
 
     def fill(self, law: IntArray, history: Array, gap: Array, size: Array, table: Array) -> None:
-        """What contacts (n_contacts,) hold, for their table; times the ``size`` of their joint."""
+        """Write the parameters of contacts (n_contacts,), times the ``size`` of their joint, into
+        their table."""
         now = self.first(history, gap)
         current = self.current(law, history, now)
         table[:, FRICTION] = current[:, FRICTION]
@@ -236,7 +237,7 @@ class Strengths:
 
 
 def difference(current: Array, other: Array, reaction: Array, area: Array) -> float:
-    """Largest force [N] by which two of what contacts hold (n_slots, N_CURRENT) differ.
+    """Largest force [N] by which two sets of parameters (n_slots, N_CURRENT) differ.
 
     ``reaction`` (n_slots,) is normal [N], which friction and stiffness count with.
     """

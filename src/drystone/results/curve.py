@@ -35,7 +35,7 @@ STATIC, DYNAMIC = "static", "dynamic"
 #: block comes loose, are smaller as a rule.
 PASSED = 0.99
 
-#: Strategy of curves that supports pace which move.
+#: Strategy of curves in which supports move, in place of a load.
 SETTLEMENT = "settlement"
 
 #: Strategy of curves whose control point goes to and fro, see `CapacityCurve.cycles`.
@@ -77,7 +77,7 @@ class CurvePoint:
     jumped: bool = False  # reached in a jump: none at rest lies between it and the point before
     lost_shear: float = 0.0  # -, of contacts that were taken away in the step, over heaviest weight
     unstable: bool = False  # an equilibrium that the structure would not keep, no other beside it
-    # N or N m, of supports that move, whose motion is then what paces the curve
+    # N or N m, of supports that move; control displacements are then their motion
     reaction: float = 0.0
 
 
@@ -211,7 +211,7 @@ class CapacityCurve:
     contacts: Sequence[ContactForces] | None = None  # likewise
     ties: TieRecord | None = None  # None where there are none
     ended_by: Event | None = None  # of a curve that was cut off there, see `until`
-    motion_unit: str = "m"  # of control displacements; "rad" where supports pace it that turn
+    motion_unit: str = "m"  # of control displacements; "rad" where they are a rotation of supports
     load_force: float = math.nan  # N, of the load pattern at multiplier one
     control_point: ControlPoint | None = None  # None of curves that were read: that of their model
 
@@ -298,8 +298,11 @@ class CapacityCurve:
 
     @property
     def moves_supports(self) -> bool:
-        """Whether supports that move pace it: control displacements are then their motion [m, rad],
-        multipliers their reaction over the blocks' weight (times an arm, where they turn)."""
+        """Whether supports move, in place of a load.
+
+        Control displacements are then their motion [m, rad], and multipliers are their reaction
+        over the blocks' weight (times an arm, where they rotate).
+        """
         return self.strategy == SETTLEMENT
 
     @property

@@ -1,8 +1,8 @@
 """Finds the events along a curve from its points, poses, ties and contacts.
 
 A structure *moves by itself* where it jumps: between two neighbouring points at rest lie points in
-motion, or the second is marked as reached in a jump, or a block has gone so far in one step that it
-would have collapsed: steps are a fifth of the smallest block at most.  The first jump in which a
+motion, or the second is marked as reached in a jump, or a block has moved so far in one step that
+it would have collapsed: steps are a fifth of the smallest block at most.  The first jump in which a
 block moves by more than `SNAP` of its smallest extent, or collapses, is where the structure first
 *loses its equilibrium*.  A block that moves by itself by more than
 `Analysis.event_share` of its smallest extent, be it on the way, has collapsed.  It has *fallen* if

@@ -57,7 +57,7 @@ class Event:
     motion: float = 0.0  # m, farthest motion of a centroid among them; 0 of ties and supports
     ties: tuple[str, ...] = ()  # names
     outcome: Outcome | None = None  # of blocks that moved
-    # "m" or "rad" where supports that move pace the curve: unit of their motion
+    # "m" or "rad" where supports move in place of a load: unit of their motion
     support_unit: str = ""
 
     @property

@@ -1,4 +1,4 @@
-"""What a static step is given: loads, what paces it, and how accurately it is solved."""
+"""What a static step is given: loads, a prescribed displacement, and the accuracy asked for."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ TOO_STIFF = (
 
 
 class PrescribedDisplacement(Protocol):
-    """The displacement c(x) that paces a step."""
+    """The displacement c(x) that a step prescribes."""
 
     @property
     def body(self) -> int:

@@ -32,7 +32,7 @@ BoolArray = NDArray[np.bool_]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Loaded:
-    """What equations are written with: loads up to a stage, but of blocks that are gone."""
+    """What equations are written with: loads up to a stage, without those on departed blocks."""
 
     prepared: Prepared
     stage: int

@@ -1,6 +1,6 @@
-"""Newton's method on steps whose joints have the strengths of where the blocks are.
+"""Newton's method on a step whose joints soften with the motion of the blocks.
 
-See `statics.yielding`, which goes these ways, and `law.softening` for the joints.
+`statics.yielding` uses it; see `law.softening` for the joints.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ IntArray = NDArray[np.int64]
 
 
 class SofteningNewton:
-    """A step on its way, from where it is, to an equilibrium with the strengths that joints have
-    there."""
+    """Newton's method from where a step is to an equilibrium with the strengths that the joints
+    have there."""
 
     def __init__(
         self,
@@ -47,7 +47,7 @@ class SofteningNewton:
 
     @property
     def missing(self) -> float:
-        """What is missing of the pacing displacement [m]."""
+        """What is missing of the prescribed displacement [m]."""
         return self.step.missing
 
     @property

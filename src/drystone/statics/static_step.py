@@ -3,8 +3,8 @@
     R(x, l) = G + l F + sum over contacts E r - M x / h^2 = 0,    c(x) = Delta
 
 The unknowns are the increments x of the poses and the multiplier l.  Reactions, gaps and gradients
-are those where the step ends.  What a contact's place and stiffness are is known by
-`statics.plane` and `statics.space`; all else is written here, once.
+are those where the step ends.  `statics.plane` and `statics.space` know the place and the stiffness
+of a contact; all else is written here, once.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ class Bordered(NamedTuple):
     """What borders the matrix, (n, n_dof) each; see `statics.balance.solve_bordered`."""
 
     load: Array  # F
-    gradient: Array  # g, gradient of the pacing displacement
+    gradient: Array  # g, gradient of the prescribed displacement
     axis: Array  # direction of the spring e over all bodies
     columns: Array  # (3, n, n_dof) direction, K'^-1 F, k K'^-1 e
     determinant_ratio: (
@@ -225,7 +225,7 @@ class StaticStep(ABC):
             self._use_current()
 
     def _use_current(self) -> None:
-        """Take on what joints hold that are not dry."""
+        """Write the current parameters of joints that yield into the table."""
         used = self.which[: self.n, SLOT]
         rows = np.flatnonzero(self.yields[used])
         now, area, table = self.current[used[rows]], self.area[rows], self.table
@@ -235,18 +235,18 @@ class StaticStep(ABC):
         table[rows, CRUSH] = np.where(np.isfinite(crush), crush, 0.0)
 
     def restart(self, x: Array, multiplier: float) -> None:
-        """Go to increments (n, n_dof) from where the step starts."""
+        """Put the bodies at increments (n, n_dof) from where the step starts."""
         self.multiplier = multiplier
         self._reset()
         self.move(x, 1.0)
 
     @property
     def place(self) -> Place:
-        """Where the step is, to come back to."""
+        """Where the step is; see `restore`."""
         return Place(self.x.copy(), self.multiplier)
 
     def restore(self, place: Place) -> None:
-        """Go to a place where the step has been."""
+        """Put the bodies back at a place where the step has been."""
         self.restart(*place)
 
     def move(self, step: Array, length: float) -> None:
@@ -256,7 +256,7 @@ class StaticStep(ABC):
 
     @property
     def missing(self) -> float:
-        """What is missing of the pacing displacement [m]."""
+        """What is missing of the prescribed displacement [m]."""
         return self.prescribed.missing(self.x) if self.prescribed else 0.0
 
     # Equations.
@@ -343,7 +343,8 @@ class StaticStep(ABC):
         return self._factorise(gradient, least_damping)
 
     def _factorise(self, gradient: Array | None, least_damping: float) -> bool:
-        """Factorise the tangent with inertia and what paces the step, its gradient (n, n_dof)."""
+        """Factorise the tangent with inertia, and the border: the gradient (n, n_dof) of the
+        prescribed displacement."""
         bordered, mass, body = self.bordered, self.loads.mass, -1
         bordered.determinant_ratio[0] = -1.0
         if self.prescribed is not None and gradient is not None:
@@ -397,7 +398,7 @@ class StaticStep(ABC):
 
     @abstractmethod
     def _reset(self) -> None:
-        """Bodies back to where the step starts."""
+        """Put the bodies where the step starts."""
 
     @abstractmethod
     def _go(self, step: Array, length: float) -> None:
@@ -433,7 +434,7 @@ class StaticStep(ABC):
 
     @abstractmethod
     def update_contacts(self, accuracy: Accuracy) -> bool:
-        """Take on the contacts that there are where the step is; whether they are others."""
+        """Update the contacts to where the step is; whether any has changed."""
 
     # What is done with each contact: of pairs from ``low`` to ``high``.
 

@@ -77,7 +77,7 @@ def _match(before, was, after, now, begin, end, source, taken):
 def find_predecessors(pairs, previous, slots, source):
     """For every slot, the slot of the same pair whose history it goes on with, or -1.
 
-    ``previous`` has the same pairs.  No slot is gone on with twice.
+    ``previous`` has the same pairs.  No slot is succeeded twice.
     """
     pair = pairs.of_slot
     (before, was), (after, now) = previous, slots

@@ -61,7 +61,7 @@ def run(
 
 
 def _note(work: Workspace) -> None:
-    """Keep the state, in motion, where a block has gone far by itself since the last one."""
+    """Keep a dynamic state where a block has moved far by itself since the last one."""
     asked, assembly = work.bounds.asked, work.prepared.assembly
     if asked is None:
         return

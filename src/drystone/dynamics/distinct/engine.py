@@ -96,7 +96,7 @@ class DistinctEngine(Engine[DistinctState]):
         return (DistinctPrepared.of(problem, self),)
 
     def start(self, problem: Problem) -> Step:
-        """Settle under the dead load; raises `UnstableError`."""
+        """Find the equilibrium under the dead load; raises `UnstableError`."""
         state, before = self.release(problem), None
         for stage in problem.stages:
             state = replace(state, stage=stage)

@@ -41,7 +41,7 @@ def search(work: Workspace) -> None:
 
 
 def drop_departed(work: Workspace) -> None:
-    """Take out blocks that have left; the rest does not feel it."""
+    """Take out blocks that have left; no force on the others changes."""
     prepared, pose = work.prepared, work.motion.pose
     work.unpack()
     left = departing(

@@ -47,7 +47,7 @@ class Workspace:
         self.settings, self.real_masses, self.bounds = settings, real_masses, bounds
         self.prepared, self.state = state.prepared, state
         self.search_reach = search_reach(settings, state.prepared)
-        #: States in motion where blocks have gone far by themselves, and their reports.
+        #: States in motion where blocks have moved far by themselves, and their reports.
         self.dynamic_states: list[tuple[DistinctState, StepReport]] = []
         self.noted = state.pose  # of the last of them
         self.on_the_way: list[float] = []  # multipliers at the searches since

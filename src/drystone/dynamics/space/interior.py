@@ -87,7 +87,7 @@ class Interior:
             yield (k % 2 == 0 and self.energy < NEAR_BARRIER * self.first) or far < LEAST_ITERATION
 
     def step(self) -> float:
-        """One iteration; how much of it could be gone, at most 1."""
+        """One iteration; the length of it that was taken, at most 1."""
         joint = self.joint
         self.energy = kernels.scale(joint, self.inner, self.scaling)
         tangent = self.system.tangent

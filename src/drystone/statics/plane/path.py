@@ -52,7 +52,7 @@ class BorderedPath(NamedTuple):
     """What borders the matrix, and memory for a path's directions; arrays are (n, n_dof)."""
 
     load: Array  # F
-    gradient: Array  # g, gradient of the pacing displacement
+    gradient: Array  # g, gradient of the prescribed displacement
     axis: Array  # direction of the spring e over all bodies
     columns: Array  # (3, n, n_dof) direction, K'^-1 F, k K'^-1 e
     changes: Array  # (n_changes, n, n_dof) K^-1 u of every change
@@ -73,7 +73,7 @@ class BorderedPath(NamedTuple):
 class Rules(NamedTuple):
     """How a path is followed."""
 
-    #: Whether the multiplier is an unknown and the pacing displacement given.
+    #: Whether a displacement is prescribed and the multiplier is an unknown.
     prescribes: bool
     #: Whether sliding counts over the whole of the step, as in the implicit law.  Otherwise it
     #: ends, and is kept, as soon as a contact would slide back: the path that a slow loading takes,
@@ -259,7 +259,7 @@ def follow_path(
     branch
         (n_slots,) changed as the path goes.
     force, lag, spring
-        What is unbalanced at the start, (n, n_dof) [N, N m]; what is missing of the pacing
+        What is unbalanced at the start, (n, n_dof) [N, N m]; what is missing of the prescribed
         displacement [m]; k [N/m].
     x
         (n, n_dof) increments, moved on.
