@@ -98,8 +98,8 @@ class DisplacementSettings(EndSettings):
     # Inertia of a step that is static again, over the applied force and, of the fastest block, over
     # its weight.
     static_inertia: float = tolerances.STATIC_INERTIA
-    # Of a block, over the largest increment, in the parts of a jump in which the control point is
-    # held back, after which the structure has collapsed.
+    # Motion of a block, over the largest increment, in the parts of a jump in which the load holds
+    # the control point back, after which the structure has collapsed.
     fall_motion: float = tolerances.FALL_MOTION
     jump_steps: int = 5000  # without rest after which a jump is not followed further; what falls
     # moves by about the largest increment in each
@@ -115,7 +115,7 @@ class DisplacementState:
     increment: float  # m
     highest: float = 0.0  # multiplier so far
     highest_at: float = 0.0  # m, control displacement there
-    released: bool = False  # whether what has come loose is let fall, without load
+    released: bool = False  # whether the load is taken off, so that loose blocks fall
     last: float = 0.0  # multiplier of the last point
     slope: float = 0.0  # 1/m, of the curve there
     n_steps: int = 0
@@ -323,7 +323,7 @@ class DisplacementControl:
             finer = self._less_overshoot(state, report, scale, finest)
             if finer is not None:
                 return finer
-            # A mean over a part of the way shows no peak that is sharper than the part is long.
+            # A mean over a part of the step shows no peak that is sharper than the part is long.
             unseen = ahead / OVERSHOOT_PARTS if state.last == state.highest else 0.0
             seen = unseen <= s.overshoot_share * scale
             if (
@@ -331,7 +331,7 @@ class DisplacementControl:
                 and seen
                 and report.path.overshoot <= tolerances.NO_OVERSHOOT * s.overshoot_share * scale
             ):
-                return None  # nor was there a peak on the way
+                return None  # nor was there a peak within the step
         if state.last != state.highest or ahead <= 0.0:
             return None
         rise = max(multiplier - state.last, 0.0)
@@ -347,10 +347,10 @@ class DisplacementControl:
     def _less_overshoot(
         self, state: DisplacementState, report: StepReport, scale: float, finest: float
     ) -> float | None:
-        """A smaller increment where the way through the step lay too far above both its ends.
+        """A smaller increment where the overshoot of the step is too large.
 
-        Either there is a peak on it, or what the blocks are driven by is inertia: joints slide on
-        that would have come to rest, or the other way round, and remember it.
+        Either the step hides a peak, or inertia drives the blocks: joints slide that would have
+        stuck, or stick that would have slid, and their history stays changed.
         """
         s = self.settings
         overshoot, multiplier = report.path.overshoot or 0.0, report.static_multiplier
@@ -377,7 +377,7 @@ class DisplacementControl:
         return behind and not state.time_step and self._is_jump(state, report)
 
     def _snaps(self, state: DisplacementState, report: StepReport) -> bool:
-        """Whether a step has passed a jump worth showing, where the path turned back."""
+        """Whether a step has passed over a fold with a jump that is worth showing."""
         s = self.settings
         if state.time_step:
             return False
@@ -465,9 +465,9 @@ class DisplacementControl:
     def _lost(
         self, state: DisplacementState, report: StepReport, reason: str
     ) -> Decision[DisplacementState]:
-        """The end where no step leads on: a collapse where blocks were seen to run away.
+        """The end where no step succeeds: a collapse if blocks were seen to run away.
 
-        What has only not come to rest yet may do so.
+        Blocks that only have not come to rest yet are no collapse.
         """
         end = End(reason=reason)
         if report.path.dynamic_states and report.dynamic:
@@ -502,7 +502,7 @@ class DisplacementControl:
         )
 
     def _growth(self, state: DisplacementState, report: StepReport) -> float:
-        """Of increments where steps are easy: the less, the rougher the way through them was."""
+        """Growth of the increment after few iterations: the larger the overshoot, the less."""
         s = self.settings
         if s.smooth and report.path.bend is not None:
             # A bend goes with the square of the step.

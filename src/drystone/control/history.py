@@ -42,7 +42,7 @@ class HistorySettings(DisplacementSettings):
 
 @dataclass(frozen=True, kw_only=True)
 class Leg:
-    """The way to one displacement."""
+    """The path to one target displacement."""
 
     number: int = 0  # of its target
     begun: float = 0.0  # m, control displacement where it begins
@@ -73,7 +73,7 @@ class Leg:
 
 
 def seen(report: StepReport, sense: float) -> StepReport:
-    """A report with displacements and multipliers in a sense; again, and it is as it was."""
+    """A report with displacements and multipliers in a sense; applied twice, it changes nothing."""
     if sense > 0.0:
         return report
     fold, way = report.path.fold, report.path.dynamic_states
@@ -140,7 +140,7 @@ def along(
     reverse: Callable[[Any, float], Memory],
     demand: Callable[[Memory], Demand],
 ) -> Decision[Memory]:
-    """A decision to go on, or with which a leg ends: then with the next one, or with none.
+    """A decision to continue the leg, to begin the next one, or to end the analysis.
 
     Parameters
     ----------

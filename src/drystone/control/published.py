@@ -151,7 +151,7 @@ class PublishedControl:
         )
 
     def _goes_on(self, state: _State, report: StepReport) -> bool:
-        """Whether the structure moves on, by more than its joints give way."""
+        """Whether the structure moves on, by more than its joints comply."""
         moves = report.motion > tolerances.GOES_ON * self.settings.displacement_step
         return moves and report.control_displacement > state.displacement
 

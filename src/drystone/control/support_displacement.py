@@ -1,7 +1,7 @@
-"""Supports that move on, step by step: the reaction against their motion is the curve.
+"""Support displacement, step by step: the curve is the reaction against the supports' motion.
 
-Steps grow where they are easy and are halved where they find no equilibrium.  Where the smallest
-finds none either, the structure stands no longer: supports that go on slowly bring it down there.
+Steps grow after few iterations and shrink where they find no equilibrium.  If the smallest step
+finds none either, the structure falls: supports that move on slowly bring it down there.
 """
 
 from __future__ import annotations
@@ -123,7 +123,7 @@ class SupportControl:
         )
 
     def _dynamic_multipliers(self, report: StepReport) -> tuple[float, ...]:
-        """What the curve shows of the points in motion on the way of a step."""
+        """Reactions that the curve shows at the dynamic points within a step."""
         return tuple(
             passed.reaction / self.settings.unit for _, passed in report.path.dynamic_states
         )

@@ -149,7 +149,7 @@ class StepReport:
     n_iterations: int = 0
     path: StepPath = UNTOLD  # what is known of how it came there
     dynamic: bool = False
-    #: An equilibrium that the structure would not keep, beside which no other was found.
+    #: Whether the step ends at an unstable equilibrium, and no stable one was found nearby.
     unstable: bool = False
 
 
@@ -180,7 +180,7 @@ class Capabilities:
     #: Whether it has supports that are restrained in some directions only, and ties.
     rollers: bool = False
     ties: bool = False
-    #: Whether joints have dilatancy, cohesion and tensile strength, and which yield in what way.
+    #: Whether joints may have dilatancy, cohesion and tensile strength; and how joints may yield.
     bonds: bool = False
     yielding: frozenset[Yielding] = frozenset()
     #: Whether it is given problems in the structure's own coordinates and units (see
@@ -245,10 +245,10 @@ class Engine(ABC, Generic[OwnState]):
         return PreferredSteps()
 
     def derived(self, problem: Problem) -> tuple[Derived, ...]:
-        """What the states of a problem refer to and files do not hold, as it follows from the
+        """What the states of a problem refer to and files leave out, because it follows from the
         problem; of engines that say ``resumes``.
 
-        Of what an engine holds beside its states, the next step must not depend.
+        The next step must depend on the state alone, not on what the engine keeps beside it.
         """
         return ()
 

@@ -1,13 +1,13 @@
 """Steps of structures whose bonds break, for engines that solve for the multiplier of an increment.
 
-A bond that breaks drops what it carried, and with it the multiplier: the curve is a saw-tooth whose
-teeth are the breaks.  So that they do not depend on the length of steps,
+A bond that breaks loses its force, and the multiplier drops with it: the curve is a saw-tooth whose
+teeth are the breaks.  The teeth must not depend on the length of steps:
 
-- bonds hold whatever they carry while a step is being solved;
-- a step that takes bonds beyond their strength is taken again to where the first is at it, and ends
-  there: the tip of a tooth is a point of the curve;
-- the next step goes no further.  The bond breaks, the structure comes to rest where its
-  displacement is held, and as long as a bond is then beyond its strength the weakest breaks too.
+- bonds stay intact, whatever they carry, while a step is being solved;
+- a step in which bonds exceed their strength is repeated up to where the first bond reaches it.  It
+  ends there: the tip of a tooth is a point of the curve;
+- the next step has no increment.  The bond breaks, and the equilibrium at the same displacement is
+  found.  While a bond is then beyond its strength, the weakest breaks too.
 """
 
 from __future__ import annotations
@@ -144,8 +144,8 @@ class BondSteps(Generic[State]):
     ) -> float:
         """Where to look for the first bond next, between two shares of the step.
 
-        Margins far beyond the strength tell little of how they come to it; so those before it are
-        followed where there are two, and now and then the way is halved.
+        A margin far beyond the strength tells little about where it is reached.  So two margins
+        before it are extrapolated where there are two, and every fourth trial halves the range.
         """
         if earlier is not None:
             share = self._crossing(earlier, low)
@@ -167,7 +167,7 @@ class BondSteps(Generic[State]):
         return np.flatnonzero(margin <= margin.min() + DUE_TOGETHER * self.near)
 
     def _break(self, state: State, due: IntArray) -> Solved[State]:
-        """Break bonds, and those that this overloads, with the displacement held."""
+        """Break bonds, and those that this overloads, at the same displacement."""
         new, report = self.remainder(self.broken(state, due), 0.0)
         return (new if report.converged else state), replace(report, reached=0.0)
 

@@ -468,7 +468,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         near: Array | None,
         last: StepSolution | None,
     ) -> StepSolution:
-        """Solve a step with what joints hold, from the ``last`` solution of it, if any."""
+        """Solve a step with the ``current`` parameters of joints, from its ``last`` solution, if
+        any."""
         state, demand, prescribes = step.state, step.demand, step.prescribed is not None
         self._begin(step, branch, step.guess, current, fresh)
         guesses, multiplier = [step.guess], step.multiplier
@@ -570,7 +571,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     ) -> tuple[Array, float]:
         """Where the step will end, and the multiplier it starts from.
 
-        The last increments go on, turned with the blocks, where they moved the same way.
+        The last increments, rotated with the blocks, are continued if they had the same sense.
         """
         if demand.settlement is not None:
             return self._follow_supports(state, demand.settlement), 0.0
@@ -604,7 +605,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         return np.where(np.any(given, axis=1, keepdims=True), given, guess)
 
     def _follow_supports(self, state: EquilibriumState, amount: float) -> Array:
-        """The last increments go on as the supports do."""
+        """The last increments, in proportion to the motion of the supports."""
         if not state.last_support_motion:
             return state.prepared.assembly.no_motion()
         return amount / state.last_support_motion * state.last_increment

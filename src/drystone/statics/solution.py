@@ -77,7 +77,7 @@ class StabilitySettings:
 
 @dataclass(frozen=True, kw_only=True)
 class Judgement:
-    """Whether a structure would keep an equilibrium."""
+    """Whether an equilibrium is stable."""
 
     unstable: int  # how many of the lowest modes grow
     slope: float = math.nan  # 1/m, of the curve
@@ -229,7 +229,7 @@ class _Solver:
         return step.solve(1.0)
 
     def judge(self) -> Judgement:
-        """Whether the structure would keep the equilibrium last evaluated."""
+        """The stability of the equilibrium last evaluated."""
         step = self.step
         if not self.linearise():
             return Judgement(unstable=1)
@@ -375,7 +375,7 @@ def _from_inside(
     sense = -1.0 if increment < 0.0 else 1.0  # multipliers are looked at in that of the motion
     shape = _shape(sense * multiplier, sense * step.multiplier, slope, end, sense * increment)
     if before.unstable and judged and judged.stable:
-        shape = (0.0, 0.0), (0.0, 0.0)  # it has left what it would not keep: no point between is it
+        shape = (0.0, 0.0), (0.0, 0.0)  # it has left an unstable point: nothing lies between
     return StepSolution(
         increment=step.x.copy(),
         multiplier=step.multiplier,
@@ -428,7 +428,7 @@ def _shape(
     if not 0.0 < at < 1.0:
         return (0.0, 0.0), (0.0, 0.0)
     corner = start + at * rise
-    # Of a smooth curve, the middle of a parabola is half way to where its tangents meet.
+    # Of a smooth curve, the middle of a parabola is midway to where its tangents meet.
     bend = 0.5 * abs(corner - start - at * change), at
     return (corner - max(start, end), at), bend
 

@@ -70,7 +70,7 @@ _UNSOLVED = StepSolution(
 Once = Callable[[Array, Array, IntArray, Array | None], StepSolution]
 
 
-# Long: Newton's method and falling strengths take turns, each from what the other has found.
+# Long: Newton's method and falling strengths alternate, each from what the other has found.
 def solve(
     step: StaticStep,
     strengths: Strengths,
@@ -97,8 +97,8 @@ def solve(
         made in it (n_slots, N_CURRENT), and solves it from the branches (n_slots,), with gradients
         of the increments (n, n_dof) near which it will end, if these are known.
     newton
-        The way from a solution, or from the guess where there is none, with what contacts hold
-        and those that are made, as for ``once``; if there is a way.
+        Gives Newton's method from a solution, or from the guess where there is none, with the
+        parameters of contacts, as for ``once``; None where it cannot begin.
     tolerance, increment
         Force [N] by which the strengths may still change; prescribed displacement [m], if any.
     may_snap
@@ -241,8 +241,8 @@ def _converge(newton: SofteningNewton | None, come: _Come, enough: float) -> _Co
 
 
 def _at(then: Reached, now: Reached, origin: IntArray) -> Reached:
-    """What contacts have come to, ``then``, in the slots where the step starts, ``origin``
-    (n_slots,) of each."""
+    """The state ``then`` of contacts, in the slots where the step starts, ``origin`` (n_slots,) of
+    each."""
     known = origin >= 0
     found = []
     for mine, theirs in zip(now, then, strict=True):
@@ -266,8 +266,8 @@ class _Relaxation:
         self.share, self.last = 1.0, np.zeros(0)
 
     def next(self, now: Reached, then: Reached, origin: IntArray) -> Reached:
-        """What to go on with, in the slots where the step starts: ``origin`` (n_slots,) of those
-        that have come to ``then``."""
+        """The state to continue with, in the slots where the step starts: ``origin`` (n_slots,) of
+        those in the state ``then``."""
         there = _at(then, now, origin)
         per_slip, by_crushing = self.scale
         missing = np.concatenate(
@@ -321,9 +321,9 @@ def _shaped(
         return replace(solved, excess=(before + max(rise, 0.0) - top, 0.5), bend=(off, 0.5))
     at_end = change if slope is None else slope * abs(increment)
     excess = 0.0, 0.0
-    if rise > 0.0 > at_end:  # no higher than where the tangents meet: joints give way at corners
+    if rise > 0.0 > at_end:  # no higher than where the tangents meet: joints yield at corners
         share = min((change - at_end) / (rise - at_end), 1.0)
-        if share <= 0.0:  # they do not: it has dropped on the way, no one knows where
+        if share <= 0.0:  # they do not: it has dropped within the step, no one knows where
             share = 0.5
         excess = max(before + share * rise - top, 0.0), share
     if first and not np.isfinite(start.rise):

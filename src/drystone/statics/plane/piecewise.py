@@ -1,10 +1,10 @@
 """A static step in the plane: its linear pieces followed from the last equilibrium to the next.
 
-The joint law is piecewise linear and, with friction, has no energy to descend on: full Newton steps
-over many contacts that open, slide and stick at once lose their way.  So the pieces are followed
-one by one (`statics.plane.path`), with the gradients of gaps and slips held fast where the blocks
-are guessed to end.  Then the gradients are renewed and what is left, of second order in the guess's
-error, is corrected in the same way.
+The joint law is piecewise linear.  With friction there is no energy to descend on, and full Newton
+steps do not converge where many contacts open, slide and stick at once.  So the pieces are followed
+one by one (`statics.plane.path`), with constant gradients of gaps and slips, those at the predicted
+end of the step.  Then the gradients are computed anew.  The rest, of second order in the error of
+the prediction, is corrected in the same manner.
 
 A fold of the path says that no equilibrium lies ahead: the structure snaps.  An unstable
 equilibrium is never taken.  Where a path is too long to be followed, the step is solved by the
@@ -159,7 +159,7 @@ class _Walk:
         return end, trial, multiplier
 
     def _advance(self, x: Array, multiplier: float, worth: int) -> tuple[int, float]:
-        """Go on from ``x``, changed in place, with a matrix of its own."""
+        """Continue from ``x``, changed in place, with a new factorisation."""
         away, gradient = x - self.geometry, self.gradient
         if not self.step.follow_from(x, multiplier, away, gradient):
             return path.SINGULAR, multiplier

@@ -27,17 +27,17 @@ CHANGES_PER_MATRIX = 32
 #: Changes of a step at which its multiplier is kept.
 BENDS = 512
 
-#: Times that other features of contacts are taken on where a step ends, and it is solved again;
-#: steps for which a pair then keeps features that take turns with others.
+#: Times that the features of contacts are updated where a step ends, and the step is solved again;
+#: steps for which a pair then keeps features that alternate with others.
 ROUNDS, KEEP_STEPS = 3, 8
 
 
 class PlaneStep(StaticStep):
     """See `StaticStep`.
 
-    Slips are linear in the increments, by their gradients half way to where the step is expected to
-    end: of second order in the step, without straining the stiff shear springs of blocks that are
-    held at several points and turn together.
+    Slips are linear in the increments, by their gradients midway to the predicted end of the step.
+    Their error is of second order in the step.  Blocks that rotate together, with several contacts
+    between them, do not strain their stiff shear springs.
     """
 
     def __init__(self, constants: Constants, pairs: Pairs) -> None:
