@@ -1,10 +1,10 @@
 """Non-linear Gauss-Seidel with an active-set accelerator, to a true residual.
 
-Sweeps alone converge as slowly as the joints are stiff against the blocks' inertia.  So, after a
-few, Newton's method on the blocks' velocities is tried from where they have come, with the branches
-of the joint law (open, sticking, sliding either way) that they have found.  Where that lowers the
-true residual it is kept; where not, the sweeps go on from where they were, so that the accelerator
-can only help.
+The stiffer the joints are against the blocks' inertia, the more slowly sweeps converge.  So, after
+a few sweeps, Newton's method on the blocks' velocities is tried from there, with the branches of
+the joint law that the sweeps have found: open, sticking, sliding in either direction.  Its result
+is used if it lowers the true residual.  Else the sweeps continue from where they were, so that the
+accelerator can only help.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ BoolArray = NDArray[np.bool_]
 
 @dataclass(frozen=True, kw_only=True)
 class NlgsSettings:
-    """When to stop, and how sweeps and accelerator take turns."""
+    """When to stop, and how sweeps and accelerator alternate."""
 
     tolerance: float  # N, on the true residual
     max_sweeps: int = 6000
@@ -190,11 +190,10 @@ class _Step:
         self, tries: Iterable[Attempt], known: tuple[Array, Array, float], enough: float
     ) -> tuple[Array, Array, float]:
         """Impulses, velocities and residual of the first trial that is good ``enough`` [N], or of
-        the best, that ``known`` included, which is held; each way goes on from the impulses known
-        by then.
+        the best, ``known`` included.  Each attempt begins with the best impulses so far.
 
-        Velocities are kept beside impulses: made of them anew they would turn the last bit of an
-        impulse, times the joint's stiffness over the mass, into forces.
+        Velocities are kept beside impulses.  Computed anew from impulses they would make forces of
+        the rounding of an impulse, times the joint's stiffness over the mass.
         """
         for impulse, velocity in (trial for attempt in tries for trial in attempt(known[0])):
             residual = self.residual(impulse, velocity)
@@ -283,8 +282,8 @@ class _Accelerator:
     def from_within(
         self, impulse: Array, velocity: Array, known: Array
     ) -> Iterator[tuple[Array, Array]]:
-        """`trials` from where the interior of the law leads, see `space.interior`, the springs held
-        about ``impulse`` first; ``known`` impulses are of the usual size."""
+        """`trials` from where the interior-point method leads, see `space.interior`.  The penalty
+        springs are centred on ``impulse`` first; ``known`` impulses are of the usual size."""
         pressed = known[known[:, 0] > 0.0, 0]
         if len(pressed) == 0:
             return
@@ -403,8 +402,8 @@ class _Accelerator:
                 direction = self._direction(piece)
                 velocity[:] = base + direction
                 trial = self._law(centre, none, velocity, impulse, piece)
-                # A contact that flips from sliding one way to sliding the other passes the narrow
-                # band in which it sticks: hold it there and ask again.
+                # A contact that changes from sliding in one direction to the other passes the
+                # narrow band in which it sticks: let it stick, and try again.
                 for _ in range(8):
                     if trial <= merit:
                         break

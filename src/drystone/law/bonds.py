@@ -61,7 +61,7 @@ def margins(judged: JudgedContacts, slack: float) -> Array:
 
 
 def weakest(margin: Array) -> IntArray:
-    """The bonds that give way: those most beyond their strength, if any is."""
+    """The bonds that break: those most beyond their strength, if any is."""
     worst = margin.min(initial=np.inf)
     if worst >= -BOND_TIE:
         return np.zeros(0, np.int64)

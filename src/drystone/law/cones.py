@@ -19,7 +19,7 @@ pressure) and the crushing strength C (see `law.limits`) are counted from the te
     r_n' = T_n' + w - v,    r_n' w = k_n e,    (C' - r_n') v = k_n e,    (mu r_n' + k, r_t) o ...
 
 Of steps in time the same is written in impulses: T_n = -h k_n (g + h u_n), T_t = c - P u_t for a
-contact that a spring P holds about c; h^2 k_n and P then stand for the stiffnesses.
+contact with a penalty spring P centred on c; h^2 k_n and P then stand for the stiffnesses.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ N_INNER = 9
 ETA, V0, V1, V2, NN, N1, N2, T1, T2, S11, S12, S22, B0, B1, B2, R0, R1, R2 = range(18)
 N_SCALING = 18
 
-#: Cosine of the angle by which what slides may turn in an iteration.
+#: Cosine of the angle by which a slip may change its direction in an iteration.
 SLIP_COSINE = 0.5
 
 
@@ -421,7 +421,7 @@ def _distance_to_cone(p0, p1, p2, d0, d1, d2):
 
 @njit(cache=True, error_model="numpy")
 def _within(p0, p1, p2, d0, d1, d2, far):
-    """Whether a pair that is in the cone still is so far ahead, and so all the way."""
+    """Whether a pair that is in the cone still is after a length ``far``, and so all along."""
     x0, x1, x2 = p0 + far * d0, p1 + far * d1, p2 + far * d2
     return x0 > 0.0 and x0 * x0 > x1 * x1 + x2 * x2
 

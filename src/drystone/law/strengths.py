@@ -11,7 +11,7 @@ and what is left of it, with the friction, is
 
 So opening alone takes G_I per area, and slip alone G_II over what friction takes.  Joints without a
 bond may lose friction over their slip instead, by exp(-k_t / residual slip).  A joint that is
-crushed by k_c [m] holds f_c exp(-f_c k_c / G_c).  One that closes hyperbolically by v carries
+crushed by k_c [m] carries f_c exp(-f_c k_c / G_c).  One that closes hyperbolically by v carries
 k_n v / (1 - v / v_m) (Bandis, Lumsden and Barton 1983); one that does so with the logarithm of the
 pressure, as where faces do not match (likewise), k_n v_r (exp(v / v_r) - 1).
 
@@ -145,8 +145,8 @@ class Strengths:
     def _tangent(
         self, gap: Array, length: Array, curved: BoolArray, carried: _Closure, current: Array
     ) -> None:
-        """Of joints that do not close linearly, ``curved`` (n_slots,), the tangent where they have
-        come to by their ``gap`` [m], with the ``length`` [m] of their law."""
+        """Write the tangent at the ``gap`` [m] of joints that do not close linearly, ``curved``
+        (n_slots,), with the ``length`` [m] of their law, into ``current``."""
         closed = np.maximum(np.nan_to_num(-gap, posinf=0.0, neginf=0.0), 0.0)
         kn = current[curved, STIFF_N]
         at, pressure, slope = carried(closed / length)
@@ -163,8 +163,8 @@ class Strengths:
         law
             Of each contact, (n,).
         start, committed
-            Their history where the step starts, and with what has been slid and crushed on the way
-            that is over, (n, N_HISTORY + dim - 2).
+            Their history where the step starts; and the same with the slip and the crushing of the
+            step so far, (n, N_HISTORY + dim - 2).
         gap, shear
             Where the step ends, (n,) [m], and the size of the trial shear [Pa].
         """
@@ -183,7 +183,7 @@ class Strengths:
         return point
 
     def reached(self, law: IntArray, before: Array, after: Array, gap: Array) -> Reached:
-        """What contacts come to where a step ends.
+        """The state of softening of contacts where a step ends.
 
         Parameters
         ----------
@@ -231,7 +231,7 @@ class Strengths:
         table[:, own] = current[:, own] * size[:, None]
 
     def write(self, law: IntArray, now: Reached, history: Array) -> None:
-        """Make what contacts have come to a part of their history."""
+        """Write the state of softening of contacts into their history."""
         history[:, SOFTENED], history[:, OPENED] = now.softened, now.opened
         history[self.bonded[law] & (now.softened > LOST), BROKEN] = 1.0
 

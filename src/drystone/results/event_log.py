@@ -50,7 +50,7 @@ class EventLog:
         self._last: tuple[CurvePoint, Array] | None = None  # last point at rest and its pose
         self._pose: Array | None = None  # of the last point
         self._moving = False  # whether the structure has moved by itself since
-        self._through_motion = False  # whether a point in motion lies on that way
+        self._through_motion = False  # whether there was a dynamic point since
         self._far = np.zeros(assembly.n_bodies)  # m, by which it did, at most
         self._departed = np.zeros(assembly.n_bodies, np.bool_)  # left since
         self._collapsed = np.zeros(assembly.n_bodies, np.bool_)  # in the jump that is under way

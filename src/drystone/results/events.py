@@ -1,7 +1,7 @@
-"""Events along a capacity curve: what a structure lost on the way, and when.
+"""Events along a capacity curve: what a structure lost, and when.
 
-A curve alone does not tell that a stone fell while the rest went on carrying.  An event does: its
-kind, the last state at rest before it, the blocks that moved and how far.
+A curve alone does not tell that a stone fell while the other blocks still carried.  An event tells
+its kind, the last state at rest before it, the blocks that moved and how far.
 """
 
 from __future__ import annotations

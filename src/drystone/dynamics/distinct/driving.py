@@ -1,4 +1,4 @@
-"""The control displacement of a structure at rest driven on at a constant rate, and stopped."""
+"""The drive of the control displacement: from rest, at a constant rate, to a stop."""
 
 from __future__ import annotations
 

@@ -25,8 +25,8 @@ class Bounds:
     farthest: float = np.inf  # m from where the step starts; beyond, a block runs away
     may_lose: bool = False  # the structure blocks that have left it
     asked: float | None = None
-    """Motion that is asked for [m].  What blocks move by beyond it is noted on the way; None: in
-    a step that is no step."""
+    """Motion that is asked for [m].  States in which blocks move by more are noted; None: none
+    is."""
 
 
 #: Of motion that nothing bounds.

@@ -1,8 +1,9 @@
-"""Velocities of an implicit step in space, found through the interior of the cones of friction.
+"""Velocities of an implicit step in space, by an interior-point method.
 
-Newton's method on the branches of the law is lost where many contacts turn the way they slide.
-In the interior every contact is a little of everything, and becomes what it is as the barrier
-falls: 7 to 30 linear systems, nearly whatever there is to find.  Newton's method does the rest.
+Newton's method on the branches of the law fails where many contacts change their direction of slip.
+With a barrier every contact sticks, slides and opens a little, and comes to one state as the
+barrier is reduced.  That takes 7 to 30 linear systems, nearly independent of the structure.
+Newton's method completes the solution.
 """
 
 from __future__ import annotations
