@@ -40,7 +40,7 @@ class Trace:
     storeys: int
     model_seconds: float
     dead_load_seconds: float  # up to the first point
-    seconds: float  # of the curve, settling included; all times are those of the processor
+    seconds: float  # of the curve, the dead load included; all times are those of the processor
     n_points: int
     n_dynamic: int
     n_iterations: int  # of points that were kept
@@ -54,7 +54,7 @@ class Trace:
 
     @property
     def seconds_per_point(self) -> float:
-        """Without settling; not a number where there was nothing but it."""
+        """Without the dead load; not a number where there was nothing but it."""
         steps = self.n_points - 1
         return (self.seconds - self.dead_load_seconds) / steps if steps > 0 else math.nan
 
@@ -84,10 +84,10 @@ def trace(
     begun = time.process_time()
     model = facade(n_blocks, stiffness)
     made = time.process_time()
-    # A timer, not the progress: settling and hard steps must end in time, too.
+    # A timer, not the progress: the dead load and long steps must end in time, too.
     signal.signal(signal.SIGPROF, stop)
     signal.setitimer(signal.ITIMER_PROF, limit)
-    status, reason = "interrupted", "settling"
+    status, reason = "interrupted", "dead load"
     try:
         curve = ds.pushover(model, engine=engine, progress=progress, **options)
         status, reason = curve.status, curve.reason
@@ -140,7 +140,7 @@ def row(t: Trace) -> dict[str, str]:
         "blocks": str(t.n_blocks),
         "bays x storeys": f"{t.bays} x {t.storeys}",
         "model [s]": f"{t.model_seconds:.2f}",
-        "settling [s]": f"{t.dead_load_seconds:.2f}",
+        "dead load [s]": f"{t.dead_load_seconds:.2f}",
         "curve [s]": f"{t.seconds:.1f}",
         "points": str(t.n_points),
         "dynamic": str(t.n_dynamic),
@@ -185,9 +185,9 @@ def main() -> None:
     notes = (
         f"Engine {arguments.engine}, {steps}, broken off after {arguments.seconds:g} s. Seconds "
         "are those of the processor, the\ncompiled code being warm; a point's are without "
-        "settling. An opening in every bay of every storey, with\na lintel over it; corners of the "
-        f"published walls, joints {arguments.stiffness:g} times as stiff. Memory: the largest the "
-        "process ever had."
+        "the dead load. An opening in every bay of every storey, with\na lintel over it; corners "
+        f"of the published walls, joints {arguments.stiffness:g} times as stiff. Memory: the "
+        "largest the process ever had."
     )
     fitted = fitted_walls(traces)
     grows = exponent(fitted)

@@ -98,7 +98,7 @@ def facade_of(n_blocks: int) -> Facade:
 def facade(n_blocks: int, stiffness: float = 1.0) -> ds.Model:
     """Model of `facade_of`, with the joints and corners of the published walls.
 
-    ``stiffness`` multiplies that of the joints.  The published ones are soft: 132 courses settle
+    ``stiffness`` multiplies that of the joints.  The published ones are soft: 132 courses sink
     by 0.17 m.
     """
     chosen = facade_of(n_blocks)

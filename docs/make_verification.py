@@ -101,7 +101,7 @@ def rocking_branch(radius: float) -> tuple[Array, Array, Array]:
 
 
 def last_bias(f: float, c: Array | float) -> Array | float:
-    """Applied over static multiplier at which the published recursion settles (theory.md)."""
+    """Applied over static multiplier to which the published recursion converges (theory.md)."""
     return 1.0 / (1.0 - (f - 1.0) / f / c)
 
 

@@ -29,7 +29,7 @@ def trace(model: ds.Model, displacement_step: float) -> list[tuple[float, float]
     )
     problem = Problem(assembly=model.assembly, load=model.load, control_point=model.control_point)
 
-    state, report = engine.start(problem)  # settles under the dead load
+    state, report = engine.start(problem)  # equilibrium under the dead load
     settlement = report.control_displacement  # the curve begins where the load does
     decision = control.first(report)
     points = [(0.0, decision.load_multiplier)]

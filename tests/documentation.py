@@ -62,15 +62,6 @@ def code_blocks(text: str) -> list[CodeBlock]:
     return found
 
 
-def prose(text: str) -> str:
-    """A page without blocks of code, comments, code within lines and targets of links."""
-    text = re.sub(r"^```.*?^```$", "", text, flags=re.DOTALL | re.MULTILINE)
-    text = re.sub(r"^    .*$", "", text, flags=re.MULTILINE)
-    text = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
-    text = re.sub(r"`[^`\n]*`", "", text)
-    return re.sub(r"\]\([^)]*\)", "]", text)
-
-
 def agrees(shown: str, printed: str, tolerance: float = 0.05) -> bool:
     """Whether a printed line is the one shown: words alike, numbers within a share of themselves.
 

@@ -1,4 +1,4 @@
-"""Where the work of the loads has gone in the real motion of the distinct element engine."""
+"""What the work of the loads became in the real motion of the distinct element engine."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from drystone.law.columns import KN, KS
 
 @dataclass(frozen=True, kw_only=True)
 class Energy:
-    """Where the work of the loads since the start has gone, in J."""
+    """What the work of the loads since the start became, in J."""
 
     kinetic: float
     elastic: float

@@ -171,7 +171,7 @@ class _Watched(EquilibriumEngine):
 def energy_of(model: ds.Model, *, parts: int = 1, **options) -> tuple[CapacityCurve, Energy]:
     """The curve of `equilibrium`, and its energy balance.
 
-    Each step along equilibria is gone through again in so many equal ``parts``, and their balances
+    Each step along equilibria is taken again in so many equal ``parts``, and their balances
     are added up: the forces in it are then known as often.
     """
     engine = _Watched()

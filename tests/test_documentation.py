@@ -22,7 +22,6 @@ from documentation import (
     agrees,
     code_blocks,
     missing,
-    prose,
     shown_by_prints,
 )
 
@@ -215,82 +214,3 @@ def test_a_wrong_key_is_found():
 )
 def test_a_line_agrees_where_words_and_numbers_do(shown, printed, same):
     assert agrees(shown, printed) == same
-
-
-# ---- words ------------------------------------------------------------------------------------
-
-#: Words of earlier versions: what stands for them is in the glossary.
-BANNED = {
-    "leeway": r"leeways?",
-    "swerve": r"swerv\w*",
-    "crest": r"crests?",
-    "push along a mode": r"push\w* along (?:a|the|an unstable) modes?",
-    "let go": r"lets? go",
-    "leap": r"leaps?",
-    "pace": r"pac(?:e|es|ed|ing)",
-    "room": r"rooms?",
-    "settle": r"settl(?:e|es|ed|ing)",
-    "probe": r"prob(?:e|es|ed|ing)",
-    "calm": r"calm\w*",
-    "thorough": r"thorough\w*",
-    "gone": r"gone",
-    "set out": r"sets? out",
-}
-
-
-def glossary_terms() -> set[str]:
-    """Defined terms and those in bold within definitions, in small letters."""
-    text = read(GLOSSARY).split("## Words that are not used")[0]
-    return {term.lower() for term in re.findall(r"\*\*([^*]+)\*\*", text)}
-
-
-def singular(term: str) -> str:
-    return re.sub(r"(?<=[a-z])s\b", "", term.lower())
-
-
-def bold_terms(page: Path) -> set[str]:
-    """Bold words within sentences of a page: no symbols of vectors, and no words that head a
-    paragraph, an entry of a list or a cell of a table."""
-    text = re.sub(r"^```.*?^```$", "", read(page), flags=re.DOTALL | re.MULTILINE)
-    text = re.sub(r"(?:(?<=\n\n)|(?<=\n[-*] )|(?<=\n\d\. )|(?<=\| ))\*\*[^*]+\*\*", "", text)
-    found = re.findall(r"\*\*([^*]+)\*\*", re.sub(r"(?<=\S)\n *(?=\S)", " ", text))
-    return {term for term in found if len(term) > 4 and not re.search(r"[.?:]$|[`δω_⁻]", term)}
-
-
-def test_every_bold_term_is_in_the_glossary():
-    known = {singular(term) for term in glossary_terms()}
-    lost = {
-        f"{name_of(page)}: {term}"
-        for page in PAGES
-        for term in bold_terms(page)
-        if singular(term) not in known
-    }
-    assert not lost
-
-
-def test_the_glossary_is_in_short_sentences():
-    text = read(GLOSSARY).split("## Words that are not used")[0]
-    entries = re.findall(r"^\*\*([^*\n]+)\*\*\n: (.*?)(?=\n\n|\Z)", text, re.DOTALL | re.MULTILINE)
-    assert len(entries) > 60
-    assert len({name.lower() for name, _ in entries}) == len(entries)
-    for name, definition in entries:
-        assert 1 <= len(re.findall(r"[.?](?:\s|$)", definition)) <= 3, name
-
-
-@pytest.mark.parametrize("word", sorted(BANNED))
-def test_banned_words_occur_nowhere(word):
-    pattern = re.compile(rf"\b{BANNED[word]}\b", re.IGNORECASE)
-    lost = []
-    for page in PAGES:
-        text = read(page)
-        if page == GLOSSARY:
-            text = text.split("## Words that are not used")[0]
-        lost += [f"{name_of(page)}: {found}" for found in pattern.findall(prose(text))]
-    assert not lost
-
-
-def test_the_glossary_tells_what_stands_for_banned_words():
-    table = read(GLOSSARY).split("## Words that are not used")[1]
-    left = " ".join(line.split("|")[1] for line in table.splitlines() if line.startswith("|"))
-    for word in BANNED:
-        assert word.replace("push along a mode", "push along") in left, word

@@ -47,7 +47,7 @@ def balance_of(model: Model) -> float:
 
 def why_no_end(curve: CapacityCurve) -> str:
     """Empty where the curve is over: down to the stop value at rest, collapsed in motion and saying
-    so, as far as was asked, or its control point gone with its block."""
+    so, as far as was asked, or its control point lost with its block."""
     last = curve.points[-1]
     if LEFT in curve.reason:
         return "" if curve.blocks_left else "no block has left"

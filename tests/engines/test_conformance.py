@@ -47,10 +47,10 @@ class Tolerances:
 
 
 TOLERANCES = {
-    # Its residual is 5e-7 of the heaviest weight (NscdSettings.tolerance).  It settles until a step
-    # from rest moves the blocks by 1e-3 of the penetration; at 0.05 s a step leaves about 1 / (1 +
-    # h^2 k / m) = 1e-3 of what is missing, so that much less than 1e-4 is left.  A step under a
-    # load closes the joints by what it has time for.
+    # Its residual is 5e-7 of the heaviest weight (NscdSettings.tolerance).  It steps on until a
+    # step from rest moves the blocks by 1e-3 of the penetration; at 0.05 s a step leaves about 1 /
+    # (1 + h^2 k / m) = 1e-3 of what is missing, so that much less than 1e-4 is left.  A step under
+    # a load closes the joints by what it has time for.
     "nscd": Tolerances(balance=1e-6, closing=1e-4, carried=1e-3),
     # Newton's method to 1e-9 of the heaviest weight; the rest is the inertia that steps of 30 s
     # leave, 1e-3 of a force at most (EquilibriumSettings.inertia_limit).
@@ -94,7 +94,7 @@ def resultants(model, state, contacts, multiplier):
 
 
 class TestAtRest:
-    def test_two_blocks_settle(self, engine, tolerance):
+    def test_two_blocks_come_to_rest(self, engine, tolerance):
         """Joints close by the weight above over stiffness and area, straight down."""
         model = stack((0.4, 0.2), (0.4, 0.2), corner=Corner(radius=0.02))
         _, state, report = started(model, engine)
@@ -170,7 +170,7 @@ class TestAtRest:
         contacts = solver.contacts(state)
         pressed = contacts.normal_reaction > 0.0
         assert np.count_nonzero(pressed) == 2 * pieces
-        # Less what the block may have slipped while it settled, far less than it has closed by.
+        # Less what the block may have slipped under the dead load, far less than it has closed by.
         assert contacts.area[pressed].sum() == pytest.approx(0.5, abs=1e-3 * closing)
 
     def test_two_columns_do_not_feel_each_other(self, engine, tolerance):

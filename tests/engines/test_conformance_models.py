@@ -58,10 +58,10 @@ CORNERS = {
 STEPS_IN_TIME = ("nscd", "lmgc90")
 REFUSED = r"^the {} engine has no dilatancy, cohesion or tensile strength: set them to zero"
 
-#: What contacts given out by steps in time may miss of a force, over the heaviest weight.  Settling
-#: ends with steps of 0.05 s that move blocks by 1e-3 of what joints have closed by, 1e-4 m here: an
-#: inertia of 4e-6.  Of LMGC90 there is what was carried as well, 2e-5 at most, by contacts that are
-#: none any more where the blocks have come to.
+#: What contacts given out by steps in time may miss of a force, over the heaviest weight.  Coming
+#: to rest ends with steps of 0.05 s that move blocks by 1e-3 of what joints have closed by, 1e-4 m
+#: here: an inertia of 4e-6.  Of LMGC90 there is what was carried as well, 2e-5 at most, by contacts
+#: that are none any more where the blocks have come to.
 MISSED = {"nscd": 1e-5, "lmgc90": 1e-4}
 
 

@@ -375,7 +375,7 @@ SHARP = [(105, 1.5e-4), (86, 6e-3)]
 
 
 @pytest.mark.parametrize(("seed", "end"), LOCKED)
-def test_settling_locks_no_friction_in(seed, end):
+def test_the_dead_load_locks_no_friction_in(seed, end):
     """Put on at once, the dead load overshot: joints slipped, and the peaks were +1.2, -1.7 % off.
 
     Under a load that grows slowly they do not, which is what `equilibrium` finds; 0.5 % is what a
@@ -389,7 +389,7 @@ def test_settling_locks_no_friction_in(seed, end):
 
 
 @pytest.mark.parametrize(("seed", "end"), SHARP)
-def test_a_peak_that_is_passed_within_a_step_is_gone_back_to(seed, end):
+def test_a_peak_that_is_passed_within_a_step_is_found(seed, end):
     """The multipliers at both ends of the step said nothing of it: 1.7 and 1.1 % were missed.
 
     By `overshoot_share` a step may hide 0.5 % of it.

@@ -24,7 +24,7 @@ ENGINES = pytest.mark.parametrize("engine", ["equilibrium", "nscd", "distinct"])
 
 
 def leaning():
-    """A block that leans over by 0.1 m along the load, so that it settles along it."""
+    """A block that leans over by 0.1 m along the load, so that it sinks along it."""
     outline = np.array([[-0.2, 0.0], [0.2, 0.0], [0.3, 0.9], [-0.1, 0.9]])
     blocks = [
         Block(id="base", vertices=rectangle(-1, -1, 2, 1), unit_weight=UNIT_WEIGHT, support=True),
@@ -40,7 +40,7 @@ def test_curves_begin_where_the_load_does(engine):
     curve = pushover(leaning(), engine=engine, max_steps=3, keep_poses=True)
     weight, e, b, height = 0.4 * 0.9 * UNIT_WEIGHT, 0.05, 0.4, 0.9
     turn = 4.0 * weight * e / (PUBLISHED_JOINT.normal_stiffness * b**3)
-    # The turned block's weight acts 5e-5 m further out, 1e-3 of e; nscd stops settling a thousandth
+    # The turned block's weight acts 5e-5 m further out, 1e-3 of e; nscd stops a thousandth
     # of the closing short of rest.
     assert curve.settlement == pytest.approx(height * turn, rel=5e-3)
     assert curve.control_displacement[0] == 0.0

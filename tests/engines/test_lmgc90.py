@@ -95,7 +95,7 @@ def test_a_stack_rests_as_in_our_own_engine(tilt):
     other, report = theirs.start(problem_of(model))
     contacts = theirs.contacts(other)
     theirs.close()
-    # Each settles to a hundredth of the joints' closing, which is about 0.1 mm.
+    # Each comes to rest within a hundredth of the joints' closing, which is about 0.1 mm.
     np.testing.assert_allclose(other.pose[1:], state.pose[1:], atol=5e-6)
     assert report.carried_multiplier == pytest.approx(0.0, abs=1e-3)
     # Two plane points a joint, and together the stiffness of the joint as designed, per area.
@@ -134,7 +134,7 @@ def test_triangles_and_odd_shapes_keep_to_their_plane():
 
 
 @needs_lmgc90
-def test_a_step_can_be_taken_again_but_older_states_are_gone():
+def test_a_step_can_be_taken_again_but_older_states_are_not_kept():
     model = stack((0.4, 1.2), corner=Corner(chamfer=LEG))
     solver = make_engine("lmgc90")
     start, _ = solver.start(problem_of(model))
@@ -306,7 +306,7 @@ def test_a_facade_in_space_has_all_its_joints():
     theirs.close()
     weight = assembly.weight[~assembly.fixed].sum()
     # The supports lack the inertia of what still moves, at most the fastest block's acceleration
-    # over gravity; LMGC90 does not settle to the same bits twice (4e-6 to 1.2e-5 were lacking).
+    # over gravity; LMGC90 does not come to the same bits twice (4e-6 to 1.2e-5 were lacking).
     assert report.acceleration < 1e-3
     np.testing.assert_allclose(
         carried[:3] / weight, [0.0, 0.0, -1.0], rtol=0.0, atol=report.acceleration

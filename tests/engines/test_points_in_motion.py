@@ -137,7 +137,7 @@ class TestDistinct:
         """Steps of bonds are made of several: points in motion of all of them are told.
 
         A block of weight W, b = 0.2 m long and h = 0.1 m high, rests on two points.  The load takes
-        W m h / 2b off the one, at the multiplier m, which lets go where m W / 2 is 0.2 times what
+        W m h / 2b off the one, at the multiplier m, which slides where m W / 2 is 0.2 times what
         is left of W / 2, and the bond's 0.05 W: at m (1 / 2 + 0.2 / 4) = 0.15.  The other follows.
         """
         bonded = JointLaw(

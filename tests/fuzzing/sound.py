@@ -177,7 +177,7 @@ at_rest = 0.4
 pattern = "forces"
 force = [{ block = "b1", point = "top", force = [1e3, 0.0] }]
 """,
-    "settling": "dimension = 2\nthickness = 1.0\n"
+    "supports": "dimension = 2\nthickness = 1.0\n"
     + LAW
     + """
 [[block]]

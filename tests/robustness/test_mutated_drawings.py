@@ -189,5 +189,5 @@ def test_broken_drawings(tmp_path, ending):
             except Exception as error:
                 raise AssertionError(f"seed {seed}: {error!r}") from error
         assert all(np.isfinite(block.vertices).all() for block in made.blocks), f"seed {seed}"
-    # As many files come through as are refused, about: both ways are gone.
+    # As many files come through as are refused, about: both cases occur.
     assert 0.1 * N_DRAWINGS < refused < 0.95 * N_DRAWINGS

@@ -238,9 +238,7 @@ def test_a_full_disk_exits_with_3_and_keeps_the_curve(here, analysis, reads, mon
         assert "the curve is not whole: " in told.stderr and "No space left" in told.stderr
 
 
-def test_a_disk_without_room_for_the_first_point_is_left_as_it_was(
-    here, analysis, reads, monkeypatch
-):
+def test_a_disk_too_full_for_the_first_point_is_left_as_it_was(here, analysis, reads, monkeypatch):
     """`results.h5` was left without a point, and report and viewer made pages of it."""
     from drystone.io.results.diskfile import DiskFile
 
@@ -248,7 +246,7 @@ def test_a_disk_without_room_for_the_first_point_is_left_as_it_was(
 
     def full(self):
         done.append(self)
-        if len(done) > 1:  # the layout has room, the first chunks have not
+        if len(done) > 1:  # the layout fits, the first chunks do not
             raise OSError(28, "No space left on device")
         commit(self)
 

@@ -66,7 +66,7 @@ def test_central_variables_have_the_products_of_their_barrier(energy):
 
 
 def yielding_joints(n):
-    """Joints that may be crushed and have room for shear; the last third only the latter."""
+    """Joints that may be crushed and have a cohesion intercept; the last third only the latter."""
     joint = joints_of(n, 0.6)
     joint[:, INTERCEPT], joint[:, CRUSH] = 40.0, np.where(np.arange(n) < 2 * n // 3, 150.0, 0.0)
     joint[::4, FRICTION] = 0.0
@@ -96,7 +96,8 @@ def test_central_variables_of_joints_that_yield(energy):
         assert product(pair, slack) == pytest.approx(
             (2.0 * PENALTY * energy + least, 0.0, 0.0), abs=scale, rel=1e-6
         )
-        # The room that friction leaves is found to 1e-14 of itself, high barriers make it large.
+        # The distance to the friction cone is found to 1e-14 of itself, high barriers make it
+        # large.
         assert v[[P1, P2]] + v[[Z1, Z2]] == pytest.approx(t[1:], rel=1e-9, abs=1e-10 * most)
 
 
@@ -126,7 +127,7 @@ def test_changes_solve_the_equations_of_joints_that_yield_linearised(second):
         left = v[:, one] * v[:, other] + d[:, one] * v[:, other] + v[:, one] * d[:, other]
         left += e[:, one] * e[:, other] * second
         assert left == pytest.approx(joint[of, STIFF_N] * energy, rel=1e-6)
-    # How far the nearest factor lets go, and the energy where nothing has gone.
+    # How far the nearest factor allows, and the energy where nothing has moved.
     far, _ = cones.length(joint, inner, change, 0.0)
     ratio = (1.0 - cones.KEPT) * inner[:, [PN, W]] / -change[:, [PN, W]]
     crushing = (1.0 - cones.KEPT) * (inner[capped] / -change[capped])[:, [V, CAP]]

@@ -281,7 +281,7 @@ def test_joints_that_yield_have_the_clipped_law_and_its_derivatives():
             found.append((sides[0][0] - sides[1][0]) / (2.0 * h))
         heap.trial[:] = trial
         respond(heap)
-        # As of dry joints; shear that is near nothing under room for some turns faster.
+        # As of dry joints; shear near zero turns faster where there is a cohesion intercept.
         assert heap.response == pytest.approx(np.stack(found, axis=-1), abs=1e-6)
         crush = np.where(law[:, CRUSH] > 0.0, law[:, CRUSH], np.inf)
         normal = np.clip(trial[:, 0], 0.0, crush)

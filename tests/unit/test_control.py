@@ -154,7 +154,7 @@ def started_from(curve):
 
 
 class TestExcess:
-    """The bias-free pacing reads lambda_s where a step begins, whatever was applied."""
+    """The bias-free strategy reads lambda_s where a step begins, whatever was applied."""
 
     # Longer time steps than h^2 g kappa = DELTA_END / PEAK run down the branch by themselves.
     @given(st.floats(0.05, 1.0), st.floats(5e-3, 0.02), st.floats(0.06, 0.15))
@@ -238,7 +238,7 @@ class TestExcess:
         np.testing.assert_array_equal(dynamic, (d > 0.1) & (d < 0.11))
 
     def test_what_falls_on_without_load_has_collapsed_in_motion(self):
-        """In the words of the pacing of engines that prescribe displacements."""
+        """In the words of the strategy for engines that prescribe displacements."""
         curve = trace(FallingFreely(static_multiplier=-0.05), "displacement")
         assert curve.status == "finished" and curve.points[-1].status == DYNAMIC
         assert "or a part of it, collapsed in motion: it falls without any load" in curve.reason
@@ -413,7 +413,7 @@ class TestPublished:
     @pytest.mark.parametrize("overshoot", [1.05, 1.02, 1.005])
     @pytest.mark.parametrize("c", [0.173, 0.320, 0.75])
     def test_the_bias(self, c, overshoot):
-        """After the peak the recursion settles at lambda_b / lambda_s = 1 / (1 - (f-1)/f / c).
+        """After the peak the recursion converges to lambda_b / lambda_s = 1 / (1 - (f-1)/f / c).
 
         The lag behind a falling branch is what one step changes lambda_s by, relatively, over c:
         2e-5 m of some 0.2 m, twice at most (a step may be twice as long), over c = 0.173.
@@ -654,7 +654,7 @@ class TestJumps:
     def test_a_control_point_that_falls_within_a_step_ends_the_curve(
         self, travelled, multiplier, ends
     ):
-        """The structure lets go at 0.1 m, and its engine follows it to where it would carry again.
+        """The structure falls at 0.1 m, and its engine follows it to where it would carry again.
 
         Points in motion are shown, and only what was at rest before them counts.
         """
@@ -851,7 +851,7 @@ class TestWhatAStepHides:
         assert PEAK - curve.peak.load_multiplier <= max(2e-4 * PEAK, least)
         assert len(structure.demands) <= 2 * len(curve.points)
 
-    def test_a_peak_on_the_way_is_gone_back_to(self):
+    def test_a_peak_within_a_step_is_found(self):
         """A spike half a step wide, behind a lower peak, of which no end of a step tells."""
         spike = 0.0625 + 0.25 * STEP * np.array([-1.0, 0.0, 1.0])
         at, multiplier = [0.0, 0.03, *spike, 0.3], [0.0, 0.8, 0.6, 1.0, 0.6, 0.0]

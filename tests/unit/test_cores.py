@@ -123,7 +123,8 @@ class TestRounded:
             rounded_solid(*CUBE, radius)
 
     def test_a_face_that_vanishes(self):
-        # A cube with a corner cut off by 0.1: its small triangle is gone 0.0789 (1.1547 r) inwards.
+        # A cube with a corner cut off by 0.1: its small triangle vanishes 0.0789 (1.1547 r)
+        # inwards.
         vertices, faces = hull(
             np.vstack((CUBE[0][:6], CUBE[0][7:], [[0.9, 1, 1], [1, 0.9, 1], [1, 1, 0.9]]))
         )

@@ -422,10 +422,10 @@ def kept_of_a_full_disk(folder: Path, limit: int) -> int:
 def test_full_disk_leaves_readable_results(tmp_path):
     """A limit on the size of files stands for the disk: HDF5 ended the process by a signal."""
     pytest.importorskip("resource")
-    # The first chunks take 1.37 MB, room for 64 poses another 20 kB each.
+    # The first chunks take 1.37 MB, 64 poses another 20 kB each.
     n_reached = kept_of_a_full_disk(tmp_path / "out", 1_450_000)
     with (tmp_path / "out/curve.csv").open(newline="") as file:
-        assert len(list(csv.DictReader(file))) == n_reached  # it is small, and finds room
+        assert len(list(csv.DictReader(file))) == n_reached  # it is small, and fits
     assert json.loads((tmp_path / "out/summary.json").read_text())["status"] == "stopped"
 
 

@@ -70,7 +70,7 @@ def test_curves_are_the_same_without_paths(number):
     np.testing.assert_allclose(values[0], values[1], atol=6e-3 * peaks[0])
 
 
-def test_a_stack_settles_in_one_long_step():
+def test_a_stack_finds_its_equilibrium_in_one_long_step():
     """From blocks that only touch, with gravity at once: every joint carries what is above it."""
     problem = problem_of(stack(*12 * [(1.0, 0.5)], corner=Corner(radius=0.02)))
     engine = EquilibriumEngine()

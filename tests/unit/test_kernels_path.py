@@ -392,11 +392,11 @@ class TestRandomAssemblies:
                 for part in (0.5, 0.99, 1.01):
                     there = take(engine, state, part * share * increment, whole=False).solved
                     if part < 1.0:
-                        assert (there.reason, there.turn) == ("", None)
+                        assert (there.reason, there.fold) == ("", None)
                         missing = (multiplier - there.multiplier) / (multiplier - state.multiplier)
                         assert 0.5 * (1.0 - part) < missing < 1.1 * (1.0 - part)
                     else:
-                        assert there.turn == pytest.approx((1.0 / part, multiplier), rel=1e-3)
+                        assert there.fold == pytest.approx((1.0 / part, multiplier), rel=1e-3)
         assert turned >= 5 * SEEDS // 12
 
 

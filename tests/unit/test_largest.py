@@ -162,6 +162,6 @@ class TestFiles:
     def test_size(self, tmp_path):
         path = tmp_path / "m.toml"
         with path.open("wb") as file:
-            file.truncate(LARGEST["file"] + 1_000_000)  # takes no room on the disk
+            file.truncate(LARGEST["file"] + 1_000_000)  # takes no space on the disk
         with pytest.raises(ds.ModelError, match="has 65 MB, and 64 MB are the most"):
             read_bytes(path, "the file")

@@ -91,7 +91,7 @@ def test_what_has_moved_is_not_at_rest_however_far_another_part_falls():
     assert Drawn.of(shown(model, pose, initial)).moving.tolist() == [False, False, True]
 
 
-def test_what_joints_give_way_by_is_what_settling_was():
+def test_compliance_is_the_motion_under_the_dead_load():
     model = piers()
     shapes, fixed = MovingShapes.of(model.assembly), model.assembly.fixed
     initial = model.assembly.design_pose()

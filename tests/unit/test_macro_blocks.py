@@ -128,8 +128,8 @@ def test_chords_of_a_rotation_in_the_plane_are_its_twist(angle, start, pole):
         return np.column_stack((move, np.full(len(arm), theta)))
 
     field = chord(model.assembly, poses(start), poses(start + angle))
-    pace = 2.0 * np.tan(0.5 * angle)
-    assert field.spin == pytest.approx(np.full((4, 1), pace), rel=1e-9, abs=1e-9)
+    spin = 2.0 * np.tan(0.5 * angle)
+    assert field.spin == pytest.approx(np.full((4, 1), spin), rel=1e-9, abs=1e-9)
     expected = across(field.spin, field.place - pole)
     assert field.velocity == pytest.approx(expected, rel=1e-9, abs=1e-9)
 

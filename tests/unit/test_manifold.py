@@ -156,7 +156,7 @@ class TestFlush:
 
     @pytest.mark.parametrize("shift", [(0.0, 0.0), (0.5, 0.0), (0.0, 0.25), (0.31, 0.27)])
     def test_noise_changes_no_feature(self, shift):
-        """A resting pile keeps its contacts, whatever rounding and settling do to its blocks."""
+        """A resting pile keeps its contacts, whatever rounding and sinking do to its blocks."""
         solids = [
             box((i * shift[0], i * shift[1], i), (1 + i * shift[0], 1 + i * shift[1], i + 1))
             for i in range(4)
@@ -340,7 +340,7 @@ class TestTies:
     @pytest.mark.parametrize("solids", SCENES)
     def test_rounding_decides_nothing(self, solids):
         """The same features and areas wherever the solids are, however they are turned, and where
-        they have come nearer or gone apart by what rounding does to places."""
+        they have come nearer or moved apart by what rounding does to places."""
         expected, rng = Scene(solids).find(), np.random.default_rng(0)
         assert 1 <= len(used(expected)) <= 2
         for _ in range(20):
@@ -518,11 +518,11 @@ class TestSuccession:
         source[np.flatnonzero(source >= 0)[0]] = -1
         force[old.kind == 0] = 0.0
         carried(old, new, source, force, after)
-        gone_on = np.flatnonzero(source >= 0)
-        for i in gone_on:
+        kept_on = np.flatnonzero(source >= 0)
+        for i in kept_on:
             was = force[source[i]] @ old.tangents[source[i]]
             assert after[i] @ new.tangents[i] == pytest.approx(was, abs=ROUNDING)
-        left = np.setdiff1d(used(old), source[gone_on])
+        left = np.setdiff1d(used(old), source[kept_on])
         assert len(left) >= 1
         lost = np.linalg.norm(force[left], axis=1).sum()
         assert left_behind(source, force) == pytest.approx(lost, rel=1e-12)

@@ -1,4 +1,4 @@
-"""Every number of the rooms that compute stands in the register, `common.tolerances`.
+"""Every number of the packages that compute stands in the register, `common.tolerances`.
 
 A number is a float literal, wherever it stands: in an expression, as a default, as a field of
 settings, as a constant of a module.  Exact ones need no reason: they are part of a formula, and

@@ -66,7 +66,7 @@ def test_nothing_moves_at_rest():
     assert not moving_blocks(displacement, model.assembly.fixed).any()
 
 
-def test_blocks_that_only_settled_do_not_move():
+def test_blocks_that_only_sank_do_not_move():
     """The wall as a whole sank before the load began; since then only one block has moved."""
     model = synthetic.wall_model()
     sunk = model.assembly.design_pose()
@@ -275,7 +275,7 @@ def test_pyplot_is_not_touched(tmp_path):
 @pytest.mark.parametrize(("unit", "motion"), [("m", "0.200 m"), ("rad", "11.46°")])
 def test_curve_of_supports_that_move(tmp_path, unit, motion):
     """Reaction [N, N m] against their motion [m, degrees]; values stand in the legend alone."""
-    moves_supports = settling(unit)
+    moves_supports = moved_supports(unit)
     draw_curve(moves_supports, tmp_path / "curve.png", title="Arch")
     assert is_picture(tmp_path / "curve.png")
     axes = plot_curve(moves_supports, canvas.new_figure(4, 4).subplots())
@@ -283,7 +283,7 @@ def test_curve_of_supports_that_move(tmp_path, unit, motion):
     assert axes.get_xlabel().endswith("[°]" if degrees else "[m]")
     assert axes.get_ylabel() == f"support reaction [{'N m' if degrees else 'N'}]"
     force = "N m" if degrees else "N"
-    # 9000 N at first, 7500 N at 0.05, 12000 N at 0.2, see `settling`.
+    # 9000 N at first, 7500 N at 0.05, 12000 N at 0.2, see `moved_supports`.
     assert {f"greatest and last: 12000 {force} at {motion}", "support reaction"} < set(labels(axes))
     assert not axes.texts
     told = report("arch", moves_supports, Path("out"), Beside())
@@ -291,7 +291,7 @@ def test_curve_of_supports_that_move(tmp_path, unit, motion):
     assert "peak" not in repr(moves_supports)
 
 
-def settling(unit):
+def moved_supports(unit):
     """Supports that move: their reaction falls from 9000 N to 7500 N and rises to 12000 N."""
     at, reaction = (0.0, 0.05, 0.2), (9e3, 7.5e3, 1.2e4)
     points = [

@@ -191,7 +191,7 @@ def test_max_time_pauses(tmp_path):
     assert same(ds.resume(tmp_path / "out", max_time=None), whole)
 
 
-# Folders that cannot be gone on with.
+# Folders from which no run can go on.
 
 
 def paused(folder: Path, **options: float) -> ds.CapacityCurve:
@@ -253,7 +253,7 @@ def test_an_engine_that_keeps_no_states_says_so(tmp_path, monkeypatch):
     assert "keeps no states" in refused(tmp_path / "out")
 
 
-def test_a_file_that_is_gone_while_it_runs(tmp_path):
+def test_a_file_that_is_removed_while_it_runs(tmp_path):
     """The folder is removed meanwhile: an end with its reason, and what was reached."""
     import shutil
 

@@ -60,7 +60,7 @@ from drystone.law.status import SLIDING
 
 pytestmark = pytest.mark.kernels
 
-#: Kinds of joints: lift over k_s, room, crushing reaction.
+#: Kinds of joints: lift over k_s, cohesion intercept, crushing reaction.
 KINDS = {
     "dry": (0.0, 0.0, np.inf),
     "dilating": (0.3, 0.0, np.inf),
@@ -71,7 +71,7 @@ KINDS = {
 
 
 def draws(kind, n=400, seed=1):
-    """Rows of r_n, T, k_s, mu, lift, room, C."""
+    """Rows of r_n, T, k_s, mu, lift, k, C."""
     rng = np.random.default_rng(seed)
     lift, intercept, crush = KINDS[kind]
     for _ in range(n):
@@ -254,8 +254,8 @@ def yielding_draws(kind, rng):
 
 
 def held_where(law, history, gap, softened, slid, crushed):
-    """Trial normal reaction from the tension on, mu, tension, room and crushing reaction of a joint
-    that has come so far."""
+    """Trial normal reaction from the tension on, mu, tension, cohesion intercept and crushing
+    reaction of a joint that has come so far."""
     whole = history[0, BROKEN] == 0.0
     left = np.exp(-softened) if whole else 0.0
     opened = history[0, OPENED] if whole else 0.0

@@ -276,9 +276,9 @@ def test_pictures_are_written(tmp_path, linear):
         space = replace(space, pose=rates, linear=True)
     departed = np.zeros(13, bool)
     departed[-1] = True
-    for name, one in (("all", space), ("gone", replace(space, departed=departed))):
+    for name, one in (("all", space), ("departed", replace(space, departed=departed))):
         draw_mechanism(one, tmp_path / f"{name}.png", title="wall")
-    pictures = [imread(tmp_path / f"{name}.png")[..., :3] for name in ("all", "gone")]
+    pictures = [imread(tmp_path / f"{name}.png")[..., :3] for name in ("all", "departed")]
     assert all(float(picture.std()) > 0.05 for picture in pictures)
     assert pictures[0].shape != pictures[1].shape or np.any(pictures[0] != pictures[1])
 

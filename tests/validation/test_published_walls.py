@@ -78,7 +78,7 @@ class TestTable1:
     def test_displacement_at_a_hundredth(self, engine, wall, corner):
         """As far as two runs of LMGC90, which differ by up to 5 %, +-7 %; blocks were chamfered.
 
-        Near the end single blocks let go, each of which shortens the rest of the curve: 0.449,
+        Near the end single blocks come loose, each of which shortens the rest of the curve: 0.449,
         0.556 and 0.591 m in the paper, 0.449, 0.529 and 0.599 m by LMGC90 2025.rc1.
         """
         runs = PUBLISHED_WALLS[wall].ultimate_displacement_lmgc90, END_LMGC90[wall]
@@ -116,7 +116,7 @@ class TestRecordedCurves:
         """With the overshoot that the UDEC runs had, against their carried multiplier.
 
         A median of 0.008: 1 to 3 % of what is carried on the way.  The tolerance is a median
-        because the two fall by a few per cent where a block lets go, a few mm apart.
+        because the two fall by a few per cent where a block comes loose, a few mm apart.
         """
         recorded = np.genfromtxt(REFERENCE / f"wall{wall}_udec.csv", delimiter=",", names=True)
         curve = traced(engine, wall, strategy="published", overshoot=1.01)
@@ -161,11 +161,11 @@ class TestStaticMultipliers:
 
 class TestStepSize:
     @pytest.mark.parametrize("wall", [1, 3])
-    def test_the_curve_does_not_depend_on_the_pacing(self, engine, wall):
+    def test_the_curve_does_not_depend_on_the_step(self, engine, wall):
         """Half the displacement per step: the same curve up to 0.2 m, to the error of a step.
 
         The multiplier is read up to 0.9 mm late at a slope of 1.5 / m, 1.3e-3; half of that for the
-        finer steps.  The median leaves out the drops where a block lets go.
+        finer steps.  The median leaves out the drops where a block comes loose.
         """
         one = traced(engine, wall)
         two = traced(engine, wall, displacement_step=4.4e-4, max_displacement=0.22)

@@ -3,7 +3,7 @@
 They run to the stop multiplier or to the displacement that was asked for.  Along equilibria the
 work of the loads is stored or dissipated; the mean of the forces at both ends of a step stands for
 those in it.  That is within a thousandth where most of the work is done by bonds.  Elsewhere walls
-rise over a few steps, in each of which contacts begin to slide and to be crushed: these are gone
+rise over a few steps, in each of which contacts begin to slide and to be crushed: these are taken
 through in eight parts.
 """
 

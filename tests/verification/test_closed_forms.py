@@ -259,8 +259,8 @@ class TestTwoBlocks:
         _, error, explained = branch_errors(curve, upper)
         assert np.all(np.abs(error) <= 1.1 * explained + 2e-5)
         # W / k A of both: the lower one stays where it is.
-        settled = (0.24 + 0.24) * 10e3 / (STIFF * 0.8)
-        assert np.abs(curve.poses[:, 1, :2]).max() < 10.0 * settled
+        sunk = (0.24 + 0.24) * 10e3 / (STIFF * 0.8)
+        assert np.abs(curve.poses[:, 1, :2]).max() < 10.0 * sunk
 
     @pytest.mark.parametrize("slippery", ["b1 b2", "b1 base"])
     def test_the_slippery_joint_slides(self, slippery):

@@ -1,4 +1,4 @@
-"""Displacements gone to and fro against closed forms: a block that slides, one that rocks, a stack.
+"""Displacements to and fro against closed forms: a block that slides, one that rocks, a stack.
 
 The sliding block of weight W on a bed of area A: the control point is its centroid, at the height
 h over the bed.  Its joint gives way by u = mu W / (k_s A) + mu W h^2 / (k_n A (L / 2)^2) before it

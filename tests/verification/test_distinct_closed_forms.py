@@ -114,7 +114,7 @@ class TestSlide:
 
 
 class TestRocking:
-    """A slender block let go where it leans on its toe."""
+    """A slender block released where it leans on its toe."""
 
     size, stiffness = (0.4, 1.6), 1e11  # m, Pa/m
 
@@ -201,7 +201,8 @@ class TestDilatancy:
         slope = np.tan(np.radians(self.angle))
         for _ in range(10):
             state, report = engine.step(state, Demand(increment=4e-4))
-            # It lifts until it is stopped, and settles with a little less than all its friction.
+            # It lifts until it is stopped, and comes to rest with a little less than all its
+            # friction.
             assert report.static_multiplier == pytest.approx(self.friction, abs=1e-3)
             moved = state.pose[1] - begin[1]
             # The elastic shear before sliding is 0.5 W / k_s = 1e-7 m, a cycle slides 1e-6 m.

@@ -67,7 +67,7 @@ class TestOneBlock:
         for _ in range(10):
             state, report = engine.step(state, Demand(increment=2e-3))
             assert report.converged
-            # At rest after sliding it has let go of next to nothing of its friction.
+            # At rest after sliding it has lost next to nothing of its friction.
             assert report.static_multiplier == pytest.approx(0.2, abs=1e-4)
         path = (state.pose - begin)[1, :3]
         along = path @ model.load.direction

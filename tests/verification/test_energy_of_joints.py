@@ -1,4 +1,4 @@
-"""The energy balance of dry and crushed joints, in steps gone through in parts; see `joint_energy`.
+"""The energy balance of dry and crushed joints, in steps taken in parts; see `joint_energy`.
 
 The smallest case is a block that slides off the edge of its base.  Of its length b, l lies on the
 base, and the resultant of weight W and load mu W presses at r = b/2 + mu H/2 from the rear corner.
@@ -45,7 +45,7 @@ def sliding_off(normal_stiffness, shear_stiffness):
 
 
 @pytest.mark.parametrize("ratio", [1.0, 4.0])
-def test_what_a_shrinking_joint_lets_go(ratio):
+def test_what_a_shrinking_joint_releases(ratio):
     kn = 1e8
     curve, energy = energy_of(sliding_off(kn, ratio * kn), parts=4)
     far, weight = curve.points[-1].control_displacement, WEIGHT * LENGTH * HEIGHT

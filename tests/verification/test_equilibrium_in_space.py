@@ -139,7 +139,7 @@ class TestTwist:
 
     @pytest.mark.parametrize(("points", "factor"), [(4, 1.85), (9, 1.12), (16, 1.09)])
     def test_strength(self, points, factor):
-        """A torque in place of the load, paced by how far a corner of the cube goes round."""
+        """A torque in place of the load; how far a corner of the cube rotates is prescribed."""
         blocks = [
             box("base", (-1.0, -1.0, -0.3), (1.0, 1.0, 0.0), support=True),
             box("b1", *np.array([[-0.5, -0.5, 0.0], [0.5, 0.5, 1.0]]) * self.side),

@@ -192,7 +192,7 @@ class TestShear:
         left = np.exp(-cohesion * slid / energy)
         friction = self.residual + (self.friction - self.residual) * left
         expected = friction * self.weight + cohesion * self.width * left
-        # Strengths settle to 1e-6 of the weight; the block leans a hair.
+        # Strengths converge to 1e-6 of the weight; the block leans a hair.
         later = slid > 1e-6
         assert force[later] == pytest.approx(expected[later], rel=1e-5)
         peak = self.friction * self.weight + cohesion * self.width
@@ -332,7 +332,7 @@ def test_a_pad_that_is_crushed_softens(step):
                 0.0,
                 strength,
             )
-            # What strengths settle to: 1e-6 of the weight, over a pad's half.
+            # What strengths converge to: 1e-6 of the weight, over a pad's half.
             assert pressure == pytest.approx(law, abs=4e-6 * pads.weight / (0.5 * pads.pad))
     assert crushed > 10
 

@@ -1,6 +1,6 @@
 """Limit analysis against closed forms.
 
-A linear program is solved to about 1e-12 here; 1e-9 leaves room for the number of blocks.
+A linear program is solved to about 1e-12 here; 1e-9 allows for the number of blocks.
 """
 
 import numpy as np
@@ -98,7 +98,7 @@ def test_tensile_strength_holds_a_rocking_block(flow, tension):
 
 
 def test_tension_ends_where_the_friction_cone_does():
-    # |t| <= c + mu n leaves no room for n < -c/mu, whatever the tensile strength.
+    # |t| <= c + mu n allows no n < -c/mu, whatever the tensile strength.
     weak = joint(0.9, cohesion=90.0, tensile_strength=1e6)
     limited = joint(0.9, cohesion=90.0, tensile_strength=100.0)
     a, b = (collapse_load(block(law), flow="associative") for law in (weak, limited))

@@ -1,6 +1,6 @@
 """Limit analysis in space against closed forms, the plane, and itself turned.
 
-Programs of cones are solved to some 1e-11 of numbers of order one; 1e-9 leaves room for the number
+Programs of cones are solved to some 1e-11 of numbers of order one; 1e-9 allows for the number
 of blocks.
 """
 

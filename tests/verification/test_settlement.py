@@ -115,7 +115,7 @@ def thrust(model, pose):
 def test_frame_on_spreading_supports(engine, space):
     model = ds.extruded(leaning()) if space else leaning()
     curve = ds.pushover(model, engine=engine, keep_poses=True)
-    assert curve.reason == "the supports have gone as far as asked"
+    assert curve.reason == "the supports have moved as far as asked"
     assert curve.control_displacement[-1] == pytest.approx(0.2, rel=1e-9)
     assert len(curve.points) > 10
     for point, pose in zip(curve.points, curve.poses, strict=True):

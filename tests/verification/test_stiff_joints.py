@@ -1,4 +1,4 @@
-"""Joints so stiff that blocks settle by less than the rounding of their coordinates.
+"""Joints so stiff that blocks sink by less than the rounding of their coordinates.
 
 Limit analysis of rigid blocks says which arches stand, and bounds every peak from above.
 """

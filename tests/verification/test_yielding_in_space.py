@@ -53,7 +53,7 @@ class TestTension:
         assert force.max() == pytest.approx(most, rel=3e-4)
         torn = opened > 0.0
         left = np.exp(-self.strength * opened[torn] / self.energy)
-        # Strengths settle to 1e-6 of the weight, a share of the solutions before at a time.
+        # Strengths converge to 1e-6 of the weight, a share of the solutions before at a time.
         assert force[torn] == pytest.approx(most * left, abs=1e-4 * most)
         places, forces = np.append(0.0, opened[torn]), np.append(most, force[torn])
         assert opened[-1] > 4e-3  # all but exp(-20)
@@ -89,7 +89,7 @@ class TestShear:
         expected = friction * self.weight + self.cohesion * self.area * left
         later = slid > 1e-6
         assert np.count_nonzero(later) > 10
-        # Cohesion and friction of four points each settle to 1e-6 of the weight.
+        # Cohesion and friction of four points each converge to 1e-6 of the weight.
         assert force[later] == pytest.approx(expected[later], abs=8e-6 * self.weight)
         peak = self.friction * self.weight + self.cohesion * self.area
         # What a step may hide of a peak is 2e-4 of it.

@@ -25,7 +25,7 @@ pytestmark = pytest.mark.skipif(
 
 READY = "window.drystone && drystone.ready"
 DRAWN = "performance.getEntriesByName('drawn')[0].startTime / 1e3"
-SETTLED = "new Promise(r => requestAnimationFrame(() => requestAnimationFrame(() => r(1))))"
+DRAWN = "new Promise(r => requestAnimationFrame(() => requestAnimationFrame(() => r(1))))"
 #: By how much slower than asked for a busy machine may be.
 BUSY = 3.0
 
@@ -76,7 +76,7 @@ def opened(browser, path):
 
 def quiet(browser):
     """Nothing was complained of or asked for; a last answer brings what is under way."""
-    browser.run(SETTLED)
+    browser.run(DRAWN)
     assert browser.complaints == [] and browser.requests == []
 
 
@@ -86,7 +86,7 @@ def picture(browser, selector="#stage"):
 
     from PIL import Image
 
-    browser.run(SETTLED)
+    browser.run(DRAWN)
     image = Image.open(io.BytesIO(browser.screenshot())).convert("RGB")
     box = browser.run(
         f"(r => [r.left, r.top, r.right, r.bottom])"
@@ -142,13 +142,13 @@ def test_blocks_and_joints_answer_clicks(browser, wall):
     top = "drystone.record.n - 1"
     middle = f"Array.from(drystone.poses.slice(8 * ({top}), 8 * ({top}) + 3))"
     browser.click(*browser.run(f"{place}({middle})"))
-    browser.run(SETTLED)
+    browser.run(DRAWN)
     assert browser.run(f"drystone.selected.block === {top}")
     text = browser.run("details.textContent")
     assert browser.run(f"drystone.record.names[{top}]") in text
     assert "weight" in text and "centroid" in text
     browser.click(*browser.run(f"{place}(drystone.record.joints.placeAt(drystone.poses, 0, [0]))"))
-    browser.run(SETTLED)
+    browser.run(DRAWN)
     assert browser.run("drystone.selected.joint") == 0
     text = browser.run("details.textContent")
     for word in ("resultant", "eccentricity", "mobilised friction", "friction coefficient"):

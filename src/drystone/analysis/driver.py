@@ -300,7 +300,7 @@ def _traced(
         shows = nullcontext(progress)
     else:
         shows = points_shown(model.title or "pushover", model.analysis.stop_multiplier, progress)
-    # Threads of LAPACK only get in each other's way on systems of this size.
+    # Threads of LAPACK only slow each other on systems of this size.
     lapack = threadpool_limits(limits=1, user_api="blas")
     with closing(run.solver), lapack, limited(threads), Compilation() as compilation, shows as told:
         run.progress = told
@@ -481,7 +481,7 @@ class _Run:
         )
 
     def _since_rest(self, report: StepReport) -> StepReport:
-        """The report, with control displacements since the rest under the dead load."""
+        """The report, with control displacements since the equilibrium under the dead load."""
         moved = report.control_displacement - self.settlement
         way = tuple((state, self._since_rest(told)) for state, told in report.path.dynamic_states)
         return changed(
@@ -491,8 +491,8 @@ class _Run:
     def _pass(
         self, state: State, demand: Demand, report: StepReport, decision: Decision[Any]
     ) -> tuple[State, Decision[Any] | None]:
-        """Add the points in motion on the way of a step; the state of the last of them, and what
-        ends the analysis there, if anything does."""
+        """Add the dynamic points within a step; the state of the last of them, and the decision
+        that ends the analysis there, if any."""
         for (passed, told), multiplier in zip(
             report.path.dynamic_states, decision.dynamic_multipliers, strict=False
         ):

@@ -59,7 +59,7 @@ class Plausibility:
     def check(
         self, report: StepReport, multiplier: float, contacts: Callable[[], ContactForces]
     ) -> None:
-        """Raise `EngineError` for a point that no structure comes to.
+        """Raise `EngineError` for a point that no structure reaches.
 
         Parameters
         ----------

@@ -12,12 +12,12 @@ or seconds means these; all others are over what the comment names.
 - *Derived*: it follows from something, which is named.
 - *Range*: what changes where it is halved and doubled, or as the comment says.  Of engines and
   controls on random structures that stand or fall by `equilibrium`: 12 of the plane, and 10 of
-  space, 6 solids and 4 arches (``benchmarks/robustness.py``, seeds 0:24:2, 0:12:2, 0:8:2).  *Calm*
-  is a number that changes peaks by less than 1e-4, over them, and the sum of steps by less than
-  1 %, in the plane and in space.  Peaks in space are known to some 2e-3 with steps of the default
-  length (`SMOOTH_BEND_SHARE`): what changes where points lie changes them by that.  Measured with
-  the static step before that which plane and space share.  Ranges *by* `distinct` are of 3 plane
-  structures, seeds 8, 10 and 12.
+  space, 6 solids and 4 arches (``benchmarks/robustness.py``, seeds 0:24:2, 0:12:2, 0:8:2).  A
+  number has *no effect* if it changes peaks by less than 1e-4 of themselves, and the sum of steps
+  by less than 1 %, in the plane and in space.  Peaks in space are known to some 2e-3 with steps of
+  the default length (`SMOOTH_BEND_SHARE`): what changes where points lie changes them by that.
+  Measured with the static step before that which plane and space share.  Ranges *by* `distinct` are
+  of 3 plane structures, seeds 8, 10 and 12.
 - *Convention*: what a word means; another number would mean something else.
 - *Not measured*: nobody knows more than that it works.
 
@@ -187,8 +187,8 @@ NOBODYS_EDGE = (0.5, 0.6180339887, 0.7320508076)
 # (`arch` 6: neither `SUCCESSOR` nor `MERGE`, which change peaks by 2e-5; which does is not known).
 
 #: Least tributary length or area of a contact, over that of the shorter edge or smaller face.
-#: Range, doubled: plane: calm; space: a peak by 2.6e-3 and the end by 11 %, of a solid that falls
-#: in motion (`solids` 2), all others the same.
+#: Range, doubled: plane: no effect; space: a peak by 2.6e-3 and the end by 11 %, of a solid that
+#: falls in motion (`solids` 2), all others the same.
 LEAST_FACE = 0.01
 
 #: Margin of the broad phase, over the smallest extent of a block.  A matter of speed only.
@@ -321,9 +321,9 @@ CENTRAL_NORMAL = 1e-3
 #: What a normal reaction and its slack keep of what they are in an iteration.  Not measured.
 KEPT = 1e-2
 
-#: Room that a pair keeps of its cones, over their size: with less, what slides far is lost in
-#: rounding.  Reactions are wrong by no more than that where the barrier is none, and exact once the
-#: law itself is asked.  Not measured.
+#: Distance to the boundary of its cones that a pair keeps, over their size: with less, a long slip
+#: is lost in rounding.  Without a barrier reactions are wrong by no more than that; those of the
+#: joint law itself are exact.  Not measured.
 LEAST_DISTANCE = 1e-10
 
 #: Friction over what keeps a contact open, below which it is open: it slides freely.  Not measured.
@@ -374,7 +374,7 @@ SNAP_SHARE = PEAK_SHARE
 #: Space: a peak by 1.3e-3 where doubled, steps by 0.6 %.
 LEAST_PEAK = 10.0
 
-#: First increment over the largest; of supports too.  Range: calm.
+#: First increment over the largest; of supports too.  Range: no effect.
 FIRST_SHARE = 0.02
 
 #: Smallest increment over the largest.  Range: a peak by 1.1e-4; plane, doubled: steps by -4.4 %.
@@ -385,14 +385,14 @@ FLOOR_SHARE = 0.01
 #: no end is another.  Measured with the step that plane and space share.
 CROSSING = 4.0
 
-#: Increment over the largest up to which steps are worth more than one try.  Range: calm.
+#: Increment over the largest up to which a step may use the full search.  Range: no effect.
 FULL_SEARCH_SHARE = 0.02
 
 #: Increment of the first step of a jump over the largest.  Range: peaks by 8e-5, steps by 1.7 %;
 #: where doubled, two curves end by more than 1 % elsewhere.
 CREEP_SHARE = 0.001
 
-#: Most by which creeping is longer than at first.  Range: calm.
+#: Most by which creeping is longer than at first.  Range: no effect.
 MOST_CREEP = 50.0
 
 #: Smallest increment to a peak or a bend, over the largest; how near to the stop value the last
@@ -404,23 +404,23 @@ REFINED_SHARE = 0.005
 #: same; it ends a search for what a curve jumps over.
 LEAST_CHORD = 1e-3
 
-#: Share of what joints close by that steps are shortened to.  Range: calm; without it, peaks by
-#: 7e-6.
+#: Share of what joints close by that steps are shortened to.  Range: no effect; without it, peaks
+#: by 7e-6.
 CLOSING_SHARE = 0.1
 
-#: Of the peak, by which the way through a step may lie above it.  Range, by `distinct`: one peak
-#: (`plane` 8) by 4.4e-4, the others the same; steps by -8 %, nearly all of that one.
+#: Overshoot within a step, over the peak, where the step exceeds the peak.  Range, by `distinct`:
+#: one peak (`plane` 8) by 4.4e-4, the others the same; steps by -8 %, nearly all of that one.
 OVERSHOOT_SHARE = 5e-3
 
-#: Of the peak, by which that may lie above both ends elsewhere.  Not measured.
+#: Overshoot within any other step, over the peak.  Not measured.
 DRIVE_SHARE = 2e-2
 
-#: Of `OVERSHOOT_SHARE`, under which there was no peak on the way of a step; and under which steps
-#: grow as fast as they may.  Not measured.
+#: Overshoot over `OVERSHOOT_SHARE` under which a step hides no peak; and under which steps grow as
+#: fast as they may.  Not measured.
 NO_OVERSHOOT = 0.2
 SMALL_OVERSHOOT = 0.05
 
-#: Of the peak, that the curve may bend within a step.  Range: plane: calm.
+#: Of the peak, that the curve may bend within a step.  Range: plane: no effect.
 BEND_SHARE = 2e-3
 
 #: Likewise where curves bend all along.  Derived: twice as much as where bends are corners.  Range:
@@ -440,28 +440,28 @@ KINK = 0.1
 HIDES_NOTHING = 0.1
 NEARER_TO_KINK = 0.4
 
-#: Share of a step from which on it is not worth taking again to there; and by which it ends before
-#: a turn.  Range, with the two of a turn below, 0.96 and 0.99: peaks by 3e-5; plane: steps
-#: by -4.6 %.
+#: Share of a step from which on it is not worth repeating up to there; and share of the way to a
+#: fold at which the repeated step ends.  Range, with the two numbers of a fold below, 0.96 and
+#: 0.99: peaks by 3e-5; plane: steps by -4.6 %.
 ALL_BUT = 0.98
 
-#: Part of a step at which a turn still gives it a length, by how much it is shortened where it does
-#: not, and the part of it from which the slope to a turn is known.  Range: the first two with
+#: Share of a step up to which a fold sets the length of the next try; factor by which it is
+#: shortened else; and share from which on the slope to a fold is known.  Range: the first two with
 #: `ALL_BUT` (see there); the third the same.
 FOLD_WITHIN = 0.9
 SHORTER = 0.6
 FOLD_KNOWN = 0.05
 
-#: Share of their motion by which blocks may leave in a step the direction in which it begins, where
-#: the curve bends by more than the second, of the peak, and the step is more than the third, of the
-#: largest.  Range: plane: the same.  Space: the first doubled, a peak by 3.6e-4, steps by 3.1 %;
+#: Largest deviation of a block from the predictor, over the farthest motion; bend of the curve,
+#: over the peak, above which it counts; and length of a step, over the largest, above which it
+#: counts. Range: plane: the same.  Space: the first doubled, a peak by 3.6e-4, steps by 3.1 %;
 #: the second, no peak, steps by 3 %; the third, a peak by 1.1e-4, steps by -4.6 %.
 DEVIATION_SHARE = 0.1
 DEVIATION_BEND = 1e-4
 DEVIATION_STEP = 0.06
 
-#: By how much steps are shortened that were hard.  Range, from 0.5 to 0.85: by `equilibrium` the
-#: same, as no step is so hard; by `distinct` not measured.
+#: Factor by which steps are shortened after many iterations.  Range, from 0.5 to 0.85: by
+#: `equilibrium` the same, as no step takes so many; by `distinct` not measured.
 MANY_SHORTER = 0.7
 
 #: First time step of a jump [s].  Range: peaks by 4e-5; plane: steps by 2.2 %; space: by 11 % where
@@ -493,10 +493,10 @@ SNAP_MOTION = 10.0
 JUMP_MOTION = 1.0
 
 #: Inertia of a step that is static again, over the applied force and, of the fastest block, over
-#: its weight; of supports that move, over the weight.  Convention.  Range: calm.
+#: its weight; of supports that move, over the weight.  Convention.  Range: no effect.
 STATIC_INERTIA = 1e-3
 
-# Control: displacements gone to one after another -------------------------------------------------
+# Control: cyclic analysis ------------------------------------------------------------------------
 
 #: Displacement steps within which a displacement of a history is reached by engines that prescribe
 #: it, and by those that step under a multiplier.  Derived: roundings; of the latter, what a step is
@@ -609,7 +609,7 @@ WORTH_BENDING = 20.0
 WORTH_OF_FIRST = 0.05
 SUPPORT_SHORTER = 0.3
 
-#: Way of the supports that is all of it, but for this.  Derived: a rounding.
+#: Share of the supports' displacement that counts as all of it.  Derived: a rounding.
 ALL_MOVED = 1.0 - ROUNDING
 # Engines: frames, measures, bonds ----------------------------------------------------------------
 
@@ -634,7 +634,7 @@ ACROSS_THE_LOAD = 1e-2
 #: Motion of a block, over that of the fastest, from which on a message names it.  Convention.
 NAMED_MOTION = 0.1
 
-#: What a bond lets go without being told from others, over the heaviest weight.
+#: Release of a bond, over the heaviest weight, that is too small to count.
 #: Not measured.
 SLIGHT = 1e-3
 
@@ -673,7 +673,7 @@ SEARCH_TOLERANCE = 2e-3
 WATCHED = 1e-3
 
 #: How far away joints are watched, over what blocks may move between two searches.  Derived: two
-#: blocks may move against each other, and both have gone on when it is seen.
+#: blocks may move against each other, and both have moved on when it is seen.
 WATCHED_REACH = 3.0
 
 #: Displacement of a step over the smallest extent of a block.  Not measured.
@@ -731,11 +731,11 @@ NSCD_TOLERANCE = 5e-7
 #: rounding of its poses.
 NSCD_RESIDUAL = 2.0 * NSCD_TOLERANCE
 
-#: Momentum defect at which the branches count as settled, over the tolerance.  Derived: a tenth of
+#: Momentum defect at which the branches count as fixed, over the tolerance.  Derived: a tenth of
 #: what is asked for.
 BRANCHES_FIXED = 0.1
 
-#: Time step of settling [s], and the least share of it.  Not measured.
+#: First time step under the dead load [s], and the least share of it.  Not measured.
 DEAD_LOAD_TIME_STEP = 0.05
 LEAST_TIME_STEP = 1e-4
 
@@ -744,10 +744,10 @@ LEAST_TIME_STEP = 1e-4
 AT_REST_MOTION = 1e-3
 LEAST_CLOSURE = ROUNDING
 
-#: How stiffly sticking contacts are held over the stiffest joint or, in short steps, the largest
-#: mass at a contact: hard, harder, hardest and softly.  Softer ones, tried where Newton's method
-#: does not converge with the last, forgive wrong branches; stiffer ones settle forces that next to
-#: no slip decides.  Derived: each 30 times the one before, and the last two again.  Not measured.
+#: Penalty stiffness of sticking contacts, over the stiffest joint or, in short steps, the largest
+#: mass at a contact.  The soft one is tried where Newton's method does not converge: it forgives
+#: wrong branches.  Stiffer ones fix forces that a very small slip decides.  Derived: each 30 times
+#: the one before, and the last two again.  Not measured.
 SOFT_PENALTY = 30.0
 STIFF_PENALTY = 1e3
 STIFFER_PENALTY = SOFT_PENALTY * STIFF_PENALTY
@@ -803,7 +803,7 @@ STATIC_TIME_STEP = 30.0
 #: for up to a gap of a fifth of it; beyond, blocks could meet that were no pair.
 MOST_MOTION = 0.2
 
-#: Time steps from which a structure settles [s], the least of them, and how they grow.
+#: Pseudo-transient steps under the dead load: the first and the least time step [s], and growth.
 #: Not measured.
 DEAD_LOAD_STEP = 0.1
 LEAST_DEAD_LOAD_STEP = 1e-5
@@ -819,11 +819,12 @@ MOST_STEP = 0.1
 #: Derived: of 45 degrees, rounded.
 LIES = 0.7
 
-#: Force over the heaviest weight by which blocks meet elsewhere than followed.  Not measured.
+#: Force over the heaviest weight above which a contact that was not followed is added.
+#: Not measured.
 PRESSED = 1e-2
 
-#: Margin of a bond at which a step ends for it, and force over the heaviest weight by which what
-#: joints hold may still change where it ends.  Not measured.
+#: Margin of a bond at which a step ends for it; and force over the heaviest weight by which the
+#: strengths of joints may still change where a step ends.  Not measured.
 ENDS_FOR_BOND = 1e-5
 STRENGTHS_FIXED = 1e-6
 
@@ -852,9 +853,10 @@ WORTH_SHARING = 1e6
 CALL_TIME = 100.0
 MULTIPLICATION_TIME = 0.04
 
-# Statics: the way through the interior -----------------------------------------------------------
-# Energies are those of a contact over what the weight of a mean block stores in one, forces over
-# that weight, damping in 1/s2 of the frame, in which gravity over the smallest block is 56.
+# Statics: the interior-point method --------------------------------------------------------------
+# Energies are those of one contact over the energy that the weight of a mean block stores in one,
+# forces over that weight, damping in 1/s2 of the frame, in which gravity over the smallest block is
+# 56.
 
 #: First barrier, and the more of it over the square of what is unbalanced.  Range: ten times more
 #: or less, iterations of 18 curves in space by 11 to 12 %, peaks as they were.
@@ -865,12 +867,13 @@ BY_UNBALANCED = 3e-3
 #: Not measured.
 BY_REACH = 0.05
 
-#: Length of an iteration that is no way on, and the least barrier that contacts are centred on
-#: anew.  Range: without, iterations by 12 % and failed steps by 80 %.
+#: Length of an iteration below which it is no progress; and the least barrier with which contacts
+#: are centred anew.  Range: without, iterations by 12 % and failed steps by 80 %.
 NO_PROGRESS = 0.2
 RECENTRED_BARRIER = 1e-3
 
-#: What may leave its cone, over what a barrier makes fuzzy: for the predictor, and by turning.
+#: Radius of the neighbourhood of the central path, over the barrier: of the predictor; and of the
+#: corrector, for the direction of slip.
 #: Range: without either, iterations of 18 curves in space by less than 1 %.
 PREDICTOR_RADIUS = 0.1
 SLIP_RADIUS = 10.0
@@ -885,8 +888,8 @@ TELLS = 1e-10
 TELLING_RESIDUAL = 1e-6
 NOTHING_MORE = 1e-24
 
-#: Unbalanced force with which Newton's method is tried on the way, by how much it must gain there,
-#: and from the start.  Not measured.
+#: Unbalanced force below which Newton's method is tried between iterations; factor by which it must
+#: reduce that there, and where it begins.  Not measured.
 NEWTON_RESIDUAL = 0.05
 NEWTON_GAIN = 10.0
 WARM_GAIN = 30.0
@@ -895,14 +898,14 @@ WARM_GAIN = 30.0
 #: Range: curves of six bonded walls are the same to the last bit with 0.02 to 1.
 FARTHEST_ROTATION = 0.2
 
-#: Damping of an unstable matrix; that which says that something has lost its hold; and most of it.
+#: Damping of an unstable matrix; damping above which a part counts as unsupported; most damping.
 #: Range: four times more or less of the first, iterations in space by 5 %, peaks as they were.
 DAMPING = 10.0
 LOST_SUPPORT = 3e3
 MOST_DAMPING = 1e9
 
-#: Length of an iteration that lets go of damping, and by which one is shortened that turns contacts
-#: too far.  Not measured.
+#: Length of an iteration above which damping is reduced; and factor by which an iteration is
+#: shortened in which a slip changes its direction too far.  Not measured.
 GOOD_LENGTH = 0.9
 LENGTH_SHORTER = 0.8
 
@@ -913,17 +916,18 @@ LAST_SHARE_SEEN = 0.95
 
 # Statics: joints that yield ----------------------------------------------------------------------
 
-#: Shares of what is missing that are gone at a time.  Not measured.
+#: Least and greatest relaxation factor of the state of softening.  Not measured.
 LEAST_RELAXATION = 0.3
 MOST_RELAXATION = 10.0
 
-#: Force that Newton's method may leave, over that by which what joints hold may still change.
+#: Force that Newton's method may leave, over the force by which strengths may still change.
 #: Not measured.
 LEFT = 5e-4
 
-#: Share of a step up to which it is taken again, at most.  Range: peaks are the same with 0.95, and
+#: Share of a step up to which it is repeated, at most.  Range: peaks are the same with 0.95, and
 #: move by up to 8e-4 with 0.35.
 FARTHEST_AGAIN = 0.7
 
-#: Bend over the drop, under which the way with strengths as they were is straight.  Not measured.
+#: Bend over the drop, under which the path with the strengths at the start is straight.  Not
+#: measured.
 STRAIGHT = 0.1

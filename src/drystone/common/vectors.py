@@ -46,5 +46,5 @@ def unit_vector(direction: Sequence[float] | Array, key: str, dimension: int) ->
         raise ModelError([f"{key}: has no length: give a direction, as in {example}"])
     length = largest * np.linalg.norm(vector / largest)  # neither overflows nor vanishes
     if abs(length - 1.0) < 4.0 * np.finfo(float).eps:
-        return vector  # so that what was written comes back bit by bit
+        return vector  # so that what was written is read bit by bit
     return vector / length

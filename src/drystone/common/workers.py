@@ -1,8 +1,8 @@
 """Processes that share work which is many calls of one function, each in a process of its own.
 
-A call is a pickled name of a function with its arguments; what it returns comes back.  Workers are
-interrupted by their parent alone, once: Ctrl-C on a terminal, which reaches all processes, is for
-the parent to pass on, so that what a worker writes is not cut in two.
+A call is a pickled name of a function with its arguments; what it returns is sent back.  Workers
+are interrupted by their parent alone, once: Ctrl-C on a terminal, which reaches all processes, is
+for the parent to pass on, so that what a worker writes is not cut in two.
 """
 
 from __future__ import annotations

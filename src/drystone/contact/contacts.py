@@ -215,19 +215,19 @@ class Slots(NamedTuple):
         return self.value[:, first : first + self.layout.dim]
 
 
-#: Columns of the table of packed contacts.  First those that joints which yield have anew in every
-#: step, see `law.limits` and `law.strengths`: k_n [N/m], mu, what is added to the trial reaction,
-#: the tension that normal reactions are counted from, room for shear without pressure, and the
-#: reaction, so counted, at which the joint is crushed, or zero [N].  What contacts hold, (n_slots,
-#: N_CURRENT), are these per area [Pa/m, -, Pa], of joints that are not crushed with an infinite
-#: CRUSH.
+#: Columns of the table of packed contacts.  First the parameters that change with the state of
+#: joints that yield, see `law.limits` and `law.strengths`: k_n [N/m], mu, what is added to the
+#: trial reaction, the tension that normal reactions are counted from, the cohesion intercept, and
+#: the crushing reaction, counted in the same way, or zero [N].  The current parameters of contacts
+#: (n_slots, N_CURRENT) are these per area [Pa/m, -, Pa]; CRUSH is infinite where joints are not
+#: crushed.
 STIFF_N, FRICTION, SHIFT, PULL, INTERCEPT, CRUSH = 0, 1, 2, 3, 4, 5
 N_CURRENT = 6
 #: k_s, k_n tan psi [N/m], c A, f_t A [N], trial reactions [N], and what sliding that has ended
 #: within the step adds to them [N], with its length [m].
 STIFF_T, LIFT, BOND, TENSILE = 6, 7, 8, 9
 TRIAL_N, TRIAL_T, ADD_N, ADD_T, PLASTIC = 10, 11, 12, 13, 14
-#: 1 where a bond holds, whatever it carries; in space (in the plane the branch BONDED says so).
+#: 1 where a bond is intact; in space (in the plane the branch BONDED says so).
 INTACT = 15
 N_TABLE = 16
 

@@ -1,7 +1,7 @@
 """Contact detection: from an assembly and poses to the slots of its narrow phase.
 
 The pair list is made for boxes grown by a margin and stays good until some block has moved by
-half of that since; blocks that come to touch later are therefore always found.
+half of that since; blocks that touch later are therefore always found.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class NarrowPhase(Protocol):
         ...
 
     def predecessors(self, pairs: Pairs, before: Slots, now: Slots) -> IntArray:
-        """The slot that each one goes on with."""
+        """The slot that each one inherits from."""
         ...
 
     def rotate_shear(
@@ -79,7 +79,7 @@ def narrow_phase(assembly: Assembly) -> NarrowPhase:
 
 
 class Detector:
-    """Finds pairs and contacts of one assembly; holds constant arrays and scratch, no state."""
+    """Finds pairs and contacts of one assembly; has constant arrays and scratch, no state."""
 
     def __init__(self, assembly: Assembly) -> None:
         self.assembly = assembly

@@ -1,4 +1,4 @@
-"""Which contacts go on with the histories of which, and what these bring along: for all engines."""
+"""Which contact inherits the history of which, and what it inherits: for all engines."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ class Histories(NamedTuple):
     history: Array  # (n_slots, N_HISTORY + dim - 2), or no columns where an engine keeps none
     reaction: Array  # (n_slots, dim) N
     branch: IntArray  # (n_slots,) of the joint law, or what they do
-    source: IntArray  # (n_slots,) slots that they go on with, of which they have it; -1 is new
+    source: IntArray  # (n_slots,) slots that they inherit from; -1 is new
 
     @classmethod
     def own(cls, slots: Slots, history: Array, reaction: Array, branch: IntArray) -> Histories:
-        """Those of contacts that have not been handed on yet."""
+        """Those of contacts that have inherited nothing yet."""
         return cls(slots, history, reaction, branch, np.arange(len(branch)))
 
     def of(
         self, values: NDArray[Number], otherwise: float | NDArray[Number] = 0
     ) -> NDArray[Number]:
-        """What the slots that these go on with have of ``values`` (n_before, ...); new contacts
-        have ``otherwise``."""
+        """``values`` (n_before, ...) of the slots that these inherit from; new contacts have
+        ``otherwise``."""
         new = np.flatnonzero(self.source < 0)
         if len(new) == len(self.source):  # also of no values at all
             after = np.empty((len(new), *values.shape[1:]), values.dtype)
@@ -47,7 +47,7 @@ class Histories(NamedTuple):
         return after
 
     def lost(self, before: Histories) -> float:
-        """Sum of the sizes of shear reactions of ``before`` that no contact goes on with [N]."""
+        """Sum of the sizes of shear reactions of ``before`` that no contact inherits [N]."""
         shear = np.ascontiguousarray(before.history[:, SHEAR:])
         return float(measures.left_behind(self.source, shear))
 
@@ -62,21 +62,21 @@ def handed_on(
     former: Pairs | None = None,
     bears: Array | None = None,
 ) -> Histories:
-    """What contacts bring along from the ``past``, where the blocks are in the same place.
+    """What contacts inherit from the ``past``, where the blocks are in the same place.
 
     Parameters
     ----------
     past
         Of contacts; its reactions are along the tangents that its slots have.
     pairs
-        Whose contacts go on.
+        Pairs of the contacts that inherit.
     now
-        These contacts, found anew: each goes on with one of the same pair, see `NarrowPhase`, and
-        its tangential reactions are along the new tangents.
+        These contacts, found anew.  Each inherits from one of the same pair, see `NarrowPhase`; its
+        tangential reactions are along the new tangents.
     known
         The features by which the contacts of the past are known, if not those of its slots.
     former
-        Instead of ``now``: the list of pairs that the past is of.  Its contacts go on as they are.
+        Instead of ``now``: the list of pairs that the past is of.  Its contacts stay as they are.
         Those of pairs that ``pairs`` does not have are dropped.
     bears
         How far joints of each law close before they are crushed, (n_laws,) [m]; where some are.
@@ -111,7 +111,7 @@ def handed_on(
 
 @njit(cache=True, error_model="numpy")
 def _inherit(source, past, heirs):
-    """Fill what `Histories` have beside slots from those that they go on with."""
+    """Fill all of `Histories` but the slots from those that they inherit from."""
     history, reaction, branch, origin = past
     new_history, new_reaction, new_branch, new_origin = heirs
     for k in range(source.shape[0]):

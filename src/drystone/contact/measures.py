@@ -53,7 +53,7 @@ def sum_blocks(
     kinetic, work
         Kinetic energy; size of the work of all loads [J].
     push, strokes, resistance
-        Of the blocks that contacts hold: work of the pattern at multiplier one, that without
+        Of the blocks that contacts touch: work of the pattern at multiplier one, the same without
         regard to signs, work of the inertia forces [J].
     """
     n, n_dof = increment.shape
@@ -120,9 +120,9 @@ def contact_points(slots, pairs, centroid, radius, pose, used, position):
 
 @njit(cache=True, error_model="numpy")
 def mark_loose(pairs, slots, reaction, fixed, part):
-    """Whether a body hangs on to none that is ``fixed`` (n,), be it through others.
+    """Whether a body is connected to none that is ``fixed`` (n,), directly or through others.
 
-    Bodies hold each other where a contact is closed or carries; ``part`` (n,) is filled with the
+    Bodies are connected where a contact is closed or carries; ``part`` (n,) is filled with the
     first body of each one's connected part.
     """
     pair, of_pair, (which, value) = pairs.of_slot, pairs.which, slots

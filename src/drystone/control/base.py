@@ -59,8 +59,8 @@ class Decision(Generic[Memory]):
     dynamic: bool = False
     jumped: bool = False  # see `CurvePoint`
     finished: bool = False  # over because the curve is complete, not because it cannot go on
-    #: Load multipliers that the curve shows at the points in motion on the way of the step, see
-    #: `StepPath.way`: of all, or of none where the step is tried again.
+    #: Load multipliers that the curve shows at the dynamic points within the step, see
+    #: `StepPath.dynamic_states`: of all, or of none where the step is tried again.
     dynamic_multipliers: tuple[float, ...] = ()
 
 

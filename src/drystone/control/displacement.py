@@ -1,20 +1,23 @@
-"""Displacement pacing of engines that can solve for the multiplier of an increment.
+"""Prescribed displacement, for engines that can solve for the multiplier of an increment.
 
-Static steps of the control displacement, the multiplier being an unknown of each, adapt to how
-hard the last one was.  Where the path of equilibria turns back and one beyond lies where the curve
-would have gone on to, the step passes over it.  Else the path is followed to where it turns, and
-the place is crossed by a small step.  Where that finds no equilibrium either, a block has come
-loose or the structure jumps to another shape.  The jump is passed with the control displacement
-creeping on and with time steps short enough for inertia to say where the blocks go, which lengthen
-as they come to rest; points that inertia helps to carry are marked dynamic.  Their multiplier is
-that of the instant and ends no curve: what falls below the stop value must do so at rest.  A
-structure that falls for long while a negative load would have to hold the control point back does
-not stand there without load: it has collapsed in motion, and its curve ends with its last point at
-rest.
+Each static step prescribes an increment of the control displacement; the multiplier is an unknown
+of the step.  The next increment depends on the iterations that the last step took.
 
-Steps that hide a peak or a bend of the curve are taken again to there, from what the engine says of
-the multiplier within the step; the stop value is found by stepping again to where the chord meets
-it.
+A step may pass over a fold of the path of equilibria, where the path turns back, if the
+equilibrium that it finds lies near the continuation of the curve.  Else steps follow the path up to
+the fold, and one small step crosses it.  If that step finds no equilibrium, a block has come loose
+or the structure jumps to another shape.
+
+A jump is followed in motion.  The control displacement creeps on, and time steps are so short that
+inertia decides where the blocks go.  The time steps grow as the blocks come to rest.  Points that
+inertia helps to carry are marked dynamic.  Their multiplier is that of an instant and cannot end
+the curve: only a point at rest below the stop value can.  If the structure falls for long, and only
+a negative load would hold the control point back, it has collapsed in motion.  The curve then ends
+with its last point at rest.
+
+A step that hides a peak or a bend of the curve is repeated up to there.  The engine tells where,
+from the multiplier within the step.  The last step ends where the chord of the curve meets the stop
+value.
 """
 
 from __future__ import annotations
@@ -38,8 +41,8 @@ from drystone.control.ends import (
 )
 from drystone.engines.base import OVERSHOOT_PARTS, Demand, StepReport
 
-#: How a step is tried: along the path of equilibria; up to where that turns back; over that place,
-#: to any equilibrium beyond.
+#: How a step is tried: along the path of equilibria; up to its fold; over the fold, to any
+#: equilibrium beyond.
 FOLLOWING, NEARING, CROSSING = 0, 1, 2
 
 
@@ -57,7 +60,7 @@ LONG_AGO = 1_000_000
 
 @dataclass(frozen=True, kw_only=True)
 class DisplacementSettings(EndSettings):
-    """Settings of the pacing."""
+    """Settings of the steps and of the jumps."""
 
     displacement_step: float  # m, largest increment
     first_share: float = tolerances.FIRST_SHARE  # first increment over the largest
@@ -67,19 +70,19 @@ class DisplacementSettings(EndSettings):
     # last point must be, relatively.
     refined_share: float = tolerances.REFINED_SHARE
     peak_share: float = tolerances.PEAK_SHARE  # of the peak, that a step may hide of it
-    # Of the peak, by which the way through a step may lie above it.
+    # Overshoot, over the peak, that a step may have if it exceeds the peak.
     overshoot_share: float = tolerances.OVERSHOOT_SHARE
-    # Of the peak, by which that may lie above both ends elsewhere.
+    # Overshoot, over the peak, that any other step may have.
     drive_share: float = tolerances.DRIVE_SHARE
     bend_share: float = tolerances.BEND_SHARE  # of the peak, that the curve may bend within a step
-    # Of their motion, by which blocks may leave in a step the direction in which it begins, where
-    # the curve bends by more than `deviation_bend` of the peak, and the step is more than
+    # Largest deviation of a block from the predictor, over the farthest motion.  It counts where
+    # the curve bends by more than `deviation_bend` of the peak, in steps longer than
     # `deviation_step` of the largest.
     deviation_share: float = tolerances.DEVIATION_SHARE
     deviation_bend: float = tolerances.DEVIATION_BEND
     deviation_step: float = tolerances.DEVIATION_STEP
     smooth: bool = False  # whether curves bend all along, so that steps grow by how much they do
-    # Increment over the largest, up to which such steps are worth more than one try.
+    # Increment over the largest, up to which such steps may use the full search.
     full_search_share: float = tolerances.FULL_SEARCH_SHARE
     # Of the peak, by which a snap that is passed over may move the curve.
     snap_share: float = tolerances.SNAP_SHARE
@@ -95,8 +98,8 @@ class DisplacementSettings(EndSettings):
     # Inertia of a step that is static again, over the applied force and, of the fastest block, over
     # its weight.
     static_inertia: float = tolerances.STATIC_INERTIA
-    # Of a block, over the largest increment, in the parts of a jump in which the control point is
-    # held back, after which the structure has collapsed.
+    # Motion of a block, over the largest increment, in the parts of a jump in which the load holds
+    # the control point back, after which the structure has collapsed.
     fall_motion: float = tolerances.FALL_MOTION
     jump_steps: int = 5000  # without rest after which a jump is not followed further; what falls
     # moves by about the largest increment in each
@@ -107,12 +110,12 @@ class DisplacementSettings(EndSettings):
 
 @dataclass(frozen=True, kw_only=True)
 class DisplacementState:
-    """What the pacing remembers."""
+    """What the control keeps from step to step."""
 
     increment: float  # m
     highest: float = 0.0  # multiplier so far
     highest_at: float = 0.0  # m, control displacement there
-    released: bool = False  # whether what has come loose is let fall, without load
+    released: bool = False  # whether the load is taken off, so that loose blocks fall
     last: float = 0.0  # multiplier of the last point
     slope: float = 0.0  # 1/m, of the curve there
     n_steps: int = 0
@@ -123,7 +126,7 @@ class DisplacementState:
     shortened: bool = False  # whether the last one failed with a longer one
     too_long: float = math.inf  # s, time step of a jump that failed last
     n_since: int = LONG_AGO  # steps since one failed
-    # s, time step with which the last jump seemed to be over; 0 once it was
+    # s, last time step of the jump that seems to be over; 0 once a static step has followed
     jump_end_step: float = 0.0
     closing: float = math.inf  # m, of the joint that closes most under the dead load
     stage: int = FOLLOWING
@@ -166,8 +169,11 @@ class DisplacementControl:
         return Demand(increment=creep, time_step=state.time_step, full_search=full_search)
 
     def _wants_full_search(self, state: DisplacementState) -> bool:
-        """Whether a static step is worth all there is to find its end: not where one that fails is
-        tried again with half of it, nor where it would only pass what can be followed in motion."""
+        """Whether a static step may use the full search.
+
+        It may not where half of a failed step is tried next, nor where the step crosses a fold:
+        the motion there can be followed instead.
+        """
         s = self.settings
         if not s.smooth:
             return True
@@ -286,10 +292,11 @@ class DisplacementControl:
     def _straighter(
         self, state: DisplacementState, report: StepReport, scale: float
     ) -> float | None:
-        """A smaller increment where joints have changed within the step which way the blocks go.
+        """A smaller increment where blocks have deviated from the predictor.
 
-        Its end does not tell when: a step knows only where it starts and ends, and blocks may have
-        gone all of it the way in which they end.  What they are off by they remain.
+        Joints have changed within the step, and blocks have changed their direction of motion.  The
+        step knows only its two ends, not where in between that was.  The error in the blocks'
+        places would remain.
         """
         s = self.settings
         if report.path.deviation is None or report.path.bend is None:
@@ -316,7 +323,7 @@ class DisplacementControl:
             finer = self._less_overshoot(state, report, scale, finest)
             if finer is not None:
                 return finer
-            # A mean over a part of the way shows no peak that is sharper than the part is long.
+            # A mean over a part of the step shows no peak that is sharper than the part is long.
             unseen = ahead / OVERSHOOT_PARTS if state.last == state.highest else 0.0
             seen = unseen <= s.overshoot_share * scale
             if (
@@ -324,7 +331,7 @@ class DisplacementControl:
                 and seen
                 and report.path.overshoot <= tolerances.NO_OVERSHOOT * s.overshoot_share * scale
             ):
-                return None  # nor was there a peak on the way
+                return None  # nor was there a peak within the step
         if state.last != state.highest or ahead <= 0.0:
             return None
         rise = max(multiplier - state.last, 0.0)
@@ -340,10 +347,10 @@ class DisplacementControl:
     def _less_overshoot(
         self, state: DisplacementState, report: StepReport, scale: float, finest: float
     ) -> float | None:
-        """A smaller increment where the way through the step lay too far above both its ends.
+        """A smaller increment where the overshoot of the step is too large.
 
-        Either there is a peak on it, or what the blocks are driven by is inertia: joints slide on
-        that would have come to rest, or the other way round, and remember it.
+        Either the step hides a peak, or inertia drives the blocks: joints slide that would have
+        stuck, or stick that would have slid, and their history stays changed.
         """
         s = self.settings
         overshoot, multiplier = report.path.overshoot or 0.0, report.static_multiplier
@@ -370,7 +377,7 @@ class DisplacementControl:
         return behind and not state.time_step and self._is_jump(state, report)
 
     def _snaps(self, state: DisplacementState, report: StepReport) -> bool:
-        """Whether a step has passed a jump worth showing, where the path turned back."""
+        """Whether a step has passed over a fold with a jump that is worth showing."""
         s = self.settings
         if state.time_step:
             return False
@@ -408,10 +415,10 @@ class DisplacementControl:
         return False
 
     def _would_end(self, state: DisplacementState, report: StepReport) -> bool:
-        """Whether a step without motion between its ends comes down below the stop value.
+        """Whether a static step ends below the stop value.
 
-        The equilibrium that it has found far off need not be the one that a structure falls to; an
-        engine that tells of the way through its steps has followed them in motion.
+        An equilibrium far away need not be the one that the structure falls to.  An engine that
+        reports an overshoot has followed the step in motion, so that its end counts.
         """
         below = report.static_multiplier < self.settings.stop_multiplier < state.last
         return below and report.path.overshoot is None
@@ -458,9 +465,9 @@ class DisplacementControl:
     def _lost(
         self, state: DisplacementState, report: StepReport, reason: str
     ) -> Decision[DisplacementState]:
-        """The end where no step leads on: a collapse where blocks were seen to run away.
+        """The end where no step succeeds: a collapse if blocks were seen to run away.
 
-        What has only not come to rest yet may do so.
+        Blocks that only have not come to rest yet are no collapse.
         """
         end = End(reason=reason)
         if report.path.dynamic_states and report.dynamic:
@@ -495,7 +502,7 @@ class DisplacementControl:
         )
 
     def _growth(self, state: DisplacementState, report: StepReport) -> float:
-        """Of increments where steps are easy: the less, the rougher the way through them was."""
+        """Growth of the increment after few iterations: the larger the overshoot, the less."""
         s = self.settings
         if s.smooth and report.path.bend is not None:
             # A bend goes with the square of the step.
@@ -576,5 +583,5 @@ class DisplacementControl:
 
 
 def _dynamic_multipliers(report: StepReport) -> tuple[float, ...]:
-    """What the curve shows of the points in motion on the way of a step."""
+    """Multipliers that the curve shows at the dynamic points within a step."""
     return tuple(passed.static_multiplier for _, passed in report.path.dynamic_states)

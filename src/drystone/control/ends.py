@@ -56,7 +56,7 @@ def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
     """The end of a curve that has come so far, or None.
 
     A multiplier passed in motion ends nothing: what moves may come to rest and carry again.  Nor
-    does one where the control point has gone back behind the peak: a block comes loose, and the
+    does one where the control point has moved back behind the peak: a block comes loose, and the
     rest, relieved of the load, still stands as it stood.
     """
     s, p = settings, progress

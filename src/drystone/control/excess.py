@@ -1,4 +1,4 @@
-"""Bias-free pacing of engines that step under a given multiplier.
+"""Load increments without bias, for engines that step under a given multiplier.
 
 Every step starts from rest under the static multiplier of the last point plus a small excess.  The
 excess adapts so that the fastest block moves by a given amount in the step; with a long time step
@@ -19,7 +19,7 @@ from drystone.engines.base import Demand, StepReport
 
 @dataclass(frozen=True, kw_only=True)
 class ExcessSettings(EndSettings):
-    """Settings of the pacing."""
+    """Settings of the steps."""
 
     displacement_step: float  # m, of the fastest block in a step
     time_step: float = tolerances.EXCESS_TIME_STEP  # s
@@ -37,7 +37,7 @@ class ExcessSettings(EndSettings):
 
 @dataclass(frozen=True, kw_only=True)
 class ExcessState:
-    """What the pacing remembers."""
+    """What the control keeps from step to step."""
 
     excess: float
     time_step: float
@@ -72,7 +72,7 @@ class ExcessControl:
         return ExcessState(excess=excess, time_step=time_step)
 
     def _demand(self, state: ExcessState) -> Demand:
-        # What would have to be held back falls, and the rest is not pulled the other way.
+        # Without a negative multiplier: blocks that it would hold back fall instead.
         return Demand(multiplier=max(state.static, 0.0) + state.excess, time_step=state.time_step)
 
     def decide(
@@ -99,9 +99,10 @@ class ExcessControl:
             )
             state = changed(state, excess=max(0.5 * state.excess, finest))
             return Decision(accept=False, demand=self._demand(state), state=state)
-        # A steady step differs from the static multiplier by little more than the excess.  Where it
-        # is far more, a block has come loose, whose fall says nothing of the rest: the carried
-        # multiplier, between static and applied, is then the safe one to go on from.
+        # In a steady step the applied multiplier exceeds the static one by little more than the
+        # excess.  Where it exceeds it by far more, a block has come loose, and its fall says
+        # nothing of the other blocks.  The carried multiplier, between static and applied, is then
+        # the safe one to continue from.
         applied = report.applied_multiplier
         explained = tolerances.LOOSE + 2.0 * (state.excess + state.drop)
         loose = abs(applied - report.static_multiplier) > explained
@@ -154,8 +155,8 @@ class ExcessControl:
     def _steady(self, state: ExcessState, report: StepReport) -> bool:
         """Whether the whole structure moves, and as it did in the step before.
 
-        Its control point goes with what moves, and virtual work says again what it said then.
-        What would have to be held back falls: it stands under no load.
+        The control point moves with it, and virtual work gives the same multiplier again.  A
+        negative static multiplier means a fall.
         """
         if state.told is None or report.static_multiplier < 0.0:
             return False

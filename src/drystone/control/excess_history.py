@@ -1,11 +1,11 @@
-"""Displacements gone to one after another by engines that step under a given multiplier.
+"""Cyclic analysis by engines that step under a given multiplier.
 
-Each leg is paced by its excess over the static multiplier, as in `control.excess`, in the sense of
-the leg; `control.history` says how and what ends it.  The multiplier may lie on either side of
-zero: what would fall back is held back, and let go by an excess a step.
+Each leg applies an excess over the static multiplier, as in `control.excess`, in the sense of the
+leg.  `control.history` says what a leg is and what ends it.  The multiplier may have either sign:
+where blocks would fall back, the load holds them, and each step reduces the load by the excess.
 
-How far a step goes is known only behind it.  One that leads beyond the displacement of its leg is
-taken again with less excess, by the rule of false position, until it ends there.
+How far a step leads is known only at its end.  A step that leads beyond the target of its leg is
+repeated with less excess, by the rule of false position, until it ends there.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from drystone.engines.base import Demand, StepReport
 
 @dataclass(frozen=True, kw_only=True)
 class ExcessHistorySettings(ExcessSettings):
-    """Settings of the pacing, and where to."""
+    """Settings of the steps, and the targets."""
 
-    targets: tuple[float, ...] = ()  # m, control displacements gone to one after another
+    targets: tuple[float, ...] = ()  # m, control displacements to reach one after another
     most_tries: int = 30  # at the excess that ends a step at its displacement
 
 
 @dataclass(frozen=True, kw_only=True)
 class ExcessHistoryState(ExcessState):
-    """The pacing of a leg, in its sense, the leg, and what steps from its last point led to."""
+    """The state within a leg, in its sense; the leg; what steps from its last point led to."""
 
     leg: Leg = field(default_factory=Leg)
     tries: int = 0

@@ -1,16 +1,15 @@
-"""Displacements gone to one after another, in both senses: a cyclic analysis.
+"""Cyclic analysis: control displacements are reached one after another, in both senses.
 
-The way from one displacement to the next is a leg.  A leg is followed as a monotonic curve is, in
-its own sense: what an engine reports is seen with displacement and multiplier in the sense of the
-leg, and what is decided is told to the engine in the structure's.  So steps adapt, bends and peaks
-are found, and jumps are passed as in `control.displacement`.  The last step of a leg ends at its
-displacement.  The multiplier changes its sign as equilibrium asks; on the way back it is the
-structure that pulls.
+The path from one target displacement to the next is a leg.  A leg is a monotonic curve in its own
+sense: reports of the engine are converted into the sense of the leg, and demands are converted back
+into that of the structure.  So steps adapt, peaks and bends are found, and jumps are followed as in
+`control.displacement`.  The last step of a leg ends at its target.  The multiplier takes the sign
+that equilibrium asks for; on the return it is the structure that pulls.
 
-A leg that leads away from zero may pass a collapse: the multiplier, having been above the stop
-value, falls below it at rest, or what moves finds no rest.  The curve ends there, complete, and its
-reason says on which leg; the displacements after it are not gone to.  On the way back towards zero
-a multiplier of any sign is no end.
+A leg that leads away from zero may collapse: at rest the multiplier falls from above the stop value
+to below it, or moving blocks find no rest.  The curve is then complete.  Its reason names the leg,
+and the targets after it are left out.  On the return towards zero a multiplier of any sign ends
+nothing.
 """
 
 from __future__ import annotations
@@ -35,15 +34,15 @@ from drystone.engines.base import Demand, StepReport
 
 @dataclass(frozen=True, kw_only=True)
 class HistorySettings(DisplacementSettings):
-    """Settings of the pacing, and where to."""
+    """Settings of the steps, and the targets."""
 
-    targets: tuple[float, ...] = ()  # m, control displacements gone to one after another
+    targets: tuple[float, ...] = ()  # m, control displacements to reach one after another
     most_shorter: int = 8  # times that a step is taken again to a corner of the path
 
 
 @dataclass(frozen=True, kw_only=True)
 class Leg:
-    """The way to one displacement."""
+    """The path to one target displacement."""
 
     number: int = 0  # of its target
     begun: float = 0.0  # m, control displacement where it begins
@@ -74,7 +73,7 @@ class Leg:
 
 
 def seen(report: StepReport, sense: float) -> StepReport:
-    """A report with displacements and multipliers in a sense; again, and it is as it was."""
+    """A report with displacements and multipliers in a sense; applied twice, it changes nothing."""
     if sense > 0.0:
         return report
     fold, way = report.path.fold, report.path.dynamic_states
@@ -141,7 +140,7 @@ def along(
     reverse: Callable[[Any, float], Memory],
     demand: Callable[[Memory], Demand],
 ) -> Decision[Memory]:
-    """A decision to go on, or with which a leg ends: then with the next one, or with none.
+    """A decision to continue the leg, to begin the next one, or to end the analysis.
 
     Parameters
     ----------
@@ -163,7 +162,7 @@ def along(
 
 @dataclass(frozen=True, kw_only=True)
 class HistoryState(DisplacementState):
-    """The pacing of a leg, in its sense, and the leg."""
+    """The state within a leg, in its sense, and the leg."""
 
     leg: Leg = field(default_factory=Leg)
 

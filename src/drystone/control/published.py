@@ -1,6 +1,6 @@
 """The published strategy, section 2 and the flowchart of Bouckaert, Godio and de Almeida (2022).
 
-Where its text leaves room, it is read so:
+Where its text can be read in several ways, it is read so:
 
 - *Equal* multipliers are those that differ by no more than ``balance_tolerance``.
 - While applied and carried multipliers differ, the same multiplier is applied again.  A structure
@@ -151,7 +151,7 @@ class PublishedControl:
         )
 
     def _goes_on(self, state: _State, report: StepReport) -> bool:
-        """Whether the structure moves on, by more than its joints give way."""
+        """Whether the structure moves on, by more than its joints comply."""
         moves = report.motion > tolerances.GOES_ON * self.settings.displacement_step
         return moves and report.control_displacement > state.displacement
 

@@ -1,7 +1,7 @@
-"""Supports that move on, step by step: the reaction against their motion is the curve.
+"""Support displacement, step by step: the curve is the reaction against the supports' motion.
 
-Steps grow where they are easy and are halved where they find no equilibrium.  Where the smallest
-finds none either, the structure stands no longer: supports that go on slowly bring it down there.
+Steps grow after few iterations and shrink where they find no equilibrium.  If the smallest step
+finds none either, the structure falls: supports that move on slowly bring it down there.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from drystone.engines.base import Demand, StepReport
 
 @dataclass(frozen=True, kw_only=True)
 class SupportSettings:
-    """Settings of the pacing; lengths are angles [rad] where supports turn."""
+    """Settings of the steps; lengths are angles [rad] where supports rotate."""
 
     largest: float  # m, how far supports go
     step: float  # m, largest step
@@ -78,7 +78,7 @@ class SupportControl:
         return Demand(settlement=min(state.step, left), time_step=s.time_step)
 
     def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision[_State]:
-        """Try again with less where a step fails or leaps; else go on."""
+        """Try again with less where a step fails or is a jump; else go on."""
         s, step = self.settings, demand.settlement or 0.0
         floor = s.floor_share * s.step
         usual = max(state.motion_ratio, s.scale)
@@ -107,7 +107,7 @@ class SupportControl:
         )
         over = state.moved >= s.largest * tolerances.ALL_MOVED
         many = state.n_steps >= s.max_steps
-        reason = say("end.supports_gone") if over else ""
+        reason = say("end.supports_moved") if over else ""
         if many and not over:
             reason = say("end.supports_steps", n=s.max_steps)
         return Decision(
@@ -123,7 +123,7 @@ class SupportControl:
         )
 
     def _dynamic_multipliers(self, report: StepReport) -> tuple[float, ...]:
-        """What the curve shows of the points in motion on the way of a step."""
+        """Reactions that the curve shows at the dynamic points within a step."""
         return tuple(
             passed.reaction / self.settings.unit for _, passed in report.path.dynamic_states
         )

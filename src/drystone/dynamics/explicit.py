@@ -191,7 +191,7 @@ class Drive(NamedTuple):
 
     dt: float  # s
     multiplier: float  # load multiplier; where guided only a start
-    keep_bonds: bool  # whatever they carry: waves on the way to rest break none that rest would not
+    keep_bonds: bool  # whatever they carry: vibrations must break none that would bear at rest
     guided: bool  # see `cycle`
     rate: float  # N m/s, F.v of the guided pattern
     combined: bool  # damping is combined, see `cycle`
@@ -200,7 +200,7 @@ class Drive(NamedTuple):
     tolerance: float  # N, `BALANCED` when no unbalanced force, or moment over extent, exceeds it;
     # negative: never
     reach: float  # m, `MOVED` when a body has moved so far from where it was searched
-    gyroscopic: bool  # in space bodies turn as their own masses have them, and not scaled ones
+    gyroscopic: bool  # in space bodies rotate by their own moments of inertia, not scaled ones
 
 
 @njit(cache=True, inline="always")
@@ -307,8 +307,8 @@ def cycle(dof, contacts, n_contacts, motion, loads, origin, drive, n_cycles, met
         (N_METER,) multiplier of the last cycle; work done by friction, damping and loads, added
         to [J]; largest unbalanced force when last looked at [N]; cycles so far.
     ties
-        `model.tie_kernels.Ties`.  They yield and break in the cycles unless bonds hold; else what
-        has yielded counts from where the cycles began, so that waves leave nothing behind.
+        `model.tie_kernels.Ties`.  They yield and break in the cycles unless bonds are kept; else
+        yielding counts from where the cycles began, so that vibrations have no lasting effect.
     """
     n_dof = len(dof)
     force, dead, pattern, inverse_mass = motion.force, loads.dead, loads.pattern, loads.inverse_mass

@@ -1,10 +1,10 @@
 """Non-linear Gauss-Seidel with an active-set accelerator, to a true residual.
 
-Sweeps alone converge as slowly as the joints are stiff against the blocks' inertia.  So, after a
-few, Newton's method on the blocks' velocities is tried from where they have come, with the branches
-of the joint law (open, sticking, sliding either way) that they have found.  Where that lowers the
-true residual it is kept; where not, the sweeps go on from where they were, so that the accelerator
-can only help.
+The stiffer the joints are against the blocks' inertia, the more slowly sweeps converge.  So, after
+a few sweeps, Newton's method on the blocks' velocities is tried from there, with the branches of
+the joint law that the sweeps have found: open, sticking, sliding in either direction.  Its result
+is used if it lowers the true residual.  Else the sweeps continue from where they were, so that the
+accelerator can only help.
 """
 
 from __future__ import annotations
@@ -44,17 +44,17 @@ BoolArray = NDArray[np.bool_]
 
 @dataclass(frozen=True, kw_only=True)
 class NlgsSettings:
-    """When to stop, and how sweeps and accelerator take turns."""
+    """When to stop, and how sweeps and accelerator alternate."""
 
     tolerance: float  # N, on the true residual
     max_sweeps: int = 6000
     max_sweeps_in_space: int = 300  # what is not found from within by then asks for a shorter step
     first_sweeps: int = 20  # before the accelerator is first tried
     corrections: int = 15  # of the branches, each with a linear solution
-    # How stiffly sticking contacts are held, move by move, over the stiffest joint or, in short
-    # steps, the largest mass at a contact.  Softer ones, tried where Newton's method does not
-    # converge with the last, forgive wrong branches; stiffer ones settle forces that next to no
-    # slip decides.
+    # Penalty stiffnesses of sticking contacts, used one after another, over the stiffest joint or,
+    # in short steps, the largest mass at a contact.  Soft ones are tried where Newton's method does
+    # not converge: they forgive wrong branches.  Stiff ones fix forces that a very small slip
+    # decides.
     penalties: tuple[tuple[float, ...], ...] = (
         (STIFF_PENALTY,) * 4 + (STIFFER_PENALTY,) * 2 + (STIFFEST_PENALTY,) * 2,
         (SOFT_PENALTY,) * 12,
@@ -190,11 +190,10 @@ class _Step:
         self, tries: Iterable[Attempt], known: tuple[Array, Array, float], enough: float
     ) -> tuple[Array, Array, float]:
         """Impulses, velocities and residual of the first trial that is good ``enough`` [N], or of
-        the best, that ``known`` included, which is held; each way goes on from the impulses known
-        by then.
+        the best, ``known`` included.  Each attempt begins with the best impulses so far.
 
-        Velocities are kept beside impulses: made of them anew they would turn the last bit of an
-        impulse, times the joint's stiffness over the mass, into forces.
+        Velocities are kept beside impulses.  Computed anew from impulses they would make forces of
+        the rounding of an impulse, times the joint's stiffness over the mass.
         """
         for impulse, velocity in (trial for attempt in tries for trial in attempt(known[0])):
             residual = self.residual(impulse, velocity)
@@ -229,8 +228,9 @@ class _Step:
 class _Accelerator:
     """Newton's method on the velocities, from where the sweeps have come.
 
-    Sticking is held by a stiff spring about the present tangential impulse; once the branches of
-    the law have settled, the spring is moved to the new impulse until nothing slips that sticks.
+    A stiff spring about the present tangential impulse stands for sticking (a penalty).  Once the
+    branches of the law no longer change, the spring is moved to the new impulse.  That is repeated
+    until no contact slips that sticks.
     """
 
     def __init__(self, problem, system, free_velocity, h, settings, ties) -> None:
@@ -239,11 +239,11 @@ class _Accelerator:
         self.problem, self.system = problem, system
         self.mass, self.free_velocity, self.h = system.mass, free_velocity, h
         self.corrections, self.penalties = settings.corrections, settings.penalties
-        # In short steps inertia is stiffer than joints, and a hold softer than it holds nothing.
+        # In short steps inertia is stiffer than joints: a softer penalty would have no effect.
         stiffness = problem.contacts.table[:, (STIFF_N, STIFF_T)]
         self.stiffest = h * h * stiffness.max(initial=0.0)
         self.penalty = 0.0  # kg
-        # Momentum defect at which the branches count as settled, from the tolerance on forces.
+        # Momentum defect at which the branches count as fixed, from the tolerance on forces.
         lightest = np.sqrt(problem.inverse_mass.max(initial=0.0))
         self.enough = BRANCHES_FIXED * settings.tolerance * h * lightest
         self.defect = np.zeros_like(free_velocity)
@@ -254,7 +254,7 @@ class _Accelerator:
     def tries(
         self, before: Array, guess: Array | None, impulse: Array, velocity: Array
     ) -> Iterator[Attempt]:
-        """What to try, in turn.
+        """What to try, one after another.
 
         Parameters
         ----------
@@ -282,8 +282,8 @@ class _Accelerator:
     def from_within(
         self, impulse: Array, velocity: Array, known: Array
     ) -> Iterator[tuple[Array, Array]]:
-        """`trials` from where the interior of the law leads, see `space.interior`, the springs held
-        about ``impulse`` first; ``known`` impulses are of the usual size."""
+        """`trials` from where the interior-point method leads, see `space.interior`.  The penalty
+        springs are centred on ``impulse`` first; ``known`` impulses are of the usual size."""
         pressed = known[known[:, 0] > 0.0, 0]
         if len(pressed) == 0:
             return
@@ -402,8 +402,8 @@ class _Accelerator:
                 direction = self._direction(piece)
                 velocity[:] = base + direction
                 trial = self._law(centre, none, velocity, impulse, piece)
-                # A contact that flips from sliding one way to sliding the other passes the narrow
-                # band in which it sticks: hold it there and ask again.
+                # A contact that changes from sliding in one direction to the other passes the
+                # narrow band in which it sticks: let it stick, and try again.
                 for _ in range(8):
                     if trial <= merit:
                         break

@@ -146,8 +146,8 @@ class NscdEngine(Engine[NscdState]):
         return (Prepared.of(problem, self, shear=False),)
 
     def start(self, problem: Problem) -> tuple[NscdState, StepReport]:
-        """Settle under the dead load; raises `UnstableError`, or `EngineError` for a joint law
-        that this formulation does not have."""
+        """Find the equilibrium under the dead load; raises `UnstableError`, or `EngineError` for a
+        joint law that this formulation does not have."""
         (prepared,) = self.derived(problem)
         assembly, detector = prepared.assembly, prepared.detector
         pose = assembly.design_pose()

@@ -43,13 +43,14 @@ class Problem:
     control_point: ControlPoint
     dead_loads: tuple[DeadLoad, ...] = ()  # beside the blocks' weight
     ties: tuple[Tie, ...] = ()
-    settlement: Settlement | None = None  # of supports that pace the analysis in place of the load
+    settlement: Settlement | None = None  # of supports that move, in place of the load
     length: float = 1.0  # m, of the unit that lengths are in; for messages
     ground: float | None = None  # m, see `level`; None: the supports' lowest point
 
     @property
     def stages(self) -> tuple[int, ...]:
-        """In which the dead loads come, one after another has settled; the first is the weight."""
+        """Stages of the dead loads, the weight first.  Each acts once the structure rests under
+        those before it."""
         return tuple(sorted({0, *(load.stage for load in self.dead_loads)}))
 
     @property
@@ -74,36 +75,38 @@ class Demand:
     increment: float | None = None  # m, of the control displacement
     settlement: float | None = None  # m or rad, by which the supports of the problem move on
     over_fold: bool = False  # with `increment`: any equilibrium there, not only one on the path
-    full_search: bool = True  # whether all ways are tried: no less will be asked for if this fails
+    full_search: bool = True  # whether every method is tried: no shorter step follows a failure
     time_step: float = 0.0  # s; engines of dynamic formulations only need a positive one
     stop_blocks: bool = True  # start the step from rest
 
 
-#: Parts of a step whose mean multipliers `StepPath.overshoot` is of: as many as an increment is
-#: looked at in, while it is driven.
+#: Parts into which an increment is divided while it is driven.  `StepPath.overshoot` is taken from
+#: the mean multiplier of each part.
 OVERSHOOT_PARTS = 10
 
 
 @dataclass(frozen=True, kw_only=True)
 class StepPath:
-    """What some engines know of the way through a step; None, or nothing, where one does not."""
+    """What some engines know of the path within a step; None, or empty, where one does not.
 
-    #: Of engines that follow the equilibria within a step: where their path first turned back, if
-    #: it did, whether or not the step then converged, as a share of the step and a multiplier; by
-    #: how much the multiplier exceeds both its ends within the step, and how far it bends from its
-    #: chord, each with the share of the step where it does so most.
+    Engines that follow the equilibria within a step know `fold`, `excess` and `bend`.
+    """
+
+    #: First fold of the path, where it turned back: share of the step and multiplier.  It is told
+    #: whether or not the step converged.
     fold: tuple[float, float] | None = None
+    #: By how much the multiplier exceeds both ends of the step, and at which share of the step.
     excess: tuple[float, float] | None = None
+    #: How far the multiplier bends from its chord, and at which share of the step it does so most.
     bend: tuple[float, float] | None = None
-    #: Of engines that know which way the blocks set out: how far from there the step has taken the
-    #: one that it took farthest from it, over the farthest motion of all.
+    #: Largest deviation of a block from the predictor, over the farthest motion of a block.
     deviation: float | None = None
-    #: Of engines that move through a step: by how much the multiplier on the way, inertia and all,
-    #: exceeded both its ends, in the mean of one of `OVERSHOOT_PARTS` parts of it.  Where the curve
-    #: has no peak it fades with the step.
+    #: Of engines that move through a step: by how much the multiplier, inertia included, exceeded
+    #: both ends, in the mean of one of `OVERSHOOT_PARTS` parts.  Where the curve has no peak, the
+    #: overshoot goes to zero with the step.
     overshoot: float | None = None
-    #: Of engines that move through a step: where blocks went far by themselves in it, states in
-    #: motion on the way to its end and their reports, in order.
+    #: Of engines that move through a step: where blocks moved far by themselves, states in motion
+    #: within the step and their reports, in order.
     dynamic_states: tuple[tuple[State, StepReport], ...] = field(
         default=(), compare=False, repr=False
     )
@@ -140,13 +143,13 @@ class StepReport:
     #: Over the heaviest weight: shear of contacts that searches within the step took away.
     lost_shear: float = 0.0
     motion: float = np.nan  # m
-    #: Share of the demanded increment that was gone: less than one where the step ends with a bond
-    #: at its strength, zero where one breaks.
+    #: Share of the demanded increment that was reached: less than one where the step ends with a
+    #: bond at its strength, zero where one breaks.
     reached: float = 1.0
     n_iterations: int = 0
     path: StepPath = UNTOLD  # what is known of how it came there
     dynamic: bool = False
-    #: An equilibrium that the structure would not keep, beside which no other was found.
+    #: Whether the step ends at an unstable equilibrium, and no stable one was found nearby.
     unstable: bool = False
 
 
@@ -174,10 +177,10 @@ class Capabilities:
     prescribes_displacement: bool = False
     #: Whether it can move supports, see `Problem.settlement`.
     moves_supports: bool = False
-    #: Whether it has supports that are held in some directions only, and ties.
+    #: Whether it has supports that are restrained in some directions only, and ties.
     rollers: bool = False
     ties: bool = False
-    #: Whether joints have dilatancy, cohesion and tensile strength, and which yield in what way.
+    #: Whether joints may have dilatancy, cohesion and tensile strength; and how joints may yield.
     bonds: bool = False
     yielding: frozenset[Yielding] = frozenset()
     #: Whether it is given problems in the structure's own coordinates and units (see
@@ -195,13 +198,12 @@ class Capabilities:
 
 @dataclass(frozen=True, kw_only=True)
 class PreferredSteps:
-    """Steps that suit an engine; None where those common to all do.  Strategies make of it what
-    they need."""
+    """Steps that suit an engine; None where the common ones do.  A strategy uses what it needs."""
 
     displacement_step: float | None = None  # m, longest
     time_step: float | None = None  # s
-    grow_iterations: int | None = None  # of a step, up to which it was easy
-    shrink_iterations: int | None = None  # from which on it was hard
+    grow_iterations: int | None = None  # of a step, up to which the next one may grow
+    shrink_iterations: int | None = None  # of a step, beyond which the next one shrinks
     smooth: bool = False  # whether its curves bend all along, not from point to point
 
 
@@ -243,10 +245,10 @@ class Engine(ABC, Generic[OwnState]):
         return PreferredSteps()
 
     def derived(self, problem: Problem) -> tuple[Derived, ...]:
-        """What the states of a problem refer to and files do not hold, as it follows from the
+        """What the states of a problem refer to and files leave out, because it follows from the
         problem; of engines that say ``resumes``.
 
-        Of what an engine holds beside its states, the next step must not depend.
+        The next step must depend on the state alone, not on what the engine keeps beside it.
         """
         return ()
 
@@ -259,6 +261,6 @@ class Engine(ABC, Generic[OwnState]):
         """What the ties of a state carry; None of engines that have none."""
         return None
 
-    # Most engines hold nothing, and need not say so.
+    # Most engines open nothing, and need not say so.
     def close(self) -> None:
-        """Let go of whatever the engine holds (processes, files)."""
+        """Close what the engine has opened (processes, files)."""

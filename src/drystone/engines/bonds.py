@@ -1,13 +1,13 @@
 """Steps of structures whose bonds break, for engines that solve for the multiplier of an increment.
 
-A bond that breaks drops what it carried, and with it the multiplier: the curve is a saw-tooth whose
-teeth are the breaks.  So that they do not depend on the length of steps,
+A bond that breaks loses its force, and the multiplier drops with it: the curve is a saw-tooth whose
+teeth are the breaks.  The teeth must not depend on the length of steps:
 
-- bonds hold whatever they carry while a step is being solved;
-- a step that takes bonds beyond their strength is taken again to where the first is at it, and ends
-  there: the tip of a tooth is a point of the curve;
-- the next step goes no further.  The bond breaks, the structure comes to rest where its
-  displacement is held, and as long as a bond is then beyond its strength the weakest breaks too.
+- bonds stay intact, whatever they carry, while a step is being solved;
+- a step in which bonds exceed their strength is repeated up to where the first bond reaches it.  It
+  ends there: the tip of a tooth is a point of the curve;
+- the next step has no increment.  The bond breaks, and the equilibrium at the same displacement is
+  found.  While a bond is then beyond its strength, the weakest breaks too.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class BondSteps(Generic[State]):
     solve: Callable[[State, float], tuple[State, StepReport]]  # by a share of the increment
     broken: Callable[[State, IntArray], State]  # the state without the bonds of some slots
     laws: Array  # table of `law.table`
-    slight: float  # N, what a bond may let go without being told from others
+    slight: float  # N, release of a bond that is too small to count
     near: float  # margin, from above, that counts as being at the strength
     bars: Bars | None = None  # ties that may break, as bonds do, or yield
     most_trials: int = 20  # for the share at which a bond is
@@ -51,8 +51,8 @@ class BondSteps(Generic[State]):
     def advance(self, state: State) -> Solved[State]:
         """As much of the increment as the bonds allow, or what a break brings about.
 
-        Bonds that let go next to nothing, such as those of joints that nothing presses together,
-        break on the way.
+        Bonds that release next to nothing, such as those of joints without pressure, break within
+        the step.
         """
         if len(state.due):
             return self._break(state, state.due)
@@ -100,7 +100,7 @@ class BondSteps(Generic[State]):
 
     def _yields(self, state: State) -> bool:
         """Whether the step has ended where ties begin to yield: a corner of the curve, at which
-        nothing lets go."""
+        no force is released."""
         ties = state.due - len(state.reaction)
         return self.bars is not None and not (
             (ties < 0).any() or self.bars.breaking(state.ties, ties).any()
@@ -144,8 +144,8 @@ class BondSteps(Generic[State]):
     ) -> float:
         """Where to look for the first bond next, between two shares of the step.
 
-        Margins far beyond the strength tell little of how they come to it; so those before it are
-        followed where there are two, and now and then the way is halved.
+        A margin far beyond the strength tells little about where it is reached.  So two margins
+        before it are extrapolated where there are two, and every fourth trial halves the range.
         """
         if earlier is not None:
             share = self._crossing(earlier, low)
@@ -167,7 +167,7 @@ class BondSteps(Generic[State]):
         return np.flatnonzero(margin <= margin.min() + DUE_TOGETHER * self.near)
 
     def _break(self, state: State, due: IntArray) -> Solved[State]:
-        """Break bonds, and those that this overloads, with the displacement held."""
+        """Break bonds, and those that this overloads, at the same displacement."""
         new, report = self.remainder(self.broken(state, due), 0.0)
         return (new if report.converged else state), replace(report, reached=0.0)
 

@@ -1,7 +1,7 @@
 """Which blocks have left the structure for good.
 
-A structure at rest does not feel them: nothing touches them, and they touch nothing on their way
-out.  An engine takes them out of the balance and goes on with what is left.
+A structure at rest does not depend on them: nothing touches them, and they touch nothing as they
+leave.  An engine takes them out of the balance and continues with the other blocks.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ def departing(
 ) -> BoolArray:
     """Blocks that leave, (n,), of those that are there.
 
-    They hang on to no support, be it through other blocks, and nothing of the rest lies on the
-    straight way that the loads take them, above the ground; or they are below it already.
+    No support carries them, directly or through other blocks, and no other block lies on the
+    straight line along which the loads move them, above the ground; or they are below it already.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def departing(
 def _way_is_clear(
     detector: Detector, pose: Array, members: BoolArray, rest: BoolArray, force: Array
 ) -> bool:
-    """Whether bodies that go along a force meet none of the rest, judged by boxes along it."""
+    """Whether bodies that move along a force touch no other body, judged by boxes along it."""
     length = float(np.linalg.norm(force))
     if length == 0.0:
         return False

@@ -6,7 +6,7 @@ newtons.  So they are given the structure where its own lower corner is the orig
 block as large as the published walls' and its heaviest material as heavy as theirs.  Gravity is
 kept, so that times go with the square root of lengths.
 
-Coordinates that were typed come back exactly: where a decimal number, of as many decimals as the
+Coordinates that were typed are restored exactly: where a decimal number, of as many decimals as the
 double could hold there, lies within its rounding, that was meant.
 """
 

@@ -37,11 +37,11 @@ class Placed(Derived):
     #: Rows outside of the rows within, and the other way round; None where they are the same.
     order: IntArray | None
     rank: IntArray | None
-    rotates: bool  # whether a rotation of supports paces the analysis, not a length
+    rotates: bool  # whether supports rotate in place of the load
 
     @property
     def motion_unit(self) -> float:
-        """Unit of what paces the analysis."""
+        """Unit of the supports' motion [m]; 1 where they rotate."""
         return 1.0 if self.rotates else self.frame.length
 
 

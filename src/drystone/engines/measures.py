@@ -89,7 +89,7 @@ class LoadArrays:
         return replace(self, dead=dead, pattern=pattern, total=total)
 
     def scaled(self, share: float, before: LoadArrays | None) -> LoadArrays:
-        """With a share of the dead load, or on the way to it from what it was ``before``."""
+        """With a share of the dead load, or of its change from what it was ``before``."""
         if before is None:
             return replace(self, dead=share * self.dead, acting=self.acting.scaled(share))
         dead = (1.0 - share) * before.dead + share * self.dead
@@ -126,7 +126,7 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     n_open, n_sticking, n_sliding = counts.tolist()  # OPEN, STICKING, SLIDING
     # By how much the applied multiplier exceeds the static one, from the step's virtual work: on
     # its own motion x the structure would rest under lambda_s with F.x lambda_s = F.x lambda -
-    # x.M a.  Blocks that no contact holds obey this whatever the multiplier and say nothing of it.
+    # x.M a.  Blocks without a contact obey this whatever the multiplier, and say nothing of it.
     # Without motion along the load there is nothing to tell the two multipliers apart.
     excess = resistance / push if abs(push) > ACROSS_THE_LOAD * strokes else 0.0
     settlement, reaction = problem.settlement, 0.0

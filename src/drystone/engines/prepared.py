@@ -73,5 +73,5 @@ class Prepared(Derived):
 
     @cached_property
     def gives_way(self) -> bool:
-        """Whether steps end where a bond or a tie gives way."""
+        """Whether steps end where a bond or a tie yields or breaks."""
         return self.brittle or self.bars.give_way

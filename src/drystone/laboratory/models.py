@@ -54,7 +54,7 @@ def model_of(
     shear_share
         Shear over normal stiffness of joints.
     history
-        Control displacements [m] gone to one after another.
+        Control displacements [m] to reach one after another.
     farthest
         Control displacement [m] where a curve that goes one way ends.
     points, crushes

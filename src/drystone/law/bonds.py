@@ -1,6 +1,6 @@
-"""Bonds of brittle joints: how near each is to its end, and which give way.
+"""Bonds of brittle joints: how near each is to its strength, and which ones break.
 
-A bond of cohesion c and tensile strength f_t holds at a contact of area A while
+A bond of cohesion c and tensile strength f_t is intact at a contact of area A while
 
     |r_t| <= mu r_n + c A,        r_n >= -f_t A
 
@@ -61,7 +61,7 @@ def margins(judged: JudgedContacts, slack: float) -> Array:
 
 
 def weakest(margin: Array) -> IntArray:
-    """The bonds that give way: those most beyond their strength, if any is."""
+    """The bonds that break: those most beyond their strength, if any is."""
     worst = margin.min(initial=np.inf)
     if worst >= -BOND_TIE:
         return np.zeros(0, np.int64)
@@ -90,7 +90,7 @@ def yielded(laws: Array, law: IntArray, reaction: Array) -> IntArray:
 
 
 def release(laws: Array, law: IntArray, reaction: Array) -> Array:
-    """What contacts let go at once when their bond breaks at a reaction (n, dim), (n,) [N]."""
+    """Force (n,) [N] that contacts release when their bond breaks at a reaction (n, dim) [N]."""
     normal, tangential = reaction[:, 0], shear(reaction)
     limit = laws[law, MU] * np.maximum(normal, 0.0)
     return np.hypot(np.minimum(normal, 0.0), np.maximum(tangential - limit, 0.0))

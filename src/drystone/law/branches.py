@@ -1,8 +1,8 @@
 """Branches of the joint law: in each of them reactions go straight with the trial reactions.
 
 A branch says two things: what becomes of the normal reaction (WITHIN its limits, TORN at the
-tension, CRUSHED), and what the joint does along itself.  Contacts that are open, or that a bond
-holds, do nothing along it.
+tension, CRUSHED), and how the joint slips.  Contacts that are open, or that have an intact bond, do
+not slip.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import numpy as np
 
 from drystone.common.compiled import njit
 
-#: Open, sticking, sliding under positive and under negative shear, held by a bond.  With two
+#: Open, sticking, sliding under positive and under negative shear, with an intact bond.  With two
 #: tangential components what slides does so under positive shear: that is its size.
 OPEN, STICKING, FORWARD, BACKWARD, BONDED = 0, 1, 2, 3, 4
 TORN_STICKING, TORN_FORWARD, TORN_BACKWARD = 5, 6, 7

@@ -54,7 +54,7 @@ class JudgedContacts(NamedTuple):
         """Of a step of size ``h`` [s] that ends with a velocity (n, n_dof).
 
         Gaps are mapped from where it starts, and friction has no shear stiffness but that of the
-        natural map, which ``contacts`` hold.
+        natural map, which is in ``contacts``.
         """
         relative = np.zeros_like(reaction)
         contact_velocities(dof_of(velocity), contacts, velocity, relative)
@@ -91,7 +91,7 @@ class Certificate(NamedTuple):
     balance: float  # largest unbalanced force, or moment over block size
     normal: float  # largest distance of a normal reaction from the law's
     tangential: float  # and of a tangential one
-    cone: float  # largest excess over what friction and cohesion hold
+    cone: float  # largest excess over friction and cohesion
     touched: BoolArray  # (n,)
 
     @property

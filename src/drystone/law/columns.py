@@ -1,4 +1,4 @@
-"""Columns of the tables of the joint law: of laws, of histories, of what is held, of responses."""
+"""Columns of the tables of the joint law: of laws, of histories, of strengths, of responses."""
 
 from __future__ import annotations
 

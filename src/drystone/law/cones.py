@@ -1,7 +1,6 @@
-"""Contacts in space from the interior of their law.
+"""The joint law of contacts, smoothed by a barrier: what interior-point methods need.
 
-Static steps (`statics.space.cone_search`) and implicit steps in time
-(`dynamics.space.interior`) use them.
+Static steps (`statics.interior`) and implicit steps in time (`dynamics.space.interior`) use it.
 
 With the trial reactions T of a contact, its stiffnesses k_n, k_s and a barrier e [J],
 
@@ -10,16 +9,17 @@ With the trial reactions T of a contact, its stiffnesses k_n, k_s and a barrier 
 
 where (a, b) o (c, d) = (a c + b.d, a d + c b) and both pairs lie within the cone of second order.
 Without a barrier this is the joint law of `law.return_map`: zeta is |z|, k_s times the length slid,
-and lifts the joint by dilatancy alone, c = k_n tan psi / k_s.  A contact that its bond holds is
+and lifts the joint by dilatancy alone, c = k_n tan psi / k_s.  A contact with an intact bond is
 linear, r = T.  Changes are scaled as by Nesterov and Todd.
 
-Joints that pull by f, that have the room k for shear without pressure and are crushed at C (see
-`law.limits`) are counted from the tension on, r_n' = r_n + f and C' = C + f:
+Joints with tensile strength f, with the cohesion intercept k (the shear that they carry without
+pressure) and the crushing strength C (see `law.limits`) are counted from the tension on, r_n' = r_n
++ f and C' = C + f:
 
     r_n' = T_n' + w - v,    r_n' w = k_n e,    (C' - r_n') v = k_n e,    (mu r_n' + k, r_t) o ...
 
 Of steps in time the same is written in impulses: T_n = -h k_n (g + h u_n), T_t = c - P u_t for a
-contact that a spring P holds about c; h^2 k_n and P then stand for the stiffnesses.
+contact with a penalty spring P centred on c; h^2 k_n and P then stand for the stiffnesses.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ N_INNER = 9
 ETA, V0, V1, V2, NN, N1, N2, T1, T2, S11, S12, S22, B0, B1, B2, R0, R1, R2 = range(18)
 N_SCALING = 18
 
-#: Cosine of the angle by which what slides may turn in an iteration.
+#: Cosine of the angle by which a slip may change its direction in an iteration.
 SLIP_COSINE = 0.5
 
 
@@ -91,7 +91,7 @@ def central_normal(trial, crush, product):
 @njit(cache=True, error_model="numpy")
 def central_crushing(trial, crush, product):
     """Normal variables of a contact that may be crushed, for a product: the reaction, its slack,
-    what crushes it and the room that is left until then."""
+    the slack of crushing and the distance to the crushing strength."""
     r = central_normal(trial, crush, product)
     slack = product / r
     if trial > 0.5 * crush:  # what is left is too little to be told from the reaction
@@ -144,7 +144,7 @@ def _is_central_normal(table, inner, c, product):
 
 @njit(cache=True, error_model="numpy")
 def _distance_of_friction(most, size, beta):
-    """The room s in (0, m] that friction leaves: (T - m + s) s (2 m - s) = beta (m - s)."""
+    """Distance s in (0, m] to the friction cone: (T - m + s) s (2 m - s) = beta (m - s)."""
     low, high, distance = 0.0, most, min(most, max(most - size, beta / (size + most + beta / most)))
     for _ in range(80):
         excess = size - most + distance
@@ -421,18 +421,18 @@ def _distance_to_cone(p0, p1, p2, d0, d1, d2):
 
 @njit(cache=True, error_model="numpy")
 def _within(p0, p1, p2, d0, d1, d2, far):
-    """Whether a pair that is in the cone still is so far ahead, and so all the way."""
+    """Whether a pair that is in the cone still is after a length ``far``, and so all along."""
     x0, x1, x2 = p0 + far * d0, p1 + far * d1, p2 + far * d2
     return x0 > 0.0 and x0 * x0 > x1 * x1 + x2 * x2
 
 
 @njit(cache=True, error_model="numpy")
 def length(table, inner, change, radius):
-    """How far all contacts may go along their changes, at most 1, by their normal reactions; and by
-    their pairs as well.
+    """Step lengths, at most 1, for which the normal reactions of all contacts stay in their
+    neighbourhood; and for which their pairs stay within the cones as well.
 
-    Normal reactions and slacks may leave their cones by what a barrier ``radius`` [J] makes of them
-    in the middle, sqrt(k_n e): `centre_contacts` then puts them back.
+    The neighbourhood of the central path: normal reactions and slacks may leave their cones by
+    sqrt(k_n e), e being the barrier ``radius`` [J].  `centre_contacts` then projects them back.
     """
     far, pairs = 1.0, 1.0
     for c in range(inner.shape[0]):
@@ -469,10 +469,10 @@ def _up_to(value, change, beyond, far):
 
 @njit(cache=True, error_model="numpy")
 def slip_rotates_too_far(table, far, inner, change, radius):
-    """Whether a contact leaves its cone by so much, ``far`` along its changes, that it cannot be
-    put back by turning: see `SLIP_COSINE`.
+    """Whether ``far`` along its changes a contact leaves its cone, and its slip has changed its
+    direction by more than `SLIP_COSINE` allows: then it cannot be projected back.
 
-    Forces that a barrier ``radius`` [J] makes fuzzy, up to sqrt(k_s e), may turn any way.
+    Forces below sqrt(k_s e), e being the barrier ``radius`` [J], may have any direction.
     """
     for c in range(inner.shape[0]):
         if table[c, INTACT] != 0.0:
@@ -492,7 +492,7 @@ def slip_rotates_too_far(table, far, inner, change, radius):
         fuzzy = np.sqrt(table[c, STIFF_T] * radius)
         if max(most, size, slid, abs(zeta)) < fuzzy:
             continue
-        # What has slid by little may stick again at once.
+        # A contact that has slid by little may stick again at once.
         little = max(most, fuzzy)
         if size > 2.0 * most + fuzzy or (slid_was > little and slid < STICKS_AGAIN * slid_was):
             return True
@@ -508,7 +508,7 @@ def slip_rotates_too_far(table, far, inner, change, radius):
 
 @njit(cache=True, error_model="numpy")
 def energy_at(table, far, inner, change):
-    """Mean energy [J] where all contacts have gone ``far`` along their changes."""
+    """Mean energy [J] where all contacts have moved ``far`` along their changes."""
     energy, n = 0.0, 0
     for c in range(inner.shape[0]):
         if table[c, INTACT] != 0.0:

@@ -72,8 +72,8 @@ def _drag(rn, rt, bond, kn, ks, mu, tan_psi):
 def opens_in_cycle(law, history, c, rn, gap, kept):
     """Whether a contact carries nothing in this cycle, for its trial reaction ``rn`` [N].
 
-    A brittle bond that the gap has torn is marked as broken.  Bonds that are ``kept`` hold whatever
-    they carry, and what yields is for `react_in_cycle`.
+    A brittle bond that the gap has torn is marked as broken.  Bonds that are ``kept`` stay intact
+    whatever they carry.  Joints that yield are left to `react_in_cycle`.
     """
     if kept or law[c, YIELDS] != 0.0:
         return False
@@ -86,7 +86,7 @@ def opens_in_cycle(law, history, c, rn, gap, kept):
 
 @njit(cache=True)
 def open_in_cycle(law, history, reaction, status, c):
-    """A contact is open from this cycle on; the work [J] of the shear that it loses."""
+    """Open a contact from this cycle on; the work [J] of the shear that it loses."""
     square = 0.0
     for d in range(SHEAR, history.shape[1]):
         square += history[c, d] * history[c, d]
@@ -99,7 +99,7 @@ def open_in_cycle(law, history, reaction, status, c):
 
 @njit(cache=True)
 def keeps_bond_in_cycle(law, history, c, keep_bonds):
-    """Whether a contact has a brittle bond that holds whatever it carries."""
+    """Whether a contact has a brittle bond that stays intact whatever it carries."""
     whole = history[c, BROKEN] == 0.0
     return whole and keep_bonds and law[c, COHESION] + law[c, TENSION] > 0.0
 

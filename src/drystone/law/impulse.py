@@ -98,7 +98,7 @@ def local_impulse_in_space(bn, b1, b2, w, cnn, mu, p):
         the place.
     """
     w01, w02, w11, w12, w22 = w[0, 1], w[0, 2], w[1, 1], w[1, 2], w[2, 2]
-    # Tangential impulses that hold the contact: -h - g p_n.
+    # Tangential impulses with which the contact sticks: -h - g p_n.
     det = w11 * w22 - w12 * w12
     g1, g2 = (w22 * w01 - w12 * w02) / det, (w11 * w02 - w12 * w01) / det
     h1, h2 = (w22 * b1 - w12 * b2) / det, (w11 * b2 - w12 * b1) / det
@@ -125,7 +125,8 @@ def local_impulse_in_space(bn, b1, b2, w, cnn, mu, p):
 
 @njit(cache=True, error_model="numpy")
 def projected_impulse(pn, pt, mu, sticks):
-    """Impulses of trial ones [N s], and their branch; one that is ``sticks`` sticks anyway."""
+    """Trial impulses [N s] projected onto the cone, and their branch.  A contact that ``sticks`` is
+    not projected."""
     if pn <= 0.0:
         return 0.0, 0.0, OPEN
     limit = mu * pn

@@ -1,4 +1,4 @@
-"""Joints that pull, and that give way in compression: pieces of the law beyond those of dry joints.
+"""Joints with tension and crushing: pieces of the law beyond those of dry joints.
 
 Within a step all strengths of a contact are constants (see `law.strengths` for how they fall),
 with the tension that it can take f, its cohesion c and its crushing strength C, all in newtons:

@@ -11,8 +11,8 @@ Without tension k_s r_n + k_n tan(psi) |r_t| <= 0 means open, which without dila
     gamma = (|r_t| - mu r_n) / (k_s + mu k_n tan psi)
 
 against the trial shear, which raises the normal reaction by k_n tan(psi) gamma (return mapping;
-non-associative unless tan psi = mu).  A bond holds whatever it carries: when it is lost is decided
-between steps (see `law.bonds`).  In each of these branches the reactions are linear in the
+non-associative unless tan psi = mu).  A bond stays intact whatever it carries: whether it breaks is
+decided between steps (see `law.bonds`).  In each of these branches the reactions are linear in the
 trial reactions, and they are continuous.
 """
 

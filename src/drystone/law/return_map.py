@@ -2,13 +2,13 @@
 
 It takes numbers, not tables: the normal trial reaction r_n counted from the tension on (see
 `law.limits`) and the size of the trial shear T, so that one tangential component and two are the
-same.  With shear stiffness k_s, friction mu, lift L = k_n tan psi, room k for shear without
-pressure and the crushing reaction C:
+same.  With shear stiffness k_s, friction mu, lift L = k_n tan psi, the cohesion intercept k (shear
+without pressure) and the crushing reaction C:
 
 | branch | r_n' | shear |
 |---|---|---|
 | open | 0 | 0 |
-| sticking, or held by a bond | r_n | T |
+| sticking, or with an intact bond | r_n | T |
 | sliding by gamma = (T - k - mu r_n) / (k_s + mu L) | r_n + L gamma | mu r_n' + k |
 | torn, sticking or sliding | 0 | T, or k |
 | crushed, sticking or sliding | C | T, or mu C + k |
@@ -42,8 +42,8 @@ def branch_for(rn, shear, ks, mu, lift, intercept, crush, hint, sliding):
     rn, shear
         Normal trial reaction from the tension on, and size of the trial shear [N].
     ks, mu, lift, intercept, crush
-        Shear stiffness [N/m], friction, lift [N/m], room and crushing reaction [N]; infinite where
-        joints are not crushed.
+        Shear stiffness [N/m], friction, lift [N/m], cohesion intercept and crushing reaction [N];
+        infinite where joints are not crushed.
     hint
         The branch that the contact comes from, in which it stays where another is no nearer but by
         rounding; any but BONDED.
@@ -52,7 +52,7 @@ def branch_for(rn, shear, ks, mu, lift, intercept, crush, hint, sliding):
     """
     was = along_joint(hint)
     if not (intercept > 0.0 or rn > crush * (1.0 - BRANCH_TIE)):
-        # A joint that dilates is held closed by what it slides.
+        # The slip of a joint that dilates keeps it closed.
         closed = ks * rn + lift * shear
         if closed < 0.0 or (closed == 0.0 and hint != STICKING):
             return OPEN

@@ -1,7 +1,7 @@
 """Joints that soften or are crushed, with their strengths where a step ends: reactions, tangent.
 
-`law.limits` holds strengths while a step is solved; here they follow from the gap y and the
-trial shear T of a contact, both per area, as `law.strengths` says.  With all that opens, slips
+In `law.limits` strengths are constant while a step is solved.  Here they follow from the gap y and
+the trial shear T of a contact, both per area, as `law.strengths` says.  With all that opens, slips
 and softens at once there is one unknown a contact, how far its bond has softened:
 
     s = s_0 + (c / G_II) gamma(s) + (f_t / G_I) kappa(s),
@@ -33,13 +33,13 @@ from drystone.law.columns import (
     SOFTENS,
 )
 
-#: Columns of a contact: 1 where its bond is whole, what it has come to, gap [m] and trial shear
+#: Columns of a contact: 1 where its bond is whole, its state of softening, gap [m] and trial shear
 #: [Pa]; its law is in a list beside.
 C_WHOLE, C_SOFTENED, C_OPENED, C_SLID, C_CRUSHED, C_GAP, C_SHEAR = 0, 1, 2, 3, 4, 5, 6
 N_CONTACT = 7
 
 #: Columns of what follows: pressure, shear [Pa], their derivatives by gap [Pa/m] and by trial
-#: shear, and what the contact has come to.
+#: shear, and the state of softening of the contact.
 P_NORMAL, P_SHEAR, P_NY, P_NT, P_TY, P_TT, P_SOFTENED, P_OPENED, P_SLID, P_CRUSHED = range(10)
 N_POINT = 10
 

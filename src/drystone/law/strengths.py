@@ -1,4 +1,4 @@
-"""What joints hold as they soften, are crushed and close: strengths by history.
+"""Stiffness and strengths of joints that soften, are crushed and close, by their history.
 
 With the inelastic opening k_n and slip k_t [m] of a contact, its bond has softened by
 
@@ -11,7 +11,7 @@ and what is left of it, with the friction, is
 
 So opening alone takes G_I per area, and slip alone G_II over what friction takes.  Joints without a
 bond may lose friction over their slip instead, by exp(-k_t / residual slip).  A joint that is
-crushed by k_c [m] holds f_c exp(-f_c k_c / G_c).  One that closes hyperbolically by v carries
+crushed by k_c [m] carries f_c exp(-f_c k_c / G_c).  One that closes hyperbolically by v carries
 k_n v / (1 - v / v_m) (Bandis, Lumsden and Barton 1983); one that does so with the logarithm of the
 pressure, as where faces do not match (likewise), k_n v_r (exp(v / v_r) - 1).
 
@@ -70,7 +70,7 @@ def _logarithmic(share: Array) -> tuple[Array, Array, Array]:
 
 
 class Reached(NamedTuple):
-    """What contacts (n_slots,) have come to at the end of a step."""
+    """The state of softening of contacts (n_slots,) at the end of a step."""
 
     softened: Array  # s, -
     opened: Array  # m, inelastic
@@ -105,7 +105,7 @@ class Strengths:
         #: How far joints of each law close before they are crushed, (n_laws,) [m]; None where no
         #: joint is crushed.
         self.bears = self.crush / self.kn if np.isfinite(self.crush).any() else None
-        #: What contacts of each law hold that are made later, (n_laws, N_CURRENT): without a bond.
+        #: Parameters of contacts that are made later, by law, (n_laws, N_CURRENT): without a bond.
         self.fresh = self._fresh()
 
     def _fresh(self) -> Array:
@@ -125,7 +125,7 @@ class Strengths:
         )
 
     def current(self, law: IntArray, history: Array, now: Reached) -> Array:
-        """What contacts hold (n_slots, N_CURRENT), see `contacts`, once they have come so far."""
+        """Parameters of contacts (n_slots, N_CURRENT), see `contacts`, in the state ``now``."""
         whole = (history[:, BROKEN] == 0.0) & self.bonded[law]
         left = np.where(whole, np.exp(-now.softened), 0.0)
         friction = np.where(self.softens[law], left, np.exp(-self.per_slip[law] * now.slid))
@@ -148,8 +148,8 @@ class Strengths:
     def _tangent(
         self, gap: Array, length: Array, curved: BoolArray, carried: _Closure, current: Array
     ) -> None:
-        """Of joints that do not close linearly, ``curved`` (n_slots,), the tangent where they have
-        come to by their ``gap`` [m], with the ``length`` [m] of their law."""
+        """Write the tangent at the ``gap`` [m] of joints that do not close linearly, ``curved``
+        (n_slots,), with the ``length`` [m] of their law, into ``current``."""
         closed = np.maximum(np.nan_to_num(-gap, posinf=0.0, neginf=0.0), 0.0)
         kn = current[curved, STIFF_N]
         at, pressure, slope = carried(closed / length)
@@ -166,8 +166,8 @@ class Strengths:
         law
             Of each contact, (n,).
         start, committed
-            Their history where the step starts, and with what has been slid and crushed on the way
-            that is over, (n, N_HISTORY + dim - 2).
+            Their history where the step starts; and the same with the slip and the crushing of the
+            step so far, (n, N_HISTORY + dim - 2).
         gap, shear
             Where the step ends, (n,) [m], and the size of the trial shear [Pa].
         """
@@ -186,7 +186,7 @@ class Strengths:
         return point
 
     def reached(self, law: IntArray, before: Array, after: Array, gap: Array) -> Reached:
-        """What contacts come to where a step ends.
+        """The state of softening of contacts where a step ends.
 
         Parameters
         ----------
@@ -225,7 +225,8 @@ class Strengths:
         )
 
     def fill(self, law: IntArray, history: Array, gap: Array, size: Array, table: Array) -> None:
-        """What contacts (n_contacts,) hold, for their table; times the ``size`` of their joint."""
+        """Write the parameters of contacts (n_contacts,), times the ``size`` of their joint, into
+        their table."""
         now = self.first(history, gap)
         current = self.current(law, history, now)
         table[:, FRICTION] = current[:, FRICTION]
@@ -233,13 +234,13 @@ class Strengths:
         table[:, own] = current[:, own] * size[:, None]
 
     def write(self, law: IntArray, now: Reached, history: Array) -> None:
-        """Make what contacts have come to a part of their history."""
+        """Write the state of softening of contacts into their history."""
         history[:, SOFTENED], history[:, OPENED] = now.softened, now.opened
         history[self.bonded[law] & (now.softened > LOST), BROKEN] = 1.0
 
 
 def difference(current: Array, other: Array, reaction: Array, area: Array) -> float:
-    """Largest force [N] by which two of what contacts hold (n_slots, N_CURRENT) differ.
+    """Largest force [N] by which two sets of parameters (n_slots, N_CURRENT) differ.
 
     ``reaction`` (n_slots,) is normal [N], which friction and stiffness count with.
     """

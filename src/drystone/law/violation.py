@@ -50,7 +50,7 @@ def joint_law_violation(table, gap, slip, reaction, shear_before, whole):
     normal, tangential
         Of normal and of tangential reactions [N].
     cone
-        Excess of tangential reactions over what friction and cohesion hold [N].
+        Excess of tangential reactions over friction and cohesion [N].
     """
     normal, tangential, cone = 0.0, 0.0, 0.0
     for c in range(gap.shape[0]):

@@ -46,8 +46,8 @@ MANY, FEW, FEW_FROM = 8, 1, {2: 200, 3: 50}
 DIFFERENT = 1e-4
 #: States whose multipliers differ by less than this share have one: it is known no better in space.
 SAME_STATE = 3e-7
-#: Solutions for a turned load, and change of the multiplier at which it stands: as finely as it is
-#: known, a non-associative one in space to some 3e-7.
+#: Solutions for a rotated load, and change of the multiplier below which it has converged: as
+#: finely as it is known, a non-associative one in space to some 3e-7.
 TILTS, SAME_TILT = 60, {ASSOCIATIVE: 1e-9, NON_ASSOCIATIVE: 1e-6}
 #: Blocks named in a sentence.
 MOST_NAMES = 8
@@ -203,10 +203,10 @@ def _tilted(
     settings: NonAssociativeSettings | None,
     most: float | None,
 ) -> Collapse:
-    """Of a load that shrinks as it turns, by the cosine of the angle: strengths, and loads that do
-    not, count as much more.
+    """Collapse under a load that decreases as it rotates, by the cosine of the angle.
 
-    For friction alone that makes no difference; else it is repeated until it stands.
+    Strengths, and loads that do not decrease, count by as much more.  For friction alone that makes
+    no difference; else it is repeated until the multiplier has converged.
     """
     cosine, last, same = 1.0, np.nan, SAME_TILT[flow]
     beside = equilibrium.untilted

@@ -45,7 +45,7 @@ COMMON: dict[str, Any] = {
 }
 #: On infeasibilities and gap, relative to numbers of order one.
 TOLERANCE = 1e-11
-#: Angle by which friction may be off the way that a contact slides.  It is then greater than its
+#: Angle by which friction may deviate from the direction of slip.  It is then greater than its
 #: limit by half of the square.
 ASIDE = 1e-4
 #: The same, as they are found here, whatever word the solver has for it: what is a solution at
@@ -97,9 +97,9 @@ class ConeProgram:
         self._intercept = intercept
 
     def slide(self, contact: IntArray, way: Array, intercept: Array) -> None:
-        """Hold contacts at their limit: t = way (k + m n), for unit vectors (., dim - 1).
+        """Fix contacts at their limit: t = way (k + m n), for unit vectors ``way`` (., dim - 1).
 
-        In space they may point `ASIDE` of it: ways are as good as velocities are.
+        In space t may deviate from them by `ASIDE`: they are as precise as velocities are.
         """
         self._way[contact] = way
         self._intercept = self._intercept.copy()
@@ -145,7 +145,7 @@ class ConeProgram:
         return csc_array((values, (row, self._dim * contact + component)), shape=shape)
 
     def _equalities(self) -> tuple[csc_array, Array]:
-        """Balance; contacts that are held."""
+        """Balance; contacts that are fixed."""
         scale = np.full(self._balance.shape[1], self._force)
         scale[-1] = 1.0
         rows, right = [csc_array(self._balance * scale[None, :])], [self._right]
@@ -184,7 +184,7 @@ class ConeProgram:
         return csc_array(vstack(rows)), np.concatenate(right)
 
     def _cones(self) -> tuple[csc_array, Array, list[tuple[int, str]]]:
-        """(k + m n, t) of the contacts that are not held at their limit."""
+        """(k + m n, t) of the contacts that are not fixed at their limit."""
         contact = np.flatnonzero(np.all(self._way == 0.0, axis=1))
         rows = [self._columns(contact, 0, -self._slope[contact])]
         rows += [

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 
 def least_normal(equilibrium: Equilibrium) -> Array:
-    """Normal force [units of force] at which each contact gives way in tension, (n_contacts,)."""
+    """Normal force [units of force] at which each contact opens in tension, (n_contacts,)."""
     friction = equilibrium.points.friction
     tip = np.divide(
         equilibrium.cohesion, friction, out=np.full(len(friction), np.inf), where=friction > 0.0

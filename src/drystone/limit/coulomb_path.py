@@ -12,13 +12,14 @@ s = |v_t|.  There is no function that a solution minimises.  With e > 0 on the r
 
     (n - l) (v_n - m s + e) = e w,      (c + mu n, t) o (s, v_t) = e (w', 0)
 
-all is smooth: a large e lets every contact press and slide a little, and also give way by e, so
+all is smooth: with a large e every contact presses and slides a little, and also overlaps by e, so
 that blocks can move that have contacts all around.  For e of order one there is
 one solution, which Newton's method finds.  With weights w, w' at random the solutions make one
 smooth curve from there, for almost all weights (S. N. Chow, J. Mallet-Paret, J. A. Yorke,
-Mathematics of Computation 32, 1978).  It is followed by its length, for e may have to grow again on
-the way: where contacts change from resting to sliding the curve folds.  Where e ends at nothing,
-there is a collapse state, whatever the weights were.  Other weights may lead to another one.
+Mathematics of Computation 32, 1978).  It is followed by its length, because e may have to grow
+again within it: the curve has folds where contacts change from sticking to sliding.  Where e ends
+at nothing, there is a collapse state, whatever the weights were.  Other weights may lead to another
+one.
 
 Contacts are eliminated one by one, df = q - D dv; what remains for the blocks is
 
@@ -64,7 +65,7 @@ ALONG, TOWARDS = 0.8, 0.95
 STEP, LEAST_STEP = 0.3, 1e-7
 #: Largest change of log e in a step.
 MOST_CHANGE = 3.0
-#: Steps longer than this are not believed where the curve seems to turn back.
+#: Longest step that is believed where the curve seems to have a fold.
 LONGEST_AT_FOLD = 1e-3
 #: Added to each diagonal entry, as a share of it; pivots off the diagonal are larger by this.
 REGULARISATION, PIVOT = 1e-14, 1e-3

@@ -75,7 +75,7 @@ def with_crushing_points(points: ContactPoints, still: int) -> tuple[ContactPoin
 
 
 def rows_of(points: ContactPoints, crushed: IntArray, force: float) -> tuple[csc_array, Array]:
-    """Rows that hold every such point and its rest together, and their dead load, scaled.
+    """Rows that couple every such point and its remaining strength, and their dead load, scaled.
 
     Of points that are stronger than `LARGE` the rest is measured in so much more: programs want
     numbers of the order of one.

@@ -170,7 +170,7 @@ def _apart(contacts: ContactForces, rows: IntArray, model: Model) -> float:
 
 
 def _motion(curve: CapacityCurve, model: Model, point: CurvePoint, bound: float) -> str:
-    """How far blocks have moved and turned from where they were designed, as a clause."""
+    """How far blocks have moved and rotated from their design, as a clause."""
     if curve.poses is None:
         far = point.control_displacement
         return f"blocks have moved until then, the control point by {far:.3g} m"
@@ -178,7 +178,7 @@ def _motion(curve: CapacityCurve, model: Model, point: CurvePoint, bound: float)
     far = float(np.linalg.norm(translations(pose), axis=1).max())
     turn = float(angles_of(rotation_vectors(pose)).max())
     text = (
-        f"blocks have moved by up to {far:.3g} m and turned by up to {turn:.2g} until then "
+        f"blocks have moved by up to {far:.3g} m and rotated by up to {turn:.2g} until then "
         f"(joints are pressed by up to {point.penetration:.2g} m)"
     )
     assembly = model.assembly

@@ -30,7 +30,7 @@ from drystone.limit.cone_algebra import Cones
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: Share of the way to the boundary that a step goes.
+#: Share of the distance to the boundary that a step takes.
 STEP = 0.995
 #: Further correctors an iteration may take; each costs a solution, not a factorisation.
 MOST_CORRECTORS = 4
@@ -124,7 +124,7 @@ def _follow(
     enough: float | None,
     give_up: float,
 ) -> tuple[_Point, float, bool, int]:
-    """The best point on the way, its error, whether it is good enough, and how many steps."""
+    """The best point found, its error, whether it is good enough, and how many steps."""
     best, best_error, waited, converged, n_iterations = point, np.inf, 0, False, 0
     while n_iterations < max_iterations:
         at = _missing(newton, point, *program)

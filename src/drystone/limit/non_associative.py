@@ -4,7 +4,7 @@ With friction but no dilatancy the limit theorems do not hold.  What is sought i
 that balance the loads within the joints' strength, and a mechanism in which open contacts carry
 nothing and sliding ones slide against a force at its limit, without opening.
 
-Two ways lead to one.  In the plane it is the scheme of M. Gilbert, C. Casapulla & H. M. Ahmed,
+Two methods find one.  In the plane it is the scheme of M. Gilbert, C. Casapulla & H. M. Ahmed,
 *Limit analysis of masonry block structures with non-associative frictional joints using linear
 programming*, Computers and Structures 84 (2006) 873-887.  In every pass each contact's friction is
 replaced by a fictitious strength that the normal force of the pass before gives, n0, and a slope
@@ -13,11 +13,11 @@ that is the dilatancy:
     |t| <= c + mu n0 + m (n - n0),       m = max(tan psi, alpha mu)
     n0  <- beta n + (1 - beta) n0
 
-so that the flow of that linear program, which is associative, is the wanted one.  Where it comes
-to rest (n = n0 where contacts slide) friction is Coulomb's.  In space, where it often does not, of
-large structures in the plane, and wherever it comes to rest on no path, the conditions themselves
-are solved, see `coulomb_path`; one path of the scheme is then followed beside, for it is drawn to
-low multipliers.
+so that the flow of that linear program, which is associative, is the wanted one.  Where the scheme
+converges (n = n0 where contacts slide) friction is Coulomb's.  In space it often does not.  There,
+for large structures in the plane, and wherever it converges on no path, the conditions themselves
+are solved, see `coulomb_path`.  One path of the scheme is then followed as well, because it tends
+to low multipliers.
 
 What came of either is then certified.  For its mechanism u, the *compatible* forces are those that
 
@@ -76,7 +76,7 @@ class NonAssociativeSettings:
     """Weight of the newest normal forces in the mean, between 0 and 1; of the scheme of Gilbert et
     al."""
     tolerance: float = 1e-6
-    """That scheme has come to rest when the multiplier changes by less than this, relatively."""
+    """That scheme has converged when the multiplier changes by less than this, relatively."""
     max_iterations: int = 100
     """Passes of one of its paths."""
     n_paths: int = 8
@@ -112,7 +112,7 @@ class Paths:
 
     states: tuple[State, ...]  # of the paths that were certified, in their order
     n_unbounded: int  # paths on which no multiplier was large enough
-    n_failed: int  # paths that did not come to rest, or not at a certified state
+    n_failed: int  # paths that did not converge, or not to a certified state
     n_iterations: int  # programs and factorisations of all paths
 
 

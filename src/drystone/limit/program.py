@@ -119,7 +119,7 @@ class ForceProgram:
         self._solver.changeRowsBounds(len(rows), rows, lower, np.repeat(intercept, 2))
 
     def slide(self, contact: NDArray[np.int64], way: Array, intercept: Array) -> None:
-        """Hold contacts at their limit: t = way (k + m n), for ways (., 1) of 1 or -1, limits k."""
+        """Fix contacts at their limit: t = way (k + m n), for ways (., 1) of 1 or -1, limits k."""
         rows = (self._n_rows + 2 * contact + (way[:, 0] < 0.0)).astype(np.int32)
         self._solver.changeRowsBounds(len(rows), rows, intercept, intercept)
 

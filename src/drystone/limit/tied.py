@@ -1,9 +1,9 @@
 """Ties in limit analysis: strengths along the lines as drawn.
 
 A tie carries T between -S or zero and its strength S.  For the programs it is two contact points
-without friction.  The first, between its two blocks, has the normal force -T and gives way in
-tension at S.  The second is on no block and carries T less the least T, which is not negative; a
-row of its own in the balance holds the two together.  Elongation and pretension do not count.
+without friction.  The first, between its two blocks, has the normal force -T and the tensile
+strength S.  The second is on no block and carries T less the least T, which is not negative; a row
+of its own in the balance couples the two.  Elongation and pretension do not count.
 """
 
 from __future__ import annotations
@@ -64,10 +64,10 @@ def with_ties(
 
 
 def rollers(assembly: Assembly) -> tuple[tuple[Tie, ...], Array]:
-    """Bars to the ground that hold what rollers hold, as designed, and the lever of each.
+    """Bars to the ground that restrain what rollers restrain, as designed, and the lever of each.
 
-    A rotation is held by a bar so far off that it is as good as a couple: nearer by, it would hold
-    the block's motion along it as well.
+    A rotation is restrained by a bar so far away that it acts as a couple: a nearer bar would
+    restrain the block's motion along it as well.
     """
     dim = assembly.dimension
     found, levers = [], []

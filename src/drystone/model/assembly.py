@@ -283,7 +283,7 @@ class Assembly:
             f"{law}{others}, {self.corner.words} corners>"
         )
 
-    # Asked for at every step: the assembly does not change, and is gone through once.
+    # Asked for at every step: the assembly does not change, and is read once.
 
     @property
     def n_bodies(self) -> int:

@@ -19,16 +19,16 @@ MOST_SIZES = 1.0
 
 @dataclass(frozen=True, kw_only=True)
 class History:
-    """Control displacements [m] that are gone to one after another, from zero.
+    """Control displacements [m] to reach one after another, from zero.
 
-    The loads that this takes change their sign as they must.
+    The load multiplier takes the sign that equilibrium asks for.
     """
 
     targets: tuple[float, ...]
 
     @classmethod
     def of_amplitudes(cls, amplitudes: Sequence[float], cycles: int = 1) -> History:
-        """Each amplitude [m] gone to in both senses, ``cycles`` times, and back to zero at last."""
+        """Each amplitude [m] in both senses, ``cycles`` times; the last target is zero."""
         both = [x for a in amplitudes for x in (a, -a) * cycles]
         return cls(targets=(*map(float, both), 0.0))
 
@@ -40,7 +40,7 @@ class History:
 def problems_of(
     targets: Sequence[object], place: str, assembly: Assembly | None = None
 ) -> list[str]:
-    """Sentences on displacements that cannot be gone to; those of a structure where it is given."""
+    """Sentences on displacements that cannot be reached, by a structure where one is given."""
     if not len(targets):
         return [f"{place}: is empty: give displacements in m, as in [0.005, -0.005]"]
     if wrong := too_many("displacements of a history", len(targets)):
@@ -73,7 +73,7 @@ def problems_of(
 def history_of(
     targets: Sequence[float] | None, amplitudes: Sequence[float] | None, cycles: int
 ) -> History | None:
-    """The history by its displacements [m], or by amplitudes [m] and how often each is gone to;
+    """The history by its displacements [m], or by amplitudes [m] and the cycles of each;
     raises `ModelError`."""
     if amplitudes is None:
         if targets is None:

@@ -242,16 +242,16 @@ class Model:
         amplitudes: Sequence[float] | None = None,
         cycles: int = 1,
     ) -> Model:
-        """The model with control displacements gone to one after another; a monotonic one where
-        nothing is given.
+        """The model with control displacements to reach one after another; monotonic where none is
+        given.
 
         Parameters
         ----------
         targets
             Control displacements [m].
         amplitudes, cycles
-            In their place: displacements [m] gone to in both senses, so many times each, and back
-            to zero at last.
+            In their place: each displacement [m] is reached in both senses, so many times; the
+            last target is zero.
 
         Raises
         ------

@@ -1,8 +1,7 @@
-"""Supports that move: a settlement or a rotation of support blocks as what paces an analysis.
+"""Support displacement: a settlement or a rotation of support blocks, in place of a load.
 
-The blocks go on as one rigid body, all other supports stay.  What they give way to is the
-*reaction*: the force along their motion, or the moment about its axis, with which the structure
-drives them on.
+The blocks move as one rigid body; all other supports stay.  The *reaction* is the force along their
+motion, or the moment about its axis, with which the structure drives them on.
 """
 
 from __future__ import annotations
@@ -111,7 +110,7 @@ class Settlement:
         return rows[assembly.fixed[rows]]
 
     def target(self, assembly: Assembly, amount: float) -> Array:
-        """Poses (k, n_pose) of its blocks once they have gone by an amount [m, rad]."""
+        """Poses (k, n_pose) of its blocks once they have moved by an amount [m, rad]."""
         rows = self.rows(assembly)
         pose = assembly.design_pose()[rows]
         if self.direction is not None:
@@ -124,7 +123,7 @@ class Settlement:
         return pose
 
     def increment(self, assembly: Assembly, pose: Array, amount: float) -> Array:
-        """Increments (n, n_dof) from poses (n, n_pose) to where its blocks have gone by an amount;
+        """Increments (n, n_dof) from poses (n, n_pose) to where its blocks have moved by an amount;
         zero for all others."""
         there = pose.copy()
         there[self.rows(assembly)] = self.target(assembly, amount)

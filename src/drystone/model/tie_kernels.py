@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 #: Columns of `Ties.value`, vectors of three with a zero in the plane: points of a and of b from the
 #: centroids as designed, the way from the one to the other, its length [m]; k [N/m], N_0, bounds
-#: [N]; what a tie may be elongated by and p [m]; 1, or 0 where it is broken or gone.
+#: [N]; what a tie may be elongated by and p [m]; 1, or 0 where it is broken or taken out.
 ARM_A, ARM_B, SPAN, LENGTH = 0, 3, 6, 9
 STIFFNESS, PRETENSION, LEAST, MOST = 10, 11, 12, 13
 BREAKING, PLASTIC, ACTIVE = 14, 15, 16

@@ -3,7 +3,7 @@
 Their equations are in docs/explanation/ties.md.
 
 A tie is a straight bar without weight: elastic up to its strength, then perfectly plastic, slack
-instead of compressed unless it says otherwise, gone for good once it is elongated too far.  A
+instead of compressed unless it says otherwise, broken once it is elongated too far.  A
 spring is the same without a strength, and works both ways.
 """
 

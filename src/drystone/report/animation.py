@@ -143,7 +143,7 @@ def _plot_curve(axes: Axes, curve: CapacityCurve) -> list[Any]:
 
 
 def _common_limits(axes: Axes, curve: CapacityCurve, model: Model, rows: Sequence[int]) -> Array:
-    """Limits (2, 2) of the axes in which a few states along the way all have room."""
+    """Limits (2, 2) of the axes that show a few states along the curve."""
     found = []
     for place in np.linspace(0, len(rows) - 1, LOOKED_AT).round().astype(int):
         _plot_state(axes, curve, model, rows[place])

@@ -157,7 +157,7 @@ def plot_curves(
     axes.margins(x=0.02, y=0.04)
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
-    # A curve fills the axes; its marks need room above the peak and after the end.
+    # A curve fills the axes; its marks need a margin above the peak and after the end.
     beside = 0.16 * (right - left) if marks and len(curves) == 1 else 0.0
     above = 0.06 * (top - bottom) if marks and len(curves) == 1 else 0.0
     axes.set_xlim(0.0 if _never_negative(curves, "control_displacement") else left, right + beside)

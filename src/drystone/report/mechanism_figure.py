@@ -99,7 +99,7 @@ def mechanism_element(mechanism: Mechanism, label: str) -> str:
     axes.set_axis_off()
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     height = width * (top - bottom) / (right - left)
-    lowest = 0.0 if flat else 0.5 * width  # letters in space need room
+    lowest = 0.0 if flat else 0.5 * width  # letters in space need a margin
     figure.set_size_inches(width, float(np.clip(height, lowest, 1.5 * width)))
     return canvas.element(figure, label, "svg" if flat else "png", 2 * canvas.RESOLUTION)
 
@@ -250,7 +250,7 @@ def _plot_contacts(axes: Axes, contacts: ContactForces) -> None:
 
 
 def _plot_load(axes: Axes, shapes: MovingShapes, direction: Array) -> None:
-    """An arrow beside the structure, on the side the load comes from; the axes make room for it."""
+    """An arrow beside the structure, on the side the load comes from; the axes are extended."""
     lower, upper = shapes.vertices.min(axis=0), shapes.vertices.max(axis=0)
     middle, half = 0.5 * (lower + upper), 0.5 * (upper - lower)
     length = 0.24 * float(half.max())

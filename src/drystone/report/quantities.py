@@ -36,7 +36,7 @@ class Quantities:
 
     @property
     def moves_supports(self) -> bool:
-        """Whether supports that move pace the curve."""
+        """Whether supports move, in place of a load."""
         return bool(self.force_unit)
 
     def x(self, curve: CapacityCurve) -> Array:

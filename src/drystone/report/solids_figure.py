@@ -281,7 +281,7 @@ def _visible(view: _View, seen: Seen, segments: Array) -> list[Array]:
 
 
 def _plot_load(axes: Axes, camera: Camera, free: Array, mechanism: Mechanism) -> None:
-    """An arrow over the structure, where no block hides it; the axes make room for it."""
+    """An arrow over the structure, where no block hides it; the axes are extended."""
     direction = np.asarray(mechanism.load_direction)
     lower, upper = free.min(axis=0), free.max(axis=0)
     size = float((upper - lower).max())
@@ -301,7 +301,7 @@ def _plot_load(axes: Axes, camera: Camera, free: Array, mechanism: Mechanism) ->
 
 def _plot_scale(axes: Axes, camera: Camera, size: float, seen: Seen) -> None:
     """The directions of x, y and z, each as long as is written below; where blocks are in the
-    corner the axes make room under it."""
+    corner the axes are extended under it."""
     length = _round_length(0.16 * size)
     arms: Any = camera.seen(length * np.eye(3))[:, :2]
     left, (bottom, top) = axes.get_xlim()[0], axes.get_ylim()

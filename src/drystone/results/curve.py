@@ -28,14 +28,14 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: How a point was reached: at rest, or on the way of a block that falls or a wall that jumps.
+#: Status of a point: at rest, or in motion, as a block falls or a wall jumps.
 STATIC, DYNAMIC = "static", "dynamic"
 
 #: Share of the highest multiplier below which a curve has passed its peak; local drops, where a
 #: block comes loose, are smaller as a rule.
 PASSED = 0.99
 
-#: Strategy of curves that supports pace which move.
+#: Strategy of curves in which supports move, in place of a load.
 SETTLEMENT = "settlement"
 
 #: Strategy of curves whose control point goes to and fro, see `CapacityCurve.cycles`.
@@ -76,8 +76,8 @@ class CurvePoint:
     status: str = STATIC
     jumped: bool = False  # reached in a jump: none at rest lies between it and the point before
     lost_shear: float = 0.0  # -, of contacts that were taken away in the step, over heaviest weight
-    unstable: bool = False  # an equilibrium that the structure would not keep, no other beside it
-    # N or N m, of supports that move, whose motion is then what paces the curve
+    unstable: bool = False  # an unstable equilibrium, and no stable one was found nearby
+    # N or N m, of supports that move; control displacements are then their motion
     reaction: float = 0.0
 
 
@@ -183,7 +183,7 @@ class KeptContacts(Sequence[ContactForces]):
         return self._contacts(self._states[index])
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copies and pickles hold the forces, not the engine."""
+        """Copies and pickles have the forces, not the engine."""
         return tuple, (tuple(self),)
 
 
@@ -211,7 +211,7 @@ class CapacityCurve:
     contacts: Sequence[ContactForces] | None = None  # likewise
     ties: TieRecord | None = None  # None where there are none
     ended_by: Event | None = None  # of a curve that was cut off there, see `until`
-    motion_unit: str = "m"  # of control displacements; "rad" where supports pace it that turn
+    motion_unit: str = "m"  # of control displacements; "rad" where they are a rotation of supports
     load_force: float = math.nan  # N, of the load pattern at multiplier one
     control_point: ControlPoint | None = None  # None of curves that were read: that of their model
 
@@ -298,8 +298,11 @@ class CapacityCurve:
 
     @property
     def moves_supports(self) -> bool:
-        """Whether supports that move pace it: control displacements are then their motion [m, rad],
-        multipliers their reaction over the blocks' weight (times an arm, where they turn)."""
+        """Whether supports move, in place of a load.
+
+        Control displacements are then their motion [m, rad], and multipliers are their reaction
+        over the blocks' weight (times an arm, where they rotate).
+        """
         return self.strategy == SETTLEMENT
 
     @property
@@ -364,12 +367,11 @@ class CapacityCurve:
     def ultimate_displacement(self) -> float | None:
         """Control displacement [m] where the multiplier falls below the stop value, or None.
 
-        Points at rest tell, and the collapse that ends the curve: in a jump that the structure
-        survives, inertia carries for a while what its joints do not.  A jump that takes the control
-        point back, and the multiplier below the stop value, begins where the curve ends; where it
-        takes it on, the shape that it leads to may have carried on the way.  A collapse in a jump
-        begins where the curve ends, too, and so does one in which as much is carried to its last
-        point.
+        Static points count, and the collapse that ends the curve.  Points of a jump that the
+        structure survives do not: inertia carries there what the joints cannot.  If a jump moves
+        the control point back, and the multiplier below the stop value, the displacement is that
+        where the jump begins.  If it moves the control point forward, the structure may have
+        carried within the jump.  Of a collapse in a jump the displacement is where the jump begins.
         """
         if self.moves_supports:
             return None

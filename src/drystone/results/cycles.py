@@ -23,7 +23,7 @@ ENDS_AT_ZERO = 1e-6
 class Cycle:
     """One cycle: from zero out in the first sense, out in the other, and back to zero.
 
-    A path that turns before it comes back to zero begins its next cycle where it turns.
+    A path that reverses before it has returned to zero begins its next cycle at the reversal.
     """
 
     first: int  # points it begins and ends at, or within the interval before

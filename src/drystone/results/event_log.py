@@ -1,8 +1,8 @@
 """Finds the events along a curve from its points, poses, ties and contacts.
 
 A structure *moves by itself* where it jumps: between two neighbouring points at rest lie points in
-motion, or the second is marked as reached in a jump, or a block has gone so far in one step that it
-would have collapsed: steps are a fifth of the smallest block at most.  The first jump in which a
+motion, or the second is marked as reached in a jump, or a block has moved so far in one step that
+it would have collapsed: steps are a fifth of the smallest block at most.  The first jump in which a
 block moves by more than `SNAP` of its smallest extent, or collapses, is where the structure first
 *loses its equilibrium*.  A block that moves by itself by more than
 `Analysis.event_share` of its smallest extent, be it on the way, has collapsed.  It has *fallen* if
@@ -50,7 +50,7 @@ class EventLog:
         self._last: tuple[CurvePoint, Array] | None = None  # last point at rest and its pose
         self._pose: Array | None = None  # of the last point
         self._moving = False  # whether the structure has moved by itself since
-        self._through_motion = False  # whether a point in motion lies on that way
+        self._through_motion = False  # whether there was a dynamic point since
         self._far = np.zeros(assembly.n_bodies)  # m, by which it did, at most
         self._departed = np.zeros(assembly.n_bodies, np.bool_)  # left since
         self._collapsed = np.zeros(assembly.n_bodies, np.bool_)  # in the jump that is under way

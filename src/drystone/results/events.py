@@ -1,7 +1,7 @@
-"""Events along a capacity curve: what a structure lost on the way, and when.
+"""Events along a capacity curve: what a structure lost, and when.
 
-A curve alone does not tell that a stone fell while the rest went on carrying.  An event does: its
-kind, the last state at rest before it, the blocks that moved and how far.
+A curve alone does not tell that a stone fell while the other blocks still carried.  An event tells
+its kind, the last state at rest before it, the blocks that moved and how far.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Event:
     motion: float = 0.0  # m, farthest motion of a centroid among them; 0 of ties and supports
     ties: tuple[str, ...] = ()  # names
     outcome: Outcome | None = None  # of blocks that moved
-    # "m" or "rad" where supports that move pace the curve: unit of their motion
+    # "m" or "rad" where supports move in place of a load: unit of their motion
     support_unit: str = ""
 
     @property

@@ -14,7 +14,7 @@ from drystone.model.assembly import Assembly
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: Displacements below this share of the structure's size are those of settling.
+#: Displacements below this share of the structure's size count as those under the dead load.
 LEAST = 1e-5
 #: Share of the largest displacement from which on a block moves with a mechanism.
 MOVING = 0.05
@@ -71,9 +71,9 @@ class MovingShapes:
 
 
 def compliance(shapes: MovingShapes, initial: Array | None, fixed: NDArray[np.bool_]) -> float:
-    """By how far a block goes that only follows the compliance of the joints [m].
+    """Displacement that a block may have by the compliance of the joints alone [m].
 
-    The measure is how far blocks have gone under the dead load, as all joints closed: the largest
+    The measure is the motion under the dead load, in which all joints closed: the largest
     displacement of the poses ``initial`` (n, n_pose) among blocks that are not ``fixed`` (n,).
     Without these, and for rates, there is no such measure: infinite.
     """

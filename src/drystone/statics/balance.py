@@ -35,8 +35,8 @@ def unbalance(contact, dead, pattern, multiplier, mass, x, inertia_factor, exten
 def stiffen(diagonal, mass, inertia_factor, damping, body, axis):
     """Add inertia to the diagonal blocks and a spring along ``axis`` (n, n_dof) to one of them.
 
-    The spring, as stiff as the block it holds, makes the matrix regular at the peak.  Returns its
-    stiffness; ``body`` is -1 where there is none.
+    The spring, as stiff as the block that it restrains, makes the matrix regular at the peak.
+    Returns its stiffness; ``body`` is -1 where there is none.
     """
     n, n_dof = mass.shape
     for i in range(n):

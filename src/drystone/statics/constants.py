@@ -1,4 +1,4 @@
-"""What a static step is given: loads, what paces it, and how accurately it is solved."""
+"""What a static step is given: loads, a prescribed displacement, and the accuracy asked for."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ TOO_STIFF = (
 
 
 class PrescribedDisplacement(Protocol):
-    """The displacement c(x) that paces a step."""
+    """The displacement c(x) that a step prescribes."""
 
     @property
     def body(self) -> int:
-        """The one that a spring holds where the matrix may be singular."""
+        """The body that a spring restrains where the matrix may be singular."""
         ...
 
     def missing(self, x: Array) -> float:
@@ -101,5 +101,5 @@ class Accuracy:
     coarsest: float  # N, largest unbalanced force that may be left to rounding
     lag: float = MISSING  # m, what may be missing of the increment
     depth: float  # m, penetration too small to tell two contacts apart
-    pressed: float  # N, force by which blocks meet elsewhere than followed; in space
+    pressed: float  # N, force above which a contact that was not followed is added; in space
     farthest: float  # m, motion of a block over which the step has failed

@@ -1,7 +1,7 @@
-"""The equations of a static step: of the blocks that are there, and the pairs that may meet.
+"""The equations of a static step: for the blocks that are there, and the pairs that may touch.
 
-They are made where blocks have left, a stage of the dead loads begins or other pairs are near, and
-hold what one step after the other is solved with.
+They are made anew when blocks have left, when a stage of the dead loads begins, and when other
+pairs are near.  Between, all steps use them.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ BoolArray = NDArray[np.bool_]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Loaded:
-    """What equations are written with: loads up to a stage, but of blocks that are gone."""
+    """What equations are written with: loads up to a stage, without those on departed blocks."""
 
     prepared: Prepared
     stage: int
@@ -144,7 +144,7 @@ def first_branches(prepared: Prepared, pairs: Pairs, slots: Slots) -> IntArray:
     bonded = (laws[:, COHESION] > 0.0) | (laws[:, TENSION] > 0.0)
     touching = np.where(bonded, BONDED, STICKING)
     bonded = bonded | prepared.strengths.bonded[pairs.law_of_slot]
-    # Weight presses on joints that lie; those that stand are shut, but hold by a bond only.
+    # Weight presses on joints that lie.  Those that stand are shut, and carry by a bond only.
     touches = (np.abs(slots.normal @ prepared.assembly.up) > LIES) | bonded
     return np.where(touches & ~_apart(prepared, slots), touching, OPEN)
 

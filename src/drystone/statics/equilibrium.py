@@ -4,10 +4,10 @@ The unknowns of a step are the increments x of the poses and the multiplier.  Th
 
     R(x, lambda) = 0,    c(x) = Delta
 
-with the unbalanced forces R of `statics.plane.static_step`, evaluated where the step ends, and c
-the displacement that paces the step; `statics.plane.piecewise` says how.  The time step in R is so
-long that inertia only keeps loose blocks from making the matrix singular; with a short one, a step
-says where inertia takes blocks that have no equilibrium nearby.
+with the unbalanced forces R of `statics.static_step`, evaluated where the step ends, and c the
+prescribed displacement; `statics.plane.piecewise` says how.  The time step in R is so long that
+inertia only regularises the matrix where blocks are loose.  With a short time step, a step says
+where inertia takes blocks that have no equilibrium nearby.
 """
 
 from __future__ import annotations
@@ -132,13 +132,13 @@ class EquilibriumState:
     # Of space:
     tangent: Array | None = None  # (n, n_dof) per m of the control displacement
     unstable: bool = False  # whether the structure would not keep it
-    unchanged: bool = False  # whether no contact has changed its state in the last step
+    unchanged: bool = False  # whether no contact changed its state in the last step
     acted: ActedContacts | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Step:
-    """What a step begins with and is to reach, whatever its joints hold."""
+    """The start, the target and the prescribed displacement of one static step."""
 
     state: EquilibriumState
     equations: Equations
@@ -187,7 +187,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         return (Prepared.of(problem, self),)
 
     def start(self, problem: Problem) -> tuple[EquilibriumState, StepReport]:
-        """Settle under the dead load, stage by stage; raises `UnstableError`."""
+        """Find the equilibrium under the dead load, stage by stage; raises `UnstableError`."""
         (prepared,) = self.derived(problem)
         assembly, detector, bars = prepared.assembly, prepared.detector, prepared.bars
         pose = assembly.design_pose()
@@ -215,7 +215,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         return state, outcome
 
     def _apply_dead_load(self, state: EquilibriumState) -> tuple[EquilibriumState, StepReport]:
-        """A short step under the dead load and long ones, or shorter where they fail, to rest."""
+        """Equilibrium under the dead load by pseudo-transient steps: a short one, then longer ones,
+        or shorter ones where they fail."""
         h, limit = DEAD_LOAD_STEP, self.settings.static_time_step
         farthest = state.prepared.assembly.smallest_extent + 4.0 * sinking(
             state.prepared, self.equations_of(state).loads
@@ -336,7 +337,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         return replace(state, history=history, branch=branch, margin=margin, due=nothing)
 
     def _drop_departed(self, state: EquilibriumState) -> EquilibriumState:
-        """Take out blocks that have left; the rest does not feel it."""
+        """Take out blocks that have left; no force on the others changes."""
         prepared, loads = state.prepared, self.equations_of(state).loads
         left = departing(
             prepared.problem, prepared.detector, loads, state.pose, state.multiplier,
@@ -467,7 +468,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         near: Array | None,
         last: StepSolution | None,
     ) -> StepSolution:
-        """Solve a step with what joints hold, from the ``last`` solution of it, if any."""
+        """Solve a step with the ``current`` parameters of joints, from its ``last`` solution, if
+        any."""
         state, demand, prescribes = step.state, step.demand, step.prescribed is not None
         self._begin(step, branch, step.guess, current, fresh)
         guesses, multiplier = [step.guess], step.multiplier
@@ -569,7 +571,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     ) -> tuple[Array, float]:
         """Where the step will end, and the multiplier it starts from.
 
-        The last increments go on, turned with the blocks, where they moved the same way.
+        The last increments, rotated with the blocks, are continued if they had the same sense.
         """
         if demand.settlement is not None:
             return self._follow_supports(state, demand.settlement), 0.0
@@ -603,7 +605,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         return np.where(np.any(given, axis=1, keepdims=True), given, guess)
 
     def _follow_supports(self, state: EquilibriumState, amount: float) -> Array:
-        """The last increments go on as the supports do."""
+        """The last increments, in proportion to the motion of the supports."""
         if not state.last_support_motion:
             return state.prepared.assembly.no_motion()
         return amount / state.last_support_motion * state.last_increment

@@ -1,13 +1,17 @@
-"""A static step from the last equilibrium to the next, through the interior of the joint law.
+"""An interior-point method for a static step from one equilibrium to the next.
 
-In the interior of the law (`law.cones`) every contact is a little of everything; as the barrier
-falls it becomes what it is.  Gaps and gradients are renewed in every iteration.  A predictor
-without a barrier tells how low the next one can be; its second order counts where it gets far.
-Slips that turn would stall a straight way: pairs may leave their cones where they can be put back,
-centred on the trial reactions of their new place.  Now and then, and at the end, Newton's method on
-the joint law itself is tried, which is exact where the branches are those of the solution.
+The barrier smooths the joint law (`law.cones`): with a large barrier every contact sticks, slides
+and opens a little, and as the barrier is reduced each contact comes to one state.  Gaps and
+gradients are computed anew in every iteration.  A predictor without a barrier tells by how much the
+barrier can be reduced; its second-order terms are used if it leads far.
 
-Where little changes, Newton's method alone goes from one equilibrium to the next.
+A slip that changes its direction would stop the iterations at the cone's boundary.  So contacts may
+leave their friction cones within a neighbourhood of the central path.  They are then projected
+back, centred on the trial reactions at their new place.
+
+Every few iterations, and at the end, Newton's method on the joint law itself is tried.  It is exact
+where the branches are those of the solution.  Where no contact changes its state, Newton's method
+alone leads from one equilibrium to the next.
 """
 
 from __future__ import annotations
@@ -53,29 +57,30 @@ Array = NDArray[np.float64]
 class InteriorSettings:
     """Numbers of the iterations; others, which nobody has had to change, are in the register.
 
-    Energies are those of a contact over what the weight of a mean block stores in one, forces over
-    that weight.
+    Energies are those of one contact, over the energy that the weight of a mean block stores in a
+    contact.  Forces are over that weight.
     """
 
-    #: First barrier, and more of it over the square of what is unbalanced where it begins: with
-    #: less, contacts that are far from what they will be cut the way to nothing.
+    #: First barrier; and what is added to it, over the square of the unbalanced force at the start:
+    #: with less, contacts that are far from their final state shorten the iterations to nothing.
     barrier: float = FIRST_BARRIER
     unbalanced: float = BY_UNBALANCED
-    #: Iterations, those where a shorter step may be tried instead, and in how many the energy must
-    #: halve.
+    #: Most iterations; most where a shorter step may be tried instead; iterations within which the
+    #: energy must halve.
     max_iterations: int = 120
     few_iterations: int = 60
     patience: int = 40
-    #: Energy at which the branches may be told.
+    #: Energy below which the branches of contacts can be told.
     enough: float = TELLS
-    #: Iterations after which Newton's method is tried, and how many of its own it has there and
-    #: from the last step.
+    #: Newton's method is tried every so many iterations; iterations that it has there, and at the
+    #: start of a step from the last one.
     newton_every: int = 16
     newton_iterations: int = 6
     warm_iterations: int = 12
     #: Damping [1/s2], times the mass, where there are unstable directions.
     damping: float = DAMPING
-    #: Damping that says that something has lost its hold: where a shorter step may be tried, it is.
+    #: Damping [1/s2] above which a part counts as unsupported.  A shorter step is then tried, if
+    #: one may be.
     lost: float = LOST_SUPPORT
 
 
@@ -85,11 +90,11 @@ HIGH, MOST_BARRIER = 1.0, 3.0
 #: Iterations of the last attempt.
 SLOW_ITERATIONS = 200
 
-#: Iterations in a row that are no way on, after which contacts are centred anew, and how often.
+#: Iterations in a row without progress after which contacts are centred anew, and how often.
 STALLED, RECENTRED = 4, 4
 
-#: Iterations of Newton's method after which it must have gained, on the way and from the start; and
-#: those after which it is tried again where the branches may be told.
+#: Iterations within which Newton's method must have gained, where it is tried between others and
+#: where it begins; and iterations after which it is tried again where the branches can be told.
 NEWTON_PATIENCE, WARM_PATIENCE, AGAIN = 2, 4, 4
 
 #: Factors of more and less damping, and that below which there is none [1/s2].
@@ -98,7 +103,7 @@ MORE, LESS, LEAST_DAMPING = 4.0, 0.25, 3.0
 
 @dataclass(frozen=True, kw_only=True)
 class Attempt:
-    """One way to begin."""
+    """Where the interior-point method begins, and how long it has."""
 
     barrier: float  # over the energy of a mean block's weight
     by_residual: bool = False  # more of it where much is unbalanced
@@ -106,7 +111,7 @@ class Attempt:
     second: bool = True
     iterations: int = 60
     least_damping: float = 0.0  # see `lu_numeric.factorise`
-    soon: bool = False  # whether it is given up where something has lost its hold
+    soon: bool = False  # whether it is given up where a part is unsupported
 
 
 class InteriorPoint:
@@ -159,7 +164,7 @@ class InteriorPoint:
         return True
 
     def _limit_rotation(self, length: float) -> float:
-        """That much of the direction, or as much as no body turns too far in."""
+        """A ``length`` of the direction, or as much of it as rotates no body too far."""
         most = float(np.abs(rotations(self.step.bordered.columns[0])).max())
         if not most < math.inf:
             return 0.0
@@ -168,7 +173,7 @@ class InteriorPoint:
     # The interior.
 
     def interior(self, attempt: Attempt) -> bool:
-        """Go down from a barrier; whether that ends in an equilibrium."""
+        """Reduce the barrier to zero; whether that ends in an equilibrium."""
         step, settings = self.step, self.settings
         n = step.n
         joint, inner = step.table[:n], step.inner[:n]
@@ -216,7 +221,8 @@ class InteriorPoint:
         return False
 
     def _centre(self, attempt: Attempt, barrier: float, unit: float) -> None:
-        """Begin from where the step is, with a barrier over the energy ``unit`` [J]."""
+        """Centre the contacts where the step is, with a ``barrier`` over the energy ``unit``
+        [J]."""
         step, settings, n = self.step, self.settings, self.step.n
         barrier *= unit
         if attempt.by_residual:
@@ -229,14 +235,14 @@ class InteriorPoint:
         cones.centre_contacts(step.table[:n], barrier, True, step.trial[:n], step.inner[:n])
 
     def _solved(self) -> bool:
-        """Whether the joint law itself leaves nothing unbalanced here; else all is as before."""
+        """Whether the joint law itself balances here; else the step is left as it was."""
         if self.newton(0):
             return True
         self.step.balance(self.step.inside)
         return False
 
     def _try_newton(self) -> bool:
-        """Whether Newton's method finds the solution from here; else all is as before."""
+        """Whether Newton's method finds the solution from here; else the step is left as it was."""
         step = self.step
         place, damping = step.place, step.damping.copy()
         s = self.settings
@@ -248,8 +254,11 @@ class InteriorPoint:
         return False
 
     def _descend(self, attempt: Attempt, energy: float) -> float:
-        """Predictor and corrector with one factorisation; how far along they went, at most 1, or
-        not a number where there is no way on."""
+        """Predictor and corrector with one factorisation.
+
+        Returns the length of the corrector that was taken, at most 1, or not a number if there is
+        none.
+        """
         step, settings, n = self.step, self.settings, self.step.n
         joint, inner, change = step.table[:n], step.inner[:n], step.change[:n]
         step.respond_within()
@@ -309,7 +318,11 @@ class InteriorPoint:
         return by_multiplier
 
     def _length(self, radius: float, slip_radius: float) -> float:
-        """How far all may go: contacts may leave their cones where they can be put back."""
+        """Length for which every contact stays in a neighbourhood of the central path.
+
+        ``radius`` and ``slip_radius`` [J] are the barriers that set the size of the neighbourhood,
+        for normal reactions and for the direction of slip.
+        """
         step, n = self.step, self.step.n
         joint, inner, change = step.table[:n], step.inner[:n], step.change[:n]
         far, least = cones.length(joint, inner, change, radius)

@@ -1,6 +1,6 @@
-"""Newton's method on steps whose joints have the strengths of where the blocks are.
+"""Newton's method on a step whose joints soften with the motion of the blocks.
 
-See `statics.yielding`, which goes these ways, and `law.softening` for the joints.
+`statics.yielding` uses it; see `law.softening` for the joints.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ IntArray = NDArray[np.int64]
 
 
 class SofteningNewton:
-    """A step on its way, from where it is, to an equilibrium with the strengths that joints have
-    there."""
+    """Newton's method from where a step is to an equilibrium with the strengths that the joints
+    have there."""
 
     def __init__(
         self,
@@ -47,17 +47,20 @@ class SofteningNewton:
 
     @property
     def missing(self) -> float:
-        """What is missing of the pacing displacement [m]."""
+        """What is missing of the prescribed displacement [m]."""
         return self.step.missing
 
     @property
     def increment(self) -> Array:
-        """Where it has come to, (n, n_dof)."""
+        """Increments (n, n_dof) of the present iterate."""
         return self.step.x.copy()
 
     def soften(self, start: Array) -> tuple[IntArray, Array]:
-        """Unbalanced forces, and tangent, where it is: slots (n,) of joints that yield and what
-        they come to (n, N_POINT), by their history ``start`` (n_slots, N_HISTORY + dim - 2)."""
+        """Evaluate the unbalanced forces and the tangent at the present iterate.
+
+        Returns slots (n,) of joints that yield and their state there (n, N_POINT), by their history
+        ``start`` (n_slots, N_HISTORY + dim - 2).
+        """
         return self.step.soften(self.strengths, start)
 
     def gap(self, slot: IntArray) -> Array:
@@ -76,13 +79,13 @@ class SofteningNewton:
         return bool(np.isfinite(self.by_multiplier) and most < FARTHEST_ROTATION)
 
     def move(self, length: float) -> None:
-        """Go on by so much of it."""
+        """Move by a ``length`` of the direction."""
         self.step.multiplier += length * self.by_multiplier
         self.step.move(self.step.bordered.columns[0], length)
 
     def stand(self, current: Array, solved: StepSolution) -> StepSolution | None:
-        """The solution where it is, with what joints hold there (n_slots, N_CURRENT), if nothing is
-        unbalanced with that; but for its place as one ``solved`` before."""
+        """The solution at the present iterate, if it balances with the ``current`` parameters of
+        joints there (n_slots, N_CURRENT); all else is that of one ``solved`` before."""
         step, accuracy = self.step, self.accuracy
         step.take(current)
         moved = step.constants.detector.farthest(step.x)
@@ -104,7 +107,7 @@ class SofteningNewton:
         )
 
     def slope(self) -> float | None:
-        """Of the curve [1/m], where it is; None where the structure would not keep it."""
+        """Slope of the curve [1/m] at the present iterate; None where it is unstable."""
         step = self.step
         step.damping[:] = 0.0
         if not step.factorise(step.reaction, 0.0):

@@ -1,8 +1,8 @@
-"""A static step as a whole: the ways that are tried, the equilibrium's stability, and its report.
+"""A static step as a whole: the methods that are tried, the stability of the end, the report.
 
-Equilibria that a structure would not keep are found as well as others.  They show in the sign of
-the bordered determinant, where the number of their unstable modes is odd, or in the quotient of
-Rayleigh of the lowest mode, and are told.
+A step may also find an unstable equilibrium, and its report says so.  Such an equilibrium shows in
+the sign of the determinant of the bordered system if the number of unstable modes is odd, and else
+in the Rayleigh quotient of the lowest mode.
 """
 
 from __future__ import annotations
@@ -47,17 +47,17 @@ class StepSolution:
     increment: Array  # (n, n_dof)
     multiplier: float
     n_iterations: int
-    #: Share of the step, and multiplier there, where the path of equilibria first turned back.
+    #: First fold of the path of equilibria: share of the step, and multiplier there.
     fold: tuple[float, float] | None = None
     #: By how much the multiplier exceeds both its ends within the step, and how far it bends from
     #: its chord, each with the share of the step where it does so most.
     excess: tuple[float, float] | None = None
     bend: tuple[float, float] | None = None
-    #: How far from the tangent at its start a step has taken the block that it took farthest, over
-    #: the farthest motion of all; in space.
+    #: Largest deviation of a block from the predictor, the tangent at the start, over the farthest
+    #: motion of a block; in space.
     deviation: float | None = None
     slope: float = np.nan  # 1/m, of the curve at the end; in space
-    tangent: Array | None = None  # (n, n_dof) per m of the pacing displacement, in space
+    tangent: Array | None = None  # (n, n_dof) per m of the prescribed displacement, in space
     unstable: bool = False  # whether the structure would not keep it, and none was found beside it
     softened: bool = False  # whether joints soften where it is, and the slope is with that
     reason: str = ""
@@ -77,11 +77,11 @@ class StabilitySettings:
 
 @dataclass(frozen=True, kw_only=True)
 class Judgement:
-    """Whether a structure would keep an equilibrium."""
+    """Whether an equilibrium is stable."""
 
     unstable: int  # how many of the lowest modes grow
     slope: float = math.nan  # 1/m, of the curve
-    tangent: Array | None = None  # (n, n_dof) per m of the pacing displacement
+    tangent: Array | None = None  # (n, n_dof) per m of the prescribed displacement
 
     @property
     def stable(self) -> bool:
@@ -93,7 +93,7 @@ class Judgement:
 class SolutionSettings:
     """How steps are solved."""
 
-    #: Times that a step is solved again as blocks meet in it, or with other features.
+    #: Times that the contacts of a step are updated and the step is solved again.
     contact_updates: int = 3
     #: Whether linear pieces are followed where there are any, and how long.
     path: PathSettings | None = field(default_factory=PathSettings)
@@ -105,7 +105,7 @@ class SolutionSettings:
 class Before:
     """What the last step tells the next."""
 
-    # no contact changed its state, so that Newton's method is tried at once
+    # whether no contact changed its state: Newton's method is then tried first
     unchanged: bool = False
     slope: float = math.nan  # 1/m, of the curve where it ended, if known
     unstable: bool = False  # whether the structure would not keep where it ended
@@ -137,9 +137,10 @@ class _Solver:
         full_search: bool = True,
         follows: bool = False,
     ) -> bool:
-        """An equilibrium from a guess, or be it from far; whether there is one.
+        """Find an equilibrium from a guess, near or far; whether there is one.
 
-        There is one attempt where a step is paced, a short one where it is not ``full_search``.
+        A step with a prescribed displacement has one attempt.  Without a ``full_search`` the
+        attempt is short.
         """
         step, s = self.step, self.settings.interior
         if warm:
@@ -167,8 +168,8 @@ class _Solver:
         )
 
     def update_contacts(self) -> bool:
-        """Solve again where blocks have come to press each other elsewhere than followed; whether
-        an equilibrium is found."""
+        """Solve again where blocks press each other at contacts that were not followed; whether an
+        equilibrium is found."""
         step, settings = self.step, self.settings
         for _ in range(settings.contact_updates):
             x, multiplier = step.x.copy(), step.multiplier
@@ -180,8 +181,9 @@ class _Solver:
         return True
 
     def quotients(self) -> Array | None:
-        """Quotients of Rayleigh (k,) [1/s2] of the lowest real modes with the pacing displacement
-        held, at the equilibrium whose stiffness is factorised; None where that is singular.
+        """Rayleigh quotients (k,) [1/s2] of the lowest real modes at the equilibrium whose
+        stiffness is factorised, with the prescribed displacement fixed; None where that is
+        singular.
 
         Complex pairs move to and fro, and so back where joints slide, which they would not: they
         are not of the stiffness that was linearised.
@@ -227,7 +229,7 @@ class _Solver:
         return step.solve(1.0)
 
     def judge(self) -> Judgement:
-        """Whether the structure would keep the equilibrium last evaluated."""
+        """The stability of the equilibrium last evaluated."""
         step = self.step
         if not self.linearise():
             return Judgement(unstable=1)
@@ -283,18 +285,18 @@ def solve(
     guesses
         Increments (n, n_dof) near which the step may end; the second along the tangent, if any.
     multiplier
-        Where the step starts; without a pace, the one that is asked for.
+        Where the step starts; without a prescribed displacement, the one that is asked for.
     reaction
         Of all contacts where it starts, (n_slots, dim) [N].
     accuracy, settings, before
         See there.
     dynamic
-        Whether the step is one in time, in which inertia holds what is not stable.
+        Whether the step is one in time, in which inertia regularises what is not stable.
     full_search
-        Whether more than the first way is tried.
+        Whether more than the first method is tried.
     beyond
-        Whether an equilibrium is looked for beyond where the path of equilibria turns back, on that
-        of the implicit law.
+        Whether an equilibrium is looked for beyond a fold of the path, on the path of the implicit
+        law.
     """
     if step.prescribed is None and _stands(step, guesses[0], multiplier, accuracy):
         return StepSolution(increment=step.x.copy(), multiplier=multiplier, n_iterations=0)
@@ -304,7 +306,7 @@ def solve(
             step, guesses[0], multiplier, reaction, accuracy, settings.path,
             whole=step.prescribed is None or dynamic or beyond,
         )  # fmt: skip
-        # A path that turns back says that there is none ahead: what follows is motion.
+        # A fold says that there is no equilibrium ahead: what follows is motion.
         folded = followed.folded and step.prescribed is not None
         if not followed.reason or folded or followed.reason == TOO_STIFF:
             return _as_followed(step, followed)
@@ -348,7 +350,7 @@ def _from_inside(
     dynamic: bool,
     full_search: bool,
 ) -> StepSolution:
-    """Solve a step from the interior of the law, or by Newton's method where it is calm."""
+    """Solve a step from the interior of the law, or by Newton's method where no contact changed."""
     solver = _Solver(step, accuracy, settings)
     driven = step.constants.detector.farthest(step.given)
     increment = step.prescribed.missing(np.zeros_like(guesses[0])) if step.prescribed else driven
@@ -373,7 +375,7 @@ def _from_inside(
     sense = -1.0 if increment < 0.0 else 1.0  # multipliers are looked at in that of the motion
     shape = _shape(sense * multiplier, sense * step.multiplier, slope, end, sense * increment)
     if before.unstable and judged and judged.stable:
-        shape = (0.0, 0.0), (0.0, 0.0)  # it has left what it would not keep: no point between is it
+        shape = (0.0, 0.0), (0.0, 0.0)  # it has left an unstable point: nothing lies between
     return StepSolution(
         increment=step.x.copy(),
         multiplier=step.multiplier,
@@ -426,7 +428,7 @@ def _shape(
     if not 0.0 < at < 1.0:
         return (0.0, 0.0), (0.0, 0.0)
     corner = start + at * rise
-    # Of a smooth curve, the middle of a parabola is half way to where its tangents meet.
+    # Of a smooth curve, the middle of a parabola is midway to where its tangents meet.
     bend = 0.5 * abs(corner - start - at * change), at
     return (corner - max(start, end), at), bend
 

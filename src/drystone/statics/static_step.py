@@ -3,8 +3,8 @@
     R(x, l) = G + l F + sum over contacts E r - M x / h^2 = 0,    c(x) = Delta
 
 The unknowns are the increments x of the poses and the multiplier l.  Reactions, gaps and gradients
-are those where the step ends.  What a contact's place and stiffness are is known by
-`statics.plane` and `statics.space`; all else is written here, once.
+are those where the step ends.  `statics.plane` and `statics.space` know the place and the stiffness
+of a contact; all else is written here, once.
 """
 
 from __future__ import annotations
@@ -74,17 +74,16 @@ class Bordered(NamedTuple):
     """What borders the matrix, (n, n_dof) each; see `statics.balance.solve_bordered`."""
 
     load: Array  # F
-    gradient: Array  # g, gradient of the pacing displacement
+    gradient: Array  # g, gradient of the prescribed displacement
     axis: Array  # direction of the spring e over all bodies
     columns: Array  # (3, n, n_dof) direction, K'^-1 F, k K'^-1 e
-    determinant_ratio: (
-        Array  # (1,) by which the determinant of the bordered matrix exceeds that of K'
-    )
+    # (1,) determinant of the bordered matrix over that of K'
+    determinant_ratio: Array
     sign: Array  # (1,) of the latter; where the product is positive, a motion is unstable
 
 
 class Place(NamedTuple):
-    """Where a step has come to."""
+    """Where a step is."""
 
     x: Array  # (n, n_dof) increments
     multiplier: float
@@ -97,13 +96,13 @@ class Ended(NamedTuple):
     before: Array  # (n_slots, N_HISTORY + dim - 2), of slots without one
     after: Array  # likewise, at the end
     gap: Array  # (n_slots,) m
-    current: Array  # (n_slots, N_CURRENT) what they were solved with
+    current: Array  # (n_slots, N_CURRENT) parameters that they were solved with
     normal: Array  # (n_slots,) N
     area: Array  # (n_slots,) m2
 
 
 class StaticStep(ABC):
-    """Evaluates and linearises the equations of steps over one list of pairs; holds their arrays.
+    """Evaluates and linearises the equations of steps over one list of pairs; owns their arrays.
 
     Of the contacts in use, `n` of them in the order of their pairs: `trial` (n_slots, 3) [N] are
     the reactions without friction and separation, `reaction` and `branch` those of the joint law,
@@ -157,7 +156,7 @@ class StaticStep(ABC):
             )
         )
         self.spring = self.pivot = 0.0
-        self.n_due = 1  # columns of the frame that the next solution is to fill
+        self.n_due = 1  # columns of the bordered system that the next solution is to fill
         self.prescribed: PrescribedDisplacement | None = None
         self.all_slots = np.arange(n_slots)
         self.current, self.origin = np.zeros((0, N_CURRENT)), self.all_slots.copy()
@@ -166,7 +165,7 @@ class StaticStep(ABC):
         self.multiplier, self.residual, self.inertia_factor = 0.0, np.inf, 0.0
 
     def _bordered(self, bordered: Bordered) -> Any:
-        """The border, with what else directions are found with."""
+        """The bordered system, with what else a form of the step needs for its directions."""
         return bordered
 
     # The step.
@@ -185,9 +184,9 @@ class StaticStep(ABC):
     ) -> None:
         """Start a step of size ``h`` [s] from rest in ``pose``, with contacts and their past.
 
-        ``guess`` (n, n_dof) is about where it will end; ``current`` (n_slots, N_CURRENT) what
-        joints hold in it that are not dry, see `contacts`; ``fresh`` (n_slots, N_CURRENT) what
-        contacts do that are made in it.
+        ``guess`` (n, n_dof) is the predicted end.  ``current`` (n_slots, N_CURRENT) are the
+        parameters of joints that yield, see `contacts`; ``fresh`` (n_slots, N_CURRENT) those of
+        contacts that are made in the step.
         """
         self.begun = pose, slots, history, branch, h, prescribed, guess, current, fresh
         self.pose, self.inertia_factor, self.prescribed = pose, 1.0 / h**2, prescribed
@@ -225,7 +224,7 @@ class StaticStep(ABC):
             self._use_current()
 
     def _use_current(self) -> None:
-        """Take on what joints hold that are not dry."""
+        """Write the current parameters of joints that yield into the table."""
         used = self.which[: self.n, SLOT]
         rows = np.flatnonzero(self.yields[used])
         now, area, table = self.current[used[rows]], self.area[rows], self.table
@@ -235,18 +234,18 @@ class StaticStep(ABC):
         table[rows, CRUSH] = np.where(np.isfinite(crush), crush, 0.0)
 
     def restart(self, x: Array, multiplier: float) -> None:
-        """Go to increments (n, n_dof) from where the step starts."""
+        """Put the bodies at increments (n, n_dof) from where the step starts."""
         self.multiplier = multiplier
         self._reset()
         self.move(x, 1.0)
 
     @property
     def place(self) -> Place:
-        """Where the step is, to come back to."""
+        """Where the step is; see `restore`."""
         return Place(self.x.copy(), self.multiplier)
 
     def restore(self, place: Place) -> None:
-        """Go to a place where the step has been."""
+        """Put the bodies back at a place where the step has been."""
         self.restart(*place)
 
     def move(self, step: Array, length: float) -> None:
@@ -256,7 +255,7 @@ class StaticStep(ABC):
 
     @property
     def missing(self) -> float:
-        """What is missing of the pacing displacement [m]."""
+        """What is missing of the prescribed displacement [m]."""
         return self.prescribed.missing(self.x) if self.prescribed else 0.0
 
     # Equations.
@@ -328,7 +327,7 @@ class StaticStep(ABC):
         """Factorise the stiffness for the present `response` and reactions; False if singular.
 
         `damping` (n,) [1/s2] times the mass is added to the inertia, of the matrix alone.  Where
-        ``least_damping`` is positive, it is raised by no less for blocks that nothing would hold.
+        ``least_damping`` is positive, it is raised by no less for blocks without support.
         """
         self._stiffen(reaction)
         c = self.loads
@@ -343,7 +342,8 @@ class StaticStep(ABC):
         return self._factorise(gradient, least_damping)
 
     def _factorise(self, gradient: Array | None, least_damping: float) -> bool:
-        """Factorise the tangent with inertia and what paces the step, its gradient (n, n_dof)."""
+        """Factorise the tangent with inertia, and the border: the gradient (n, n_dof) of the
+        prescribed displacement."""
         bordered, mass, body = self.bordered, self.loads.mass, -1
         bordered.determinant_ratio[0] = -1.0
         if self.prescribed is not None and gradient is not None:
@@ -389,7 +389,7 @@ class StaticStep(ABC):
 
     @abstractmethod
     def _take_up(self, slots: Slots, branch: IntArray, guess: Array) -> None:
-        """Go on with these contacts, from where the step starts."""
+        """Use these contacts, from where the step starts."""
 
     def _from_design(self) -> float:
         """How far blocks are from their design [m], as far as gaps are less precise by that."""
@@ -397,7 +397,7 @@ class StaticStep(ABC):
 
     @abstractmethod
     def _reset(self) -> None:
-        """Bodies back to where the step starts."""
+        """Put the bodies where the step starts."""
 
     @abstractmethod
     def _go(self, step: Array, length: float) -> None:
@@ -433,7 +433,7 @@ class StaticStep(ABC):
 
     @abstractmethod
     def update_contacts(self, accuracy: Accuracy) -> bool:
-        """Take on the contacts that there are where the step is; whether they are others."""
+        """Update the contacts to where the step is; whether any has changed."""
 
     # What is done with each contact: of pairs from ``low`` to ``high``.
 
@@ -495,7 +495,7 @@ class StaticStep(ABC):
         there.
 
         ``start`` (n_slots, N_HISTORY + dim - 2) is the history where the step begins, of the
-        present slots.  Returns slots (n,) of joints that yield, and what they come to (n, N_POINT).
+        present slots.  Returns slots (n,) of joints that yield, and their state (n, N_POINT).
         """
         self.respond()
         used = self.which[: self.n, SLOT]
@@ -522,8 +522,8 @@ class StaticStep(ABC):
         return slot, point
 
     def take(self, current: Array) -> None:
-        """Take on what joints hold, (n_slots, N_CURRENT), from here on; unbalanced forces with
-        it."""
+        """Use the ``current`` parameters of joints (n_slots, N_CURRENT) from here on, and evaluate
+        the unbalanced forces."""
         self.current[:] = current
         self._use_current()
         self.move(np.zeros_like(self.x), 0.0)

@@ -5,8 +5,8 @@ on them has, of minus itself, the stiffness
 
     k h h^T + (N / l) (J^T J - h h^T) + turning
 
-with **J** the motion of b's point seen from a's, the second part from the direction that turns, the
-third from arms that turn.  What has yielded in a step counts over the whole of it, as in
+with **J** the motion of b's point seen from a's.  The second part is from the rotation of the tie's
+direction, the third from the rotation of the arms.  Yielding counts over the whole of a step, as in
 `model.tie_kernels` with the plastic elongation at its start.
 """
 
@@ -121,7 +121,7 @@ class TieForces:
         return np.asarray(found)
 
     def marked(self, certificate: Certificate) -> Certificate:
-        """A certificate in which bodies that ties hold are held."""
+        """A certificate in which bodies with a tie count as touched."""
         touched = certificate.touched.copy()
         touched[self.body[self.now[:, kernel.FORCE] != 0.0]] = True
         return certificate._replace(touched=touched)
@@ -165,7 +165,7 @@ class TieImpulses:
         self.gradient = ties.gradient()
 
     def act(self, velocity: Array) -> None:
-        """Go on with velocities (n, n_dof)."""
+        """Forces of the ties at velocities (n, n_dof)."""
         ties = self.ties
         both = velocity[ties.body].reshape(len(ties.body), -1)
         rate = np.einsum("ki,ki->k", self.gradient, both)

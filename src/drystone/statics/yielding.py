@@ -1,15 +1,16 @@
 """Steps of structures whose joints soften, are crushed or close hyperbolically.
 
-Within a solution all strengths are constants: those of what contacts have come to where the step
-ends (`law.strengths`).  So a step is solved, what contacts have come to is read off, and it is
-solved again with the strengths of that, until these stand.  Strengths at the end, and not at the
-start, make the curve independent of how long steps are.
+The stiffness and the strengths of such joints change within a step.  A step is solved with constant
+ones, those that the contacts have at its end (`law.strengths`).  These are not known beforehand, so
+the step is solved, the strengths at its end are read off, and the step is solved again until they
+no longer change.  Strengths at the end, and not at the start, make the curve independent of the
+length of steps.
 
-From such a solution Newton's method goes on with strengths that follow from where the blocks are
-(`law.softening`), which finds those at the end in a few iterations wherever the structure has
-an equilibrium that it would keep.  Where it does not, as a joint lets go, strengths fall from one
-solution to the next, at the same pacing displacement, to the first ones that the structure can
-have: that is a snap, and Newton's method takes over where it ends.
+From such a solution Newton's method continues with strengths that depend on the motion of the
+blocks (`law.softening`).  It finds the strengths at the end in a few iterations if the structure
+has a stable equilibrium.  If it has none, because a joint fails, the strengths are lowered from one
+solution to the next, at the same prescribed displacement, until the structure has one.  That is a
+snap, and Newton's method continues from its end.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ from drystone.statics.static_step import StaticStep
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: Solutions of a step before it counts as failed: where joints may let go in it, and where a
+#: Solutions of a step before it counts as failed: where joints may fail within it, and where a
 #: shorter one would rather be tried.  With 15 to 60 of the former twenty random walls end alike,
 #: with 3 to 12 of the latter seven peaks are the same to the last bit, and steps 2 to 6 % fewer.
 MOST_SOLUTIONS, FEW_SOLUTIONS = 30, 3
@@ -69,7 +70,7 @@ _UNSOLVED = StepSolution(
 Once = Callable[[Array, Array, IntArray, Array | None], StepSolution]
 
 
-# Long: Newton's method and falling strengths take turns, each from what the other has found.
+# Long: Newton's method and falling strengths alternate, each from what the other has found.
 def solve(
     step: StaticStep,
     strengths: Strengths,
@@ -92,16 +93,16 @@ def solve(
     start
         Where the step starts.
     once
-        Begins the step with what contacts hold (n_slots, N_CURRENT), and what those hold that are
+        Begins the step with the parameters of contacts (n_slots, N_CURRENT), and those of contacts
         made in it (n_slots, N_CURRENT), and solves it from the branches (n_slots,), with gradients
         of the increments (n, n_dof) near which it will end, if these are known.
     newton
-        The way from a solution, or from the guess where there is none, with what contacts hold
-        and those that are made, as for ``once``; if there is a way.
+        Gives Newton's method from a solution, or from the guess where there is none, with the
+        parameters of contacts, as for ``once``; None where it cannot begin.
     tolerance, increment
-        Force [N] by which what contacts hold may still change; pacing displacement [m], if any.
+        Force [N] by which the strengths may still change; prescribed displacement [m], if any.
     may_snap
-        Whether joints may let go in it, to equilibria that are far.
+        Whether joints may fail within the step, so that it ends at an equilibrium far away.
     """
     law, history = step.pairs.law_of_slot, start.history
     now = strengths.first(history, start.gap)
@@ -113,7 +114,7 @@ def solve(
     slope: float | None = None
     fallen, most = 0, MOST_SOLUTIONS if may_snap or not strengths.smooth else FEW_SOLUTIONS
     begun = _Come(np.arange(len(law)), history, history, now, np.inf)
-    solved = _UNSOLVED  # a curve that has a tangent is gone on along it
+    solved = _UNSOLVED  # a curve that has a tangent is continued along it
     for k in range(most + 1):
         going: StepSolution | None = None
         come = begun
@@ -148,17 +149,17 @@ def solve(
         after = strengths.current(law, come.before, found.reached if found else come.reached)
         current = strengths.current(law, history, now)
         fresh = np.where((come.origin < 0)[:, None], after, fresh)
-    return replace(solved, reason="joints do not come to rest as they soften")
+    return replace(solved, reason="the joints' strengths do not converge as they soften")
 
 
 class _Come(NamedTuple):
-    """Where the equations of a step were last evaluated: what contacts have come to."""
+    """Where the equations of a step were last evaluated: the state of softening of its contacts."""
 
     origin: IntArray  # (n_slots,) see `Ended`
     before: Array  # (n_slots, N_HISTORY + dim - 2), where the step starts
     after: Array  # likewise, at the end: that of the step
     reached: Reached
-    change: float  # N, by which what contacts hold follows from it anew
+    change: float  # N, by which the strengths that follow from it differ from those solved with
 
     @classmethod
     def to(cls, step: StaticStep, strengths: Strengths, history: Array) -> _Come:
@@ -180,8 +181,8 @@ def _stood(
     solved: StepSolution,
     tolerance: float,
 ) -> StepSolution | None:
-    """Where a way has come to, if that is an equilibrium with what contacts hold there; the history
-    is then that of the step."""
+    """The end of Newton's method, if it is an equilibrium with the strengths there; the history is
+    then that of the step."""
     stood = newton.stand(current, solved)
     if not stood:
         return None
@@ -198,8 +199,8 @@ class _Converged(NamedTuple):
 
 
 def _converge(newton: SofteningNewton | None, come: _Come, enough: float) -> _Converged | None:
-    """Newton's method on a way, as contacts have come to it; None where that leads to no
-    equilibrium that the structure would keep.  ``enough`` is the force that may be left [N]."""
+    """Iterate Newton's method from where contacts have come to; None where that leads to no stable
+    equilibrium.  ``enough`` is the force that may be left [N]."""
     if newton is None:
         return None
     start = come.before
@@ -240,8 +241,8 @@ def _converge(newton: SofteningNewton | None, come: _Come, enough: float) -> _Co
 
 
 def _at(then: Reached, now: Reached, origin: IntArray) -> Reached:
-    """What contacts have come to, ``then``, in the slots where the step starts, ``origin``
-    (n_slots,) of each."""
+    """The state ``then`` of contacts, in the slots where the step starts, ``origin`` (n_slots,) of
+    each."""
     known = origin >= 0
     found = []
     for mine, theirs in zip(now, then, strict=True):
@@ -252,11 +253,11 @@ def _at(then: Reached, now: Reached, origin: IntArray) -> Reached:
 
 
 class _Relaxation:
-    """What contacts come to, extrapolated from how it changes (Irons and Tuck 1969).
+    """The state of softening, extrapolated from its changes (Irons and Tuck 1969).
 
-    Where joints soften nearly as fast as the structure lets go, one solution takes a small part of
-    the way, and the same part as the one before.  Where ever more is missing, the structure leaves
-    an equilibrium that it would not keep; if it ``leaves`` in this step, it goes ever faster.
+    Where joints soften nearly as fast as the structure unloads them, each solution covers the same
+    small part of what is missing.  Where more is missing each time, the structure leaves an
+    unstable equilibrium.  If it ``leaves`` in this step, the extrapolation doubles each time.
     """
 
     def __init__(self, strengths: Strengths, law: IntArray, *, leaves: bool) -> None:
@@ -265,8 +266,8 @@ class _Relaxation:
         self.share, self.last = 1.0, np.zeros(0)
 
     def next(self, now: Reached, then: Reached, origin: IntArray) -> Reached:
-        """What to go on with, in the slots where the step starts: ``origin`` (n_slots,) of those
-        that have come to ``then``."""
+        """The state to continue with, in the slots where the step starts: ``origin`` (n_slots,) of
+        those in the state ``then``."""
         there = _at(then, now, origin)
         per_slip, by_crushing = self.scale
         missing = np.concatenate(
@@ -304,7 +305,7 @@ def _shaped(
     """The solution of a step, with what it may hide of the curve; see `StepSolution`.
 
     Of a curve that has tangents at both ends: what the cubic through them has.  Where joints have
-    let go on the way, it may have gone along the first tangent to just before the end.
+    failed within the step, the curve may have followed the first tangent to just before the end.
     """
     if increment is None:
         return replace(solved, excess=None)
@@ -320,9 +321,9 @@ def _shaped(
         return replace(solved, excess=(before + max(rise, 0.0) - top, 0.5), bend=(off, 0.5))
     at_end = change if slope is None else slope * abs(increment)
     excess = 0.0, 0.0
-    if rise > 0.0 > at_end:  # no higher than where the tangents meet: joints give way at corners
+    if rise > 0.0 > at_end:  # no higher than where the tangents meet: joints yield at corners
         share = min((change - at_end) / (rise - at_end), 1.0)
-        if share <= 0.0:  # they do not: it has dropped on the way, no one knows where
+        if share <= 0.0:  # they do not: it has dropped within the step, no one knows where
             share = 0.5
         excess = max(before + share * rise - top, 0.0), share
     if first and not np.isfinite(start.rise):
@@ -340,8 +341,8 @@ def _hidden(
     """By how much the multiplier may exceed both ends within the step, and where, see
     `StepSolution`.
 
-    It is no higher than with the strengths at the start.  Where the way with these is straight, it
-    leaves it with the square of what has been gone.
+    It is no higher than with the strengths at the start.  Where the path with these is straight,
+    the curve departs from it with the square of the displacement.
     """
     if first.excess is None or first.bend is None:
         return None
@@ -358,7 +359,8 @@ def _hidden(
 
 
 def _fitting(branch: IntArray, current: Array) -> IntArray:
-    """Branches (n_slots,) that there are with what contacts hold: without room none is torn."""
+    """Branches (n_slots,) that exist with the ``current`` parameters: none is torn where the
+    cohesion intercept is zero."""
     intercept, torn = current[:, INTERCEPT] > 0.0, ACROSS[branch] == TORN
     fitting = np.where((branch == OPEN) & intercept, TORN_STICKING, branch)
     return np.where(torn & ~intercept, OPEN, fitting)

@@ -82,7 +82,7 @@ class ClusterWorkers:
 
     def end(self) -> None:
         """Take back what is not wanted any more."""
-        with suppress(Exception):  # the cluster may be gone
+        with suppress(Exception):  # the cluster may have ended
             for future in self._out.values():
                 future.cancel()
             self._client.close(timeout=5)

@@ -252,7 +252,7 @@ def extremes_of(folder: Path) -> list[Path]:
     Raises
     ------
     StudyError
-        The study has no curves, or its file is gone.
+        The study has no curves, or its file is missing.
     """
     record = record_of(folder) or {}
     samples = (record.get("extremes") or {}).get("peak_multiplier")

@@ -1,4 +1,4 @@
-"""A study under way: chunks of samples are given out, what comes back is written in parts."""
+"""A study under way: chunks of samples are given out, results are written in parts."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ class _Rate:
 
     @property
     def known(self) -> bool:
-        """Whether a chunk has come back."""
+        """Whether a chunk has been computed."""
         return self._each is not None
 
     def size(self, left: int, workers: int) -> int:

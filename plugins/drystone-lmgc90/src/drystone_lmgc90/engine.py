@@ -4,12 +4,12 @@ LMGC90 takes the step of `dynamics.nscd` with its own contact detection and Gaus
 Three things are done on this side.  Corners: LMGC90 has no rounded shapes, so that a radius
 becomes a chamfer with legs of that length, which has its contact points at the same places.
 Certificates: LMGC90 reports no residual of the joint law, so that it is computed here from the
-reactions and velocities that come back.  And contacts that LMGC90 has lost, which it says nothing
+reactions and velocities that it returns.  And contacts that LMGC90 has lost, which it says nothing
 of: supports must carry the weight before any load is applied, and penetration is found with our
 own detection, step by step.
 
 LMGC90 holds one state, the last.  A step can be taken again from where it started; older states
-cannot be gone back to.
+cannot be restored.
 """
 
 from __future__ import annotations
@@ -180,7 +180,7 @@ class Lmgc90Engine(Engine[Lmgc90State]):
         return float(min(s.longest_time_step, slowest.min()))
 
     def start(self, problem: Problem) -> tuple[Lmgc90State, StepReport]:
-        """Start LMGC90 and settle under the dead load.
+        """Start LMGC90 and find the equilibrium under the dead load.
 
         Raises
         ------
@@ -263,7 +263,9 @@ class Lmgc90Engine(Engine[Lmgc90State]):
             if not outcome.converged:
                 h *= 0.5
                 if h < 1e-3 * longest:
-                    raise EngineError(f"LMGC90 does not settle under the weight: {outcome.reason}")
+                    raise EngineError(
+                        f"LMGC90 finds no equilibrium under the weight: {outcome.reason}"
+                    )
                 continue
             state = new
             assert state.outcome is not None

@@ -40,7 +40,7 @@ def send(pipe: BinaryIO, message: Any) -> None:
 
 
 def receive(pipe: BinaryIO) -> Any:
-    """Read one message; raises `EOFError` where the other side is gone."""
+    """Read one message; raises `EOFError` where the other side has ended."""
     head = pipe.read(LENGTH.size)
     if len(head) < LENGTH.size:
         raise EOFError

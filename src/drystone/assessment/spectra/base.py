@@ -21,7 +21,7 @@ Value = TypeVar("Value", float, Array)
 class Spectrum(Protocol):
     """An elastic response spectrum at the ground, the soil included, or at a height above it.
 
-    Damping is a ratio.  Periods are a number or an array; what comes back has their shape.
+    Damping is a ratio.  Periods are a number or an array; results have their shape.
     """
 
     @property

@@ -91,7 +91,7 @@ class Bar(Silent):
             refresh_per_second=5,
             transient=True,
         )
-        self._task = self._bar.add_task(title, total=None, state="settling", count="", left="")
+        self._task = self._bar.add_task(title, total=None, state="dead load", count="", left="")
 
     def __enter__(self) -> Self:
         self._bar.start()

@@ -421,10 +421,10 @@ def changed_contacts(before, after, depth):
 
 @njit(cache=True, error_model="numpy")
 def find_predecessors(pairs, previous, slots, source):
-    """For every slot, the slot of the same pair whose history it goes on with, or -1.
+    """For every slot, the slot of the same pair whose history it inherits, or -1.
 
-    A slot goes on with itself while its interface keeps its edges.  When a block turns so far
-    that another edge faces its neighbour, the contact that shares a vertex goes on.
+    A slot inherits from itself while its interface keeps its edges.  When a block rotates so far
+    that another edge faces its neighbour, the contact that shares a vertex is the heir.
     """
     pair, was, now = pairs.of_slot, previous.which, slots.which
     n = now.shape[0]

@@ -55,7 +55,7 @@ class SpaceNarrowPhase:
         points.follow(self.bodies, pose, self.world, pairs, known, slots)
 
     def predecessors(self, pairs: Pairs, before: Slots, now: Slots) -> IntArray:
-        """The slot of the same pair that each one goes on with, or -1, (n_slots,)."""
+        """The slot of the same pair that each one inherits from, or -1, (n_slots,)."""
         source = np.zeros(len(now.kind), np.int64)
         succession.find_predecessors(pairs, before, now, source)
         return source

@@ -58,8 +58,8 @@ def slots_of(shapes: Shapes, points: int, part_a: IntArray, part_b: IntArray) ->
     """How many contact points each pair of parts may have, (n_pairs,).
 
     Overlaps have at most as many corners as both faces have.  With 9 points per quadrilateral there
-    is room for those of any overlap; with more for as many, fewer of a polygon with many corners.
-    """
+    is capacity for those of any overlap; with more for as many, fewer of a polygon with many
+    corners."""
     corners = np.maximum.reduceat(np.diff(shapes.ring), shapes.first[:-1, 1])
     most = corners[part_a] + corners[part_b]
     if points == 4:

@@ -1,8 +1,8 @@
-"""Which contact point in space goes on with the history of which, and what it takes along.
+"""Which contact point in space inherits the history of which, and what it inherits.
 
-A point goes on with the point of the same pair that has the same features.  Where features have
-changed (a corner that was a crossing is a vertex now) it goes on with the nearest point that nobody
-else goes on with, if that is no farther than SUCCESSOR widths of the interface.
+A point inherits from the point of the same pair that has the same features.  Where features have
+changed (a corner that was a crossing is a vertex now) it inherits from the nearest point without
+another heir, if that is no farther than SUCCESSOR widths of the interface.
 """
 
 from __future__ import annotations
@@ -75,9 +75,9 @@ def _match(before, was, after, now, begin, end, source, taken):
 
 @njit(cache=True)
 def find_predecessors(pairs, previous, slots, source):
-    """For every slot, the slot of the same pair whose history it goes on with, or -1.
+    """For every slot, the slot of the same pair whose history it inherits, or -1.
 
-    ``previous`` has the same pairs.  No slot is gone on with twice.
+    ``previous`` has the same pairs.  No slot is succeeded twice.
     """
     pair = pairs.of_slot
     (before, was), (after, now) = previous, slots

@@ -1,4 +1,4 @@
-"""``max_displacement``: the curve ends where the control point has gone as far."""
+"""``max_displacement``: the curve ends where the control point has moved as far."""
 
 from __future__ import annotations
 

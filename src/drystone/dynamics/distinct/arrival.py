@@ -1,4 +1,4 @@
-"""What cycles have led to: a state and its report, at rest, in real motion, and on the way."""
+"""The end of cycles as a state and its report: at rest, in real motion, and within a relaxation."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def at_rest(state: DistinctState, work: Workspace) -> tuple[DistinctState, StepR
     load = loads.dead + work.multiplier * loads.pattern
     forces = Forces(contact=contact_force, load=load, inertia=still)
     new, figures = _arrive(state, work, contacts, forces, work.motion.force, still)
-    # What little is unbalanced accelerates nothing: the blocks are at rest.
+    # The little force that is unbalanced counts as no acceleration: the blocks are at rest.
     return new, replace(
         figures,
         static_multiplier=work.multiplier,
@@ -56,11 +56,11 @@ def in_real_motion(
 
 
 def on_the_way(work: Workspace) -> tuple[DistinctState, StepReport]:
-    """A copy of the state after a cycle on the way to rest, and its figures.
+    """A copy of the state after a cycle of a relaxation, and its figures.
 
-    What is unbalanced in the cycle is inertia and damping.  Masses are scaled: velocities, and
-    energies of motion, mean nothing.  The multiplier is a mean over the way since the last such
-    state, for impacts shake that of one cycle.
+    What is unbalanced in the cycle is inertia and damping.  Masses are scaled: velocities and
+    kinetic energies mean nothing.  The multiplier is a mean since the last such state, because
+    impacts disturb that of one cycle.
     """
     work.unpack()
     motion, loads, still = work.motion, work.now, np.zeros_like(work.motion.velocity)
@@ -78,7 +78,7 @@ def on_the_way(work: Workspace) -> tuple[DistinctState, StepReport]:
 
 
 def failed(reason: str, work: Workspace, *, runs_away: bool = False) -> StepReport:
-    """The report of a step that comes to nothing."""
+    """The report of a step that failed."""
     return StepReport(
         converged=False,
         reason=reason,

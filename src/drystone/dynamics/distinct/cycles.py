@@ -61,7 +61,7 @@ def run(
 
 
 def _note(work: Workspace) -> None:
-    """Keep the state, in motion, where a block has gone far by itself since the last one."""
+    """Keep a dynamic state where a block has moved far by itself since the last one."""
     asked, assembly = work.bounds.asked, work.prepared.assembly
     if asked is None:
         return
@@ -105,9 +105,10 @@ def load_gradually(work: Workspace, before: LoadArrays | None) -> None:
 def relax(work: Workspace, *, guided: bool) -> bool:
     """Cycles until all is balanced; whether they got there.  Raises `RunAwayError`.
 
-    What does not come to rest soon moves on: it jumps to another shape, slowly at first, and what
-    vibrates upon this would have local damping hold it back.  Where what presses there does so on
-    faces that do not separate the blocks most any more, they come to rest again.
+    Blocks that do not come to rest soon are in a jump to another shape, slowly at first.  Local
+    damping would hold them back, because they vibrate as well; so damping is combined then.  If
+    the blocks rest on faces that no longer separate them most, contacts are searched again, and
+    the blocks are relaxed once more.
     """
     if not _relaxed(work, guided=guided):
         return False

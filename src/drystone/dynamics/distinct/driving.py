@@ -1,4 +1,4 @@
-"""The control displacement of a structure at rest driven on at a constant rate, and stopped."""
+"""The drive of the control displacement: from rest, at a constant rate, to a stop."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ STAGES = 4
 def drive_on(state: DistinctState, work: Workspace, increment: float) -> float:
     """Move on at a constant rate of F.x until the control displacement is reached, then stop.
 
-    Returns the highest multiplier on the way in the sense of the increment, of the means over its
-    parts.
+    Returns the highest multiplier within the step, in the sense of the increment; multipliers are
+    means over parts of the step.
 
-    The motion of the last step goes on at the pace of this one, so that nothing is shaken.  It
-    ends in stages, each slower than the one before: joints that slide go on sliding while
-    vibrations fade, and come to rest with their friction fully used.
+    The step begins with the motion of the last step, scaled to the rate of this one, so that it
+    excites no vibrations.  It ends in stages, each slower than the one before: joints go on sliding
+    while vibrations fade, and come to rest with their friction fully used.
     """
     prepared, s, pose = state.prepared, work.settings, work.motion.pose
     control, assembly = prepared.problem.control_point, prepared.assembly

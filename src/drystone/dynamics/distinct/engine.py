@@ -4,11 +4,11 @@ Explicit cycles (see `dynamics.explicit`): springs at the contacts give forces, 
 these velocities and poses.  Contacts are searched for only when a block has moved by more than a
 tolerance since the last search; in between their features are frozen.
 
-Under a given multiplier a step is a piece of real motion, as long as the demanded time.  A step of
-a given displacement is quasi-static: the work-conjugate displacement F.x of the load pattern is
-driven on, the multiplier being the force that this takes, then held until all blocks are balanced.
-Motion and inertia on the way there mean nothing, so that masses are free: each degree of freedom
-gets one in proportion to the stiffness that it feels.
+Under a given multiplier a step is a piece of real motion, as long as the demanded time.  A step
+with a prescribed displacement is quasi-static.  The work-conjugate displacement F.x of the load
+pattern is driven at a constant rate; the multiplier is the force that this takes.  Then F.x is
+fixed until all blocks are balanced.  Motion and inertia before that have no meaning, so that masses
+can be chosen freely: each degree of freedom has one in proportion to its stiffness.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ class DistinctEngine(Engine[DistinctState]):
         self.settings = settings or DistinctSettings()
 
     def preferred_steps(self, assembly: Assembly) -> PreferredSteps:
-        """A step is easy or hard by its cycles."""
+        """Iterations are the cycles of a step."""
         return PreferredSteps(
             displacement_step=DISTINCT_STEP * assembly.smallest_extent,
             grow_iterations=20_000,
@@ -96,7 +96,7 @@ class DistinctEngine(Engine[DistinctState]):
         return (DistinctPrepared.of(problem, self),)
 
     def start(self, problem: Problem) -> Step:
-        """Settle under the dead load; raises `UnstableError`."""
+        """Find the equilibrium under the dead load; raises `UnstableError`."""
         state, before = self.release(problem), None
         for stage in problem.stages:
             state = replace(state, stage=stage)
@@ -121,10 +121,10 @@ class DistinctEngine(Engine[DistinctState]):
     def _apply_dead_load(
         self, state: DistinctState, *, gradually: bool = False, before: LoadArrays | None = None
     ) -> Step:
-        """Cycles under the dead load from rest to rest, all bonds holding.
+        """Cycles under the dead load from rest to rest, with all bonds intact.
 
-        Where nothing rests yet the load comes gradually: put on at once, it would be overshot, and
-        joints that slip in the overshoot would keep their friction.
+        At first the load is applied gradually.  Applied at once, it would overshoot, and joints
+        that slip in the overshoot would keep their friction.
         """
         problem = state.prepared.problem
         bounds = Bounds(farthest=problem.assembly.smallest_extent)
@@ -156,7 +156,7 @@ class DistinctEngine(Engine[DistinctState]):
     def _by_bonds(
         self, state: DistinctState, amount: float, go: Callable[[DistinctState, float], Step]
     ) -> Step:
-        """Go on by an amount, as far as bonds and ties allow."""
+        """Move by an amount, as far as bonds and ties allow."""
         prepared = state.prepared
         if not prepared.gives_way:
             return go(state, amount)
@@ -203,7 +203,7 @@ class DistinctEngine(Engine[DistinctState]):
         )
 
     def _advance(self, state: DistinctState, increment: float) -> Step:
-        """Drive the control displacement on by an increment, then hold and balance."""
+        """Drive the control displacement by an increment, then fix it and balance."""
         work = self._quasi_static(state, abs(increment))
         highest = -np.inf
         try:
@@ -218,7 +218,8 @@ class DistinctEngine(Engine[DistinctState]):
         return new, replace(figures, path=replace(figures.path, overshoot=overshoot))
 
     def _balance(self, state: DistinctState, work: Workspace, *, guided: bool) -> Step:
-        """Cycles until all blocks rest, with F.x held where they are guided, else with the load."""
+        """Cycles until all blocks rest: with F.x fixed where they are guided, else with the
+        load."""
         try:
             if relax(work, guided=guided):
                 return at_rest(state, work)

@@ -1,4 +1,4 @@
-"""Contacts found anew between cycles: what goes on with its history, and what leaves."""
+"""Contacts found anew between cycles: which inherit a history, and which blocks leave."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def search(work: Workspace) -> None:
 
 
 def drop_departed(work: Workspace) -> None:
-    """Take out blocks that have left; the rest does not feel it."""
+    """Take out blocks that have left; no force on the others changes."""
     prepared, pose = work.prepared, work.motion.pose
     work.unpack()
     left = departing(
@@ -50,7 +50,7 @@ def drop_departed(work: Workspace) -> None:
     )  # fmt: skip
     lost = work.lost | left
     if not left.any() or (lost | prepared.assembly.fixed).all():
-        return  # where nothing would stay there is no rest to go on with
+        return  # the run ends elsewhere if no block is left
     work.lost = lost
     work.ties.lose(lost)
     work.acting = LoadArrays.of(prepared.problem, lost, work.state.stage)

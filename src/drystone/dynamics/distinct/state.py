@@ -45,9 +45,9 @@ class DistinctSettings:
     """Motion between two searches over the smallest block size; 0 searches at every cycle."""
     tolerance: float = DISTINCT_TOLERANCE  # unbalanced force at rest over the heaviest weight, -
     drive_cycles: int = 2400
-    """In which an increment is driven; in fewer, joints come to stick that would slide."""
+    """Cycles in which an increment is driven; with fewer, joints stick that would slide."""
     stage_cycles: int = 600  # of each stage in which the driving ends
-    rest_cycles: int = 100_000  # in which steps come to rest; what does not is a jump
+    rest_cycles: int = 100_000  # cycles in which a step comes to rest; else it is a jump
     jump_cycles: int = 1_000_000  # most cycles from there on
     max_cycles: int = 200_000  # of a step under a given multiplier, for a given time
     max_motion: float = 2.0  # motion in a step over the size of the whole structure, -

@@ -25,8 +25,8 @@ class Bounds:
     farthest: float = np.inf  # m from where the step starts; beyond, a block runs away
     may_lose: bool = False  # the structure blocks that have left it
     asked: float | None = None
-    """Motion that is asked for [m].  What blocks move by beyond it is noted on the way; None: in
-    a step that is no step."""
+    """Motion that is asked for [m].  States in which blocks move by more are noted; None: none
+    is."""
 
 
 #: Of motion that nothing bounds.
@@ -47,7 +47,7 @@ class Workspace:
         self.settings, self.real_masses, self.bounds = settings, real_masses, bounds
         self.prepared, self.state = state.prepared, state
         self.search_reach = search_reach(settings, state.prepared)
-        #: States in motion where blocks have gone far by themselves, and their reports.
+        #: States in motion where blocks have moved far by themselves, and their reports.
         self.dynamic_states: list[tuple[DistinctState, StepReport]] = []
         self.noted = state.pose  # of the last of them
         self.on_the_way: list[float] = []  # multipliers at the searches since

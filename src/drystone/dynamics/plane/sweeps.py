@@ -1,4 +1,4 @@
-"""Gauss-Seidel and the held law of implicit steps in the plane: see `dynamics.sweeps`."""
+"""Gauss-Seidel and the penalty law of implicit steps in the plane: see `dynamics.sweeps`."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from drystone.law.impulse import branch_of_impulse, impulse_in, local_impulse, p
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: How many numbers say how a contact slides: its branch does.
+#: Numbers beside the branch that say how a contact slides: none.
 N_SLIP = 0
 
-#: What finds velocities through the interior of the law: nothing, Newton's method does by itself.
+#: The interior-point method for velocities: none, because Newton's method suffices.
 WITHIN = None
 
 
@@ -41,7 +41,7 @@ def sweep(dof, problem, blocks, h, order, n_sweeps, impulse, velocity):
     order
         (n_contacts,) the order of a forward sweep.
     n_sweeps
-        Number of sweeps, forward and backward ones in turn.
+        Number of sweeps, forward and backward ones alternating.
     impulse
         (n_contacts, dim) [N s], normal and tangential.
     velocity
@@ -71,9 +71,9 @@ def sweep(dof, problem, blocks, h, order, n_sweeps, impulse, velocity):
 
 @njit(cache=True)
 def penalty_law(dof, problem, h, penalty, centre, stuck, velocity, impulse, piece, slip):
-    """Impulses of the joint law at given velocities, with sticking as a stiff hold.
+    """Impulses of the joint law at given velocities, with a penalty for sticking.
 
-        p_n = <-h k_n (g + h u_n)>,    p_t = centre - P u_t, drawn back to mu p_n
+        p_n = <-h k_n (g + h u_n)>,    p_t = centre - P u_t, projected onto mu p_n
 
     where P is ``penalty`` [kg] and ``centre`` (n_contacts, dim - 1) [N s] the tangential impulse
     that is reached without slip.  Contacts that are ``stuck`` stick whatever the cone says.

@@ -1,8 +1,9 @@
-"""Velocities of an implicit step in space, found through the interior of the cones of friction.
+"""Velocities of an implicit step in space, by an interior-point method.
 
-Newton's method on the branches of the law is lost where many contacts turn the way they slide.
-In the interior every contact is a little of everything, and becomes what it is as the barrier
-falls: 7 to 30 linear systems, nearly whatever there is to find.  Newton's method does the rest.
+Newton's method on the branches of the law fails where many contacts change their direction of slip.
+With a barrier every contact sticks, slides and opens a little, and comes to one state as the
+barrier is reduced.  That takes 7 to 30 linear systems, nearly independent of the structure.
+Newton's method completes the solution.
 """
 
 from __future__ import annotations
@@ -87,7 +88,7 @@ class Interior:
             yield (k % 2 == 0 and self.energy < NEAR_BARRIER * self.first) or far < LEAST_ITERATION
 
     def step(self) -> float:
-        """One iteration; how much of it could be gone, at most 1."""
+        """One iteration; the length of it that was taken, at most 1."""
         joint = self.joint
         self.energy = kernels.scale(joint, self.inner, self.scaling)
         tangent = self.system.tangent

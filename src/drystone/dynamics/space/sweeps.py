@@ -1,4 +1,4 @@
-"""Gauss-Seidel and the held law of implicit steps in space: see `dynamics.sweeps`."""
+"""Gauss-Seidel and the penalty law of implicit steps in space: see `dynamics.sweeps`."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ IntArray = NDArray[np.int64]
 ALONG_1, ALONG_2, ACROSS = 0, 1, 2
 N_SLIP = 3
 
-#: What finds velocities through the interior of the law.
+#: The interior-point method for velocities.
 WITHIN = Interior
 
 

@@ -140,7 +140,7 @@ def find_joints(
     ``discs`` (n_faces, 4) are the faces' centres and the distances of their farthest vertices.
     Joints are written into ``found`` (m, 5): row of the pair, both faces, first and last row of
     ``corners`` (k, 3), which lie on the face of the first part and go round its normal.  Returns
-    how many joints and corners there are; those for which there is no room are only counted.
+    how many joints and corners there are; those beyond the capacity of the arrays are only counted.
     """
     most = 2 * int(np.max(face_offset[1:] - face_offset[:-1])) + 4
     polygon, spare = np.empty((most, 3)), np.empty((most, 3))

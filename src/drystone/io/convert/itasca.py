@@ -142,7 +142,7 @@ def look
   read_carried
   read_control
 end
-def settle
+def equilibrate
   lam = 0.0
   loop n (1, 200)
     look
@@ -193,7 +193,7 @@ def pushover
     end_if
   end_loop
 end
-@settle
+@equilibrate
 @pushover
 """.splitlines()
 

@@ -1,4 +1,4 @@
-"""[control] history: displacements that are gone to one after another, listed or in a file."""
+"""[control] history: displacements to reach one after another, listed or in a file."""
 
 from __future__ import annotations
 

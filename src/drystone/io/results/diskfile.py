@@ -2,7 +2,7 @@
 
 HDF5 does not survive a write that fails: it fails again as the file is closed, and ends the process
 as Python leaves.  Here its writes wait in memory, where none can fail, until `commit` brings them
-to the disk.  What makes the file longer goes first; where there is no room for it the file is cut
+to the disk.  What makes the file longer goes first; where the disk is full the file is cut
 back to what it was, which is a readable file with everything up to the commit before.  What is
 written over goes through a journal (`journal`): a process that is killed meanwhile leaves a file
 that can be read, too.
@@ -89,7 +89,7 @@ class DiskFile(LaidOver):
         self._waiting.clear()
 
     def close(self) -> None:
-        """Let go of the file; what was not committed is dropped."""
+        """Close the file; what was not committed is dropped."""
         self._waiting.clear()
         super().close()
 

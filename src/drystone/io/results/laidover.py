@@ -54,7 +54,7 @@ class LaidOver(io.RawIOBase):
         return length
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the file."""
         self._disk.close()
         super().close()
 

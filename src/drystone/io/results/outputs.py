@@ -36,7 +36,7 @@ class Output:
     """What writes files into a folder of results.
 
     ``write`` takes the analysis, and what its [[output]] says by key.  A short one is written
-    first, whole or not at all, of an analysis whose ``results.h5`` found no room, too.
+    first, whole or not at all, even where the disk is too full for ``results.h5``.
     """
 
     files: tuple[str, ...]  # names in the folder that it may write, which the next run removes

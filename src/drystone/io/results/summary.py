@@ -71,7 +71,7 @@ def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
 
 
 def _cyclic(curve: CapacityCurve, model: Model) -> dict[str, Any]:
-    """Of displacements gone to and fro: cycles in N, m and J, envelopes of multipliers."""
+    """Of a cyclic analysis: cycles in N, m and J, envelopes of multipliers."""
     from drystone.results.cycles import dissipated
 
     cycles, lowest = curve.cycles, curve.lowest

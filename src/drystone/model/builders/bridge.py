@@ -74,8 +74,8 @@ def bridge(
         ``pier{k}/c{course}u{number}`` from left to right, the abutments ``left/...`` and
         ``right/...``, ``arch{k}/v{number}``, ``spandrel{k}/...`` in which ``c{course}u{number}``
         are courses and ``d{number}`` the stones over the backs of arches; ``arch{k}/cover`` over
-        a keystone; ``deck/c{course}u{number}`` where the cover has room for whole courses.  Groups
-        are "pier 1", "arch 1", "spandrel 1", "left abutment", "deck".
+        a keystone; ``deck/c{course}u{number}`` where the cover is high enough for whole courses.
+        Groups are "pier 1", "arch 1", "spandrel 1", "left abutment", "deck".
 
     Raises
     ------
@@ -150,7 +150,7 @@ class _Bridge:
         return self.arches[k - 1] if k else None, self.arches[k] if k < len(self.arches) else None
 
     def check(self) -> None:
-        """Raise `ModelError` where springings have no room, or lie on two levels."""
+        """Raise `ModelError` where springings overlap, or lie on two levels."""
         problems = []
         heights = [float(joints.outer[0, 1]) for joints in self.arches]
         if max(heights) - min(heights) > 1e-9 * (self.ends[1] - self.ends[0]):

@@ -178,7 +178,7 @@ def _merge(
     """Make one vertex of two, unless a cell would not stay a convex polygon."""
     a, b = edge
     if a not in owners or b not in owners:
-        return  # one has gone already
+        return  # one has been removed already
     on = [_borders(vertices[v], size) for v in (a, b)]
     if on[0] and on[1] and on[0] != on[1]:
         return

@@ -110,7 +110,7 @@ def _bottom(core: float, pitch: float, turns: int, per_turn: int) -> float:
 def _above_ground(outline: Array) -> Array | None:
     """What of an outline lies above z = 0; None where hardly anything does.
 
-    The outline must not come back to the ground, which those of a spiral do not.
+    The outline must not return to the ground, which those of a spiral do not.
     """
     kept: list[Array] = []
     for p, q in zip(outline, np.roll(outline, -1, axis=0), strict=True):

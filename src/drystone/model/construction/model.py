@@ -100,7 +100,7 @@ def make_model(
     control_block, control_point, control_direction
         See `choose_control_point`.
     history
-        Control displacements that are gone to one after another.
+        Control displacements to reach one after another.
     source, sha256
         Path of the file it came from and digest of the file's bytes, if it did.
     place

@@ -199,7 +199,7 @@ class DeadLoad(Protocol):
     """A load beside the blocks' weight that the multiplier does not scale."""
 
     name: str  # "" where it has none
-    stage: int  # 0: with the weight; else after what has a lower one has settled
+    stage: int  # 0: with the weight; else once the structure rests under lower stages
     mass: bool  # whether its downward part is the weight of a mass, which counts in patterns
 
     def forces(self, assembly: Assembly) -> DeadForces:

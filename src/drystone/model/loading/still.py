@@ -1,4 +1,4 @@
-"""No load but the dead one: of analyses that supports pace which move."""
+"""No load but the dead load: of analyses in which supports move."""
 
 from __future__ import annotations
 

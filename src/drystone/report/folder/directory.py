@@ -145,8 +145,8 @@ class ResultsDirectory:
     def keep(self, make: Callable[[], Checkpoint], *, last: bool = False) -> None:
         """Take a checkpoint where it is time for one, or it is the ``last``.
 
-        The points before it are on the disk first.  At the end of a run whose results found no
-        room the checkpoint before stays, whose points are there.
+        The points before it are on the disk first.  At the end of a run whose results the
+        disk did not take, the checkpoint before stays: its points are there.
         """
         writer = self._writer
         if writer is None or not writer.whole:
@@ -175,7 +175,7 @@ class ResultsDirectory:
         self.close()
 
     def close(self) -> None:
-        """Let go of ``results.h5`` and the folder; what was recorded stays."""
+        """Close ``results.h5`` and unlock the folder; what was recorded stays."""
         try:
             if self._writer is not None:
                 writer = self._writer
@@ -201,7 +201,7 @@ class ResultsDirectory:
         return ResultsWriter(self.path / RESULTS, self._model, *self._names, part_of=self._part_of)
 
     def _go_on(self, model: Model, n_points: int) -> ResultsWriter:
-        """Results whose points beyond a checkpoint, and files made of them, are gone."""
+        """Results without the points beyond a checkpoint, and without files made of them."""
         clear_derived(self.path)
         (self.path / PARAVIEW).mkdir(exist_ok=True)
         writer = ResultsWriter.going_on(self.path / RESULTS, n_points)
@@ -219,8 +219,8 @@ class ResultsDirectory:
         self._writer = None
 
     def _finish(self, curve: CapacityCurve) -> None:
-        """What fails of ``results.h5`` keeps nothing from the short files, which may find room, of
-        the points that it has."""
+        """Write all files.  Where ``results.h5`` fails, the short files are still written, of the
+        points that it has."""
         model, writer = self._model, self._writer
         assert model is not None and writer is not None
         failure: OSError | None = None

@@ -177,7 +177,7 @@ def _curve_of(
         strategy=stored.attribute("strategy"),
         points=points,
         status=status,
-        reason=stored.attribute("reason") if ended else "the run goes on, or was killed",
+        reason=stored.attribute("reason") if ended else "the run is still going, or was killed",
         stop_multiplier=float(stored.attribute("stop_multiplier")),
         blocks_left=left,
         events=events,

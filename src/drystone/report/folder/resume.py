@@ -51,7 +51,7 @@ def resume(
     Raises
     ------
     OutputError
-        Nothing is kept there that can be gone on with, or another run writes there.
+        Nothing is kept there from which a run can go on, or another run writes there.
     EngineError
         The engine cannot resume, or an end is none.
     """

@@ -143,7 +143,7 @@ def _creases(parts: list[tuple[int, Any]], vertices: Array) -> list[tuple[int, i
 
 
 def _bends(normals: list[Array]) -> bool:
-    """Whether faces with these normals make an edge, once opposite ones have gone."""
+    """Whether faces with these normals make an edge, once opposite ones are taken out."""
     left = list(normals)
     for normal in normals:
         opposite = [k for k, other in enumerate(left) if np.abs(other + normal).max() < 1e-6]

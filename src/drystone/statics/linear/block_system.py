@@ -46,8 +46,9 @@ class BlockSystem:
     def solve(self, momenta: Array) -> Array:
         """Velocities (n, n_dof) of momenta that are zero on fixed bodies.
 
-        Where stiffly held contacts stick beside others that slide, exchanging rows inside blocks
-        alone leaves errors a thousand times those of rounding: they are solved for once more.
+        Where contacts stick by a stiff penalty beside others that slide, exchanging rows inside
+        blocks alone leaves errors a thousand times those of rounding.  So the residual is solved
+        for once more.
 
         Raises `SingularMatrixError`.
         """

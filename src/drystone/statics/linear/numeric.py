@@ -302,9 +302,9 @@ def factorise(structure, diagonal, upper, lower, factors, mass, damping, least):
     """Factorise the matrix of the blocks ``diagonal`` (n, n_dof, n_dof), ``upper`` (n_pairs, n_dof,
     n_dof) in the rows of a and columns of b, and ``lower`` in the rows of b and columns of a.
 
-    Where ``least`` is positive, bodies whose pivots have a negative determinant are held: to the
-    diagonal of the pivot their ``mass`` (n, n_dof) is added ``least`` times, or twice as often as
-    makes the determinant positive.  ``damping`` (n,) counts how often.
+    Where ``least`` is positive, pivots with a negative determinant are regularised: the ``mass``
+    (n, n_dof) of the body is added to the diagonal ``least`` times, or twice as often as makes the
+    determinant positive.  ``damping`` (n,) counts how often.
 
     Returns the smallest pivot over the largest entry of its column in the body's own block, at most
     1, with the sign of the determinant; 0, with the factors unusable, for singular matrices and

@@ -34,7 +34,7 @@ class Structure(NamedTuple):
     order: IntArray  # (n,) bodies as they are eliminated, then the fixed ones
     fronts: IntArray  # (n_fronts + 1, 8) offsets and tree; a front comes after those below it
     border: IntArray  # later bodies that fronts are joined to
-    runs: IntArray  # (n_border, 3) place in a border, place in the front above, and how many
+    runs: IntArray  # (n_border, 3) place in ``border``, place in the front above, and how many
     entries: IntArray  # (n_entries, 4) pair, places of its bodies in the front, whether a is first
     dof: tuple[int, ...]  # as long as a body has degrees of freedom, which compilers so know
 

@@ -1,15 +1,15 @@
 """One linear step, followed from one contact's change to the next.
 
-With all gradients held fast the unbalanced forces R are piecewise linear in the increments x and
-the multiplier l, one piece for every choice of branches of the joint law.  From where they start
-the unknowns are moved so that all that is missing shrinks together,
+With constant gradients the unbalanced forces R are piecewise linear in the increments x and the
+multiplier l: one piece for every choice of branches of the joint law.  The path moves the unknowns
+so that all unbalanced forces shrink together,
 
     R(x, l) = (1 - t) R_0,    g . (x - x_0) = t lag_0,    t from 0 to 1
 
-along straight lines that bend where a contact leaves its branch.  There the matrix changes by
+along straight lines with a kink where a contact leaves its branch.  There the matrix changes by
 u v^T only, so that the new direction takes one more solution with the factors of the first matrix
-(Sherman-Morrison).  Where 1 + v . K^-1 u is negative the line has turned back: t falls until the
-path turns again; a path that falls below its start has no solution ahead of it (Katzenelson 1965).
+(Sherman-Morrison).  Where 1 + v . K^-1 u is negative the path has a fold: t decreases until the
+next fold.  A path that falls below its start has no solution ahead of it (Katzenelson 1965).
 """
 
 from __future__ import annotations
@@ -40,9 +40,9 @@ from drystone.law.plane import commit
 from drystone.statics.balance import solve_bordered
 from drystone.statics.linear.numeric import solve
 
-#: How a path ends: where it should; before it, as it turns back; at a change after which the
-#: matrix must be made anew; after too many changes; where there is no direction; with more
-#: changes ahead than are worth following, where it starts.
+#: How a path ends: at its target; at a fold before it; at a change after which the matrix must be
+#: factorised anew; after too many changes; where the matrix is singular; where it starts, with
+#: more changes ahead than are worth following.
 DONE, FOLDED, RENEW, LOST, SINGULAR, MANY = 0, 1, 2, 3, 4, 5
 
 Array = NDArray[np.float64]
@@ -52,7 +52,7 @@ class BorderedPath(NamedTuple):
     """What borders the matrix, and memory for a path's directions; arrays are (n, n_dof)."""
 
     load: Array  # F
-    gradient: Array  # g, gradient of the pacing displacement
+    gradient: Array  # g, gradient of the prescribed displacement
     axis: Array  # direction of the spring e over all bodies
     columns: Array  # (3, n, n_dof) direction, K'^-1 F, k K'^-1 e
     changes: Array  # (n_changes, n, n_dof) K^-1 u of every change
@@ -61,11 +61,10 @@ class BorderedPath(NamedTuple):
     bodies: NDArray[np.int64]  # (n_changes, 2)
     pivot: Array  # (n_changes,) 1 + v . K^-1 u
     rate: Array  # (n_slots, 2) of the trial reactions along the direction
-    fold: Array  # (2,) share of the step and multiplier where the path first turned back; or NaN
+    fold: Array  # (2,) share of the step and multiplier of the first fold; or NaN
     sense: Array  # (1,) -1 where the path goes back, else 1
-    determinant_ratio: (
-        Array  # (1,) by which the determinant of the bordered matrix exceeds that of K'
-    )
+    # (1,) determinant of the bordered matrix over that of K'
+    determinant_ratio: Array
     sign: Array  # (1,) of the latter; where the product is positive, a motion is unstable
     bends: Array  # (n_bends, 2) share of the step and multiplier at every change
 
@@ -73,11 +72,11 @@ class BorderedPath(NamedTuple):
 class Rules(NamedTuple):
     """How a path is followed."""
 
-    #: Whether the multiplier is an unknown and the pacing displacement given.
+    #: Whether a displacement is prescribed and the multiplier is an unknown.
     prescribes: bool
-    #: Whether sliding counts over the whole of the step, as in the implicit law.  Otherwise it
-    #: ends, and is kept, as soon as a contact would slide back: the path that a slow loading takes,
-    #: which no structure follows beyond where it turns.
+    #: Whether sliding counts over the whole of the step, as in the implicit law.  Otherwise a slip
+    #: ends, and is kept, as soon as the contact would slide back: the path of a slow loading, which
+    #: no structure follows beyond a fold.
     whole: bool
     #: Largest number of changes.
     patience: int
@@ -86,8 +85,8 @@ class Rules(NamedTuple):
 
 
 class PathPoint(NamedTuple):
-    """How far a path has come: the multiplier, the share 1 - t of the step that is left, and the
-    number of changes so far."""
+    """A point of a path: the multiplier, the share 1 - t of the step that is left, and the number
+    of changes so far."""
 
     multiplier: float
     left: float
@@ -103,7 +102,7 @@ def _rates(table, rows, c, field, a, b):
 
 @njit(cache=True, error_model="numpy")
 def _sliding_back(table, c, now, rate_n, rate_t):
-    """How fast a sliding contact goes on along its branch, negative where it goes back [m]."""
+    """Rate of a sliding contact along its branch [m], negative where it slides back."""
     if now <= BACKWARD:
         sign = 1.0 if now == FORWARD else -1.0
         return (sign * rate_t - table[c, FRICTION] * rate_n) / table[c, STIFF_T]
@@ -112,7 +111,7 @@ def _sliding_back(table, c, now, rate_n, rate_t):
 
 @njit(cache=True, error_model="numpy")
 def _ahead(contacts, count, direction, branch, whole):
-    """How many contacts would change on the way along the direction."""
+    """How many contacts would change along the direction."""
     which, rows, table = contacts
     changed = 0
     for c in range(count):
@@ -259,7 +258,7 @@ def follow_path(
     branch
         (n_slots,) changed as the path goes.
     force, lag, spring
-        What is unbalanced at the start, (n, n_dof) [N, N m]; what is missing of the pacing
+        What is unbalanced at the start, (n, n_dof) [N, N m]; what is missing of the prescribed
         displacement [m]; k [N/m].
     x
         (n, n_dof) increments, moved on.
@@ -329,7 +328,7 @@ def follow_path(
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _bend(bordered, contacts, chosen, new, scale, direction, by_direction):
-    """Turn the direction by the latest change, over what is left of it; see `_add_change`."""
+    """Correct the direction for the latest change; see `_add_change`."""
     which, w = contacts.which, bordered.changes[new]
     a, b = which[chosen, BODY_A], which[chosen, BODY_B]
     share = scale * along(bordered.row, new, 0, direction, a, b) / bordered.pivot[new]

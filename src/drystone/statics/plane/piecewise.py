@@ -1,14 +1,14 @@
 """A static step in the plane: its linear pieces followed from the last equilibrium to the next.
 
-The joint law is piecewise linear and, with friction, has no energy to descend on: full Newton steps
-over many contacts that open, slide and stick at once lose their way.  So the pieces are followed
-one by one (`statics.plane.path`), with the gradients of gaps and slips held fast where the blocks
-are guessed to end.  Then the gradients are renewed and what is left, of second order in the guess's
-error, is corrected in the same way.
+The joint law is piecewise linear.  With friction there is no energy to descend on, and full Newton
+steps do not converge where many contacts open, slide and stick at once.  So the pieces are followed
+one by one (`statics.plane.path`), with constant gradients of gaps and slips, those at the predicted
+end of the step.  Then the gradients are computed anew.  The rest, of second order in the error of
+the prediction, is corrected in the same manner.
 
-A path that turns back says that no equilibrium lies ahead: the structure snaps.  Equilibria that
-the structure would not keep are never taken.  Where a path is too long to be followed, the step is
-solved from the interior of the law (`statics.interior`), which finds the same equilibria.
+A fold of the path says that no equilibrium lies ahead: the structure snaps.  An unstable
+equilibrium is never taken.  Where a path is too long to be followed, the step is solved by the
+interior-point method (`statics.interior`), which finds the same equilibria.
 """
 
 from __future__ import annotations
@@ -51,8 +51,8 @@ class Followed:
 
     reason: str
     count: int  # renewals of the gradients
-    folded: bool  # whether the path turns back, so that none lies ahead
-    #: Share of the step, and multiplier there, where it first turned back.
+    folded: bool  # whether the path has a fold, so that no equilibrium lies ahead
+    #: First fold: share of the step, and multiplier there.
     fold: tuple[float, float] | None
     excess: tuple[float, float] | None  # see `StepSolution`
     bend: tuple[float, float] | None
@@ -125,7 +125,7 @@ def follow(
 
 
 class _Walk:
-    """A way to the solution of one linear step, the contacts having been evaluated."""
+    """The path to the solution of one linear step, the contacts having been evaluated."""
 
     def __init__(
         self,
@@ -147,7 +147,7 @@ class _Walk:
         step.linearise_here()
 
     def go(self, x: Array, multiplier: float) -> tuple[int, Array, float]:
-        """How it ends, and where: in the implicit law from where the path first turns back."""
+        """How it ends, and where: from the first fold on by the implicit law."""
         step, worth = self.step, self.settings.worth
         step.move_trial(x - self.geometry)
         trial, end = x.copy(), path.RENEW
@@ -159,7 +159,7 @@ class _Walk:
         return end, trial, multiplier
 
     def _advance(self, x: Array, multiplier: float, worth: int) -> tuple[int, float]:
-        """Go on from ``x``, changed in place, with a matrix of its own."""
+        """Continue from ``x``, changed in place, with a new factorisation."""
         away, gradient = x - self.geometry, self.gradient
         if not self.step.follow_from(x, multiplier, away, gradient):
             return path.SINGULAR, multiplier

@@ -27,17 +27,17 @@ CHANGES_PER_MATRIX = 32
 #: Changes of a step at which its multiplier is kept.
 BENDS = 512
 
-#: Times that other features of contacts are taken on where a step ends, and it is solved again;
-#: steps for which a pair then keeps features that take turns with others.
+#: Times that the features of contacts are updated where a step ends, and the step is solved again;
+#: steps for which a pair then keeps features that alternate with others.
 ROUNDS, KEEP_STEPS = 3, 8
 
 
 class PlaneStep(StaticStep):
     """See `StaticStep`.
 
-    Slips are linear in the increments, by their gradients half way to where the step is expected to
-    end: of second order in the step, without straining the stiff shear springs of blocks that are
-    held at several points and turn together.
+    Slips are linear in the increments, by their gradients midway to the predicted end of the step.
+    Their error is of second order in the step.  Blocks that rotate together, with several contacts
+    between them, do not strain their stiff shear springs.
     """
 
     def __init__(self, constants: Constants, pairs: Pairs) -> None:
@@ -206,12 +206,12 @@ class PlaneStep(StaticStep):
     # The features of contacts.
 
     def update_contacts(self, accuracy: Accuracy) -> bool:
-        """Take on the features that contacts press with where the step is; whether they are others.
+        """Update the features by which contacts press where the step is; whether any has changed.
 
-        With either of two sets blocks may end where they have the other: two corners that hardly
-        pass each other have one contact or two.  The features of a pair therefore change once in a
-        step, and back once, and then stay for some steps: to try the others again costs a solution
-        each time, and moves blocks to and fro that would come to rest.
+        Two sets of features may lead to each other: two corners that hardly pass each other have
+        one contact or two.  So the features of a pair may change once in a step, and change back
+        once.  Then they stay for some steps.  Each further change would cost a solution, and would
+        move blocks to and fro that would otherwise come to rest.
         """
         self._find()
         if not narrow.changed_contacts(self.slots, self.found, accuracy.depth):
@@ -237,7 +237,7 @@ class PlaneStep(StaticStep):
         return True
 
     def _follow(self, slots: Slots) -> None:
-        """Go on with the features of these contacts; each brings along what its forerunner had."""
+        """Continue with the features of these contacts; each inherits from its predecessor."""
         branch = self.by_slot(self.branch)
         past = Histories.own(
             self.known, self.history_before, self.by_slot(self.reaction)[:, :2], branch

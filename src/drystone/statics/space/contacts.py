@@ -14,7 +14,7 @@ The force F = E r acts on v at arm a and, reversed, on f at arm b.  As E turns w
 as well; that gives the geometric part of the stiffness, which is not symmetric.  Matrices are found
 per pair in axes of the world, and turned to the principal axes of the bodies.
 
-Kernels take a range of pairs: parts of a structure may be gone through at the same time, and what
+Kernels take a range of pairs: parts of a structure may be worked on at the same time, and what
 each body gets is summed afterwards in the order of its pairs, however many did the work.
 """
 

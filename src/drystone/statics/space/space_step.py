@@ -56,12 +56,12 @@ class SpaceStep(StaticStep):
         contacts.pack_places(self.known, self.history_before, self.n, self.places)
 
     def update_contacts(self, accuracy: Accuracy) -> bool:
-        """Take on the contacts of pairs that have come to press each other elsewhere than followed.
+        """Update the contacts of pairs that press each other at features that were not followed.
 
-        Blocks that meet within a step do so with other features than those watched from afar: what
-        they would be pressed into each other there is no part of the balance.  The step begins
-        again, with the contacts that such pairs have where the blocks are now; whether there are
-        any by more than a force of ``accuracy.pressed`` [N].
+        Blocks that come together within a step may touch with other features than those followed
+        from afar, and overlap there without a force.  The step then begins again, with the contacts
+        that such pairs have where the blocks are now.  Returns whether there are any with an
+        overlap worth more than ``accuracy.pressed`` [N].
         """
         detector, pairs, n = self.constants.detector, self.pairs, self.n
         self._find()
@@ -70,11 +70,11 @@ class SpaceStep(StaticStep):
         if len(self.current):
             closed = closed - self._crushed()[pairs.of_slot]
         overlap = np.where(self.found.kind == NONE, 0.0, np.maximum(closed, 0.0))
-        # Faces that lie on each other part and meet by rounding.
+        # Faces that lie on each other open and close by rounding.
         pressed = np.bincount(pairs.of_slot, stiffness * overlap, pairs.n_pairs)
         pushes = np.maximum(self.reaction[:n, 0], 0.0)
         carried = np.bincount(self.which[:n, PAIR], pushes, minlength=pairs.n_pairs)
-        # What bonds hold together has not come to meet.
+        # A pair with intact bonds was in contact before.
         intact = np.bincount(self.which[:n, PAIR], self.table[:n, INTACT], pairs.n_pairs)
         anew = ((pressed > accuracy.pressed + 2.0 * carried) & (intact == 0.0))[pairs.of_slot]
         if not anew.any():
