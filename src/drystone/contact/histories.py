@@ -82,7 +82,7 @@ def handed_on(
         How far joints of each law close before they are crushed, (n_laws,) [m]; where some are.
 
     New contacts are open, have neither shear nor dilation, and are not bonded.  Where blocks have
-    gone into a joint on other features, a new contact lies deeper in it than the joint can bear: so
+    moved into a joint on other features, a new contact lies deeper in it than the joint can bear: so
     far it is crushed.
     """
     if former is not None:
