@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 
+import synthetic
 from numba.core.caching import IndexDataCacheFile
 
 import drystone.common.compiled  # noqa: F401 - names files of the cache by process
@@ -69,3 +72,62 @@ def test_processes_side_by_side_do_not_take_each_others_code(tmp_path, monkeypat
     found = IndexDataCacheFile(str(tmp_path), "kernel", "source")
     assert found.load("integers") == "code for integers"
     assert found.load("floats") is None  # and is compiled again
+
+
+KERNELS = """
+import sys
+import numpy as np
+import drystone as ds
+from drystone.common.compiled import njit
+
+@njit(cache=True)
+def doubled(x):
+    out = np.empty(len(x))
+    for i in range(len(x)):
+        out[i] = 2.0 * x[i]
+    return out
+
+@njit(cache=True)
+def refused(n):
+    if n < 0:
+        raise ValueError("it is negative")
+    return n + 1
+
+@njit(cache=True)
+def summed(x):
+    return doubled(x).sum() + refused(1)
+
+if __name__ == "__main__":
+    with ds.Compilation() as compilation:
+        if sys.argv[1] == "parts":
+            assert doubled(np.arange(3.0)).tolist() == [0.0, 2.0, 4.0] and refused(4) == 5
+            try:
+                refused(-1)
+            except ValueError as error:
+                assert str(error) == "it is negative"
+            else:
+                raise AssertionError
+        else:
+            assert summed(np.arange(3.0)) == 8.0
+    print(compilation.n_kernels, "numba.np.linalg" in sys.modules)
+"""
+
+
+def test_kept_kernels_run_and_are_compiled_into_others(tmp_path, monkeypatch):
+    """Loaded, they allocate and raise as compiled, without the compiler's libraries of functions;
+    a kernel that is compiled later takes them in as they were kept."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
+    file = tmp_path / "kernels.py"
+    file.write_text(KERNELS)
+    for what in ("parts", "whole"):
+        compiled, libraries = python(file, what)
+        assert int(compiled) > 0 and libraries == "True"
+        assert python(file, what) == ["0", "False"]
+
+
+def python(file, what):
+    done = subprocess.run(
+        [sys.executable, str(file), what], env=synthetic.environment(),
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    return done.stdout.split()

@@ -5,10 +5,29 @@ stands in the file of its subject, and kernels of other files call it: `common.k
 discards what was compiled from sources that have changed since.
 """
 
-from numba import njit
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numba
 
 from drystone.common import kernel_cache
+from drystone.common.kept_code import KernelCache
 
 kernel_cache.provide()
 
 __all__ = ["njit"]
+
+
+def njit(*, cache: bool, **options: Any) -> Callable[[Any], Any]:
+    """`numba.njit`; kernels to ``cache`` are kept, and found again, as `kept_code` says."""
+    compiler = numba.njit(**options)
+
+    def kernel(function: Any) -> Any:
+        made = compiler(function)
+        if cache and made is not function:  # which it is where the compiler is switched off
+            made._cache = KernelCache(function)
+        return made
+
+    return kernel

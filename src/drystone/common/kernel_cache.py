@@ -32,8 +32,8 @@ PACKAGE = Path(__file__).parents[1]
 #: What a file says that holds kernels.
 IMPORT = b"from drystone.common.compiled import njit"
 
-#: What kernels take their numbers from, as constants of theirs.
-NUMBERS = "tolerances.py"
+#: What kernels take their numbers from, as constants of theirs, and what says how they are kept.
+BESIDE = ("tolerances.py", "kept_code.py")
 
 #: File beside the compiled kernels that tells what sources they were made from.
 STAMP = "kernels.sha256"
@@ -47,7 +47,7 @@ def provide() -> None:
     global note
     IndexDataCacheFile._data_name = _name_by_process
     kernels = sources()
-    made_from = [*kernels, Path(__file__).with_name(NUMBERS)]
+    made_from = _made_from(kernels)
     try:
         folders = _folders(kernels)
     except RuntimeError:
@@ -78,7 +78,12 @@ def modules() -> list[str]:
 def kept_here() -> tuple[dict[Path, Path], str]:
     """Where the compiler keeps the kernels of each folder, and the digest of their sources."""
     kernels = sources()
-    return _folders(kernels), digest_of([*kernels, Path(__file__).with_name(NUMBERS)])
+    return _folders(kernels), digest_of(_made_from(kernels))
+
+
+def _made_from(kernels: list[Path]) -> list[Path]:
+    """Files whose change makes what was compiled of kernels outdated."""
+    return [*kernels, *(Path(__file__).with_name(name) for name in BESIDE)]
 
 
 def _folders(kernels: list[Path]) -> dict[Path, Path]:

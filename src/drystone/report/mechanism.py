@@ -58,7 +58,7 @@ class Mechanism:
     contacts: ContactForces | None = None  # of that state: those under load are drawn
     load_direction: Array | None = None  # (dim,) unit vector, of the load's arrow
     control_point: ControlPoint | None = None  # marked where it is now
-    magnification: float = 1.0  # of the motion since ``initial``; without contacts if not 1
+    magnification: float = 1.0  # of the displacements since then; without contacts if not 1
     ties: tuple[Tie, ...] = ()
     tie_branch: NDArray[np.int64] | None = None  # (n_ties,) what they do, see `ties.STATES`
     dead_loads: tuple[DeadLoad, ...] = ()  # drawn as arrows
