@@ -11,7 +11,6 @@ from drystone.common.language import say
 from drystone.contact.forces import ContactForces
 from drystone.engines.base import EngineError, StepReport
 from drystone.engines.frame import Frame
-from drystone.limit import is_locked
 from drystone.model.model import Model
 
 #: Multiplier from which on it is asked whether the load locks the structure.  Friction up to 1 and
@@ -70,6 +69,8 @@ class Plausibility:
         """
         if abs(multiplier) > PLAUSIBLE_MULTIPLIER and not self.asked:
             self.asked = True
+            from drystone.limit import is_locked  # takes long to import
+
             if is_locked(self.model):
                 raise EngineError(LOCKED)
         if report.penetration > self._allowed(report):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
@@ -15,6 +16,7 @@ from drystone.cli.options import AsJson, OptionalModelFile, Quiet, StrategyName
 from drystone.cli.outcome import emit, exit_code, fail, outcome, tell
 
 if TYPE_CHECKING:
+    from drystone.common.aside import Aside
     from drystone.limit import Beside
     from drystone.model.model import Model
     from drystone.report.folder.directory import ResultsDirectory
@@ -141,12 +143,14 @@ def run(
     folder = out or Path(f"{model_file.stem}-results")
     number = None if directions is None else number_of(directions)
     begun = False
-    with outcome(as_json=as_json, begun=lambda: begun):
+    with outcome(as_json=as_json, begun=lambda: begun), _aside(directions) as aside:
         from drystone.cli.compiler import compiling
+        from drystone.cli.limits import Limits
         from drystone.common.progress import progress_for
+
+        limits = Limits(aside)
         from drystone.io.modelfile import read_model
         from drystone.io.results.folder import check_apart, check_writable
-        from drystone.limit import limits_beside, on_what_moves
         from drystone.model.inspection import inspect
         from drystone.report.folder.directory import ResultsDirectory, files_of
 
@@ -161,12 +165,12 @@ def run(
             raise typer.Exit(run_directions(model, number, folder, asked, **options))
         wanted = engine or model.analysis.engine
         with compiling(wanted, model.assembly.dimension, quiet=quiet or as_json):
-            beside = limits_beside(model)
-            model = on_what_moves(model, beside)
+            model = limits.begin(model)
             with ResultsDirectory(
                 folder,
                 mechanism_displacement=mechanism_at,
-                beside=beside,
+                beside=limits.found,
+                aside=aside,
                 formats=formats,
             ) as results:
                 from drystone.analysis.driver import pushover
@@ -184,8 +188,17 @@ def run(
                         )
                 finally:
                     begun = results.begun
-        code = told(curve, model, beside, results, as_json=as_json)
+        code = told(curve, model, limits.found(), results, as_json=as_json)
     raise typer.Exit(code)
+
+
+def _aside(directions: str | None) -> AbstractContextManager[Aside | None]:
+    """A process beside the run, where that has a processor left."""
+    from drystone.common.aside import Aside
+
+    if directions is not None:  # they take all there are
+        return nullcontext()
+    return Aside.where_it_helps() or nullcontext()
 
 
 def _refuse_beside_resume(**given: object) -> None:

@@ -23,7 +23,7 @@ from typing import Any, BinaryIO
 Call = tuple[str, tuple[Any, ...]]
 
 #: One thread each: numerical libraries would take all processors, in every process.
-_ONE_EACH = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+ONE_EACH = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def in_processes(
@@ -170,7 +170,7 @@ class _Worker:
             [sys.executable, "-m", __name__],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            env={**os.environ, **dict.fromkeys(_ONE_EACH, "1")},
+            env={**os.environ, **dict.fromkeys(ONE_EACH, "1")},
         )
 
     def begin(self, number: int, call: Call) -> None:

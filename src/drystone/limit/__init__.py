@@ -1,21 +1,40 @@
 """Limit analysis: the load that brings rigid blocks down, and how."""
 
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from drystone.limit.beside import Beside, limits_beside, on_what_moves, range_text
-from drystone.limit.collapse import (
-    ASSOCIATIVE,
-    FLOWS,
-    NON_ASSOCIATIVE,
-    Collapse,
-    at_rest,
-    collapse_load,
-    collapse_loads,
-    default_paths,
-    is_locked,
-    stands,
-)
-from drystone.limit.non_associative import NonAssociativeSettings
-from drystone.limit.search import least_standing
-from drystone.limit.watch import watched
+from drystone.limit.flows import ASSOCIATIVE, FLOWS, NON_ASSOCIATIVE
+
+if TYPE_CHECKING:
+    from drystone.limit.collapse import (
+        Collapse,
+        at_rest,
+        collapse_load,
+        collapse_loads,
+        default_paths,
+        is_locked,
+        stands,
+    )
+    from drystone.limit.non_associative import NonAssociativeSettings
+    from drystone.limit.search import least_standing
+    from drystone.limit.watch import watched
+
+#: Where the other names are.  Their modules take long to import and wait until a name is used.
+_PLACES = {
+    "Collapse": "collapse",
+    "NonAssociativeSettings": "non_associative",
+    "at_rest": "collapse",
+    "collapse_load": "collapse",
+    "collapse_loads": "collapse",
+    "default_paths": "collapse",
+    "is_locked": "collapse",
+    "least_standing": "search",
+    "stands": "collapse",
+    "watched": "watch",
+}
 
 __all__ = [
     "ASSOCIATIVE",
@@ -36,3 +55,9 @@ __all__ = [
     "stands",
     "watched",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PLACES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_PLACES[name]}"), name)

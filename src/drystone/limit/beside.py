@@ -3,27 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from drystone.common.ranges import most_blocks
-from drystone.limit.collapse import (
-    ASSOCIATIVE,
-    FLOWS,
-    NON_ASSOCIATIVE,
-    Collapse,
-    collapse_load,
-    collapse_loads,
-)
-from drystone.limit.excess import exceeds, why_above
-from drystone.limit.watch import fastest_point, leaves_still
-from drystone.model.model import Model
-from drystone.model.monitor import ControlPoint
-from drystone.results.curve import CapacityCurve
+from drystone.limit.flows import ASSOCIATIVE, FLOWS, NON_ASSOCIATIVE
+
+if TYPE_CHECKING:
+    from drystone.limit.collapse import Collapse
+    from drystone.model.model import Model
+    from drystone.model.monitor import ControlPoint
+    from drystone.results.curve import CapacityCurve
+
+# Limit analysis takes long to import, and a run may leave it to another process: what needs it here
+# imports it when it is called.
 
 #: Structures of more blocks than these are left out of the non-associative flow, which takes up to
 #: thirty times as long as the associative; those of more than `MOST_BLOCKS` altogether.
 MOST_NON_ASSOCIATIVE = {2: 120, 3: 150}
+#: A multiplier may lie above by this share of the bound, or by this much where the bound is next to
+#: nothing: without friction, where it is zero, engines leave up to 4e-7.
+MARGIN, LEAST = 1e-4, 1e-5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,9 +64,16 @@ class Beside:
 
         The cause is looked for in what the curve has kept of contacts and poses, see `excess`.
         """
-        if self.associative is None:
+        if self.associative is None or not self.is_exceeded(curve):
             return None
+        from drystone.limit.excess import why_above
+
         return why_above(curve, model, self.associative)
+
+
+def exceeds(multiplier: float, bound: float) -> bool:
+    """Whether a multiplier lies above a bound by more than what is left open of both."""
+    return multiplier > bound + max(MARGIN * abs(bound), LEAST)
 
 
 def limits_beside(model: Model) -> Beside:
@@ -75,6 +83,8 @@ def limits_beside(model: Model) -> Beside:
         return Beside(note="supports move, and no load grows")
     if n_blocks > most_blocks(dimension):
         return Beside(note=f"{n_blocks} blocks are left to the command `limit`")
+    from drystone.limit.collapse import collapse_loads
+
     flows = FLOWS if n_blocks <= MOST_NON_ASSOCIATIVE[dimension] else (ASSOCIATIVE,)
     results = collapse_loads(model, flows=flows)  # as `drystone limit` has them
     found = {
@@ -105,6 +115,8 @@ def limits_beside(model: Model) -> Beside:
 
 def _mechanism(model: Model, collapse: Collapse | None) -> tuple[bool, ControlPoint | None]:
     """Whether it leaves the control point still, and then which point it moves fastest."""
+    from drystone.limit.watch import fastest_point, leaves_still
+
     if collapse is None or not leaves_still(model, collapse.velocities):
         return False, None
     fastest = fastest_point(model, collapse.velocities)
@@ -122,10 +134,25 @@ def on_what_moves(model: Model, beside: Beside | None = None) -> Model:
     return model if fastest is None else replace(model, control_point=fastest)
 
 
+def made_ready() -> None:
+    """Import what limit analysis needs, in a process that is going to be asked for it."""
+    import highspy  # noqa: F401
+
+    import drystone.limit.watch  # noqa: F401
+
+
+def moving_control(model: Model) -> ControlPoint | None:
+    """The control point that `on_what_moves` puts in place of a model's, if it does."""
+    moved = on_what_moves(model)
+    return None if moved is model else moved.control_point
+
+
 def _fastest(model: Model) -> ControlPoint | None:
     """As `Beside.fastest`, by the associative mechanism alone."""
     if model.assembly.n_blocks > most_blocks(model.assembly.dimension):
         return None
+    from drystone.limit.collapse import collapse_load
+
     collapse = collapse_load(model, flow=ASSOCIATIVE)
     return _mechanism(model, collapse if collapse.status == "finished" else None)[1]
 

@@ -14,6 +14,7 @@ from drystone.limit import associative as bounds
 from drystone.limit.cones import least_normal
 from drystone.limit.edges import Edges
 from drystone.limit.equilibrium import Equilibrium
+from drystone.limit.flows import ASSOCIATIVE, FLOWS, NON_ASSOCIATIVE
 from drystone.limit.joints import ContactPoints, contact_points
 from drystone.limit.non_associative import (
     NonAssociativeSettings,
@@ -30,9 +31,6 @@ from drystone.model.loading import MassPattern
 from drystone.model.model import Model
 
 Array = NDArray[np.float64]
-
-ASSOCIATIVE, NON_ASSOCIATIVE = "associative", "non-associative"
-FLOWS = (ASSOCIATIVE, NON_ASSOCIATIVE)
 
 #: Forces below this share of the heaviest weight are none.
 NO_FORCE = 1e-7

@@ -26,7 +26,6 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 
 from drystone.common.tolerances import TOUCHING
 from drystone.contact.contacts import PART_A, PART_B
@@ -188,4 +187,6 @@ def _widest(options: Sequence[Sequence[Array]], always: Sequence[Array]) -> Arra
 
 def _is_sum(normal: Array, of: Sequence[Array]) -> bool:
     """Whether a unit vector is a sum of multiples of others, none of them negative."""
+    from scipy.optimize import nnls  # takes long to import; parts that share faces do without
+
     return bool(nnls(np.array(of).T, normal)[1] <= ALIKE)

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from drystone.contact.forces import ContactForces
 from drystone.geometry.motion import angles_of, rotation_vectors, translations
 from drystone.limit.against import carried_against
+from drystone.limit.beside import exceeds
 from drystone.limit.collapse import ASSOCIATIVE, NO_FORCE, bound_with, collapse_load
 from drystone.limit.edges import Edges
 from drystone.limit.joints import ContactPoints, contact_points, joined, points_at
@@ -30,20 +31,12 @@ from drystone.results.events import COLLAPSES, EventKind
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: A multiplier may lie above by this share of the bound, or by this much where the bound is next to
-#: nothing: without friction, where it is zero, engines leave up to 4e-7.
-MARGIN, LEAST = 1e-4, 1e-5
 #: Blocks that turn by t change a multiplier of sliding by (1 + mu^2) t, the slope of tan, and those
 #: that move by u over blocks of size s change arms by u / s.  An excess beyond so many times that
 #: has no such cause.
 FAR_OFF = 10.0
 #: Pairs of blocks named in a sentence.
 FEW = 3
-
-
-def exceeds(multiplier: float, bound: float) -> bool:
-    """Whether a multiplier lies above a bound by more than what is left open of both."""
-    return multiplier > bound + max(MARGIN * abs(bound), LEAST)
 
 
 def why_above(curve: CapacityCurve, model: Model, bound: float) -> str | None:

@@ -35,6 +35,12 @@ CURVE_STYLES = ("-", "--", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (8, 2
 BACKING = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
 
 
+def made_ready() -> None:
+    """Import what draws, before there is anything to draw."""
+    import matplotlib.backends.backend_agg
+    import matplotlib.figure  # noqa: F401
+
+
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure of that size [inches] that belongs to no window and no global list."""
     from matplotlib.figure import Figure

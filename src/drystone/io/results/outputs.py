@@ -36,12 +36,15 @@ class Output:
     """What writes files into a folder of results.
 
     ``write`` takes the analysis, and what its [[output]] says by key.  A short one is written
-    first, whole or not at all, even where the disk is too full for ``results.h5``.
+    first, whole or not at all, even where the disk is too full for ``results.h5``.  What a process
+    ``aside`` may write is made of what `Finished` has, which is sent there, and of nothing else
+    that this process knows.
     """
 
     files: tuple[str, ...]  # names in the folder that it may write, which the next run removes
     write: Callable[[Finished, Mapping[str, Any]], None]
     short: bool = False
+    aside: bool = False
     keys: tuple[Key, ...] = ()  # of [[output]]
 
 

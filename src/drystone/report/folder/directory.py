@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.aside import answer
 from drystone.contact.forces import ContactForces
 from drystone.io.results.checkpoint import CheckpointWriter
 from drystone.io.results.folder import (
@@ -25,17 +26,19 @@ from drystone.io.results.folder import (
 from drystone.io.results.hdf5 import ResultsReader, ResultsWriter
 from drystone.io.results.interrupts import uninterrupted
 from drystone.io.results.names import PARAVIEW, RESULTS
-from drystone.io.results.outputs import Finished, file_names, written_of
+from drystone.io.results.outputs import Finished, Output, file_names, written_of
 from drystone.io.results.own_files import clear, clear_derived
 from drystone.io.results.summary import plain, summarise
+from drystone.limit.beside import Beside
 from drystone.model.model import Model
 from drystone.model.ties import TieState
+from drystone.report.folder.aside import drawing
 from drystone.report.folder.kept import Kept, kept_in
 from drystone.results.checkpoint import Checkpoint
 from drystone.results.curve import CapacityCurve, CurvePoint
 
 if TYPE_CHECKING:
-    from drystone.limit.beside import Beside
+    from drystone.common.aside import Aside
 
 Array = NDArray[np.float64]
 
@@ -61,7 +64,10 @@ class ResultsDirectory:
         Control displacement [m] of ``mechanism.png``; by default what the model's analysis says
         under ``mechanism_displacement``, else 0.2 m.
     beside
-        Multipliers of limit analysis, for ``summary.json`` and ``curve.png``.
+        Multipliers of limit analysis, for ``summary.json`` and ``curve.png``; or what gives them,
+        asked at the end.
+    aside
+        A process that draws the pictures while the rest is written here.
     formats
         Of pictures beside PNG: "svg", "pdf".
     part_of
@@ -78,14 +84,14 @@ class ResultsDirectory:
         path: Path | str,
         *,
         mechanism_displacement: float | None = None,
-        beside: Beside | None = None,
+        beside: Beside | Callable[[], Beside] | None = None,
+        aside: Aside | None = None,
         formats: Sequence[str] = (),
         part_of: str = "",
     ) -> None:
         self.path = Path(path)
-        from drystone.limit.beside import Beside  # takes long, which reading results need not
-
         self.beside = beside or Beside()  # may be said later, before the end
+        self._aside = aside
         self._formats = tuple(dict.fromkeys(("png", *formats)))
         self.summary: dict[str, Any] | None = None  # of the analysis, once it ended
         self._mechanism_displacement = mechanism_displacement
@@ -232,18 +238,19 @@ class ResultsDirectory:
                 curve = replace(curve, status="stopped", reason=str(as_output_error(error)))
         if writer.n_kept < len(curve.points):
             curve = _as_kept(curve, writer.n_kept)
+        beside = self.beside if isinstance(self.beside, Beside) else self.beside()
         self.summary = summarise(curve, model) | {
-            "associative_multiplier": self.beside.associative,
-            "non_associative_multiplier": self.beside.non_associative,
-            "collapse_range": plain(self.beside.collapse_range),
-            "upper_bound": plain(self.beside.upper_bound),
+            "associative_multiplier": beside.associative,
+            "non_associative_multiplier": beside.non_associative,
+            "collapse_range": plain(beside.collapse_range),
+            "upper_bound": plain(beside.upper_bound),
         }
         done = Finished(
             folder=self.path,
             model=model,
             curve=curve,
             summary=self.summary,
-            beside=self.beside,
+            beside=beside,
             formats=self._formats,
             mechanism_displacement=self._mechanism_displacement,
             results=None,
@@ -262,15 +269,29 @@ class ResultsDirectory:
         with ResultsReader(self.path / RESULTS) as results:
             curve = replace(done.curve, points=done.curve.points[: results.n_points])
             done = replace(done, curve=curve, results=results)
-            for output, keys in written_of(done.model):
-                if not output.short:
-                    output.write(done, keys)
+            written = [each for each in written_of(done.model) if not each[0].short]
+            if self._aside is None:
+                _write(written, done)
+                return
+            pictures = [each for each in written if each[0].aside]
+            drawn = drawing(self._aside, done)
+            try:
+                _write([each for each in written if not each[0].aside], done)
+                answer(drawn, lambda: _write(pictures, done))
+            except BaseException:
+                self._aside.interrupt()
+                raise
 
 
 def _as_kept(curve: CapacityCurve, n: int) -> CapacityCurve:
     """The points that the disk has taken: all files of a folder are of the same."""
     lost = f"of {len(curve.points)} points {RESULTS} took the first {n}, and all files have these"
     return replace(curve.first(n), reason=f"{curve.reason}; {lost}")
+
+
+def _write(written: Sequence[tuple[Output, Mapping[str, Any]]], done: Finished) -> None:
+    for output, keys in written:
+        output.write(done, keys)
 
 
 def files_of(folder: Path) -> list[Path]:

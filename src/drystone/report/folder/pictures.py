@@ -81,5 +81,5 @@ def _of(picture: str) -> tuple[str, ...]:
     return tuple(f"{picture.partition('.')[0]}.{format}" for format in FORMATS)
 
 
-CURVE_OUTPUT = Output(files=_of(CURVE_FIGURE), write=_draw_curve)
-MECHANISM_OUTPUT = Output(files=_of(MECHANISM_FIGURE), write=_draw_mechanism)
+CURVE_OUTPUT = Output(files=_of(CURVE_FIGURE), write=_draw_curve, aside=True)
+MECHANISM_OUTPUT = Output(files=_of(MECHANISM_FIGURE), write=_draw_mechanism, aside=True)

@@ -1,0 +1,43 @@
+"""Pictures of a run, drawn by a process beside it."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from drystone.io.results.outputs import Finished, written_of
+
+if TYPE_CHECKING:
+    from drystone.common.aside import Aside
+
+
+def made_ready() -> None:
+    """In the process: import what draws, which takes long, before there is anything to draw."""
+    from drystone.report import canvas
+    from drystone.report.folder import pictures  # noqa: F401
+
+    canvas.made_ready()
+
+
+def drawn(done: Finished, language: str) -> None:
+    """In the process: what may be written there of an analysis, in the language that is spoken."""
+    from drystone.common.language import speaking
+    from drystone.io.results.hdf5 import ResultsReader
+    from drystone.io.results.names import RESULTS
+
+    with speaking(language), ResultsReader(done.folder / RESULTS) as results:
+        done = replace(done, results=results)
+        for output, keys in written_of(done.model):
+            if output.aside:
+                output.write(done, keys)
+
+
+def drawing(aside: Aside, done: Finished) -> Future[Any]:
+    """Let the process draw an analysis that has ended; its ``results.h5`` is on the disk."""
+    from drystone.common.language import current
+
+    # Poses and contacts are there; what is sent is short.
+    short = replace(done.curve, poses=None, contacts=None)
+    sent = replace(done, curve=short, results=None)
+    return aside.begin(f"{__name__}:drawn", sent, current())
