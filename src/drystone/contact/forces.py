@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,10 @@ class ContactForces:
     def n_contacts(self) -> int:
         """Number of contact points, open ones included."""
         return len(self.gap)
+
+    def rows(self, rows: slice) -> ContactForces:
+        """Some of the contact points."""
+        return ContactForces(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
 
     @property
     def tangents(self) -> Array:

@@ -67,6 +67,8 @@ def save(
     ):
         # A title may be in letters that the font has no picture of: they become boxes.
         warnings.filterwarnings("ignore", message="Glyph .* missing from")
+        if format == "png":
+            _lay_out(figure, resolution)
         figure.savefig(
             path,
             format=format,
@@ -74,6 +76,18 @@ def save(
             facecolor="white",
             metadata={"Date": None} if format == "svg" else None,
         )
+
+
+def _lay_out(figure: Figure, resolution: int) -> None:
+    """Give everything its place, for pixels of a resolution [dots per inch].
+
+    To save a figure matplotlib draws it twice where its places are still to be found.
+    """
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        figure.set_dpi(resolution)
+        engine.execute(figure)
+        figure.set_layout_engine(None)
 
 
 #: What a browser is told that a picture is, by its format.

@@ -32,7 +32,7 @@ from __future__ import annotations
 
 import hashlib
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any, Self
@@ -66,6 +66,8 @@ SECONDS, TIMES = 1.0, 100.0
 BYTES = 32_000_000
 #: States of more blocks than this are compressed: that takes little time beside their steps.
 MANY_BODIES = 1000
+#: Contact points that are read at a time where points are asked for in turn: some 2 MB.
+READ_AHEAD = 1 << 14
 
 TYPES = {"int": "i8", "float": "f8", "str": "S8", "bool": "?"}
 COLUMN_TYPES = {f.name: np.dtype(TYPES[str(f.type)]) for f in fields(CurvePoint)}
@@ -474,6 +476,22 @@ class ResultsReader:
     def contacts(self, k: int) -> ContactForces:
         """Contact points at point ``k``."""
         return self.contacts_between(k, k + 1)
+
+    def contacts_in_turn(self) -> Callable[[int], ContactForces]:
+        """What gives the contact points at one point after another, in ascending order: those of
+        several points are read at a time."""
+        first, last, held = 0, 0, self.contacts_between(0, 0)
+
+        def contacts(k: int) -> ContactForces:
+            nonlocal first, last, held
+            if not first <= k < last:
+                rows = int(self._offset[k]) + READ_AHEAD
+                first, last = k, max(k + 1, int(self._offset.searchsorted(rows, "right")) - 1)
+                held = self.contacts_between(first, last)
+            start = self._offset[first]
+            return held.rows(slice(self._offset[k] - start, self._offset[k + 1] - start))
+
+        return contacts
 
     def n_contacts(self) -> NDArray[np.int64]:
         """Contact points at every point, (n_points,)."""

@@ -6,6 +6,7 @@ Their time is the step: it only grows, where the control displacement may go bac
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -147,14 +148,20 @@ class BlockFrames:
         )
 
 
+@lru_cache(maxsize=16)
+def _vertices(n: int) -> str:
+    """Cells that are points, which many frames of a curve have as many of."""
+    rows = np.arange(n)
+    return vtu.cells(rows, rows + 1, vtu.VERTEX)
+
+
 def write_contacts(path: Path, contacts: ContactForces, field_data: Iterable[str] = ()) -> None:
     """One grid: contact points with reactions [N] on block b, normals from a to b, gaps [m]."""
-    rows = np.arange(contacts.n_contacts)
     vtu.write_vtu(
         path,
         points=contacts.position,
-        n_cells=len(rows),
-        cells=vtu.cells(rows, rows + 1, vtu.VERTEX),
+        n_cells=contacts.n_contacts,
+        cells=_vertices(contacts.n_contacts),
         point_data=[
             vtu.data_array("reaction", in_space(contacts.vectors())),
             vtu.data_array("normal", in_space(contacts.normal)),
@@ -178,7 +185,7 @@ def _write(done: Finished, keys: Mapping[str, Any]) -> None:
         curve.points,
         frames,
         results.pose,
-        results.contacts,
+        results.contacts_in_turn(),
     )
 
 

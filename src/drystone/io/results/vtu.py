@@ -11,8 +11,8 @@ import struct
 import sys
 import zlib
 from collections.abc import Iterable, Sequence
+from html import escape
 from pathlib import Path
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +40,7 @@ def data_array(name: str, values: NDArray[np.generic]) -> str:
     components = values.shape[1] if values.ndim == 2 else 1
     body = _encode(values.tobytes())
     return (
-        f'<DataArray type="{TYPE_NAMES[values.dtype]}" Name={quoteattr(name)} '
+        f'<DataArray type="{TYPE_NAMES[values.dtype]}" Name="{escape(name)}" '
         f'NumberOfComponents="{components}" format="binary">{body}</DataArray>\n'
     )
 
@@ -48,7 +48,7 @@ def data_array(name: str, values: NDArray[np.generic]) -> str:
 def field_value(name: str, value: float) -> str:
     """One number that belongs to the whole grid."""
     return (
-        f'<DataArray type="Float64" Name={quoteattr(name)} NumberOfTuples="1" format="binary">'
+        f'<DataArray type="Float64" Name="{escape(name)}" NumberOfTuples="1" format="binary">'
         f"{_encode(struct.pack('=d', value))}</DataArray>\n"
     )
 
@@ -152,7 +152,7 @@ def vtu_text(
 def write_pvd(path: Path, frames: Sequence[tuple[float, str]]) -> None:
     """Write a time series: time and file name, relative to the series' own folder, of each grid."""
     entries = "".join(
-        f'<DataSet timestep="{time!r}" group="" part="0" file={quoteattr(name)}/>\n'
+        f'<DataSet timestep="{time!r}" group="" part="0" file="{escape(name)}"/>\n'
         for time, name in frames
     )
     path.write_text(
