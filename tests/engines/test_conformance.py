@@ -134,10 +134,7 @@ class TestAtRest:
             assert report.converged
         a = model.assembly
         left = resultants(model, state, solver.contacts(state), multiplier)[~a.fixed]
-        # The sliding distance of two rounded corners is measured on their discs, the reaction along
-        # it acts where they overlap: a share of closing over twice the radius, 2e-5 / 0.04 m, of a
-        # shear of about the weight of a block is the difference.
-        assert np.abs(left).max() <= 5e-4 * a.heaviest_weight
+        assert np.abs(left).max() <= tolerance.balance * a.heaviest_weight
         assert report.applied_multiplier == multiplier
         assert report.carried_multiplier == pytest.approx(multiplier, abs=tolerance.carried)
 
@@ -462,7 +459,10 @@ class TestCurves:
             assert point.displacement(model.assembly, pose) == pytest.approx(shown, abs=rounding)
             assert np.all(pose[0] == 0.0)
             assert contacts.normal_reaction.min() >= 0.0
-            limit = 0.65 * contacts.normal_reaction
+            # Of two rounded corners that press each other, see `ContactForces`.
+            radii = 2.0 * model.assembly.corner.radius
+            closer = radii / (radii + np.minimum(contacts.gap, 0.0))
+            limit = 0.65 * contacts.normal_reaction * closer
             excess = np.abs(contacts.tangential_reaction[:, 0]) - limit
             assert excess.max() <= 1e-6 * model.assembly.heaviest_weight
 

@@ -76,9 +76,10 @@ def check(problem, solution, folder: Path, load: str) -> None:
     peak = solution.curve.peak.load_multiplier
     other = ds.pushover(by_file(problem.model, folder, load)).peak.load_multiplier
     assert peak == pytest.approx(other, rel=SAME)
-    # Residuals of static steps are below 1e-8, but contacts are told where the step has carried
-    # them: under a load of 65 weights, joints close so far that this makes 1.3e-5.
-    assert balance(problem, solution) < 5e-5
+    # Residuals of static steps are below 1e-8; what is left of the loads is inertia, of which the
+    # last points of a jump have some.
+    at_peak = solution.curve.peak.inertia_ratio
+    assert balance(problem, solution) < 1e-6 + at_peak
     compas.json_dump(solution.results, folder / "results.json")
     again = compas.json_load(folder / "results.json")
     assert again.model_id == str(problem.model.guid)

@@ -40,6 +40,7 @@ from drystone.control import (
     PublishedSettings,
     SupportControl,
     SupportSettings,
+    ends,
 )
 from drystone.control.stops import STOPS, stops_of
 from drystone.engines import checked, make_engine
@@ -376,8 +377,11 @@ class _Run:
             report = self._since_rest(obeyed(report, limit))
             decision = control.decide(decision.state, demand, report)
             if decision.accept:
-                multiplier = decision.load_multiplier
-                plausibility.check(report, multiplier, partial(solver.contacts, new))
+                multiplier, contacts = decision.load_multiplier, partial(solver.contacts, new)
+                if how := plausibility.falls_through(report, contacts):
+                    end = ends.collapsed(how, self._highest, self.model.analysis.stop_multiplier)
+                    return ("finished" if end.finished else "stopped"), end.reason
+                plausibility.check(report, multiplier, contacts)
             state, over = self._pass(state, demand, report, decision)
             if over is not None:
                 decision = over
@@ -385,6 +389,11 @@ class _Run:
                 decision = self._accept(state, new, demand, report, decision)
                 state = new
         return ("finished" if decision.finished else "stopped"), decision.reason
+
+    @property
+    def _highest(self) -> float:
+        """The highest multiplier of the points at rest so far."""
+        return max(p.load_multiplier for p in self.points if p.status == STATIC)
 
     @property
     def _problem(self) -> Problem:

@@ -7,11 +7,11 @@ from collections.abc import Callable
 import numpy as np
 
 from drystone.common import tolerances
+from drystone.common.language import say
 from drystone.contact.forces import ContactForces
 from drystone.engines.base import EngineError, StepReport
 from drystone.engines.frame import Frame
 from drystone.limit import is_locked
-from drystone.model.assembly import Assembly
 from drystone.model.model import Model
 
 #: Multiplier from which on it is asked whether the load locks the structure.  Friction up to 1 and
@@ -30,6 +30,32 @@ class Plausibility:
         self.deepest = model.analysis.max_penetration * self.size  # m
         self.asked = False  # whether the load locks the structure
 
+    def falls_through(
+        self, report: StepReport, contacts: Callable[[], ContactForces]
+    ) -> str | None:
+        """How the structure collapses in motion where a joint is crushed to nothing, or None.
+
+        A block moves without end through a joint that softens as it is crushed: no stone stands
+        behind its mortar in the model.
+        """
+        if not report.dynamic or report.penetration <= self._allowed(report):
+            return None
+        found = contacts()
+        a, b = _deepest(found)
+        assembly = self.model.assembly
+        law = assembly.laws[int(assembly.law_index(np.array([a]), np.array([b]))[0])]
+        if law.compressive_fracture_energy is None:
+            return None
+        return say("end.crushed", a=assembly.ids[a], b=assembly.ids[b])
+
+    def _allowed(self, report: StepReport) -> float:
+        """Penetration [m] up to which two blocks may press each other.
+
+        An impact presses joints for an instant, the more the softer they are.
+        """
+        moving = tolerances.PASSED_THROUGH * self.size if report.dynamic else self.deepest
+        return max(moving, self.deepest)
+
     def check(
         self, report: StepReport, multiplier: float, contacts: Callable[[], ContactForces]
     ) -> None:
@@ -46,23 +72,21 @@ class Plausibility:
             self.asked = True
             if is_locked(self.model):
                 raise EngineError(LOCKED)
-        # An impact presses joints for an instant, the more the softer they are.
-        allowed = tolerances.PASSED_THROUGH * self.size if report.dynamic else self.deepest
-        if report.penetration > max(allowed, self.deepest):
+        if report.penetration > self._allowed(report):
             raise EngineError(self._crushed(report.penetration, contacts()))
 
     def _crushed(self, penetration: float, contacts: ContactForces) -> str:
         share = penetration / self.size
+        a, b = (self.model.assembly.ids[row] for row in _deepest(contacts))
         return (
-            f"{_deepest_pair(self.model.assembly, contacts)} are pressed {penetration:.3g} m into "
+            f'the blocks "{a}" and "{b}" are pressed {penetration:.3g} m into '
             f"each other, {100.0 * share:.2g} % of the smallest block, where no joint closes by "
             f"more than {100.0 * self.model.analysis.max_penetration:.2g} %: is something in the "
             "structure's way, or normal_stiffness too low? ([analysis] max_penetration)"
         )
 
 
-def _deepest_pair(assembly: Assembly, contacts: ContactForces) -> str:
-    """The two blocks that overlap most, by name."""
+def _deepest(contacts: ContactForces) -> tuple[int, int]:
+    """Rows of the two blocks that overlap most."""
     deepest = int(np.argmin(contacts.gap))
-    a, b = (assembly.ids[int(rows[deepest])] for rows in (contacts.block_a, contacts.block_b))
-    return f'the blocks "{a}" and "{b}"'
+    return int(contacts.block_a[deepest]), int(contacts.block_b[deepest])

@@ -170,6 +170,13 @@ class Slots(NamedTuple):
         return self.value[:, SIZE]
 
     @property
+    def ratio(self) -> Array:
+        """(n_slots,) tangential force over the reaction along the gradient of slip: 1, but where
+        two rounded corners of the plane touch; see `contact.plane.narrow`."""
+        ones = self.value[:, self.layout.ones]
+        return ones[:, 0] if ones.shape[1] else np.ones(len(ones))
+
+    @property
     def dim(self) -> int:
         """2 or 3."""
         return self.layout.dim

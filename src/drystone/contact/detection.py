@@ -168,7 +168,10 @@ class Detector:
     def forces(
         self, pairs: Pairs, pose: Array, slots: Slots, reaction: Array, status: IntArray
     ) -> ContactForces:
-        """Used slots as results; ``reaction`` (n_slots, dim) holds normal and tangential [N]."""
+        """Used slots as results; ``reaction`` (n_slots, dim) holds normal and tangential [N].
+
+        Forces and places are those by which the contacts act on the bodies, so that they balance.
+        """
         used = np.flatnonzero(slots.kind)
         which = pairs.which[pairs.of_slot[used]]
         return ContactForces(
@@ -180,6 +183,6 @@ class Detector:
             gap=slots.gap[used],
             area=slots.size[used] * self.assembly.thickness,
             normal_reaction=reaction[used, 0],
-            tangential_reaction=reaction[used, 1:],
+            tangential_reaction=slots.ratio[used, None] * reaction[used, 1:],
             status=status[used],
         )

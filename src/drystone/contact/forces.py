@@ -25,6 +25,10 @@ class ContactForces:
     """One row per contact point that is near enough to be watched.
 
     The normal points from block ``a`` to block ``b``; the reaction acts on ``b``.
+
+    Where two rounded corners of the plane press each other, slip is the arc that they roll on their
+    undeformed radii, and the joint law holds for the force along it.  The tangential reaction here
+    is the force in balance: that one times the sum of the radii over the distance of the centres.
     """
 
     block_a: IntArray  # (n_contacts,) row in the assembly

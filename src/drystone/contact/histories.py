@@ -12,7 +12,7 @@ from drystone.contact import measures
 from drystone.contact.contacts import FIRST, PART_A, PART_B, Pairs, Slots
 from drystone.contact.detection import NarrowPhase
 from drystone.law.branches import OPEN
-from drystone.law.columns import BROKEN, SHEAR
+from drystone.law.columns import BROKEN, DILATION, SHEAR
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -60,6 +60,7 @@ def handed_on(
     *,
     known: Slots | None = None,
     former: Pairs | None = None,
+    bears: Array | None = None,
 ) -> Histories:
     """What contacts inherit from the ``past``, where the blocks are in the same place.
 
@@ -77,8 +78,12 @@ def handed_on(
     former
         Instead of ``now``: the list of pairs that the past is of.  Its contacts stay as they are.
         Those of pairs that ``pairs`` does not have are dropped.
+    bears
+        How far joints of each law close before they are crushed, (n_laws,) [m]; where some are.
 
-    New contacts are open, have neither shear nor dilation, and are not bonded.
+    New contacts are open, have neither shear nor dilation, and are not bonded.  Where blocks have
+    moved into a joint by other features, a new contact lies deeper in it than the joint can bear:
+    so far it is crushed.
     """
     if former is not None:
         source = predecessor_slots(former, pairs)
@@ -97,6 +102,10 @@ def handed_on(
                 past.slots, slots, source, past.history[:, SHEAR:], history[:, SHEAR:]
             )
         narrow.rotate_shear(past.slots, slots, source, past.reaction[:, 1:], reaction[:, 1:])
+    if bears is not None:
+        beyond = slots.gap + bears[pairs.law_of_slot]
+        deeper = (source < 0) & (beyond < 0.0)
+        history[deeper, DILATION] = beyond[deeper]
     return heirs
 
 

@@ -13,6 +13,7 @@ from drystone.contact.contacts import (
     NORMAL,
     PART_A,
     PART_B,
+    RATIO,
     VERTEX_B,
     A,
     B,
@@ -99,14 +100,19 @@ def count_contacts(slots, status, counts):
 @njit(cache=True, error_model="numpy")
 def contact_points(slots, pairs, centroid, radius, pose, used, position):
     """Fill ``position`` (n_contacts, 2) [m] of the slots ``used``, in the poses (n, 3), of the
-    plane."""
+    plane: the points about which reactions along gap and slip turn both bodies as their gradients
+    do."""
     (which, value), pair, of_pair = slots, pairs.of_slot, pairs.which
     for row in range(used.shape[0]):
         k = used[row]
         p = pair[k]
         a = of_pair[p, A]
         on_b = which[k, KIND] == VERTEX_B
-        reach = -radius[of_pair[p, PART_B]] if on_b else radius[of_pair[p, PART_A]]
+        # Of two rounded corners that press each other by a share of their radii, the point divides
+        # their distance as these do.
+        reach = radius[of_pair[p, PART_A]] / value[k, RATIO]
+        if on_b:
+            reach = -radius[of_pair[p, PART_B]]
         for d in range(2):
             place = centroid[a, d] + pose[a, d] + value[k, ARM_A + d]
             position[row, d] = place + reach * value[k, NORMAL + d]

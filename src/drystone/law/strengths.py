@@ -102,6 +102,9 @@ class Strengths:
         self.bonded: BoolArray = self.softens & (self.cohesion + self.tension > 0.0)
         #: (n_laws, N_LAW), see `law.return_map`.
         self.table = law_table(assembly)
+        #: How far joints of each law close before they are crushed, (n_laws,) [m]; None where no
+        #: joint is crushed.
+        self.bears = self.crush / self.kn if np.isfinite(self.crush).any() else None
         #: Parameters of contacts that are made later, by law, (n_laws, N_CURRENT): without a bond.
         self.fresh = self._fresh()
 

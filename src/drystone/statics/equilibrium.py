@@ -624,7 +624,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         slots = own.step.found.copied()
         past = self._past(then)
         narrow = state.prepared.detector.narrow
-        heirs = handed_on(narrow, past, state.pairs, slots, known=own.step.known)
+        bears = state.prepared.strengths.bears
+        heirs = handed_on(narrow, past, state.pairs, slots, known=own.step.known, bears=bears)
         margin = np.full(len(heirs.source), np.inf)
         if state.prepared.gives_way:
             margin[judged.contacts.slot] = margins(judged, 0.0)

@@ -28,7 +28,7 @@ def search(work: Workspace) -> None:
         _new_pairs(work, detector.pairs(pose, work.lost))
     old, slots = work.slots, detector.find(work.pairs, pose, work.slots)
     past = _past(work)
-    heirs = handed_on(detector.narrow, past, work.pairs, slots)
+    heirs = handed_on(detector.narrow, past, work.pairs, slots, bears=prepared.strengths.bears)
     work.lost_shear += heirs.lost(past)
     work.slots, work.history, work.searched = slots, heirs.history, pose.copy()
     if work.real_masses:
