@@ -38,7 +38,7 @@ class Plausibility:
         A block moves without end through a joint that softens as it is crushed: no stone stands
         behind its mortar in the model.
         """
-        if not report.dynamic or report.penetration <= self._allowed(report):
+        if not (report.dynamic and report.penetration > self._allowed(report)):
             return None
         found = contacts()
         a, b = _deepest(found)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable
 from importlib import import_module
@@ -65,12 +66,16 @@ def rehearse(run: Callable[[], object]) -> list[tuple[Any, tuple[Any, ...]]]:
     """Kernels that ``run`` calls and the types it calls them with, without compiling any.
 
     They are interpreted, which is fast enough for a very small structure.  To be called in a
-    process of its own, before anything has imported a kernel by name.
+    process of its own, before anything keeps a kernel elsewhere than under a name of its module.
     """
-    modules = [import_module(name) for name in kernel_cache.modules()]
+    for name in kernel_cache.modules():
+        import_module(name)
+    own = __name__.partition(".")[0]
+    # Also of modules that have taken kernels over by their names.
     found = [
         (module, name, value)
-        for module in modules
+        for module_name, module in list(sys.modules.items())
+        if module_name.partition(".")[0] == own
         for name, value in vars(module).items()
         if isinstance(value, Dispatcher)
     ]
