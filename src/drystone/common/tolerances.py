@@ -47,7 +47,7 @@ ROUNDING = 1e-9
 #: Derived: six digits, as most formats write them; a micrometre in a metre.
 DRAWN = 1e-6
 
-#: Least divisor where a size may be zero.  Derived: its square can still be held.
+#: Least divisor where a size may be zero.  Derived: its square is still a number.
 TINY = 1e-30
 
 #: Angle [rad] under which the rotation's series stands for its sine.
@@ -56,11 +56,12 @@ SMALL_ANGLE = 1e-8
 
 # Geometry: shapes as drawn -----------------------------------------------------------------------
 
-#: Lengths, areas, volumes and turns that are none, over those of the block.  Derived: a rounding.
+#: Lengths, areas, volumes and angles that count as zero, over those of the block.
+#: Derived: a rounding.
 DEGENERATE = ROUNDING
 
-#: Of volumes of parts of a block that are joined again, over the whole.  Derived: a hundredth of
-#: what is none, as a block may have a hundred parts.
+#: Volume of a part of a block that counts as zero, over the block's.  Derived: a hundredth of
+#: `DEGENERATE`, because a block may have a hundred parts.
 PART_DEGENERATE = 0.01 * DEGENERATE
 
 #: Gap, over the size of the smaller of two blocks, up to which they touch: the one tolerance of
@@ -104,18 +105,19 @@ SAME_POINT = DRAWN
 #: Derived: half of what checks let pass, `DRAWN`.
 NO_OVERLAP = 0.5 * DRAWN
 
-#: Angle [rad] by which a face seen from an edge may lie behind another and still be the last to be
-#: turned to.  Derived: `DRAWN`; no solid is as thin.
+#: Angle about an edge [rad] below which two faces lie on each other.  Derived: `DRAWN`; no solid is
+#: as thin.
 ON_ITSELF = DRAWN
 
-#: Vertices nearer than this share of the tolerance times the size of their solid are one.
+#: Distance below which two vertices are one, over the tolerance times the size of their solid.
 #: Not measured.
 WELDED = 0.05
 
 #: Share of the tolerance up to which faces that meet are one.  Not measured.
 ONE_FACE = 0.5
 
-#: By how much farther than two faces stand in each other vertices beside what they share may move.
+#: Motion of vertices outside the area that two faces share, over the distance by which these
+#: overlap, up to which it is allowed.
 #: Not measured.
 TILTED = 2.0
 
@@ -129,7 +131,7 @@ WIDE = 4.0
 #: the noise; at 1 they have up to 28.
 STRAIGHT_EDGE = 2.0
 
-#: A cut that meets an edge under less than this angle [rad] makes a needle, and is the last choice.
+#: Angle between a cut and an edge [rad] below which the cut makes a needle, and is the last choice.
 #: Not measured.
 NEEDLE = math.radians(15.0)
 
@@ -137,7 +139,7 @@ NEEDLE = math.radians(15.0)
 #: Not measured.
 FOLDED = -0.98
 
-#: Cosine between normals from which on faces that meet look the same way: 45 degrees.
+#: Cosine between the normals of two adjacent faces above which they have one direction: 45 degrees.
 #: Not measured.
 SAME_DIRECTION = 0.7
 
@@ -159,17 +161,17 @@ SPARE = ROUNDING
 #: Likewise of lines.  Derived: a tenth of it, as lines are met to `LAST_DIGIT`.
 SPARE_IN_LINE = 1e-10
 
-#: Distance from a line, over the size of everything, beyond which it cannot be had.
+#: Distance from a line, over the size of everything, beyond which a point cannot be put onto it.
 #: Derived: what sums leave.
 OFF_LINE = SUMS
 
-#: Weight of the motion of a vertex that is held, over that of others.  Not measured.
+#: Weight of the motion of a fixed vertex, over that of others.  Not measured.
 FIXED_VERTEX = 1e-3
 
-#: Share of what was missed that a further iteration must be better than.  Not measured.
+#: Error after an iteration, over that before it, above which iterations end.  Not measured.
 BETTER = 0.9
 
-#: Sine of the angle under which two edges have no axis of their own.  Derived: `DRAWN`.
+#: Sine of the angle between two edges below which they have no common normal.  Derived: `DRAWN`.
 PARALLEL_EDGES = DRAWN
 
 #: Off-diagonal terms of a tensor of inertia, over its largest, that are rounding.  Derived: of sums
@@ -196,8 +198,9 @@ LEAST_FACE = 0.01
 MARGIN_SHARE = 0.25
 
 #: Where two edges of a block are opposed to a face almost alike, the tributary length passes from
-#: that of the one to that of the other, over this share of the turn from either to the corner on
-#: end: 0.2 of a square corner are the angles from 37 to 53 degrees.  Not measured.
+#: that of one edge to that of the other.  This is the share of the rotation, from either edge to
+#: the corner on end, over which it passes: 0.2 of a square corner are the angles from 37 to 53
+#: degrees. Not measured.
 PASSAGE = 0.2
 
 #: Sharp corners nearer than this share of their edges' lengths count as one.  Not measured.
@@ -207,15 +210,16 @@ SAME_CORNER = 1e-3
 #: from one to the other.  Not measured.
 DEEP = 0.1
 
-#: Edges count where they separate the parts by this share of their size more than faces do.
+#: Distance, over the size of the parts, by which edges must separate them more than faces do.
 #: Not measured.
 EDGES_MARGIN = 1e-2
 
-#: An edge that lies on a face but for less than this angle [rad] rests on it at both of its ends.
+#: Angle between an edge and a face [rad] below which both ends of the edge are in contact.
 #: Not measured.
 EDGE_FLAT = 0.05
 
-#: An incident face with a cosine below this to the reference face is seen edge on.  Not measured.
+#: Cosine between the incident and the reference face below which the former is seen edge on.
+#: Not measured.
 EDGE_ON = 0.05
 
 #: Faces are kept while others separate the parts by no more than this share of their size more, or
@@ -228,9 +232,9 @@ TIED = DRAWN
 
 #: Where parts meet in an edge or a point alone, another face separates them as soon as it does so
 #: by this share of their size more than the present one.  Such parts may come apart along each of
-#: these faces' normals.  If the face were kept as flush ones are (`KEPT_FACE`), it would hold parts
-#: that slide past each other: two stones on two, head joints in line, carried a tenth to a half
-#: more.  Derived: a rounding.
+#: these faces' normals.  If the face were kept as flush ones are (`KEPT_FACE`), it would restrain
+#: parts that slide past each other: two stones on two, head joints in line, carried a tenth to a
+#: half more.  Derived: a rounding.
 EDGED = ROUNDING
 
 #: Corners nearer to a vertex than this share of the smaller face's width are the vertex.
@@ -244,14 +248,14 @@ MERGE = 5e-2
 #: Not measured.
 TURNS = 1e-3
 
-#: Edges with a smaller sine between them are parallel: they meet along a face's side.
+#: Sine of the angle between two edges below which they are parallel: the side of a face serves.
 #: Not measured.
 PARALLEL = 1e-3
 
 #: Of the edges' length: nearest points are on the common normal but for this.  Derived: `DRAWN`.
 ON_NORMAL = DRAWN
 
-#: A history goes on at a point no farther than this share of the root of the interface's area.
+#: Distance within which a contact may inherit a history, over the root of the interface's area.
 #: Not measured.
 SUCCESSOR = 0.35
 
@@ -261,16 +265,17 @@ SUCCESSOR = 0.35
 #: Derived: ten times `LAST_DIGIT`.
 LAST_DIGITS = 10.0 * LAST_DIGIT
 
-#: A contact this near to its cone slides, where it is asked anew in every sweep or cycle: over its
-#: friction.  Derived: a rounding, of sums of the same terms in another order.
+#: Distance to the friction cone, over the friction, below which a contact slides, where it is
+#: judged anew in every sweep or cycle.  Derived: a rounding, of sums of the same terms in another
+#: order.
 AT_CONE = ROUNDING
 
-#: A contact stays in the branch it came from when another is nearer by this share of its reactions
-#: only: one that slides starts the next step on its cone to rounding.
+#: Share of a contact's reactions by which another branch must be nearer before the contact leaves
+#: its branch: a contact that slides starts the next step on its cone to rounding.
 #: Range, doubled: peaks by 3e-14, steps the same; halved it is not measured.
 BRANCH_TIE = 1e-8
 
-#: A bond holds beyond its strength by this share of it: what is at its limit has not broken.
+#: Excess over the strength, over it, at which a bond is still intact.
 #: Not measured.
 BOND_TIE = 1e-6
 
@@ -278,7 +283,7 @@ BOND_TIE = 1e-6
 #: of mirrored blocks.  Derived: what bonds are known to, `BOND_TIE`.
 TOGETHER = BOND_TIE
 
-#: Strength by which a margin is measured at least, over the other strength of the bond.
+#: Least strength that a margin is measured over, over the other strength of the bond.
 #: Not measured.
 LEAST_STRENGTH = 0.1
 
@@ -290,15 +295,15 @@ GRAZE = ROUNDING
 #: Derived: a rounding.
 BUILT_SHUT = ROUNDING
 
-#: How far a bond has softened when it is lost, as a power of e; as far a crushed joint may soften.
+#: Exponent of softening at which a bond is lost, and up to which a crushed joint softens.
 #: Derived: two billionths of its strength, e^-20, are less than what solutions are balanced to.
 LOST = 20.0
 
-#: Least slope of the equation for how far a bond has softened: where a joint would snap by itself
-#: it is steeper.  Not measured.
+#: Least slope of the equation of softening of a bond: it would be less where a joint snaps back.
+#: Not measured.
 LEAST_SLOPE = 1e-3
 
-#: Share of the greatest closure that a tangent is made at, at most: beyond it the joint is rigid.
+#: Largest share of the greatest closure at which a tangent is taken: beyond it the joint is rigid.
 #: Derived: nearer to it than by a rounding, its stiffness has no digits.
 NEARLY_SHUT = 1.0 - ROUNDING
 
@@ -309,16 +314,17 @@ STRAIGHT_CLOSURE = LOST
 #: Angles of friction in space are found to this [rad].  Derived: a rounding.
 FRICTION_ANGLE = ROUNDING
 
-#: Share of the crushing force that Newton's method for the normal reaction begins below.
+#: Start of Newton's method for the normal reaction, over the crushing force, at most.
 #: Derived: it converges from anywhere between, as steps outside are halved.
 BELOW_CRUSHING = 0.75
 
-#: A pair this near to the ends of its cones, over the middle between them, is put back there; and
-#: the product of a normal reaction and its slack, over what it should be.  Not measured.
+#: Products of a pair, and of a normal reaction and its slack, over those on the central path, below
+#: which they are centred anew.  Not measured.
 CENTRAL = 1e-2
 CENTRAL_NORMAL = 1e-3
 
-#: What a normal reaction and its slack keep of what they are in an iteration.  Not measured.
+#: Least share of its value that a normal reaction or its slack keeps in an iteration.
+#: Not measured.
 KEPT = 1e-2
 
 #: Distance to the boundary of its cones that a pair keeps, over their size: with less, a long slip
@@ -326,11 +332,12 @@ KEPT = 1e-2
 #: joint law itself are exact.  Not measured.
 LEAST_DISTANCE = 1e-10
 
-#: Friction over what keeps a contact open, below which it is open: it slides freely.  Not measured.
+#: Friction limit over the slack of the normal reaction, below which a contact counts as open and
+#: slides freely.  Not measured.
 OPENING = 1e-2
 
-#: Slip over what it was, under which a contact may stick again; and friction over its most, from
-#: which on its direction counts.  Not measured.
+#: Slip over its former value, below which a contact may stick again; and friction over its limit,
+#: above which its direction counts.  Not measured.
 STICKS_AGAIN = 0.1
 TURNING_FRICTION = 0.3
 
@@ -530,15 +537,16 @@ LEAST_EXCESS = 1e-5
 EXCESS_FALL = 20.0
 EXCESS_JUMP = 400.0
 
-#: Difference of applied and static multiplier that needs no explanation by excess and branch.
+#: Difference of applied and static multiplier that is allowed beside the excess and the slope.
 #: Not measured.
 LOOSE = 5e-4
 
-#: Share of the fastest block's motion by which the control point goes on where all of it moves.
+#: Motion of the control point over the fastest block's, above which the whole structure moves.
 #: Not measured.
 WITH_THE_REST = 0.25
 
-#: Change of the static multiplier within what is not explained that leaves it the same.
+#: Change of the static multiplier, over the difference of applied and static multiplier, below
+#: which it counts as the same.
 #: Not measured.
 SAME_MULTIPLIER = 0.2
 

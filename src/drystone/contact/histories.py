@@ -82,8 +82,8 @@ def handed_on(
         How far joints of each law close before they are crushed, (n_laws,) [m]; where some are.
 
     New contacts are open, have neither shear nor dilation, and are not bonded.  Where blocks have
-    moved into a joint on other features, a new contact lies deeper in it than the joint can bear:
-    it is crushed so far.
+    moved into a joint by other features, a new contact lies deeper in it than the joint can bear:
+    so far it is crushed.
     """
     if former is not None:
         source = predecessor_slots(former, pairs)

@@ -189,7 +189,7 @@ class DisplacementControl:
         if not report.converged or self._snaps(state, report):
             return self._retry(state, report)
         if self._thrown_back(state, report) or self._falls_freely(report):
-            report = changed(report, dynamic=True)  # whatever it is that it came to rest as
+            report = changed(report, dynamic=True)  # it is another structure at rest
         multiplier = report.static_multiplier
         advanced = report.reached * state.increment
         jumped = bool(state.time_step or report.path.dynamic_states) or self._is_jump(state, report)
@@ -368,10 +368,10 @@ class DisplacementControl:
         return report.motion > self.settings.snap_motion * state.increment
 
     def _thrown_back(self, state: DisplacementState, report: StepReport) -> bool:
-        """Whether in the rest found the control point lies behind where the load began.
+        """Whether the step is a jump to an equilibrium behind the start of the load.
 
-        So it does where the structure fell while the load held it back: what stands there is not
-        what was pushed.
+        The structure then fell while the load held the control point back: what stands there is
+        another structure than the one that was loaded.
         """
         behind = report.control_displacement < -self.settings.displacement_step
         return behind and not state.time_step and self._is_jump(state, report)
@@ -396,11 +396,11 @@ class DisplacementControl:
         return abs(report.static_multiplier - expected) > s.snap_share * self._scale(state)
 
     def _falls_freely(self, report: StepReport) -> bool:
-        """Whether in the motion on the way of a step the control point goes far without load, and
-        what it comes to rest as would carry again.
+        """Whether the control point moves far without load within a step that ends at rest, and the
+        structure would carry again there.
 
-        So it does where its block falls, or what stands below: what has landed is not what was
-        pushed.  Where the rest carries nothing, it ends the curve itself.
+        Its block has fallen then, or what stood below it: what has landed is another structure than
+        the one that was loaded.  If it carries nothing at rest, that point ends the curve anyway.
         """
         s, since = self.settings, math.inf
         if report.static_multiplier < s.stop_multiplier:

@@ -7,8 +7,8 @@ Where its text can be read in several ways, it is read so:
   in which their difference has not shrunk by a tenth within ``patience`` steps is past its peak,
   and so is one that carries a tenth less than it did: it falls.  The flowchart taken literally
   takes the first loaded step for the peak, because the carried multiplier lags behind.
-- Blocks are stopped at every step, on the ascending branch too: never stopping them while
-  waiting for balance lets the wall run away.
+- Blocks are stopped at every step, on the ascending branch too: the wall runs away if they are
+  not stopped while the multiplier waits for balance.
 - The paper's time step is constant.  Here it adapts on the descending branch to a displacement
   per step; the recursion's fixed point does not depend on it.
 - The analysis ends at a multiplier below ``stop_multiplier`` only on the descending branch, and
@@ -41,7 +41,7 @@ class PublishedSettings(EndSettings):
     overshoot: float = tolerances.OVERSHOOT  # applied over carried multiplier, descending
     # Difference of multipliers that counts as equal.
     balance_tolerance: float = tolerances.BALANCE_TOLERANCE
-    patience: int = 20  # steps without balance, nor on the way to it, that mean the peak
+    patience: int = 20  # steps without balance, and not approaching it, that mean the peak
     time_step: float = tolerances.PUBLISHED_TIME_STEP  # s, ascending, and at first descending
     # Of a block, over the displacement step, in motion and with next to nothing applied, after
     # which the structure has collapsed.

@@ -6,8 +6,8 @@ newtons.  So they are given the structure where its own lower corner is the orig
 block as large as the published walls' and its heaviest material as heavy as theirs.  Gravity is
 kept, so that times go with the square root of lengths.
 
-Coordinates that were typed are restored exactly: where a decimal number, of as many decimals as the
-double could hold there, lies within its rounding, that was meant.
+Coordinates that were typed are restored exactly: a double stands for the decimal number, with as
+many decimals as it can have there, that lies within its rounding.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ class Frame:
         """Rows of the blocks by their place, (n,), of an assembly in own coordinates.
 
         Sums have the roundings of their order, and where blocks slide or jump a rounding decides
-        which way they go.  Neither the order in which a drawing lists its blocks nor its turn in
+        their direction.  Neither the order in which a drawing lists its blocks nor its rotation in
         space is a property of the structure.  So blocks are ordered by their height, then along the
         control displacement, then from the left to the right of it.  Where that displacement is
         vertical, their distance from the control point decides, and last their coordinates.

@@ -32,9 +32,9 @@ from drystone.model.model import Model
 
 Array = NDArray[np.float64]
 
-#: Forces below this share of the heaviest weight are none.
+#: Forces below this share of the heaviest weight count as zero.
 NO_FORCE = 1e-7
-#: Blocks slower than this share of the fastest stand still in a mechanism.
+#: Blocks slower than this share of the fastest count as at rest in a mechanism.
 AT_REST = 1e-6
 #: The same of a fall, which is found to 1e-8 at best and slower where it is just beginning.
 FALLING = 1e-3

@@ -59,7 +59,8 @@ NEAR = 0.3
 BALANCED, ROUNDING = 0.1, 1e-11
 #: Corrections of one point, and of the first.
 MOST_CORRECTIONS, MOST_FIRST = 5, 80
-#: Share of the way to the boundary of the cones that a step goes, along the curve and towards it.
+#: Share of the distance to the boundary of the cones that a step takes, along the curve and towards
+#: it.
 ALONG, TOWARDS = 0.8, 0.95
 #: First step along the curve; the length is the root mean square of relative changes.
 STEP, LEAST_STEP = 0.3, 1e-7

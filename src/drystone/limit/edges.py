@@ -12,10 +12,10 @@ where head joints run through; with none nothing is carried across the edge.  Th
 joints of limit analysis are, as edges are never quite sharp.  What is carried across lies between
 normals, in the sum of the cones around all of them, which bounds it.
 
-An edge in a notch is no such corner: the part on either side of the notch's root lets it go along
-several normals, but both together along those of the notch alone.  Where two blocks touch in one
-place by several parts, each choice of a normal for each part leaves a cone of velocities; where one
-choice's holds those of all others, they are free along that one, and the contacts are joints.
+An edge in a notch is no such corner.  The part on either side of the notch's root allows motion
+along several normals, but both together only along those of the notch.  Where two blocks touch in
+one place by several parts, each choice of a normal for each part leaves a cone of velocities; where
+one choice's holds those of all others, they are free along that one, and the contacts are joints.
 """
 
 from __future__ import annotations

@@ -21,10 +21,9 @@ STILL = 1e-3
 def watched(model: Model) -> Model:
     """The model with its control point where its mechanism moves fastest along that direction.
 
-    Where one part falls beside another, a control point on the latter would see no more of it than
-    that the load goes on.  Of points that are equally fast the first is taken; where nothing moves
-    along the direction, or no mechanism is found, the control point stays.
-    """
+    Where one part falls beside another, a control point on the latter would not show the fall.  Of
+    points that are equally fast the first is taken; where nothing moves along the direction, or no
+    mechanism is found, the control point stays."""
     velocities = collapse_load(model, flow=ASSOCIATIVE).velocities
     return replace(model, control_point=fastest_point(model, velocities))
 

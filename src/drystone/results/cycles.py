@@ -126,7 +126,7 @@ def reversals(displacement: Array, *, noise: float = 0.0) -> list[int]:
 
 
 def _passage(out: Array, begin: int, end: int) -> float:
-    """Where a leg passes zero, as a point and a share of the way to the next; or its beginning."""
+    """Where a leg passes zero, as a point and a share of the step to the next; or its beginning."""
     for k in range(begin, end):
         if out[k] < 0.0 <= out[k + 1]:
             return k + float(-out[k] / (out[k + 1] - out[k]))

@@ -1,15 +1,16 @@
 """Finds the events along a curve from its points, poses, ties and contacts.
 
-A structure *moves by itself* where it jumps: between two neighbouring points at rest lie points in
-motion, or the second is marked as reached in a jump, or a block has moved so far in one step that
-it would have collapsed: steps are a fifth of the smallest block at most.  The first jump in which a
-block moves by more than `SNAP` of its smallest extent, or collapses, is where the structure first
-*loses its equilibrium*.  A block that moves by itself by more than
-`Analysis.event_share` of its smallest extent, be it on the way, has collapsed.  It has *fallen* if
-afterwards it lies lower by as much, hangs on ties alone or has left the structure, else it is
-*displaced*.  By default the share is a half.  A block that rests on the middle of another of its
-size has its centroid above the edge of that one when it has moved by half its extent: from there on
-it does not rest on what bore it.
+A structure *moves by itself* where it jumps.  There are three signs of a jump: dynamic points lie
+between two neighbouring static points; the second is marked as reached in a jump; or a block has
+moved so far in one step that it would have collapsed (steps are a fifth of the smallest block at
+most).  The structure first *loses its equilibrium* in the first jump in which a block moves by more
+than `SNAP` of its smallest extent, or collapses.
+
+A block has collapsed if it moves by itself by more than `Analysis.event_share` of its smallest
+extent, even if it moves back within the jump.  It has *fallen* if it then lies lower by as much,
+hangs on ties alone or has left the structure; else it is *displaced*.  The share is a half by
+default: a block on the middle of another of its size has then its centroid above the edge of that
+block, and rests on it no longer.
 """
 
 from __future__ import annotations

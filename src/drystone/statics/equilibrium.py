@@ -131,7 +131,7 @@ class EquilibriumState:
     softened: bool = False  # whether joints soften, and the slope is with that
     # Of space:
     tangent: Array | None = None  # (n, n_dof) per m of the control displacement
-    unstable: bool = False  # whether the structure would not keep it
+    unstable: bool = False  # whether it is an unstable equilibrium
     unchanged: bool = False  # whether no contact changed its state in the last step
     acted: ActedContacts | None = None
 

@@ -58,7 +58,7 @@ class StepSolution:
     deviation: float | None = None
     slope: float = np.nan  # 1/m, of the curve at the end; in space
     tangent: Array | None = None  # (n, n_dof) per m of the prescribed displacement, in space
-    unstable: bool = False  # whether the structure would not keep it, and none was found beside it
+    unstable: bool = False  # whether it is unstable, and no stable one was found nearby
     softened: bool = False  # whether joints soften where it is, and the slope is with that
     reason: str = ""
 
@@ -108,7 +108,7 @@ class Before:
     # whether no contact changed its state: Newton's method is then tried first
     unchanged: bool = False
     slope: float = math.nan  # 1/m, of the curve where it ended, if known
-    unstable: bool = False  # whether the structure would not keep where it ended
+    unstable: bool = False  # whether it ended at an unstable equilibrium
 
 
 class _Solver:
