@@ -518,3 +518,45 @@ def test_run_writes_pictures_in_other_formats_as_well(made, tmp_path):
     assert {"curve.png", "curve.svg", "mechanism.svg"} <= {path.name for path in out.iterdir()}
     drystone("run", made / "wall.toml", "--out", out, "--quiet")
     assert not (out / "curve.svg").exists()  # of another run
+
+
+@pytest.fixture(scope="module")
+def cyclic(made) -> Path:
+    """The folder of the same wall, gone to and fro and then over."""
+    model = ds.read_model(made / "wall.toml").with_history([0.05, -0.05, 0.15, -0.1, 1.2 * WIDTH])
+    write_model(model, made / "cyclic.toml")
+    result = drystone("run", made / "cyclic.toml", "--out", made / "cyclic", "--quiet")
+    assert result.exit_code == 0, result.output
+    return made / "cyclic"
+
+
+def test_of_a_cyclic_curve_the_envelope_is_assessed(made, cyclic):
+    """As the curve that goes one way, as nothing is lost to and fro; and the verdict says so."""
+    one_way = json.loads(drystone("assess", made / "wall", *FLAGS, "--json").stdout)
+    told = json.loads(drystone("assess", cyclic, *FLAGS, "--json").stdout)
+    assert told["safety_index"] == pytest.approx(one_way["safety_index"], rel=1e-2)
+    assert told["collapse_displacement"] == pytest.approx(
+        one_way["collapse_displacement"], rel=1e-2
+    )
+    assert any("envelope in the sense of the load" in said for said in told["assumptions"])
+    spoken = drystone("assess", cyclic, *FLAGS, "--language", "it")
+    assert "La curva è ciclica" in spoken.output
+
+
+def test_a_cyclic_curve_that_does_not_go_far_enough_has_no_verdict(made, tmp_path):
+    model = ds.read_model(made / "wall.toml").with_history([0.02, -0.02, 0.0])
+    write_model(model, tmp_path / "short.toml")
+    drystone("run", tmp_path / "short.toml", "--out", tmp_path / "short", "--quiet")
+    result = drystone("assess", tmp_path / "short", *FLAGS)
+    assert result.exit_code == 3 and "3 displacements of the history" in result.output
+
+
+def test_the_outward_curve_has_what_happened_up_to_each_point(cyclic):
+    curve = ds.load_results(cyclic).curve
+    outward = curve.outward()
+    x = outward.control_displacement
+    assert x[0] == 0.0 and np.all(np.diff(x) > 0.0) and not outward.is_cyclic
+    assert [point.step for point in outward.points] == list(range(len(x)))
+    assert len(outward.poses) == len(x) and outward.status == "finished"
+    known = dict(zip(curve.control_displacement, curve.load_multiplier, strict=True))
+    assert all(known[a] == b for a, b in zip(x, outward.load_multiplier, strict=True))

@@ -136,3 +136,55 @@ def test_the_envelope_is_where_it_goes_farther_out():
     assert np.all(np.diff(out) > 0.0) and out[-1] == pytest.approx(2.0)
     back, _ = envelope(x, y, -1.0)
     assert back.min() == pytest.approx(-2.0)
+
+
+def test_the_digest_is_also_that_of_the_file_of_displacements(tmp_path):
+    (tmp_path / "h.txt").write_text("0.01\n-0.01\n")
+    one = read(tmp_path, 'history = "h.txt"')
+    (tmp_path / "h.txt").write_text("0.01\n-0.02\n")
+    other = read(tmp_path, 'history = "h.txt"')
+    assert one.sha256 != other.sha256
+    listed = read(tmp_path, "history = [0.01, -0.02]")
+    assert listed.history == other.history and listed.sha256 != other.sha256
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "control.history: is empty"),
+        ("# nothing\n\n", "control.history: is empty"),
+        ("0.01\nnan\n", "control.history[2]: must be a finite number"),
+        ("0.01\n-50\n", "control.history[2]: -50 m is beyond the structure"),
+        ("0.01 0.02\n", "line 1: must be one number"),
+        ("0.01\n" * 3, "control.history[2]: the control point is at 0.01 m already"),
+    ],
+)
+def test_bad_files_of_displacements_are_refused_with_their_place(tmp_path, text, said):
+    (tmp_path / "h.txt").write_text(text)
+    with pytest.raises(ModelError) as error:
+        read(tmp_path, 'history = "h.txt"')
+    assert said in str(error.value)
+
+
+def test_thousands_of_cycles_can_be_interrupted_and_read(tmp_path):
+    """Five thousand cycles begin at once; where they are stopped, what was reached is there."""
+    model = read(tmp_path, "amplitudes = [0.001]\ncycles = 5000")
+    assert len(model.history.targets) == 10_001
+
+    class Recorder:
+        n = 0
+
+        def begin(self, model, engine, strategy):
+            pass
+
+        def point(self, point, pose, contacts):
+            self.n += 1
+            if self.n == 200:
+                raise KeyboardInterrupt
+
+        def end(self, curve):
+            self.ended = curve
+
+    curve = ds.pushover(model, recorder=Recorder())
+    assert curve.status == "interrupted" and len(curve.points) >= 199
+    assert curve.is_cyclic and curve.cycles and curve.cycles[0].closed

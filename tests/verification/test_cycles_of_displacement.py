@@ -11,6 +11,7 @@ import pytest
 
 import drystone as ds
 from drystone.model.assembly import Block
+from drystone.model.builders.published import published_wall
 from drystone.model.construction.model import make_model
 
 UNIT_WEIGHT = 10e3  # N/m3
@@ -200,3 +201,46 @@ def test_a_monotonic_history_is_the_monotonic_curve():
     one = np.interp(at, there.control_displacement, there.load_multiplier)
     other = np.interp(at, curve.control_displacement, curve.load_multiplier)
     assert np.abs(one - other).max() < 1e-5
+
+
+TO_AND_FRO = (0.05, -0.05, 0.0)  # m
+
+
+def test_wall_1_under_a_beam_goes_to_and_fro():
+    """All of it moves with the beam: nothing falls, and peaks are those of both senses of a wall
+    that is the same from both sides."""
+    wall = published_wall(1)
+    courses = [block for block in wall.assembly.blocks if not block.support]
+    top = max(block.vertices[:, 1].max() for block in courses)
+    left, right = (
+        f(block.vertices[:, 0]) for f, block in ((np.min, courses[0]), (np.max, courses[-1]))
+    )
+    corners = np.array([[left, top], [right, top], [right, top + 0.175], [left, top + 0.175]])
+    beam = Block(id="beam", vertices=corners, unit_weight=UNIT_WEIGHT)
+    model = make_model(
+        [*wall.assembly.blocks, beam],
+        joint=wall.assembly.joint,
+        corner=wall.assembly.corner,
+        thickness=1.0,
+        load_direction=(1.0, 0.0),
+        control_block="beam",
+        control_point="centre",
+    )
+    curve = ds.pushover(model.with_history(TO_AND_FRO))
+    assert "all 3 displacements" in curve.reason and not curve.blocks_left
+    assert curve.control_displacement[-1] == pytest.approx(0.0, abs=1e-9)
+    assert curve.residual.max() < 1e-8
+    there, back = curve.load_multiplier.max(), -curve.load_multiplier.min()
+    assert back == pytest.approx(there, rel=1e-3)
+
+
+def test_wall_1_by_its_corner_loses_what_the_corner_does_not_hold():
+    """To the left the corner of the upper right block takes no part in the collapse: the other
+    flank falls at the peak of that sense, which is that of the wall seen from behind."""
+    curve = ds.pushover(published_wall(1).with_history(TO_AND_FRO))
+    assert "all 3 displacements" in curve.reason
+    assert curve.control_displacement[-1] == pytest.approx(0.0, abs=1e-9)
+    assert curve.residual.max() < 1e-8  # of every point, of blocks that have not left
+    falls = [event for event in curve.events if event.kind == "block_fallen"]
+    assert falls[0].load_multiplier == pytest.approx(-0.578, abs=1e-3)
+    assert {block[-2:] for block in falls[0].blocks} <= {"u1", "u2", "u3"}

@@ -137,7 +137,7 @@ def assessed(
 
 
 def verdict_on(curve: CapacityCurve, model: Model, request: Request | None = None) -> Verdict:
-    """Assess a traced curve.
+    """Assess a traced curve; of one that goes to and fro its envelope in the sense of the load.
 
     Parameters
     ----------
@@ -155,6 +155,9 @@ def verdict_on(curve: CapacityCurve, model: Model, request: Request | None = Non
     """
     asked = request_of(model.site, model.assessment) if request is None else request
     curve = of_the_whole(curve, model)
+    cyclic = curve.is_cyclic
+    if cyclic:
+        curve = curve.outward()
     found = reduced(curve, model, grouping=asked.grouping)
     settings = asked.settings
     if settings.reading not in found.capacities:
@@ -178,7 +181,8 @@ def verdict_on(curve: CapacityCurve, model: Model, request: Request | None = Non
                 others[name] = assess(capacity, asked.spectra, replace(settings, reading=name))
             except AssessmentError as error:
                 others[name] = error.said
-    first = (*_left_behind(curve, model), *_beyond_events(answer))
+    of_cycles = [say("verdict.of_cycles")] if cyclic else []
+    first = (*of_cycles, *_left_behind(curve, model), *_beyond_events(answer))
     missing = missing_motions(asked.hazard)
     answer = replace(answer, assumptions=(*first, *answer.assumptions, *missing))
     return Verdict(assessment=answer, reduction=found, others=others, hazard=asked.hazard)

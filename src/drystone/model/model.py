@@ -55,7 +55,7 @@ class Origin:
     """The file that a model was read from, and what it held."""
 
     path: str
-    sha256: str  # of the file's bytes; with imports, of its digest and theirs
+    sha256: str  # of the file's bytes; with imports or a history's file, of its digest and theirs
     contents: tuple[Any, ...]  # `Model.contents` as read
 
 
@@ -137,8 +137,8 @@ class Model:
 
     @cached_property
     def sha256(self) -> str:
-        """Digest of the file's bytes and of those of its imports; without `source`, of the model's
-        own description."""
+        """Digest of the file's bytes, of those of its imports and of the file of its history;
+        without `source`, of the model's own description."""
         if self.origin and self._as_read(self.origin):
             return self.origin.sha256
         from drystone.model.construction.describe import digest

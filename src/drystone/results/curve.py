@@ -41,8 +41,11 @@ SETTLEMENT = "settlement"
 #: Strategy of curves whose control point goes to and fro, see `CapacityCurve.cycles`.
 CYCLIC = "cyclic"
 
-#: Status of a curve that is complete.
-FINISHED = "finished"
+#: Strategy of curves whose control point goes one way.
+DISPLACEMENT = "displacement"
+
+#: Status of a curve that is complete, and of one that ends before.
+FINISHED, STOPPED = "finished", "stopped"
 
 
 class RecorderError(Exception):
@@ -137,7 +140,10 @@ class TieRecord:
 
     def until(self, n: int) -> TieRecord:
         """That of the first ``n`` points."""
-        rows = slice(n)
+        return self.at_rows(slice(n))
+
+    def at_rows(self, rows: slice | NDArray[np.int64]) -> TieRecord:
+        """That of some points."""
         return replace(
             self,
             force=self.force[rows],
@@ -453,6 +459,36 @@ class CapacityCurve:
             ties=None if self.ties is None else self.ties.until(n),
             blocks_left=tuple(b for b in self.blocks_left if b.step < n),
             events=tuple(e for e in self.events if e.step < n),
+        )
+
+    def outward(self) -> CapacityCurve:
+        """Of a cyclic curve its envelope in the sense of the load, as a curve of one sense: points
+        farther out than any before, with what had happened up to each.
+
+        It is complete where the cyclic one ends in a collapse in that sense.
+        """
+        x = self.control_displacement
+        farthest = np.maximum.accumulate(np.concatenate(([0.0], x[:-1])))
+        rows = np.concatenate(([0], 1 + np.flatnonzero(x[1:] > farthest[1:])))
+
+        def at(step: int) -> int:
+            """The last point kept that is not behind a step."""
+            return int(np.searchsorted(rows, step, side="right")) - 1
+
+        collapsed = self.status == FINISHED and (
+            self.ended_by is not None or (self._ultimate_of_cycles or 0.0) > 0.0
+        )
+        return replace(
+            self,
+            strategy=DISPLACEMENT,
+            points=tuple(replace(self.points[k], step=i) for i, k in enumerate(rows)),
+            poses=None if self.poses is None else self.poses[rows],
+            contacts=None if self.contacts is None else tuple(self.contacts[k] for k in rows),
+            ties=None if self.ties is None else self.ties.at_rows(rows),
+            blocks_left=tuple(replace(b, step=at(b.step)) for b in self.blocks_left),
+            events=tuple(replace(e, step=at(e.step)) for e in self.events),
+            ended_by=self.ended_by and replace(self.ended_by, step=at(self.ended_by.step)),
+            status=FINISHED if collapsed else STOPPED,
         )
 
     def departed(self, ids: Sequence[str], step: int) -> NDArray[np.bool_]:

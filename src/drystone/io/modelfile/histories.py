@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,8 +15,11 @@ if TYPE_CHECKING:
     from drystone.io.modelfile.schema import ControlSection
 
 
-def history_in(section: ControlSection, folder: str, problems: list[str]) -> History | None:
-    """The history that [control] asks for; what is wrong is added to ``problems``.
+def history_in(
+    section: ControlSection, folder: str, problems: list[str]
+) -> tuple[History | None, tuple[str, ...]]:
+    """The history that [control] asks for, and the digest of its file where there is one; what is
+    wrong is added to ``problems``.
 
     Parameters
     ----------
@@ -25,34 +29,40 @@ def history_in(section: ControlSection, folder: str, problems: list[str]) -> His
     targets, amplitudes, cycles = section.history, section.amplitudes, section.cycles
     if cycles is not None and amplitudes is None:
         problems.append("control.cycles: is of amplitudes: give amplitudes = [...] in m as well")
-        return None
+        return None, ()
+    digests: tuple[str, ...] = ()
     try:
         if isinstance(targets, str):
-            targets = _read(_within(Path(folder), targets))
+            contents, path = _bytes(Path(folder), targets)
+            digests = (hashlib.sha256(contents).hexdigest(),)
+            targets = _numbers(contents, path)
         for key, value in (("history", targets), ("amplitudes", amplitudes)):
             if value is not None and not isinstance(value, list):
                 what = f"must be a list of displacements in m, it is {found(value)}"
                 raise ModelError([f"control.{key}: {what}"])
-        return history_of(targets, amplitudes, 1 if cycles is None else cycles)
+        return history_of(targets, amplitudes, 1 if cycles is None else cycles), digests
     except ModelError as error:
         problems += error.problems
-        return None
+        return None, ()
 
 
-def _within(folder: Path, name: str) -> Path:
-    """The file of that name in the model's folder; raises `ModelError` where it lies outside."""
+def _bytes(folder: Path, name: str) -> tuple[bytes, Path]:
+    """What the file of that name in the model's folder holds, and its path; raises `ModelError`
+    where it lies outside, or cannot be read."""
     try:
-        return within(folder, name)
+        path = within(folder, name)
     except ModelError as error:
         raise ModelError([f"control.history: {error.problems[0]}"]) from None
-
-
-def _read(path: Path) -> list[float]:
-    """Displacements [m] of a text file, one a line; what follows a # is left out."""
     try:
-        text = read_bytes(path, "a file of displacements").decode("utf-8")
+        return read_bytes(path, "a file of displacements"), path
     except ModelError as error:
         raise ModelError([f"control.history: {path} {error.problems[0]}"]) from None
+
+
+def _numbers(contents: bytes, path: Path) -> list[float]:
+    """Displacements [m] of a text file, one a line; what follows a # is left out."""
+    try:
+        text = contents.decode("utf-8")
     except UnicodeDecodeError:
         raise ModelError([f"control.history: {path} is no text: give one number a line"]) from None
     values = []

@@ -188,7 +188,7 @@ def _model(
         control_block, control_point = imports.control
     joint, between = _laws(section, blocks, need_stiffness, problems)
     section = with_holders(section, blocks, problems)
-    history = history_in(section.control, folder, problems)
+    history, of_history = history_in(section.control, folder, problems)
     engine = section.analysis.engine
     if need_engine and engine not in BUILT_IN and engine not in (known := engine_names()):
         problems.append(
@@ -196,8 +196,8 @@ def _model(
         )
     if problems:
         raise ModelError(problems)
-    if imports.digests:
-        sha256 = hashlib.sha256("".join((sha256, *imports.digests)).encode()).hexdigest()
+    if digests := (*imports.digests, *of_history):
+        sha256 = hashlib.sha256("".join((sha256, *digests)).encode()).hexdigest()
     return make_model(
         blocks,
         joint=joint,
