@@ -1,6 +1,6 @@
 """Draw the figures of the README and of these pages, docs/images/*.png.
 
-python docs/make_figures.py [--built] [--engine NAME]
+python docs/make_figures.py [--built] [--laboratory] [--engine NAME]
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ IMAGES = HERE / "images"
 EXAMPLES = HERE.parent / "examples"
 AT = 0.2  # m, control displacement of the mechanism, the published one
 OVERSHOOTS = (1.005, 1.02, 1.05)
+#: Width, and colours, of the pictures of laboratory tests.
+MOST_PIXELS, COLOURS = 1400, 128
 
 
 def example(name: str, engine: str | None) -> None:
@@ -53,6 +55,23 @@ def tutorials() -> None:
                 shutil.copy(Path(folder) / f"{picture}.png", target / f"{name}_{picture}.png")
         subprocess.run(["drystone", "show", EXAMPLES / f"{name}.toml", "--out",
                         target / f"{name}_model.png"], check=True)  # fmt: skip
+
+
+def of_laboratories() -> None:
+    """Measured walls beside computed ones, in few colours: what `drystone benchmark laboratory`
+    draws."""
+    from PIL import Image
+
+    target = IMAGES / "laboratory"
+    target.mkdir(exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run(
+            ["drystone", "benchmark", "laboratory", "--quiet", "--out", folder], check=True
+        )
+        for what in ("monotonic", "cyclic", "cracks"):
+            picture = Image.open(Path(folder) / f"laboratory_{what}.png").convert("RGB")
+            picture.thumbnail((MOST_PIXELS, 2 * MOST_PIXELS), Image.Resampling.LANCZOS)
+            picture.quantize(COLOURS).save(target / f"{what}.png", optimize=True)
 
 
 def bias() -> None:
@@ -106,9 +125,13 @@ def built() -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--built", action="store_true", help="those of builders alone")
+    parser.add_argument("--laboratory", action="store_true", help="those of walls alone")
     parser.add_argument("--engine", help="of the examples' pictures; default: what the model says")
     arguments = parser.parse_args()
     IMAGES.mkdir(exist_ok=True)
+    if arguments.laboratory:
+        of_laboratories()
+        return
     built()
     if arguments.built:
         return
@@ -116,6 +139,7 @@ def main() -> None:
         example(name, arguments.engine)
     tutorials()
     bias()
+    of_laboratories()
 
 
 if __name__ == "__main__":

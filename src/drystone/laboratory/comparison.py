@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from drystone.common.workers import Call, in_processes
 from drystone.laboratory.figures import Figures, amplitude, figures_of, loops_of
 from drystone.laboratory.models import SHEAR_SHARES, model_of
-from drystone.laboratory.walls import Wall, measured, wall_named, walls
+from drystone.laboratory.walls import Wall, alike, crack_map, measured, wall_named, walls
 
 Array = NDArray[np.float64]
 
@@ -30,7 +30,6 @@ VARIANTS: dict[str, dict[str, Any]] = {
     REPORTED: {},
     "soft in shear": {"shear_share": SHEAR_SHARES[0]},
     "stiff in shear": {"shear_share": SHEAR_SHARES[1]},
-    "no crushing": {"crushes": False, "points": 2},
 }
 
 #: Drifts [%] of the cycles of cyclic walls; the last is about the measured end.
@@ -49,6 +48,7 @@ class Computed:
     reason: str
     residual: float  # -, largest of all points
     seconds: float
+    poses: Array | None = None  # (n_points, n, 3) of all blocks, see `CapacityCurve.poses`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +63,21 @@ class Compared:
     def computed(self) -> Computed:
         """By what the reports say."""
         return self.variants[REPORTED]
+
+    @property
+    def crack_map(self) -> bytes | None:
+        """The drawing of the wall at the end of its test, in PNG, or None."""
+        return crack_map(self.wall)
+
+    @property
+    def at_the_end(self) -> tuple[float, Array] | None:
+        """Displacement [m] and poses (n, 3) of the computed point that is nearest to the measured
+        end; None where poses were not kept."""
+        curve = self.computed
+        if curve.poses is None:
+            return None
+        row = int(np.abs(curve.displacement - self.measured[0][-1]).argmin())
+        return float(curve.displacement[row]), curve.poses[row]
 
     def senses(self) -> tuple[float, ...]:
         """Those in which it was pushed."""
@@ -110,6 +125,19 @@ def ratios(values: Sequence[float]) -> tuple[float, float]:
     return mean, scatter
 
 
+def spread(values: Sequence[float]) -> dict[str, float] | None:
+    """Number, median and quartiles; None of no values."""
+    if not values:
+        return None
+    lower, median, upper = np.quantile(values, (0.25, 0.5, 0.75)).tolist()
+    return {
+        "n": len(values),
+        "median": median,
+        "lower_quartile": lower,
+        "upper_quartile": upper,
+    }
+
+
 def laboratory(
     *,
     names: Sequence[str] = (),
@@ -151,13 +179,8 @@ def laboratory(
 
 def _keys(wall: Wall) -> list[tuple[str, str]]:
     """Wall and variant of its curves: of walls that are alike, those of the first."""
-    like = next(other for other in walls() if _alike(other, wall))
+    like = next(other for other in walls() if alike(other, wall))
     return [(like.name, name) for name in ([REPORTED] if wall.cyclic else VARIANTS)]
-
-
-def _alike(one: Wall, other: Wall) -> bool:
-    same = ("series", "cyclic", "vertical_force", "unit_weight", "wall_modulus")
-    return all(getattr(one, key) == getattr(other, key) for key in same)
 
 
 def computed(name: str, variant: str) -> Computed:
@@ -165,20 +188,22 @@ def computed(name: str, variant: str) -> Computed:
     from drystone.analysis.driver import pushover
 
     wall = wall_named(name)
-    alike = [other for other in walls() if _alike(wall, other)]
-    farthest = max(float(np.abs(measured(other)[0]).max()) for other in alike)
+    same = [other for other in walls() if alike(wall, other)]
+    farthest = max(float(np.abs(measured(other)[0]).max()) for other in same)
     history = None
     if wall.cyclic:
         amplitudes = [0.01 * drift * wall.load_height for drift in CYCLE_DRIFTS]
         history = [x for a in amplitudes for x in (a, -a)] + [0.0]
     model = model_of(wall, history=history, farthest=farthest, **VARIANTS[variant])
     begun = time.perf_counter()
-    curve = pushover(model, keep_poses=False, keep_contacts=False)
+    mapped = variant == REPORTED and any(crack_map(other) for other in same)
+    curve = pushover(model, keep_poses=mapped, keep_contacts=False)
     return Computed(
         displacement=curve.control_displacement,
         force=curve.load_force * curve.load_multiplier,
         status=curve.status,
         reason=curve.reason,
         residual=float(np.nanmax(curve.residual)),
+        poses=curve.poses,
         seconds=time.perf_counter() - begun,
     )

@@ -16,10 +16,14 @@ Array = NDArray[np.float64]
 
 #: Drifts [%] at which forces are compared.
 DRIFTS = (1.0, 2.0, 3.0)
-#: Jump of the force between two records, over its range in a cycle, from which on there is a gap.
+#: Jump of force or displacement between two records, over its range in a cycle, from which on there
+#: is a gap.
 GAP = 0.4
 #: Share of the peak at which the initial stiffness is read, and rule of the bilinear.
 STIFFNESS_SHARE, RULE = 0.4, "eighty_percent"
+#: Share of the peak that the bilinear's first branch passes through: that of the database (Vanin et
+#: al. 2017), whose K_eff is the secant there.
+SECANT_SHARE = 0.7
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,7 +36,21 @@ class Figures:
     at_drift: tuple[float | None, ...]  # N, at `DRIFTS`; None beyond the end
     ultimate_drift: float  # %, at a drop by 20 %, or the end
     ends_before_drop: bool  # whether it ends there without that drop
-    bilinear: Bilinear | None  # by `RULE`, up to the ultimate drift
+    bilinear: Bilinear | None  # by `RULE` and `SECANT_SHARE`, up to the ultimate drift
+    #: Whether more than `SECANT_SHARE` of the peak is carried where the curve passes zero: of loops
+    #: in the sense that was gone to second.  There is no first branch then.
+    begins_loaded: bool
+
+    @property
+    def bilinear_values(self) -> tuple[float | None, float | None, float]:
+        """Level [kN], yield and ultimate drift [%]; None where there is no bilinear, or no first
+        branch."""
+        line = self.bilinear
+        if line is None:
+            return None, None, self.ultimate_drift
+        share = self.ultimate_drift / line.ultimate_displacement  # % over m
+        start = None if self.begins_loaded else share * line.yield_displacement
+        return 1e-3 * line.yield_acceleration, start, self.ultimate_drift
 
     @property
     def as_dict(self) -> dict[str, object]:
@@ -59,7 +77,7 @@ def figures_of(wall: Wall, displacement: Array, force: Array, sense: float = 1.0
     end = float(x[top + below[0]]) if len(below) else float(x[-1])
     at = [0.01 * drift * wall.load_height for drift in DRIFTS]
     try:
-        line = bilinear(x, y, RULE, ultimate=end)
+        line = bilinear(x, y, RULE, ultimate=end, secant_share=SECANT_SHARE)
     except AssessmentError:
         line = None
     return Figures(
@@ -70,18 +88,28 @@ def figures_of(wall: Wall, displacement: Array, force: Array, sense: float = 1.0
         ultimate_drift=wall.drift(end),
         ends_before_drop=not len(below),
         bilinear=line,
+        begins_loaded=bool(y[1] > SECANT_SHARE * y[top]),
     )
 
 
 def loops_of(displacement: Array, force: Array) -> tuple[Cycle, ...]:
-    """Closed cycles that go to both sides and have no gap in the record."""
+    """Closed cycles that go to both sides, begin and end at zero, and have no gap in the record."""
     noise = REVERSAL_NOISE * float(np.abs(displacement).max())
     found = cycles_of(displacement, force, noise=noise)
-    jump = np.abs(np.diff(force))
+
+    def at_zero(row: int) -> bool:
+        """Whether zero is passed between a record and the next, or nearly there."""
+        pair = displacement[row : row + 2]
+        return bool(pair.min() <= 0.0 <= pair.max() or np.abs(pair).min() <= noise)
 
     def is_whole(c: Cycle) -> bool:
-        span = c.force_at_greatest - c.force_at_least
-        return float(jump[c.first : c.last].max()) < GAP * span
+        if not (at_zero(c.first) and at_zero(max(c.last - 1, 0))):
+            return False  # it turned before it came back
+        rows = slice(c.first, c.last + 1)
+        return all(
+            float(np.abs(np.diff(values[rows])).max()) < GAP * float(np.ptp(values[rows]))
+            for values in (displacement, force)
+        )
 
     return tuple(c for c in found if c.closed and c.least < 0.0 < c.greatest and is_whole(c))
 

@@ -25,8 +25,11 @@ BEAM = "beam"
 SHEAR_SHARE = 1.0 / 2.4
 SHEAR_SHARES = (0.2 * SHEAR_SHARE, 1.0)
 
-#: Contact points of a joint that crushes.
+#: Contact points of a joint: the fewest of 2, 4, 8, ... with which peaks, and forces at 1, 2 and
+#: 3 % drift, of all walls that were pushed one way are within `CONVERGED` of those with twice as
+#: many.  With 4 they are up to 3.8 % off, with 8 up to 0.7 %.  No measured value is part of this.
 POINTS = 8
+CONVERGED = 0.01
 
 
 # Long by its arguments, each with its words.
@@ -38,7 +41,6 @@ def model_of(
     history: Sequence[float] | None = None,
     farthest: float | None = None,
     points: int = POINTS,
-    crushes: bool = True,
 ) -> Model:
     """The model of a wall.
 
@@ -57,9 +59,8 @@ def model_of(
         Control displacements [m] to reach one after another.
     farthest
         Control displacement [m] where a curve that goes one way ends.
-    points, crushes
-        Contact points of a joint, and whether joints crush at the strength of masonry; where not,
-        it is infinite.
+    points
+        Contact points of a joint, each of which crushes at the strength of masonry.
     """
     said = series()["series"][wall.series]
     n = round(wall.height / wall.unit_height)
@@ -90,7 +91,6 @@ def model_of(
         force=np.array([0.0, -wall.vertical_force]),
     )
     stiffness = wall.joint_stiffness
-    strength = {"compressive_strength": wall.strength} if crushes else {}
     options = {} if farthest is None or history is not None else {"max_displacement": farthest}
     return make_model(
         blocks,
@@ -98,7 +98,7 @@ def model_of(
             friction_coefficient=said["friction"] if friction is None else friction,
             normal_stiffness=stiffness,
             shear_stiffness=shear_share * stiffness,
-            **strength,
+            compressive_strength=wall.strength,
         ),
         thickness=wall.thickness,
         points=points,

@@ -47,6 +47,7 @@ class Wall:
     modulus_source: str
     given: Mapping[str, float | None]  # figures of the database: forces [kN], drifts [%], [kN/mm]
     failure: str  # from the report
+    map_pushed_left: bool = True  # how its crack map shows it, where it has one
 
     @property
     def joint_stiffness(self) -> float:
@@ -54,6 +55,14 @@ class Wall:
         as one of the wall's modulus does beyond units of theirs."""
         e, eb = self.wall_modulus, self.unit_modulus
         return e * eb / (self.unit_height * (eb - e))
+
+    def bilinear_given(self, sense: float) -> tuple[float | None, float | None, float | None]:
+        """Level [kN], yield and ultimate drift [%] of the database's bilinear, in a sense."""
+        mark = "+" if sense > 0.0 else "-"
+        level, start, end = (
+            self.given[key.format(mark)] for key in ("Vu,{} [kN]", "dy,{} [%]", "du,{} [%]")
+        )
+        return level, start, end
 
     def drift(self, displacement: float) -> float:
         """Displacement at the load's height over that [%]."""
@@ -79,11 +88,30 @@ def wall_named(name: str) -> Wall:
     return {wall.name: wall for wall in walls()}[name]
 
 
+def alike(one: Wall, other: Wall) -> bool:
+    """Whether walls were built and loaded alike: their model is one."""
+    same = ("series", "cyclic", "vertical_force", "unit_weight", "wall_modulus")
+    return all(getattr(one, key) == getattr(other, key) for key in same)
+
+
+def known_miss(wall: Wall) -> str:
+    """Why the computed peak of a wall is far from the measured one; empty where that is not known,
+    or not so."""
+    known = series()["series"][wall.series].get("known_misses", {})
+    return next((text for start, text in known.items() if wall.name.startswith(start)), "")
+
+
 def measured(wall: Wall) -> tuple[Array, Array]:
     """Displacement [m] at the load's height and horizontal force [N], in the order measured."""
     rows = list(csv.reader(_text(f"{wall.name}.csv").splitlines()))[1:]
     x, y = np.array([[float(v) for v in row] for row in rows]).T
     return 1e-3 * x, 1e3 * y
+
+
+def crack_map(wall: Wall) -> bytes | None:
+    """The drawing of its final state, a picture in PNG, where the database has one."""
+    file = resources.files("drystone.laboratory") / "data" / "crackmaps" / f"{wall.name}.png"
+    return file.read_bytes() if file.is_file() else None
 
 
 def _text(name: str) -> str:
@@ -112,6 +140,7 @@ def _wall(row: Mapping[str, str], rows: list[dict[str, str]]) -> Wall:
     figures = (
         "dmax,+ [%]", "Vmax,+ [kN]", "dmax,- [%]", "Vmax,- [kN]", "dy,+ [%]", "dy,- [%]",
         "du,+ [%]", "Vu,+ [kN]", "du,- [%]", "Vu,- [kN]", "Kel,+ [kN/mm]", "Keff,+ [kN/mm]",
+        "Kel,- [kN/mm]", "Keff,- [kN/mm]",
     )  # fmt: skip
     return Wall(
         name=name,
@@ -132,6 +161,7 @@ def _wall(row: Mapping[str, str], rows: list[dict[str, str]]) -> Wall:
         modulus_source=source,
         given={key: _number(row[key]) for key in figures},
         failure=row["From test report: Failure type"],
+        map_pushed_left=name not in series()["maps"]["pushed_right"],
     )
 
 

@@ -53,6 +53,11 @@ class Joints:
             opening, slip = opening - before[0], slip - before[1]
         return opening.max(axis=1), np.abs(slip).max(axis=1)
 
+    def closing(self, pose: Array) -> Array:
+        """Largest closing over the two ends in the poses, (k,) [m]; negative of an open joint."""
+        opening, _ = self._apart(pose)
+        return -opening.min(axis=1)
+
     def _apart(self, pose: Array) -> tuple[Array, Array]:
         """Opening and slip at both ends, (k, 2) each [m]."""
         face_a, face_b = self.faces(pose)
