@@ -2,44 +2,61 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from drystone.cli.options import AsJson, Quiet
-from drystone.cli.outcome import DONE, emit, outcome
+from drystone.cli.outcome import DONE, emit, outcome, tell
 
 All = Annotated[bool, typer.Option("--all", help="All cases; else those of the quick set.")]
-HEADS = ("case", "source", "expected", "got", "error %", "s")
+Page = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        dir_okay=False,
+        help="Write the table as a page in Markdown, too.",
+        show_default=False,
+    ),
+]
+
+#: Exit status where a case is beyond its bound.
+BEYOND = 1
 
 
-def verify(everything: All = False, as_json: AsJson = False, quiet: Quiet = False) -> None:
-    """Compute cases that are known otherwise, and print expected and computed values."""
+def verify(
+    everything: All = False, out: Page = None, as_json: AsJson = False, quiet: Quiet = False
+) -> None:
+    """Compute cases that are known otherwise, and print expected and computed values.
+
+    Each case has a bound of its error. The exit status is 1 where one is beyond its bound, and
+    that is not known with its cause.
+    """
     with outcome(as_json=as_json):
-        from drystone.laboratory.verification import cases, checked
+        from drystone.common.version import package_version
+        from drystone.verification import page
+        from drystone.verification.case import FAILS, checked
+        from drystone.verification.cases import cases, introductions
 
         rows = []
-        widths = (58, 48, 10, 10, 9, 6)
         if not as_json:
-            typer.echo(_line(HEADS, widths))
+            typer.echo(page.head())
         for row in checked(cases(everything=everything)):
             rows.append(row)
             if not as_json:
-                cells = (
-                    row.case.name,
-                    f"{row.case.kind}: {row.case.source}",
-                    f"{row.case.expected:.5g}",
-                    f"{row.got:.5g}",
-                    f"{100.0 * row.error:+.2g}" if abs(row.error) > 1e-12 else "0",
-                    f"{row.seconds:.1f}",
-                )
-                typer.echo(_line(cells, widths))
+                typer.echo(page.line(row))
+        if out is not None:
+            text = page.markdown(rows, introductions(), package_version())
+            out.write_text(text, encoding="utf-8")
+        failed = [row for row in rows if row.outcome == FAILS]
         if as_json:
-            emit({"rows": [row.as_dict() for row in rows]})
-    raise typer.Exit(DONE)
-
-
-def _line(cells: tuple[str, ...], widths: tuple[int, ...]) -> str:
-    left = [cell.ljust(width) for cell, width in zip(cells[:2], widths[:2], strict=True)]
-    right = [cell.rjust(width) for cell, width in zip(cells[2:], widths[2:], strict=True)]
-    return " ".join([*left, *right])
+            emit({"rows": [row.as_dict() for row in rows], "failed": len(failed)})
+        else:
+            typer.echo(page.summary(rows))
+            for row in rows:
+                if row.outcome not in ("ok", FAILS):
+                    typer.echo(f"{row.case.name}: {row.case.known}")
+        if failed and not quiet:
+            tell([f"beyond its bound: {row.case.name} ({row.case.reason})" for row in failed])
+    raise typer.Exit(BEYOND if failed else DONE)
