@@ -360,14 +360,41 @@ def test_a_journal_that_is_cut_is_none(tmp_path):
 # Killed at any moment, for each engine.
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "engine"), list(SHORT))
-def test_killed_at_random_moments(tmp_path, name, engine):
+#: There and back [m].
+HISTORY = {"history": [0.002, -0.002, 0.0]}
+#: Of every engine, plane and space, pushed and cyclic, those that are always killed.
+ALWAYS = {
+    ("two_blocks.toml", "equilibrium", True),
+    ("solids.toml", "equilibrium", False),
+    ("two_blocks.toml", "nscd", False),
+    ("solids.toml", "nscd", True),
+    ("two_blocks.toml", "distinct", True),
+    ("solids.toml", "distinct", False),
+}
+KILLED = [
+    pytest.param(
+        *(name, engine, HISTORY if cyclic else SHORT[name, engine]),
+        marks=[pytest.mark.slow, *[pytest.mark.gate] * ((name, engine, cyclic) in ALWAYS)],
+        id=f"{name}-{engine}" + "-cyclic" * cyclic,
+    )
+    for name, engine in SHORT
+    for cyclic in (False, True)
+] + [
+    pytest.param(
+        *("two_blocks.toml", "equilibrium", {"directions": 2}),
+        marks=[pytest.mark.slow, pytest.mark.gate],
+        id="directions",
+    )
+]
+
+
+@pytest.mark.parametrize(("name", "engine", "options"), KILLED)
+def test_killed_at_random_moments(tmp_path, name, engine, options):
     """The file opens, and what goes on ends as if it had never stopped; see killed.py."""
     import killed as kills
 
     found = kills.killed_at_random(
-        EXAMPLES / name, engine, SHORT[name, engine], tmp_path, kills=6, seed=1
+        EXAMPLES / name, engine, options, tmp_path, kills=4, seed=1, seconds=30.0
     )
-    assert found["unread"] == found["different"] == 0
-    assert found["kills"] == 6 and found["ended"] > 0
+    assert found["unread"] == found["different"] == found["failed"] == 0
+    assert found["kills"] > 0 and found["ended"] > 0

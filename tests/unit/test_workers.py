@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 import subprocess
 import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
+import synthetic
 
 from drystone.common.workers import WorkerError, in_processes
 from drystone.model.builders import ModelError
@@ -37,6 +42,49 @@ def test_a_process_that_ends_is_told():
     """Its status, and no wait for what will never come."""
     with pytest.raises(WorkerError, match="status 7"):
         in_processes([("os:_exit", (7,))], 1)
+
+
+PARENT = """
+import sys
+from drystone.common.workers import in_processes
+in_processes([("test_workers:tells_and_waits", (sys.argv[1],))], 1)
+"""
+
+
+def tells_and_waits(path: str) -> None:
+    """Write the number of this process into a file, and go on for a minute."""
+    Path(path).write_text(str(os.getpid()))
+    time.sleep(60.0)
+
+
+def test_a_parent_that_is_killed_takes_its_workers_along(tmp_path):
+    """Whoever resumes its work finds nobody that still writes."""
+    told = tmp_path / "pid"
+    parent = subprocess.Popen(
+        [sys.executable, "-c", PARENT, str(told)], env=synthetic.environment()
+    )
+    within(lambda: told.exists() and told.read_text())
+    parent.kill()
+    parent.wait()
+    within(lambda: not runs(int(told.read_text())))
+
+
+def runs(pid: int) -> bool:
+    """Whether a process of this user runs."""
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    status = Path(f"/proc/{pid}/stat")  # one that has ended, and for which nobody waits
+    return not (status.exists() and status.read_text().rpartition(")")[2].split()[0] == "Z")
+
+
+def within(happens: Callable[[], object], seconds: float = 20.0) -> None:
+    """Wait until something happens."""
+    until = time.monotonic() + seconds
+    while not happens():
+        assert time.monotonic() < until
+        time.sleep(0.02)
 
 
 @pytest.mark.parametrize("problems", [["one"], ["block a: wrong", "block b: wrong"]])

@@ -12,11 +12,12 @@ import pickle
 import signal
 import subprocess
 import sys
+import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from importlib import import_module
 from queue import Empty, SimpleQueue
-from threading import Thread
+from threading import Event, Thread
 from typing import Any, BinaryIO
 
 #: A function as "module:name", and its arguments.
@@ -217,21 +218,46 @@ class _Worker:
 def _serve(requests: BinaryIO, replies: BinaryIO) -> None:
     """Do what is asked for until there is no more."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    asked: SimpleQueue[Call | None] = SimpleQueue()
+    busy = Event()
+    Thread(target=_listen, args=(requests, asked, busy), daemon=True).start()
     while True:
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
-        try:
-            place, arguments = pickle.load(requests)
-        except EOFError:
+        call = asked.get()
+        if call is None:
             return
         try:
             signal.signal(signal.SIGTERM, _interrupt)
-            module, _, name = place.partition(":")
-            reply = "done", getattr(import_module(module), name)(*arguments)
+            module, _, name = call[0].partition(":")
+            reply = "done", getattr(import_module(module), name)(*call[1])
         except BaseException as error:
             reply = "raised", error
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
-        replies.write(_message(reply))
-        replies.flush()
+        busy.clear()
+        with suppress(BrokenPipeError):  # the parent has gone meanwhile
+            replies.write(_message(reply))
+            replies.flush()
+
+
+def _listen(requests: BinaryIO, asked: SimpleQueue[Call | None], busy: Event) -> None:
+    """Hand on calls as they come.
+
+    A parent that was killed ends them all.  A call that runs ends with it, or it would go on
+    writing into its folder, where whoever resumes the work is to write.
+    """
+    while True:
+        try:
+            call = pickle.load(requests)
+        except EOFError:
+            if busy.is_set():
+                os._exit(1)
+            asked.put(None)
+            return
+        except BaseException:
+            traceback.print_exc()
+            os._exit(1)
+        busy.set()
+        asked.put(call)
 
 
 def _message(reply: tuple[str, Any]) -> bytes:
@@ -256,4 +282,5 @@ if __name__ == "__main__":
 
     replies = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what is printed by accident is no reply
-    workers._serve(sys.stdin.buffer, replies)
+    # Of its own: a thread waits in it, and as Python ends nobody may wait in `sys.stdin`.
+    workers._serve(os.fdopen(os.dup(0), "rb"), replies)
