@@ -4,6 +4,8 @@ import pytest
 from hypothesis import settings
 
 from drystone.cli import compiler
+from drystone.io.results import hdf5
+from drystone.report.folder import directory
 
 # A first call may compile for seconds; the examples are the same in every run.
 settings.register_profile("drystone", deadline=None, derandomize=True)
@@ -15,3 +17,11 @@ def untold(monkeypatch):
     """What a command says does not depend on whether its kernels were compiled before."""
     monkeypatch.setattr(compiler, "tell", lambda sentences: None)
     monkeypatch.setattr(compiler, "_processors", lambda: 1)
+
+
+@pytest.fixture
+def often(monkeypatch):
+    """A checkpoint before every step, and every point on the disk at once."""
+    for module in (directory, hdf5):
+        monkeypatch.setattr(module, "SECONDS", 0.0)
+        monkeypatch.setattr(module, "TIMES", 0.0)

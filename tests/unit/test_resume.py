@@ -21,21 +21,12 @@ import drystone as ds
 from drystone.cli import app
 from drystone.common.codec import CodecError, Derived, Packed, packed, unpacked
 from drystone.engines.base import EngineError
-from drystone.io.results import diskfile, hdf5, journal
+from drystone.io.results import diskfile, journal
 from drystone.io.results.checkpoint import CHECKPOINT
 from drystone.io.results.diskfile import DiskFile
 from drystone.io.results.folder import FolderLock, OutputError
-from drystone.report.folder import directory
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-
-
-@pytest.fixture
-def often(monkeypatch):
-    """A checkpoint before every step, and every point on the disk at once."""
-    for module in (directory, hdf5):
-        monkeypatch.setattr(module, "SECONDS", 0.0)
-        monkeypatch.setattr(module, "TIMES", 0.0)
 
 
 def same(first: ds.CapacityCurve, second: ds.CapacityCurve) -> bool:

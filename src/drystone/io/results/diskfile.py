@@ -88,6 +88,15 @@ class DiskFile(LaidOver):
         self._length = end
         self._waiting.clear()
 
+    def move(self, path: Path) -> None:
+        """Give the file another name, in place of a file that has it; raises `OSError`."""
+        self._disk.close()  # an open file keeps its name on some systems
+        try:
+            os.replace(self._path, path)
+            self._path = path
+        finally:
+            self._disk = io.FileIO(self._path, "r+")
+
     def close(self) -> None:
         """Close the file; what was not committed is dropped."""
         self._waiting.clear()

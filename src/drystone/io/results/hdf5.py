@@ -200,6 +200,10 @@ class ResultsWriter:
         self._pause = max(SECONDS, TIMES * (self._written - begun))
         self.n_kept = self._n_points
 
+    def move(self, path: Path) -> None:
+        """Give the file another name, in place of a file that has it; raises `OSError`."""
+        self._disk.move(path)
+
     def close(self, curve: CapacityCurve | None = None) -> None:
         """Write what waits, and how the analysis ended where it did.  May be called twice.
 

@@ -45,6 +45,8 @@ Array = NDArray[np.float64]
 #: Seconds between two checkpoints: at least these, and as many times those that one takes, so that
 #: they cost a hundredth of the run; at most those, of work that a kill may cost.
 SECONDS, TIMES, MOST_SECONDS = 5.0, 100.0, 25.0
+#: Name of results before their first point is on the disk.
+DRAFT = RESULTS + ".part"
 
 
 class ResultsDirectory:
@@ -53,8 +55,8 @@ class ResultsDirectory:
     Nothing is written before the first point, so that a model that turns out to be wrong leaves no
     trace.  From then on ``results.h5`` grows with the analysis; the other files are written at its
     end, also when it was interrupted or the disk is full.  What the program has left there
-    before, of runs, assessments and pages, goes first.  From the first point to the end the folder
-    is locked.
+    before, of runs, assessments and pages, goes once the first point is on the disk: where there is
+    no room for it, earlier results stay.  From the first point to the end the folder is locked.
 
     Parameters
     ----------
@@ -138,15 +140,12 @@ class ResultsDirectory:
 
     def point(self, point: CurvePoint, pose: Array, contacts: ContactForces) -> None:
         """Take one point of the curve."""
-        if self._writer is None:
-            self._writer = in_a_sentence(self._open)
         writer = self._writer
-        try:
+        if writer is None:
+            with uninterrupted():
+                self._first(point, pose, contacts)
+        else:
             in_a_sentence(lambda: writer.append(point, pose, contacts, self._ties))
-        except OutputError:
-            if not writer.n_kept:
-                self._withdraw(writer)
-            raise
 
     def keep(self, make: Callable[[], Checkpoint], *, last: bool = False) -> None:
         """Take a checkpoint where it is time for one, or it is the ``last``.
@@ -176,9 +175,11 @@ class ResultsDirectory:
 
     def end(self, curve: CapacityCurve) -> None:
         """Write everything that stands at the end: figures of the analysis first, pictures last."""
-        if self._writer is not None and curve.points:
-            in_a_sentence(lambda: self._finish(curve))
-        self.close()
+        try:
+            if self._writer is not None and curve.points:
+                in_a_sentence(lambda: self._finish(curve))
+        finally:
+            self.close()
 
     def close(self) -> None:
         """Close ``results.h5`` and unlock the folder; what was recorded stays."""
@@ -196,15 +197,29 @@ class ResultsDirectory:
     def __exit__(self, *error: object) -> None:
         self.close()
 
-    def _open(self) -> ResultsWriter:
+    def _first(self, point: CurvePoint, pose: Array, contacts: ContactForces) -> None:
+        """Take the first point, in place of earlier results."""
+        made = not self.path.exists()
+        draft = self.path / DRAFT
+        writer: ResultsWriter | None = None
+        try:
+            writer = in_a_sentence(lambda: self._open(draft))
+            in_a_sentence(lambda: writer.append(point, pose, contacts, self._ties))
+        except OutputError:
+            self._withdraw(writer, draft, made=made)
+            raise
+        in_a_sentence(lambda: clear(self.path))
+        in_a_sentence(lambda: writer.move(self.path / RESULTS))
+        self._writer = writer
+        in_a_sentence(lambda: (self.path / PARAVIEW).mkdir(exist_ok=True))
+
+    def _open(self, draft: Path) -> ResultsWriter:
         if self._model is None:
             raise RuntimeError("`begin` comes before the first point")
         self.path.mkdir(parents=True, exist_ok=True)
         if self._lock is None:
             self._lock = FolderLock(self.path)
-        (self.path / PARAVIEW).mkdir(exist_ok=True)
-        clear(self.path)
-        return ResultsWriter(self.path / RESULTS, self._model, *self._names, part_of=self._part_of)
+        return ResultsWriter(draft, self._model, *self._names, part_of=self._part_of)
 
     def _go_on(self, model: Model, n_points: int) -> ResultsWriter:
         """Results without the points beyond a checkpoint, and without files made of them."""
@@ -214,15 +229,16 @@ class ResultsDirectory:
         writer.describe(model, *self._names, part_of=self._part_of)
         return writer
 
-    def _withdraw(self, writer: ResultsWriter) -> None:
+    def _withdraw(self, writer: ResultsWriter | None, draft: Path, *, made: bool) -> None:
         """Leave nothing of results of which the disk does not take the first point."""
         with suppress(OSError):
-            writer.close()
-        (self.path / RESULTS).unlink(missing_ok=True)
-        for empty in (self.path / PARAVIEW, self.path):
+            if writer is not None:
+                writer.close()
+        if self._lock is not None:  # else the draft is another run's
+            draft.unlink(missing_ok=True)
+        if made:
             with suppress(OSError):  # of something else that is in it
-                empty.rmdir()
-        self._writer = None
+                self.path.rmdir()
 
     def _finish(self, curve: CapacityCurve) -> None:
         """Write all files.  Where ``results.h5`` fails, the short files are still written, of the
