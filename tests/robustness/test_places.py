@@ -1,4 +1,4 @@
-"""Places that take no results: full disks, folders that are read only, in use, or gone.
+"""Places that take no results: full disks, folders that are read only, in use, or removed.
 
 Each ends in a sentence; what was there before is untouched, and what was reached goes on.
 """
@@ -66,7 +66,7 @@ class Disk:
         subprocess.run(["mount", "-o", f"remount,{options}", str(self.path)], check=True)
 
     def fill(self) -> None:
-        """Leave no room."""
+        """Leave no space."""
         with suppress(OSError), (self.path / "filler").open("wb", buffering=0) as file:
             while True:
                 file.write(bytes(4096))
@@ -89,7 +89,7 @@ def disk(tmp_path):
 
 
 def filled_at(disk: Disk, points: list[int], wanted: object) -> None:
-    """Fill the disk as a run has come to a point, make room, and go on; for several points."""
+    """Fill the disk as a run has come to a point, make space, and go on; for several points."""
     for at in points:
         folder = disk.path / "out"
 
@@ -100,7 +100,7 @@ def filled_at(disk: Disk, points: list[int], wanted: object) -> None:
         recorder = ds.ResultsDirectory(folder)
         try:
             curve = ds.pushover(ds.read_model(MODEL), recorder=recorder, progress=seen)
-        except OutputError as error:  # no room for the short files either
+        except OutputError as error:  # no space for the short files either
             said = str(error)
         else:
             assert curve.status == "stopped"
@@ -127,7 +127,7 @@ def test_a_disk_that_fills_at_twenty_moments(disk, whole):
     filled_at(disk, sorted(random.Random(1).sample(range(n - 1), 20)), killed.digest(whole))
 
 
-def test_a_disk_without_room_for_the_first_point(disk, whole):
+def test_a_disk_without_space_for_the_first_point(disk, whole):
     """Earlier results stay as they were."""
     folder = disk.path / "out"
     shutil.copytree(whole, folder)

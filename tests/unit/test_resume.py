@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -246,7 +247,6 @@ def test_an_engine_that_keeps_no_states_says_so(tmp_path, monkeypatch):
 
 def test_a_file_that_is_removed_while_it_runs(tmp_path):
     """The folder is removed meanwhile: an end with its reason, and what was reached."""
-    import shutil
 
     def remove(point):
         if point.step == 3:
@@ -283,6 +283,39 @@ def killed(tmp_path_factory):
 def test_commands_read_the_folder_of_a_killed_run(killed, command):
     told = CliRunner().invoke(app, [command, str(killed)])
     assert told.exit_code == 0, told.output
+
+
+def test_the_other_files_of_a_killed_run_are_written(killed, tmp_path):
+    """Those of a run that stopped at the same point; another can still go on."""
+    pages = shutil.ignore_patterns("*.html")  # of other tests
+    folder = shutil.copytree(killed, tmp_path / "out", ignore=pages)
+    assert not (folder / "curve.csv").exists()
+    told = CliRunner().invoke(app, ["report", str(folder), "--files"])
+    assert told.exit_code == 0, told.output
+    n = len(ds.load_results(folder).curve.points)
+    stopped = tmp_path / "stopped"
+    model = ds.read_model(EXAMPLES / "wall_at_a_site.toml").with_analysis(max_points=n)
+    ds.pushover(model, recorder=ds.ResultsDirectory(stopped))
+
+    def names(path):
+        return {str(file.relative_to(path)) for file in path.rglob("*") if file.is_file()}
+
+    assert names(folder) == names(stopped) | {"report.html"}
+    assert (folder / "curve.csv").read_bytes() == (stopped / "curve.csv").read_bytes()
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["status"] == "stopped" and "killed" in summary["reason"]
+    assert summary["n_points"] == n and summary["associative_multiplier"] > 0.0
+    assert ds.resume(folder, max_points=1).status == "stopped"
+
+
+def test_the_other_files_of_a_run_that_goes_on_are_not_written(killed):
+    lock = FolderLock(killed)
+    try:
+        told = CliRunner().invoke(app, ["report", str(killed), "--files"])
+    finally:
+        lock.release()
+    assert told.exit_code == 2 and "another run is writing" in told.output
+    assert not (killed / "curve.csv").exists()
 
 
 def test_an_assessment_of_a_killed_run_says_what_it_lacks(killed):

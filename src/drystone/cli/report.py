@@ -24,6 +24,14 @@ def report(
             "--language", help="Of the report. [default: what the model says]", show_default=False
         ),
     ] = None,
+    files: Annotated[
+        bool,
+        typer.Option(
+            "--files",
+            help="Write also tables, summary, pictures and the series for ParaView, as at the end "
+            "of a run: one that was killed has not.",
+        ),
+    ] = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -48,6 +56,10 @@ def report(
             in_a_sentence(lambda: write_page(folder, path))
             _tell(path, as_json=as_json, quiet=quiet)
             raise typer.Exit(DONE)
+        if files:
+            from drystone.report.folder.completing import write_files
+
+            in_a_sentence(lambda: write_files(folder))
         found = Folder.read(folder)
         tell(found.warnings)
         check_place(path)

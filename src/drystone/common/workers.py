@@ -234,7 +234,7 @@ def _serve(requests: BinaryIO, replies: BinaryIO) -> None:
             reply = "raised", error
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         busy.clear()
-        with suppress(BrokenPipeError):  # the parent has gone meanwhile
+        with suppress(BrokenPipeError):  # the parent has ended meanwhile
             replies.write(_message(reply))
             replies.flush()
 

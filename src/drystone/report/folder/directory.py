@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.common.aside import answer
 from drystone.contact.forces import ContactForces
 from drystone.io.results.checkpoint import CheckpointWriter
 from drystone.io.results.folder import (
@@ -23,16 +22,15 @@ from drystone.io.results.folder import (
     check_writable,
     in_a_sentence,
 )
-from drystone.io.results.hdf5 import ResultsReader, ResultsWriter
+from drystone.io.results.hdf5 import ResultsWriter
 from drystone.io.results.interrupts import uninterrupted
 from drystone.io.results.names import PARAVIEW, RESULTS
-from drystone.io.results.outputs import Finished, Output, file_names, written_of
+from drystone.io.results.outputs import file_names
 from drystone.io.results.own_files import clear, clear_derived
-from drystone.io.results.summary import plain, summarise
 from drystone.limit.beside import Beside
 from drystone.model.model import Model
 from drystone.model.ties import TieState
-from drystone.report.folder.aside import drawing
+from drystone.report.folder.ending import finished, write_long, write_short
 from drystone.report.folder.kept import Kept, kept_in
 from drystone.results.checkpoint import Checkpoint
 from drystone.results.curve import CapacityCurve, CurvePoint
@@ -94,7 +92,7 @@ class ResultsDirectory:
         self.path = Path(path)
         self.beside = beside or Beside()  # may be said later, before the end
         self._aside = aside
-        self._formats = tuple(dict.fromkeys(("png", *formats)))
+        self._formats = tuple(formats)
         self.summary: dict[str, Any] | None = None  # of the analysis, once it ended
         self._mechanism_displacement = mechanism_displacement
         self._model: Model | None = None
@@ -255,59 +253,27 @@ class ResultsDirectory:
         if writer.n_kept < len(curve.points):
             curve = _as_kept(curve, writer.n_kept)
         beside = self.beside if isinstance(self.beside, Beside) else self.beside()
-        self.summary = summarise(curve, model) | {
-            "associative_multiplier": beside.associative,
-            "non_associative_multiplier": beside.non_associative,
-            "collapse_range": plain(beside.collapse_range),
-            "upper_bound": plain(beside.upper_bound),
-        }
-        done = Finished(
-            folder=self.path,
-            model=model,
-            curve=curve,
-            summary=self.summary,
-            beside=beside,
+        done = finished(
+            self.path,
+            model,
+            curve,
+            beside,
             formats=self._formats,
             mechanism_displacement=self._mechanism_displacement,
-            results=None,
         )
+        self.summary = done.summary
         with uninterrupted():
-            for output, keys in written_of(model):
-                if output.short:
-                    output.write(done, keys)
+            write_short(done)
         if failure is not None:
             raise failure
         if writer.whole:
-            self._write_long(done)
-
-    def _write_long(self, done: Finished) -> None:
-        """Pictures and series, of the points that ``results.h5`` has."""
-        with ResultsReader(self.path / RESULTS) as results:
-            curve = replace(done.curve, points=done.curve.points[: results.n_points])
-            done = replace(done, curve=curve, results=results)
-            written = [each for each in written_of(done.model) if not each[0].short]
-            if self._aside is None:
-                _write(written, done)
-                return
-            pictures = [each for each in written if each[0].aside]
-            drawn = drawing(self._aside, done)
-            try:
-                _write([each for each in written if not each[0].aside], done)
-                answer(drawn, lambda: _write(pictures, done))
-            except BaseException:
-                self._aside.interrupt()
-                raise
+            write_long(done, self._aside)
 
 
 def _as_kept(curve: CapacityCurve, n: int) -> CapacityCurve:
     """The points that the disk has taken: all files of a folder are of the same."""
     lost = f"of {len(curve.points)} points {RESULTS} took the first {n}, and all files have these"
     return replace(curve.first(n), reason=f"{curve.reason}; {lost}")
-
-
-def _write(written: Sequence[tuple[Output, Mapping[str, Any]]], done: Finished) -> None:
-    for output, keys in written:
-        output.write(done, keys)
 
 
 def files_of(folder: Path) -> list[Path]:
