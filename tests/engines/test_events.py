@@ -251,7 +251,7 @@ class TestAssessment:
         )
         verdict = self.verdict(traced(model), model)
         notes = verdict.assessment.assumptions
-        assert any("lies at" in n and "beyond what happens" in n for n in notes[:3])
+        assert any("lies at" in n and "beyond this event" in n for n in notes[:3])
         assert not any("No connection of the model breaks" in note for note in notes)
         assert np.isfinite(verdict.safety_index)
 

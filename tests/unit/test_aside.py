@@ -19,7 +19,7 @@ from drystone.cli.limits import INTERRUPTED, Limits
 from drystone.common import threads
 from drystone.common.aside import Aside, answer
 from drystone.common.workers import WorkerError
-from drystone.report.folder import directory
+from drystone.report.folder import ending
 
 #: Seconds within which a process that is asked for nothing heavy answers, on a busy machine.
 SOON = 60.0
@@ -140,7 +140,7 @@ def test_an_interrupt_while_it_draws_leaves_no_half_picture(model_file, tmp_path
             raise KeyboardInterrupt
         return future.result()
 
-    monkeypatch.setattr(directory, "answer", interrupted)
+    monkeypatch.setattr(ending, "answer", interrupted)
     monkeypatch.setattr(threads, "available", lambda: 2)
     folder = tmp_path / "out"
     result = CliRunner().invoke(app, ["run", str(model_file), "--out", str(folder), "--quiet"])

@@ -277,7 +277,7 @@ class TestEnvelope:
         at = dict(zip(found.control_displacement, found.load_multiplier, strict=True))
         assert (np.diff(found.control_displacement) > 0.0).all()
         assert at[0.2] == 0.2 and at[0.3] == pytest.approx(0.2 - 0.19 / 2)
-        assert any("turns back" in note for note in found.notes)
+        assert any("reverses its motion" in note for note in found.notes)
 
     @given(st.lists(st.tuples(st.floats(-0.05, 0.1), st.floats(0.0, 1.0)), min_size=3, max_size=30))
     @settings(max_examples=60, deadline=None)

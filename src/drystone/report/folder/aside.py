@@ -20,17 +20,26 @@ def made_ready() -> None:
     canvas.made_ready()
 
 
-def drawn(done: Finished, language: str) -> None:
-    """In the process: what may be written there of an analysis, in the language that is spoken."""
+def drawn(done: Finished, language: str) -> bool:
+    """In the process: what may be written there of an analysis, in the language that is spoken.
+
+    False where the process does not know an output that the run has registered itself.
+    """
     from drystone.common.language import speaking
+    from drystone.common.registry import RegistryError
     from drystone.io.results.hdf5 import ResultsReader
     from drystone.io.results.names import RESULTS
 
     with speaking(language), ResultsReader(done.folder / RESULTS) as results:
         done = replace(done, results=results)
-        for output, keys in written_of(done.model):
+        try:
+            written = written_of(done.model)
+        except RegistryError:
+            return False
+        for output, keys in written:
             if output.aside:
                 output.write(done, keys)
+    return True
 
 
 def drawing(aside: Aside, done: Finished) -> Future[Any]:

@@ -70,7 +70,8 @@ def write_long(done: Finished, aside: Aside | None = None) -> None:
         drawn = drawing(aside, done)
         try:
             _write([each for each in written if not each[0].aside], done)
-            answer(drawn, lambda: _write(pictures, done))
+            if not answer(drawn, lambda: False):
+                _write(pictures, done)
         except BaseException:
             aside.interrupt()
             raise
