@@ -34,7 +34,7 @@ export function twoSquares({ left = {}, angle = 0.2, carried = {} } = {}) {
   };
   return new Record(header, {
     centroid: f4([0, 0.5, 0, 1.5], 2, 2),
-    settled: f4([0, 0, 0, 0, 0, 0], 2, 3),
+    initial: f4([0, 0, 0, 0, 0, 0], 2, 3),
     vertices: f4([...square, ...square], 8, 2),
     owner: u4([0, 0, 0, 0, 1, 1, 1, 1], 8),
     triangles: u4([0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7], 4, 3),
