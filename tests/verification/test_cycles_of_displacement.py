@@ -13,6 +13,7 @@ import drystone as ds
 from drystone.model.assembly import Block
 from drystone.model.builders.published import published_wall
 from drystone.model.construction.model import make_model
+from drystone.verification.blocks import exact_rocking, exact_stack
 
 UNIT_WEIGHT = 10e3  # N/m3
 ENGINES = ("equilibrium", "nscd", "distinct")
@@ -53,13 +54,6 @@ def gives_way_by(engine, stiffness=1e9):
     push = FRICTION * WEIGHT
     turns = push * (0.5 * HEIGHT) ** 2 / (stiffness * LENGTH * (0.5 * LENGTH) ** 2)
     return turns if engine == "nscd" else turns + push / (stiffness * LENGTH)
-
-
-def exact_rocking(angle, half_width, half_height):
-    """Multiplier under which a block stands on a corner, tilted by an angle (n,) [rad]."""
-    tilt = np.abs(angle)
-    lever = half_width * np.cos(tilt) - half_height * np.sin(tilt)
-    return lever / (half_height * np.cos(tilt) + half_width * np.sin(tilt))
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -108,7 +102,7 @@ def test_a_rocking_block_goes_there_and_back_on_one_curve():
     assert curve.poses is not None and "all 3 displacements" in curve.reason
     angle, load = curve.poses[:, 1, 2], curve.load_multiplier
     tilted = np.abs(curve.control_displacement) > 1e-4  # stands on a corner
-    exact = -np.sign(angle) * exact_rocking(angle, half_width, half_height)
+    exact = -np.sign(angle) * exact_rocking(angle, 2.0 * half_width, 2.0 * half_height)
     assert np.abs(load[tilted] - exact[tilted]).max() < 1e-6
     (cycle,) = curve.cycles
     assert abs(cycle.energy) < 1e-4 * cycle.force_at_greatest * 0.05
@@ -124,7 +118,7 @@ def test_engines_agree_on_a_rocking_block(engine):
     assert curve.poses is not None
     angle, load = curve.poses[:, 1, 2], curve.load_multiplier
     tilted = np.abs(curve.control_displacement) > 1e-3
-    exact = -np.sign(angle) * exact_rocking(angle, half_width, half_height)
+    exact = -np.sign(angle) * exact_rocking(angle, 2.0 * half_width, 2.0 * half_height)
     assert np.abs(load[tilted] / exact[tilted] - 1.0).max() < 0.01
 
 
@@ -135,30 +129,6 @@ def stack(stiffness):
         rectangle("upper", (-0.1, 0.4), (0.1, 0.8)),
     ]
     return model_of(blocks, 0.7, "top right", stiffness=stiffness)
-
-
-def exact_stack(angle, stiffness):
-    """Multiplier under which the stack stands on a corner of the lower block, tilted by an angle
-    (n,) [rad].
-
-    The upper block tilts by more, as the two contacts of the joint between them, at both ends of
-    its length b, give way: its load T along the joint, at the height h / 2, takes the couple
-    T h / 2 = N b with N = k b / 2 times half of what the ends differ by.  The multiplier is the
-    lever of both weights over the height of both centres.
-    """
-    width, height, weight = 0.2, 0.4, 0.2 * 0.4 * UNIT_WEIGHT
-    tilt = np.abs(angle)
-    load = exact_rocking(angle, 0.5 * width, height)
-    for _ in range(5):  # the tilt of 1e-6 changes the load by as much
-        along = weight * (load * np.cos(tilt) + np.sin(tilt))
-        couple = 0.5 * along * height / width  # N more and less
-        upper = tilt + 2.0 * couple / (0.5 * stiffness * width) / width
-        lever = 0.5 * width * np.cos(tilt) - 0.5 * height * np.sin(tilt)
-        above = 0.5 * height * np.cos(tilt) + 0.5 * width * np.sin(tilt)
-        lever_of_upper = lever - 0.5 * height * (np.sin(tilt) + np.sin(upper))
-        above_of_upper = above + 0.5 * height * (np.cos(tilt) + np.cos(upper))
-        load = (lever + lever_of_upper) / (above + above_of_upper)
-    return load
 
 
 #: Of the multiplier.  `nscd` tells it to first order in the length of a step: 1e-3 of 1 mm, as of
@@ -175,7 +145,7 @@ def test_a_stack_of_two_rocks_there_and_back(engine, stiffness):
     assert curve.poses is not None and "all 3 displacements" in curve.reason
     angle, load = curve.poses[:, 1, 2], curve.load_multiplier
     tilted = np.abs(curve.control_displacement) > 1e-3
-    exact = -np.sign(angle) * exact_stack(angle, stiffness)
+    exact = -np.sign(angle) * exact_stack(angle, 0.2, 0.4, stiffness)
     assert np.abs(load[tilted] - exact[tilted]).max() < OF_A_STACK[engine]
     assert np.abs(load[tilted] / exact[tilted] - 1.0).max() < 0.01
 

@@ -7,7 +7,6 @@ ends by itself, the answer is a `WorkerError` and whoever asked does the thing h
 
 from __future__ import annotations
 
-import os
 import pickle
 import subprocess
 import sys
@@ -18,8 +17,7 @@ from queue import SimpleQueue
 from threading import Thread
 from typing import Any, Self, TypeVar
 
-from drystone.common import workers
-from drystone.common.workers import ONE_EACH, Call, WorkerError
+from drystone.common.workers import Call, WorkerError, server
 
 T = TypeVar("T")
 
@@ -40,13 +38,7 @@ class Aside:
         alone: dict[str, Any] = {"process_group": 0}  # Ctrl-C is for this process alone to hear
         if sys.platform == "win32":
             alone = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", workers.__name__],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            env={**os.environ, **dict.fromkeys(ONE_EACH, "1")},
-            **alone,
-        )
+        self._process = server(**alone)
         self._todo: SimpleQueue[tuple[Call, Future[Any]]] = SimpleQueue()
         self._asked: Future[Any] | None = None  # what it does now
         Thread(target=self._talk, daemon=True).start()

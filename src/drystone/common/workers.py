@@ -24,7 +24,7 @@ from typing import Any, BinaryIO
 Call = tuple[str, tuple[Any, ...]]
 
 #: One thread each: numerical libraries would take all processors, in every process.
-ONE_EACH = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+_ONE_EACH = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def in_processes(
@@ -162,17 +162,23 @@ def _ended(code: int) -> WorkerError:
     )
 
 
+def server(**options: Any) -> subprocess.Popen[bytes]:
+    """A new process that does what is sent to it; ``options`` of `subprocess.Popen`."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "drystone.common.workers"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env={**os.environ, **dict.fromkeys(_ONE_EACH, "1")},
+        **options,
+    )
+
+
 class _Worker:
     """A process, and the thread that waits for what it returns."""
 
     def __init__(self, came: SimpleQueue[Any]) -> None:
         self._came, self._busy = came, False
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", __name__],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            env={**os.environ, **dict.fromkeys(ONE_EACH, "1")},
-        )
+        self._process = server()
 
     def begin(self, number: int, call: Call) -> None:
         """Send a call; what comes of it goes to the queue."""

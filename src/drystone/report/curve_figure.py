@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from drystone.report import canvas
 from drystone.report.quantities import MILLIMETRES_BELOW, length_text
-from drystone.report.reaction_figure import COLLAPSE, plot_reaction
+from drystone.report.reaction_figure import mark_collapse, plot_reaction
 from drystone.results.curve import DYNAMIC, CapacityCurve
 
 if TYPE_CHECKING:
@@ -307,16 +307,7 @@ def _mark_collapse(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
         return
     if not any(point.status != DYNAMIC for point in curve.points[first.step + 1 :]):
         return
-    axes.plot(
-        first.control_displacement * unit.per_metre,
-        first.load_multiplier,
-        "v",
-        color=COLLAPSE,
-        markersize=7,
-        linestyle="none",
-        label="a part collapses",
-        zorder=8,
-    )
+    mark_collapse(axes, first.control_displacement * unit.per_metre, first.load_multiplier)
 
 
 def _mark_end(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:

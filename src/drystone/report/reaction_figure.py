@@ -21,6 +21,20 @@ if TYPE_CHECKING:
 COLLAPSE = "#b2182b"
 
 
+def mark_collapse(axes: Axes, displacement: float, value: float) -> None:
+    """Mark where a part of the structure collapses first, in the units of the axes."""
+    axes.plot(
+        displacement,
+        value,
+        "v",
+        color=COLLAPSE,
+        markersize=7,
+        linestyle="none",
+        label="a part collapses",
+        zorder=8,
+    )
+
+
 def marked_points(curve: CapacityCurve) -> list[tuple[tuple[str, ...], CurvePoint]]:
     """First, least, greatest and last reaction of the points at rest; each point once, with all
     its names."""
@@ -81,13 +95,5 @@ def _mark(axes: Axes, curve: CapacityCurve, quantities: Quantities) -> None:
         )
     first = curve.first_collapse
     if first is not None:
-        axes.plot(
-            quantities.per_unit * first.control_displacement,
-            curve.points[first.step].reaction,
-            "v",
-            color=COLLAPSE,
-            markersize=7,
-            linestyle="none",
-            label="a part collapses",
-            zorder=8,
-        )
+        displacement = quantities.per_unit * first.control_displacement
+        mark_collapse(axes, displacement, curve.points[first.step].reaction)

@@ -89,7 +89,7 @@ class EquilibriumSettings:
     """Numerical settings; none changes what the solution is, but to within its tolerance.
 
     Times and lengths in them are those of the structure's own frame, where the smallest block
-    measures 0.175 m, so that they mean the same for every structure; see `bordered`.
+    measures 0.175 m, so that they mean the same for every structure; see `engines.frame`.
     """
 
     #: Largest unbalanced force over the heaviest weight, -: what is promised, and a thousand times

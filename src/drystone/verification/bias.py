@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from functools import cache, partial
 
 import numpy as np
@@ -42,18 +42,24 @@ def fixed_bias(f: float, c: Array | float) -> Array | float:
     return 1.0 / (1.0 - (f - 1.0) / f / c)
 
 
-@cache
-def of_block(f: float) -> tuple[float, float]:
-    """Applied over closed-form multiplier of the block that rocks, measured and by the formula."""
-    model = on_base(WIDTH, (HEIGHT,), friction=0.8, stiffness=STIFFNESS)
-    curve = pushover(
+def _published(model: Model, f: float, end: float) -> CapacityCurve:
+    """A curve by the published strategy with an overshoot f, up to a displacement [m]."""
+    return pushover(
         model,
         engine=ENGINE,
         strategy="published",
         overshoot=f,
         displacement_step=STEP,
-        max_displacement=0.25,
+        max_displacement=end,
+        keep_poses=True,
     )
+
+
+@cache
+def of_block(f: float) -> tuple[float, float]:
+    """Applied over closed-form multiplier of the block that rocks, measured and by the formula."""
+    model = on_base(WIDTH, (HEIGHT,), friction=0.8, stiffness=STIFFNESS)
+    curve = _published(model, f, 0.25)
     displacement, multiplier, theta = rocking_branch(WIDTH, HEIGHT, 0.0)
     x = curve.control_displacement
     chosen = (x > 0.1) & (x < 0.2)
@@ -91,21 +97,14 @@ def _reference() -> float:
 def of_wall(f: float) -> tuple[float, float]:
     """Applied over static multiplier of wall 1, measured and by the formula."""
     model = published_wall(1)
-    curve = pushover(
-        model,
-        engine=ENGINE,
-        strategy="published",
-        overshoot=f,
-        displacement_step=STEP,
-        max_displacement=AT + 0.02,
-        keep_poses=True,
-    )
+    curve = _published(model, f, AT + 0.02)
     measured = _near(curve, curve.applied_multiplier) / _reference()
     return measured, float(fixed_bias(f, mass_factor(model, curve)))
 
 
-def _over(pair: Sequence[float]) -> float:
-    return pair[0] / pair[1]
+def _over(of: Callable[[float], tuple[float, float]], f: float) -> float:
+    measured, formula = of(f)
+    return measured / formula
 
 
 def cases() -> list[Case]:
@@ -117,25 +116,19 @@ def cases() -> list[Case]:
             kind=CLOSED_FORM,
             source="the recursion's fixed point",
             expected=1.0,
-            compute=partial(_ratio, what, f),
+            compute=partial(_over, of, f),
             bound=bound,
             reason=reason,
             quick=False,
         )
-        for what, bound, reason in (
+        for what, of, bound, reason in (
             (
-                BLOCK,
+                "block that rocks",
+                of_block,
                 5e-3,
                 "the lag of the recursion behind the falling branch, in steps of 0.25 mm",
             ),
-            (WALL, 2e-2, "the lag, and c from poses 20 mm apart"),
+            ("wall 1", of_wall, 2e-2, "the lag, and c from poses 20 mm apart"),
         )
         for f in FACTORS
     ]
-
-
-BLOCK, WALL = "block that rocks", "wall 1"
-
-
-def _ratio(what: str, f: float) -> float:
-    return _over(of_block(f) if what == BLOCK else of_wall(f))

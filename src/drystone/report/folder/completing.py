@@ -40,7 +40,8 @@ def write_files(path: Path | str, *, formats: Sequence[str] = ()) -> dict[str, A
     from drystone.limit import limits_beside  # takes long
 
     folder = Path(path)
-    load_results(folder)  # a folder that holds none is told before it is made
+    if not (folder / RESULTS).is_file():
+        load_results(folder)  # says so, before anything is made there
     with locked(folder):
         stored = load_results(folder)
         curve, model = stored.curve, stored.model
