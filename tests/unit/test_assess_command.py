@@ -522,7 +522,7 @@ def test_run_writes_pictures_in_other_formats_as_well(made, tmp_path):
 
 @pytest.fixture(scope="module")
 def cyclic(made) -> Path:
-    """The folder of the same wall, gone to and fro and then over."""
+    """The folder of the same wall, pushed to and fro and then over."""
     model = ds.read_model(made / "wall.toml").with_history([0.05, -0.05, 0.15, -0.1, 1.2 * WIDTH])
     write_model(model, made / "cyclic.toml")
     result = drystone("run", made / "cyclic.toml", "--out", made / "cyclic", "--quiet")

@@ -80,7 +80,7 @@ class Aside:
                 future.set_result(value)
 
     def interrupt(self) -> None:
-        """Interrupt what it does; files that it has not finished are gone then."""
+        """Interrupt what it does; it removes the files that it has not finished."""
         if self._asked is not None and not self._asked.done():
             self._process.terminate()
             wait([self._asked], PATIENCE)

@@ -38,7 +38,7 @@ class Figures:
     ends_before_drop: bool  # whether it ends there without that drop
     bilinear: Bilinear | None  # by `RULE` and `SECANT_SHARE`, up to the ultimate drift
     #: Whether more than `SECANT_SHARE` of the peak is carried where the curve passes zero: of loops
-    #: in the sense that was gone to second.  There is no first branch then.
+    #: in the sense that comes second.  There is no first branch then.
     begins_loaded: bool
 
     @property

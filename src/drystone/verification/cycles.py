@@ -1,4 +1,4 @@
-"""Displacements gone to and fro, against closed forms."""
+"""Cyclic displacements, against closed forms."""
 
 from __future__ import annotations
 

@@ -53,8 +53,8 @@ class ResultsDirectory:
     Nothing is written before the first point, so that a model that turns out to be wrong leaves no
     trace.  From then on ``results.h5`` grows with the analysis; the other files are written at its
     end, also when it was interrupted or the disk is full.  What the program has left there
-    before, of runs, assessments and pages, goes once the first point is on the disk: where there is
-    no room for it, earlier results stay.  From the first point to the end the folder is locked.
+    before, of runs, assessments and pages, goes once the first point is on the disk: where the disk
+    is too full for it, earlier results stay.  From the first point to the end the folder is locked.
 
     Parameters
     ----------
