@@ -12,13 +12,16 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from typing import Any
 
 from drystone.cli.outcome import tell
 
 #: Engines that are interpreted fast enough to be rehearsed, and that start no other program.
 REHEARSED = ("equilibrium", "nscd")
-#: Steps of the rehearsal's analysis: enough for every kernel that a wall needs at once.
-STEPS = 4
+#: Steps of the rehearsal's analysis, and how long they are [m], by dimension.  In the plane steps
+#: that joints slide in are solved by other kernels than the first ones: these are reached after
+#: some fifteen steps of 0.15 of a block.  In space the first step needs them all.
+STEPS, LENGTH = {2: 20, 3: 4}, {2: 0.03, 3: None}
 #: What is said of how long it takes, by dimension.
 FORECAST = {2: "half a minute or so", 3: "a minute or so"}
 
@@ -30,11 +33,17 @@ def compiling(engine: str, dimension: int, *, quiet: bool) -> Iterator[None]:
     ``engine`` is the one that is going to run on a structure of so many dimensions; a process that
     helps is started for some.
     """
+    from drystone.common import kernel_cache
     from drystone.common.compilation import Compilation
 
     helpers: list[subprocess.Popen[bytes]] = []
+    told = False
 
     def begun() -> None:
+        nonlocal told
+        if told:
+            return
+        told = True
         if not quiet:
             forecast = FORECAST[dimension]
             tell([f"compiling, once on this machine: {forecast} where nothing else runs"])
@@ -43,6 +52,8 @@ def compiling(engine: str, dimension: int, *, quiet: bool) -> Iterator[None]:
                 helpers.append(_helper(engine, dimension))
 
     try:
+        if kernel_cache.is_empty():  # known before the first kernel is asked for
+            begun()
         with Compilation(begun) as compilation:
             yield
     finally:
@@ -93,7 +104,9 @@ def _small_run(engine: str, dimension: int) -> None:
     if dimension == 3:
         model = extruded(model)
     limits_beside(model)
-    ds.pushover(model, engine=engine, max_steps=STEPS, progress=False)
+    length = LENGTH[dimension]
+    options: dict[str, Any] = {} if length is None else {"displacement_step": length}
+    ds.pushover(model, engine=engine, max_steps=STEPS[dimension], progress=False, **options)
 
 
 if __name__ == "__main__":

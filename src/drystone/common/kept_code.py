@@ -116,7 +116,6 @@ class _Code(JITCodeLibrary):
         codegen._engine._defined_symbols |= {
             described.llvm_func_name,
             described.llvm_cpython_wrapper_name,
-            described.llvm_cfunc_wrapper_name,
         }
         return self
 

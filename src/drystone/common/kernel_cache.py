@@ -81,6 +81,14 @@ def kept_here() -> tuple[dict[Path, Path], str]:
     return _folders(kernels), digest_of(_made_from(kernels))
 
 
+def is_empty() -> bool:
+    """Whether no kernel is kept on this machine, nor came with the package: all are compiled."""
+    shipped = PACKAGE / FOLDER
+    if config.DISABLE_JIT or shipped.is_dir():
+        return False
+    return not any(any(folder.glob(LIST)) for folder in _folders(sources()).values())
+
+
 def _made_from(kernels: list[Path]) -> list[Path]:
     """Files whose change makes what was compiled of kernels outdated."""
     return [*kernels, *(Path(__file__).with_name(name) for name in BESIDE)]
