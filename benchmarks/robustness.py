@@ -40,6 +40,7 @@ import drystone as ds
 from drystone.dynamics.distinct.engine import DistinctEngine, DistinctSettings
 from drystone.dynamics.nscd import NscdEngine, NscdSettings
 from drystone.engines.base import UnstableError
+from drystone.limit import on_what_moves
 from drystone.results.curve import FINISHED
 from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumSettings
 from random_kinds import KINDS
@@ -148,7 +149,7 @@ def at_most(seconds: int) -> Iterator[None]:
 
 def run(kind: str, seed: int, by: str, settings: Any, limit: int) -> Run:
     """Trace the curve of one structure by an engine."""
-    model = KINDS[kind](seed)
+    model = on_what_moves(KINDS[kind](seed))  # as `drystone run` does
     make, _, leaves = ENGINES[by]
     what = {"kind": kind, "seed": seed, "n_blocks": model.assembly.n_blocks}
     engine, begun = make(settings), time.process_time()

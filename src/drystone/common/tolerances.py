@@ -475,12 +475,7 @@ MANY_SHORTER = 0.7
 #: halved, by -5 % where doubled.
 JUMP_TIME_STEP = 0.1
 
-#: Part of the first time step up to which a shorter one is tried more than once.  Range: no peak;
-#: space: steps by 6.2 % where halved, by -8 % without a limit, where each is worth all there is.
-SOON_SHARE = 0.3
-
-#: Least time step of a jump over the first.  Range: no peak; with `SOON_SHARE` halved and doubled,
-#: as that.
+#: Least time step of a jump over the first.  Range: no peak.
 LEAST_JUMP = 1e-4
 
 #: Growth of the time step of a jump.  Range, 1.25 and 2: peaks by 7e-5, steps by 2.8 %.

@@ -163,10 +163,7 @@ class DisplacementControl:
         s = self.settings
         share = min((state.time_step / s.time_step) ** 2, tolerances.MOST_CREEP)
         creep = s.creep_share * s.displacement_step * share
-        # What was not found at once with a longer step is looked for here: it is far.
-        soon = s.smooth and state.time_step > tolerances.SOON_SHARE * s.time_step
-        full_search = state.shortened or not soon
-        return Demand(increment=creep, time_step=state.time_step, full_search=full_search)
+        return Demand(increment=creep, time_step=state.time_step)
 
     def _wants_full_search(self, state: DisplacementState) -> bool:
         """Whether a static step may use the full search.
