@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
+import random
 
 import pandas as pd
 import pytest
 
 import drystone as ds
+from drystone.studies import target
 from drystone.studies.errors import StudyError
 from studied import written
 
@@ -58,8 +61,51 @@ def test_a_jump_over_the_value_is_no_answer(tmp_path):
     found = record(tmp_path / "out")
     assert found["status"] == "jump" and found["value"] is None
     a, b = found["jump_at"]
-    assert a < 4.0 <= b and b - a < 1e-4
-    assert found["sentence"].startswith("y jumps over 3: it is 0 at a = 4")
+    assert a < 4.0 <= b and b - a <= 2e-6 * 10.0
+    assert found["sentence"].startswith("y jumps over 3: it is 0 at a = ")
+
+
+def searched(output, tolerance=1e-3):
+    """What a search of 0 to 10 for an output of 3 finds, and its runs."""
+    runs = Tried(output)
+    try:
+        return target._root(runs, (0.0, 10.0), 3.0, tolerance, 10.0), runs
+    except target._JumpError as jump:
+        return jump.bracket, runs
+
+
+class Tried:
+    """Runs of a function, as a search knows them."""
+
+    def __init__(self, output):
+        self.output, self.known = output, {}
+        self.output_at(0.0), self.output_at(10.0)
+
+    def output_at(self, x):
+        return self.known.setdefault(x, self.output(x))
+
+    def pairs(self):
+        return sorted(self.known.items())
+
+
+def test_a_jump_is_located_in_twelve_runs():
+    """Two ends, and nine halvings to 10/512, which is within plus or minus 1e-3 of the range."""
+    chance = random.Random(3)
+    for _ in range(200):
+        place, low, high = chance.uniform(0, 10), chance.uniform(0, 2.9), chance.uniform(3.1, 6)
+        slope = chance.uniform(-0.05, 0.05) * (high - low) / 10.0
+        found, runs = searched(
+            lambda x, p=place, a=low, b=high, s=slope: (b if x >= p else a) + s * (x - p)
+        )
+        a, b = found
+        assert a < place <= b and b - a <= 0.02 and len(runs.known) <= 12
+
+
+@pytest.mark.parametrize("width", [0.03, 0.3, 3.0])
+def test_what_is_steep_is_no_jump(width):
+    """3 + tanh((x - 10/3)/width) has the value, however steep it is beside the range."""
+    found, runs = searched(lambda x: 3.0 + math.tanh((x - 10 / 3) / width))
+    assert found == pytest.approx(10 / 3, rel=1e-3) and len(runs.known) <= 14
 
 
 def test_an_unknown_output_says_the_nearest(tmp_path):
