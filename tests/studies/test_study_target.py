@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import random
+from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -178,3 +179,34 @@ def test_the_tie_force_for_safety_index_1_is_that_of_the_closed_form(tmp_path):
     found = record(tmp_path / "out")
     assert found["value"] == pytest.approx(force, rel=1e-3)
     assert found["n_runs"] <= 12
+
+
+FACADE = """
+    model = "{model}"
+    outputs = ["curve", "assess"]
+    [target]
+    output = "safety_index"
+    value = 1.5
+    [[target.parameter]]
+    path = "tie.catena.yield_force"
+    range = [{low}, {high}]
+"""
+MODEL = Path(__file__).parents[1] / "cases" / "facade_tie.toml"
+
+
+@pytest.mark.slow
+def test_the_tie_of_a_facade_is_found_in_twelve_runs(tmp_path):
+    """9.0 kN; from 13.8 kN on another mechanism takes over, and the index falls at once."""
+    text = FACADE.format(model=MODEL.as_posix(), low=1e3, high=20e3)
+    ds.study(written(tmp_path, text), out=tmp_path / "out", figures=False)
+    found = record(tmp_path / "out")
+    assert found["status"] == "finished" and found["n_runs"] <= 12
+    assert found["reached"] == pytest.approx(1.5, abs=1e-3)
+    text = FACADE.format(model=MODEL.as_posix(), low=10e3, high=60e3)
+    ds.study(written(tmp_path, text, "jump.toml"), out=tmp_path / "jump", figures=False)
+    found = record(tmp_path / "jump")
+    assert found["status"] == "jump" and found["n_runs"] <= 12
+    a, b = found["jump_at"]
+    assert 10e3 < a < b < 20e3 and b - a <= 2e-3 * 50e3
+    outputs = dict(map(tuple, found["curve"]))
+    assert outputs[a] > 1.5 > outputs[b]

@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 import drystone as ds
+from drystone.model.assembly import Corner
 from drystone.model.builders import coursed_wall
 from drystone.studies.errors import StudyError
 from drystone.studies.imperfections import imperfect
@@ -140,13 +141,62 @@ def test_missing_and_loose_blocks_are_as_many_as_asked():
     assert one.vertices.max(axis=0) == pytest.approx([0.59, 0.19])
 
 
-def test_worn_corners_overlap_nothing():
+def test_worn_corners_overlap_nothing_and_leave_joints_where_they_are():
     before = {block.id: block.vertices for block in blocks()}
     for block in imperfect(blocks(), Imperfection(vertices=0.002), 1)[1:]:
-        old = before[block.id]
-        assert (block.vertices >= old.min(axis=0)).all()
-        assert (block.vertices <= old.max(axis=0)).all()
-        assert (block.vertices != old).any()
+        old, new = before[block.id], block.vertices
+        assert len(new) == 8  # two of each corner, one on each of its edges
+        low, high = old.min(axis=0), old.max(axis=0)
+        assert ((new >= low) & (new <= high)).all()
+        assert (((new == low) | (new == high)).sum(axis=1) == 1).all()
+
+
+def test_corners_that_are_rounded_off_by_more_stay():
+    """A right corner of radius r takes off what a cut of r (2 - sqrt 2) does."""
+    kept = 0.02 * (2.0 - 2.0**0.5)
+    sharp = imperfect(blocks(), Imperfection(vertices=0.01), 1)
+    rounded = imperfect(blocks(), Imperfection(vertices=0.01), 1, Corner(radius=0.02))
+    cuts = [abs(block.vertices[k] - block.vertices[k + 1]).max()
+            for block in sharp[1:] for k in range(0, 8, 2)]  # fmt: skip
+    left = sum(len(block.vertices) - 4 for block in rounded[1:])
+    assert 0 < left == sum(cut > kept for cut in cuts) < len(cuts)
+    with pytest.raises(StudyError, match="chamfer: take one of them"):
+        imperfect(blocks(), Imperfection(vertices=0.01), 1, Corner(chamfer=0.02))
+
+
+ALONE = (
+    HEAD.replace("0.65", "2.0").replace("1e8", "1e12").replace("1e11", "1e12")
+    + """
+[[block]]
+id = "base"
+vertices = [[-1.0, -0.2], [1.0, -0.2], [1.0, 0.0], [-1.0, 0.0]]
+support = true
+[[block]]
+id = "b1"
+vertices = [[-0.2, 0.0], [0.2, 0.0], [0.2, 1.0], [-0.2, 1.0]]
+[load]
+pattern = "mass"
+direction = [1.0, 0.0]
+[analysis]
+max_displacement = 0.02
+"""
+)
+
+
+def test_a_block_turns_about_its_worn_toe(tmp_path):
+    """Peak: from the centre of mass to the toe, over the height of the centre of mass."""
+    (tmp_path / "wall.toml").write_text(ALONE)
+    text = STUDY.replace("unit_sizes = 0.05", "vertices = 0.02").replace(', "limit"', "")
+    text = text[: text.index("[[parameter]]")] + text[text.index("[imperfection]") :]
+    file = written(tmp_path, text.replace('"lhs"', '"random"'))
+    frame = ds.study(file, out=tmp_path / "out", workers=1, figures=False)
+    designed = ds.read_model(tmp_path / "wall.toml")
+    base, block = designed.assembly.blocks
+    for seed, peak in zip(frame["seed"], frame["peak_multiplier"], strict=True):
+        _, own = imperfect([base, block], Imperfection(vertices=0.02), seed)
+        centre = own.figure().centroid
+        toe = own.vertices[own.vertices[:, 1] == 0.0][:, 0].max()
+        assert toe < 0.2 and peak == pytest.approx((toe - centre[0]) / centre[1], rel=1e-3)
 
 
 def test_uneven_units_are_of_courses():

@@ -18,7 +18,7 @@ from drystone.studies.tables import column_names, read_samples
 #: Columns that indices and effects are told of; of a function all.
 MAIN = (
     "peak_multiplier", "ultimate_displacement", "capacity_multiplier", "limit_associative",
-    "limit_non_associative", "safety_index",
+    "limit_non_associative", "safety_index", "safety_index_against", "governing_safety_index",
 )  # fmt: skip
 
 

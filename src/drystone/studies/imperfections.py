@@ -1,7 +1,7 @@
 """Blocks that differ from their design: worn corners, uneven units, missing and loose blocks.
 
-None of them overlaps another: corners are worn off, loose blocks are smaller, and units of uneven
-sizes fill their courses.
+None of them overlaps another: corners are broken off (`worn`), loose blocks are smaller, and units
+of uneven sizes fill their courses.
 """
 
 from __future__ import annotations
@@ -13,9 +13,10 @@ from fnmatch import fnmatchcase
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.model.assembly import Block
+from drystone.model.assembly import Block, Corner
 from drystone.studies.errors import StudyError
 from drystone.studies.study import Imperfection
+from drystone.studies.worn import worn
 
 Array = NDArray[np.float64]
 
@@ -23,10 +24,17 @@ Array = NDArray[np.float64]
 _SAME = 1e-9
 
 
-def imperfect(blocks: Sequence[Block], what: Imperfection, seed: int) -> list[Block]:
+def imperfect(
+    blocks: Sequence[Block], what: Imperfection, seed: int, corner: Corner | None = None
+) -> list[Block]:
     """The blocks as built.
 
     Each kind of imperfection draws from a stream of its own, so that one does not change another.
+
+    Parameters
+    ----------
+    corner
+        How the model treats corners; sharp ones by default.
 
     Raises
     ------
@@ -48,7 +56,7 @@ def imperfect(blocks: Sequence[Block], what: Imperfection, seed: int) -> list[Bl
         if changes and is_loose and what.loose_gap is not None:
             block = _smaller(block, what.loose_gap)
         if changes and what.vertices is not None:
-            block = _worn(block, what.vertices, wear)
+            block = worn(block, what.vertices, wear, corner or Corner())
         found.append(block)
     return found
 
@@ -65,14 +73,6 @@ def _smaller(block: Block, gap: float) -> Block:
         raise StudyError([f'imperfection: loose_gap is larger than the block "{block.id}"'])
     fixed = np.array([*(0.5 * (low + high))[:-1], low[-1]])
     return block.with_vertices(fixed + share * (block.vertices - fixed))
-
-
-def _worn(block: Block, deviation: float, rng: np.random.Generator) -> Block:
-    """The block with each corner worn off towards its middle."""
-    inward = block.vertices.mean(axis=0) - block.vertices
-    length = np.linalg.norm(inward, axis=1, keepdims=True)
-    worn = np.abs(rng.normal(0.0, deviation, len(inward)))[:, np.newaxis]
-    return block.with_vertices(block.vertices + np.minimum(worn / length, 0.5) * inward)
 
 
 def _uneven(blocks: Sequence[Block], share: float, rng: np.random.Generator) -> list[Block]:

@@ -24,8 +24,8 @@ KINDS = (CURVES, FAILURES, SAMPLES)  # the last says that the others are whole
 
 #: Columns whose type is not that of a number with decimals.
 _WHOLE = ("sample", "seed", "n_points")
-_TEXT = ("status", "reason", "version", "digest")
-_TRUTH = ("certified", "satisfied")
+_TEXT = ("status", "reason", "version", "digest", "governing_sense")
+_TRUTH = ("certified", "satisfied", "satisfied_against")
 
 #: Samples that are put in order at a time.
 WINDOW = 20_000

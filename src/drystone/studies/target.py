@@ -221,9 +221,7 @@ def _root(runs: Runs, bracket: Bracket, value: float, tolerance: float, width: f
             return exact[0]
         watch = _Watch(runs, bracket, value)
         try:
-            return float(
-                brentq(watch, *bracket, xtol=1e-3 * tolerance * width, rtol=0.5 * tolerance)
-            )
+            return float(brentq(watch, *bracket, xtol=1e-3 * tolerance * width, rtol=tolerance))
         except _SuspectError:
             bracket = _halved(runs, watch.bracket, value, 2.0 * tolerance * width)
 
