@@ -20,7 +20,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -43,6 +42,7 @@ range = [0.0, 1.0]
 ENOUGH = 0.9
 #: Chunks that are simulated at least for each worker, beyond which the share does not move.
 LONG = 50
+SCHEDULER, DRIVER = "scheduler", "driver"
 
 
 @contextmanager
@@ -118,30 +118,38 @@ def share_of_computing(workers: int, chunk: float, driver: float, scheduler: flo
         Time that they take for one [s], half of it as it goes out and half as it comes back.
     """
     chance = np.random.default_rng(1)
-    free_at = [0.0, 0.0]
-    waiting = [deque([0.0, 0.0]) for _ in range(workers)]  # times from which chunks are there
-    ends: list[tuple[float, int]] = []
-    computed = 0.0
+    stages = ((SCHEDULER, 0.5 * scheduler), (DRIVER, driver), (SCHEDULER, 0.5 * scheduler))
+    free_at = {SCHEDULER: 0.0, DRIVER: 0.0}
+    at_hand = [1] * workers  # chunks that wait at each worker
+    idle_since: list[float | None] = [None] * workers
+    events: list[tuple[float, int, int]] = []  # time, stage that a chunk comes to, worker
+    idle, ended, now = 0.0, 0, 0.0
 
-    def begin(worker: int, now: float) -> None:
-        nonlocal computed
-        start = max(now, waiting[worker].popleft())
-        takes = chunk * chance.uniform(0.5, 1.5)
-        computed += takes
-        heapq.heappush(ends, (start + takes, worker))
+    def begin(worker: int) -> None:
+        heapq.heappush(events, (now + chunk * chance.uniform(0.5, 1.5), 0, worker))
 
     for worker in range(workers):
-        begin(worker, 0.0)
-    last = 0.0
-    for _ in range(LONG * workers):
-        last, worker = heapq.heappop(ends)
-        at = last
-        for which, takes in ((1, 0.5 * scheduler), (0, driver), (1, 0.5 * scheduler)):
-            free_at[which] = at = max(at, free_at[which]) + takes
-        waiting[worker].append(at)
-        begin(worker, last)
-    left = sum(max(0.0, end - last) for end, _ in ends)
-    return (computed - left) / (workers * last)
+        begin(worker)
+    while ended < LONG * workers:
+        now, stage, worker = heapq.heappop(events)
+        if stage == 0:  # it has computed one, and takes the one that waits
+            ended += 1
+            if at_hand[worker]:
+                at_hand[worker] -= 1
+                begin(worker)
+            else:
+                idle_since[worker] = now
+        if stage < len(stages):
+            server, takes = stages[stage]
+            free_at[server] = max(now, free_at[server]) + takes
+            heapq.heappush(events, (free_at[server], stage + 1, worker))
+        elif (since := idle_since[worker]) is not None:
+            idle, idle_since[worker] = idle + now - since, None
+            begin(worker)
+        else:
+            at_hand[worker] += 1
+    idle += sum(now - since for since in idle_since if since is not None)
+    return 1.0 - idle / (workers * now)
 
 
 def most_workers(chunk: float, driver: float, scheduler: float) -> int:
