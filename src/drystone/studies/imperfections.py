@@ -78,7 +78,7 @@ def _smaller(block: Block, gap: float) -> Block:
 def _uneven(blocks: Sequence[Block], share: float, rng: np.random.Generator) -> list[Block]:
     """Courses of uneven heights, of units of uneven lengths; each course is as long as before."""
     laid = [block for block in blocks if not block.support]
-    if any(not _is_rectangle(block) for block in laid):
+    if not _are_rectangles(laid):
         raise StudyError(
             ["imperfection: unit_sizes is for courses of rectangles in the plane: take it out"]
         )
@@ -89,14 +89,16 @@ def _uneven(blocks: Sequence[Block], share: float, rng: np.random.Generator) -> 
     moved: dict[str, Block] = {}
     courses: dict[int, list[Block]] = {}
     for block in laid:
-        courses.setdefault(level.row(block.vertices[:, 1].min()), []).append(block)
+        lowest = block.vertices[:, 1].min(keepdims=True)
+        courses.setdefault(int(level.rows(lowest)[0]), []).append(block)
     for row in sorted(courses):
         course = sorted(courses[row], key=lambda block: float(block.vertices[0, 0]))
         ends = _Levels([x for block in course for x in block.vertices[:, 0]], same)
         new_ends = _shared_out(ends.places, share, rng)
         for block in course:
-            corners = [[new_ends[ends.row(x)], new_level[level.row(y)]] for x, y in block.vertices]
-            moved[block.id] = replace(block, vertices=np.array(corners))
+            x, y = block.vertices.T
+            corners = np.column_stack((new_ends[ends.rows(x)], new_level[level.rows(y)]))
+            moved[block.id] = replace(block, vertices=corners)
     return [moved.get(block.id, block) for block in blocks]
 
 
@@ -110,12 +112,14 @@ def _shared_out(places: Array, share: float, rng: np.random.Generator) -> Array:
     return new
 
 
-def _is_rectangle(block: Block) -> bool:
+def _are_rectangles(blocks: Sequence[Block]) -> bool:
     """Of sides along the axes; four of them close around an outline alone, never a solid."""
-    if len(block.vertices) != 4 or block.parts:
+    if any(len(block.vertices) != 4 or block.parts for block in blocks):
         return False
-    sides = np.abs(np.roll(block.vertices, -1, axis=0) - block.vertices)
-    return bool(((sides > _SAME * sides.max()).sum(axis=1) == 1).all())
+    vertices = np.array([block.vertices for block in blocks])
+    sides = np.abs(np.roll(vertices, -1, axis=1) - vertices)
+    longest = sides.max(axis=(1, 2), keepdims=True)
+    return bool(((sides > _SAME * longest).sum(axis=2) == 1).all())
 
 
 class _Levels:
@@ -126,6 +130,6 @@ class _Levels:
         apart = np.concatenate(([True], np.diff(ordered) > same))
         self.places: Array = ordered[apart]
 
-    def row(self, value: float) -> int:
-        """Row of the place that is nearest."""
-        return int(np.abs(self.places - value).argmin())
+    def rows(self, values: Array) -> NDArray[np.int64]:
+        """Rows of the places that are nearest, (n,)."""
+        return np.abs(self.places - values[:, np.newaxis]).argmin(axis=1)
