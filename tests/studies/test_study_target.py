@@ -181,6 +181,51 @@ def test_the_tie_force_for_safety_index_1_is_that_of_the_closed_form(tmp_path):
     assert found["n_runs"] <= 12
 
 
+#: The block again: what else than a force may be looked for, by its place in the model file.
+LEVER = """
+    path = ["tie.rod.from.point[2]", "tie.rod.to.point[2]"]
+    name = "height of the tie"
+    range = [0.5, 3.0]
+"""
+TOP = """
+    path = "dead_load.roof.weight"
+    range = [1e3, 30e3]
+"""
+ROOF = """
+    [[model.dead_load]]
+    kind = "surcharge"
+    mass = false
+    name = "roof"
+    block = "wall"
+    point = "top"
+    weight = 1e3
+    [target]"""
+
+
+@pytest.mark.parametrize(
+    ("parameter", "peak", "value"),
+    [
+        # lambda W h/2 = W b/2 + T z, with T = 500 N
+        (LEVER, 0.15, (0.15 * 6000.0 * 1.5 - 6000.0 * 0.05) / 500.0),
+        # lambda W h/2 = (W + P) b/2 + T z: the roof has no mass
+        (TOP, 0.25, (0.25 * 6000.0 * 1.5 - 500.0 * 2.5) / 0.05 - 6000.0),
+    ],
+    ids=["tie height", "surcharge"],
+)
+def test_other_parameters_are_those_of_the_closed_form(tmp_path, parameter, peak, value):
+    text = BLOCK.replace('outputs = ["curve", "assess"]', "").replace("5e3", "500.0")
+    text = text[: text.index("    [[target.parameter]]")] + "    [[target.parameter]]" + parameter
+    text = text.replace('"safety_index"', '"peak_multiplier"').replace(
+        "= 1.0\n    [[t", f"= {peak}\n    [[t"
+    )
+    if parameter is TOP:
+        text = text.replace("    [target]", ROOF, 1)
+    ds.study(written(tmp_path, text), out=tmp_path / "out", figures=False)
+    found = record(tmp_path / "out")
+    assert found["value"] == pytest.approx(value, rel=1e-3)
+    assert found["n_runs"] <= 12
+
+
 FACADE = """
     model = "{model}"
     outputs = ["curve", "assess"]

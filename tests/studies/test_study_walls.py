@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from itertools import pairwise
 
 import numpy as np
@@ -74,6 +75,26 @@ def test_rows_are_those_of_pushover(study, tmp_path):
     assert len(own) == 16
     assert own["control_displacement"].iloc[-1] == curve.control_displacement[-1]
     assert (tmp_path / "out" / "bands.png").exists()
+
+
+def test_directions_and_control_blocks_are_parameters(study, tmp_path):
+    """A grid of both: what is no number stands in its column as JSON."""
+    text = STUDY[: STUDY.index("[[parameter]]")].replace(', "limit"', "")
+    text = text.replace('"lhs"', '"grid"').replace("samples = 4", "")
+    for path, values in (
+        ("load.direction", [[1.0, 0.0], [-1.0, 0.0]]),
+        ("control.block", ["c4u1", "c4u2"]),
+    ):
+        text += f"    [[parameter]]\n    path = '{path}'\n    values = {json.dumps(values)}\n"
+    frame = ds.study(study(text), out=tmp_path / "out", workers=1, figures=False)
+    assert frame["load.direction"].tolist() == ["[1.0, 0.0]"] * 2 + ["[-1.0, 0.0]"] * 2
+    for row in frame.to_dict("records"):
+        data = tomllib.loads(WALL)
+        data["load"]["direction"] = json.loads(row["load.direction"])
+        data["control"] = {"block": row["control.block"]}
+        (tmp_path / "one.json").write_text(json.dumps(data))
+        curve = ds.pushover(ds.read_model(tmp_path / "one.json"), progress=False)
+        assert row["peak_displacement"] == curve.peak.control_displacement
 
 
 def test_imperfect_walls_are_the_same_whatever_the_workers_and_run_again_alone(study, tmp_path):
