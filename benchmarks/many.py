@@ -3,7 +3,7 @@
     python benchmarks/many.py --out out/many --curves 10000 [--workers 2] [--resume]
                               [--figure docs/images/wall1_study.png]
 
-The study is that of examples/studies/wall1.toml with more samples.  After an
+The study is that of examples/wall1_study.toml with more samples.  After an
 interruption `--resume` goes on; minutes are then those of the last run, for as many curves as it
 computed.
 """
@@ -19,7 +19,7 @@ from pathlib import Path
 
 from harness import machine
 
-STUDY = Path(__file__).parents[1] / "examples" / "studies" / "wall1.toml"
+STUDY = Path(__file__).parents[1] / "examples" / "wall1_study.toml"
 
 
 def main() -> None:
