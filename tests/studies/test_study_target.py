@@ -47,6 +47,15 @@ def test_runs_are_kept(tmp_path):
     pd.testing.assert_frame_equal(first, again)
 
 
+def test_a_search_that_runs_out_of_runs_says_how_far_it_is(tmp_path):
+    text = LINE.replace(":line", ":step").replace("value = 3.0", "value = 3.0\n    most_runs = 5")
+    ds.study(written(tmp_path, text), out=tmp_path / "out", figures=False)
+    found = record(tmp_path / "out")
+    assert found["status"] == "stopped" and found["n_runs"] == 5
+    assert "stopped after 5 runs, with 0 at a = " in found["sentence"]
+    assert " and 5 at " in found["sentence"]
+
+
 def test_where_no_value_does_a_sentence_says_so(tmp_path):
     ds.study(written(tmp_path, LINE.replace("value = 3.0", "value = 21.0")), out=tmp_path / "out")
     found = record(tmp_path / "out")

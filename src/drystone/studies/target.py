@@ -176,8 +176,8 @@ def _searched(asked: Study, runs: Runs) -> dict[str, Any]:
         return {
             "status": "stopped",
             "value": None,
-            "sentence": f"stopped after {len(runs.rows)} runs: give most_runs of [target] a larger "
-            "number, or a narrower range",
+            "sentence": f"stopped after {len(runs.rows)} runs{_so_far(runs, name, value)}: give "
+            "most_runs of [target] a larger number, or a narrower range",
         }
     except _NoNumberError:
         return {
@@ -224,6 +224,14 @@ def _root(runs: Runs, bracket: Bracket, value: float, tolerance: float, width: f
             return float(brentq(watch, *bracket, xtol=1e-3 * tolerance * width, rtol=tolerance))
         except _SuspectError:
             bracket = _halved(runs, watch.bracket, value, 2.0 * tolerance * width)
+
+
+def _so_far(runs: Runs, name: str, value: float) -> str:
+    """Between which two runs the output passes the value, where it does."""
+    for (a, ya), (b, yb) in pairwise(runs.pairs()):
+        if (ya - value) * (yb - value) <= 0.0:
+            return f", with {ya:.6g} at {name} = {a:.6g} and {yb:.6g} at {b:.6g}"
+    return ""
 
 
 class _Watch:
