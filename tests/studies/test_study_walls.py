@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 import drystone as ds
-from drystone.model.assembly import Corner
+from drystone.model.assembly import Block, Corner
 from drystone.model.builders import coursed_wall
 from drystone.studies.errors import StudyError
 from drystone.studies.imperfections import imperfect
@@ -172,6 +172,15 @@ def test_worn_corners_overlap_nothing_and_leave_joints_where_they_are():
         assert (((new == low) | (new == high)).sum(axis=1) == 1).all()
 
 
+def test_outlines_that_run_clockwise_are_worn_as_the_others():
+    drawn = [Block(id=b.id, vertices=b.vertices[::-1], unit_weight=1.0) for b in blocks()[1:]]
+    for block in imperfect(drawn, Imperfection(vertices=0.002), 1):
+        assert len(block.vertices) == 8 and block.figure().volume > 0.0
+    line = Block(id="line", vertices=[[0, 0], [1, 0], [2, 0]], unit_weight=1.0)
+    with pytest.raises(StudyError, match='block "line": the outline encloses no area'):
+        imperfect([line], Imperfection(vertices=0.002), 1)
+
+
 def test_corners_that_are_rounded_off_by_more_stay():
     """A right corner of radius r takes off what a cut of r (2 - sqrt 2) does."""
     kept = 0.02 * (2.0 - 2.0**0.5)
@@ -221,8 +230,6 @@ def test_a_block_turns_about_its_worn_toe(tmp_path):
 
 
 def test_uneven_units_are_of_courses():
-    from drystone.model.assembly import Block
-
     leaning = Block(id="a", vertices=[[0, 0], [1, 0], [1.2, 1], [0, 1]], unit_weight=1.0)
     with pytest.raises(StudyError, match="courses of rectangles"):
         imperfect([leaning], Imperfection(unit_sizes=0.1), 1)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.model.assembly import Block, Corner
+from drystone.model.construction.fit import turned_round
 from drystone.studies.errors import StudyError
 from drystone.studies.study import Imperfection
 from drystone.studies.worn import worn
@@ -44,6 +45,10 @@ def imperfect(
     sizes, wear, missing, loose = (
         np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(4)
     )
+    if what.vertices is not None:
+        blocks, _ = turned_round(
+            blocks
+        )  # as the model's check does with outlines that run clockwise
     if what.unit_sizes is not None:
         blocks = _uneven(blocks, what.unit_sizes, sizes)
     meant = [not block.support and _is_meant(block, what.blocks) for block in blocks]

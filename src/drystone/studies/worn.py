@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
+from drystone.geometry import GeometryError
 from drystone.geometry.space.solid import Faces, Part, face_planes, size_of
 from drystone.model.assembly import Block, Corner
 from drystone.studies.errors import StudyError
@@ -40,13 +41,16 @@ def worn(block: Block, deviation: float, rng: np.random.Generator, corner: Corne
     Raises
     ------
     StudyError
-        The block is concave or of several parts, or corners have chamfers.
+        The block is no block, is concave or of several parts, or corners have chamfers.
     """
     if corner.chamfer:
         raise StudyError(
             ["imperfection: vertices stands beside [corner] chamfer: take one of them"]
         )
-    figure = block.figure()
+    try:
+        figure = block.figure()
+    except GeometryError as error:
+        raise StudyError([f'block "{block.id}": {error}']) from None
     if len(figure.parts) > 1:
         raise StudyError(
             [f'imperfection: vertices is for convex blocks, and "{block.id}" is concave or of '
